@@ -1,0 +1,73 @@
+/* Recorded rows: joint angles with a socket label or a measured tip pose, and what came with them. */
+#ifndef MUKCA_DATASET_H
+#define MUKCA_DATASET_H
+
+#include <stddef.h>
+
+#include "mukca/chain.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One ball seat of one placement of the tool.  Rows of a socket are in recording order. */
+typedef struct {
+    int placement;
+    char label[MUKCA_NAME_SIZE];
+} mukca_socket;
+
+typedef struct {
+    char name[MUKCA_NAME_SIZE];
+} mukca_placement;
+
+/* Known distance between two sockets of one placement (indices into `sockets`), m. */
+typedef struct {
+    int a, b;
+    double distance;
+} mukca_distance;
+
+/* All arrays are owned by the dataset (mukca_dataset_free); optional ones are NULL where no file had
+ * the column and hold NaN in the rows of files that lacked it. */
+typedef struct {
+    int n_rows, n_joints, n_sockets, n_placements, n_distances, n_files;
+    double *q;          /* [n_rows][n_joints], rad or m, in the chain's joint order */
+    int *socket;        /* [n_rows] index into sockets, -1 for a row of a pose log */
+    int *row;           /* [n_rows] 1-based data row in its file */
+    int *file;          /* [n_rows] index into files */
+    double *time;       /* [n_rows] s, or NULL */
+    double *temperature; /* [n_rows] degrees Celsius, or NULL */
+    double *payload;    /* [n_rows] kg at the tip beyond the model, or NULL */
+    double *effort;     /* [n_rows][n_joints] N m, or NULL */
+    double *command;    /* [n_rows][n_joints] rad, or NULL */
+    double *velocity;   /* [n_rows][n_joints] rad/s, or NULL */
+    double *position;   /* [n_rows][3] measured tip, m, or NULL (NaN: not measured in this row) */
+    double *quaternion; /* [n_rows][4] measured tip, w first, or NULL (NaN likewise) */
+    mukca_socket *sockets;
+    mukca_placement *placements;
+    mukca_distance *distances; /* every pair of sockets of a placement whose distance is known */
+    char (*files)[512];
+} mukca_dataset;
+
+/* Allocate an empty dataset of that shape: row = 1.., file = 0, socket = -1; optional arrays NULL.
+ * Errors: MUKCA_MEMORY. */
+mukca_status mukca_dataset_create(mukca_dataset *data, int n_rows, int n_joints, int n_sockets,
+                                  int n_placements, mukca_error *error);
+
+/* Free all arrays and zero the structure; harmless on a zeroed one. */
+void mukca_dataset_free(mukca_dataset *data);
+
+/* Copy of the rows whose keep[row] is not 0; sockets, placements and distances stay as they are
+ * (so indices stay valid).  Errors: MUKCA_MEMORY. */
+mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
+                                  const unsigned char *keep, mukca_error *error);
+
+/* Placement of a row, -1 for a row of a pose log. */
+static inline int mukca_dataset_placement(const mukca_dataset *data, int row)
+{
+    return data->socket[row] < 0 ? -1 : data->sockets[data->socket[row]].placement;
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,78 @@
+/* Rotations and rigid-body transforms: 3x3 row-major matrices, RPY, axis-angle, quaternions (w first). */
+#ifndef MUKCA_ROTATION_H
+#define MUKCA_ROTATION_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A rigid transform: x_out = R x_in + p.  R is row-major 3x3, p in metres. */
+typedef struct {
+    double R[9];
+    double p[3];
+} mukca_frame;
+
+/* R = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it (rad). */
+void mukca_rotation_from_rpy(double R[9], const double rpy[3]);
+
+/* Derivatives of mukca_rotation_from_rpy by roll, pitch, yaw: dR[i] = dR/drpy[i]. */
+void mukca_rotation_from_rpy_derivative(double dR[3][9], const double rpy[3]);
+
+/* RPY of a rotation; at pitch = +-90 deg roll is set to 0 (the pair is not unique there).
+ * `near` (may be NULL) picks the equivalent triple closest to it. */
+void mukca_rotation_to_rpy(double rpy[3], const double R[9], const double near[3]);
+
+/* R = exp([w]x): rotation by |w| rad about w; exact to rounding also for |w| -> 0. */
+void mukca_rotation_exp(double R[9], const double w[3]);
+
+/* Rotation vector of R, |w| in [0, pi]; accurate near 0 and near pi. */
+void mukca_rotation_log(double w[3], const double R[9]);
+
+/* R about a unit axis by angle (Rodrigues). */
+void mukca_rotation_about(double R[9], const double axis[3], double angle);
+
+/* Unit quaternion (w, x, y, z), w >= 0, of a rotation, and back (normalised first; zero gives I). */
+void mukca_rotation_to_quaternion(double q[4], const double R[9]);
+void mukca_rotation_from_quaternion(double R[9], const double q[4]);
+
+/* Two unit vectors e1, e2 with e1 x e2 = axis (unit), chosen without branches that jump near z. */
+void mukca_rotation_transverse(double e1[3], double e2[3], const double axis[3]);
+
+/* C = A B for frames; C may be A or B. */
+void mukca_frame_multiply(mukca_frame *C, const mukca_frame *A, const mukca_frame *B);
+
+/* Small inline kernels.  Outputs must not overlap inputs unless said. */
+static inline void mukca_mat3_mul(double C[9], const double A[9], const double B[9])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
+}
+
+static inline void mukca_mat3_vec(double y[3], const double A[9], const double x[3])
+{
+    for (int i = 0; i < 3; i++) y[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
+}
+
+/* y = A' x */
+static inline void mukca_mat3_tvec(double y[3], const double A[9], const double x[3])
+{
+    for (int i = 0; i < 3; i++) y[i] = A[i] * x[0] + A[3 + i] * x[1] + A[6 + i] * x[2];
+}
+
+static inline void mukca_cross(double c[3], const double a[3], const double b[3])
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static inline double mukca_dot3(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,29 @@
+/* Status texts and the error record. */
+#include "mukca/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+const char *mukca_status_text(mukca_status status)
+{
+    switch (status) {
+#define STATUS_CASE(name, value, text) \
+    case MUKCA_##name:                 \
+        return text;
+        MUKCA_STATUS_LIST(STATUS_CASE)
+#undef STATUS_CASE
+    }
+    return "unknown status";
+}
+
+mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *format, ...)
+{
+    if (error) {
+        va_list args;
+        va_start(args, format);
+        error->status = status;
+        vsnprintf(error->text, sizeof error->text, format, args);
+        va_end(args);
+    }
+    return status;
+}
