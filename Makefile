@@ -1,0 +1,211 @@
+# mukca: one Makefile for everything.  `make help` lists the targets.
+#
+# Sources are found by wildcard: src/*/*.c make the program, tests/unit/test_*.c one cmocka program
+# each, tests/*.sh and tests/*/run.sh the script tests of `make check` (MUKCA and BUILD are in their
+# environment; they print `ok NAME` or `not ok NAME` lines, and exit 77 when skipped).
+# Objects lie in $(BUILD); `make BUILD=build/x CFLAGS=...` builds a variant beside the usual one.
+
+BUILD  ?= build
+PREFIX ?= /usr/local
+DESTDIR ?=
+CC     := $(if $(filter default,$(origin CC)),gcc,$(CC))
+CXX    := $(if $(filter default,$(origin CXX)),g++,$(CXX))
+PYTHON ?= python3
+
+VERSION := $(shell sed -n 's/.*MUKCA_VERSION "\(.*\)".*/\1/p' include/mukca/version.h)
+
+# ---- what is built from what ---------------------------------------------------------------------
+CORE_SRC := $(filter-out src/fit/nlopt_adapter%,$(foreach layer,base math model fit study,\
+            $(sort $(wildcard src/$(layer)/*.c))))
+REST_SRC := $(sort $(wildcard src/fit/nlopt_adapter*.c src/io/*.c src/io/*.cc))
+CLI_SRC  := $(sort $(wildcard src/cli/*.c))
+TEST_SRC := $(sort $(wildcard tests/unit/test_*.c))
+BENCH_SRC := $(sort $(wildcard tools/bench/bench_*.c))
+FUZZ_SRC := $(sort $(wildcard tests/fuzz/fuzz_*.c))
+EXAMPLE_SRC := $(sort $(wildcard tools/example_*.c))
+HEADERS  := $(sort $(wildcard include/mukca/*.h))
+SCRIPTS  := $(sort $(wildcard tests/*.sh tests/*/run.sh))
+
+object = $(patsubst %,$(BUILD)/obj/%.o,$(basename $(1)))
+CORE_OBJ := $(call object,$(CORE_SRC))
+REST_OBJ := $(call object,$(REST_SRC))
+CLI_OBJ  := $(call object,$(CLI_SRC))
+# what tests may use of the command-line layer: everything but main
+CLI_LIB  := $(filter-out %/main.o,$(CLI_OBJ))
+TESTS    := $(TEST_SRC:tests/unit/%.c=$(BUILD)/tests/%)
+BENCHES  := $(BENCH_SRC:tools/bench/%.c=$(BUILD)/bench/%)
+FUZZERS  := $(FUZZ_SRC:tests/fuzz/%.c=$(BUILD)/fuzzers/%)
+EXAMPLES := $(EXAMPLE_SRC:tools/%.c=$(BUILD)/examples/%)
+PROGRAM  := $(if $(wildcard src/cli/main.c),$(BUILD)/mukca)
+CORE     := $(BUILD)/libmukca_core.a
+
+# ---- flags ---------------------------------------------------------------------------------------
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Wundef \
+            -Wcast-qual -Wwrite-strings -Wformat=2 $(if $(WERROR),-Werror)
+C_WARNINGS := $(WARNINGS) -Wstrict-prototypes -Wmissing-prototypes
+OPTIMISE := -O3 -g -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections
+DEFINES  := -D_DEFAULT_SOURCE -D_XOPEN_SOURCE=700
+C_FLAGS   = -std=c11 $(OPTIMISE) $(C_WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
+CXX_FLAGS = -std=c++17 $(OPTIMISE) $(WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
+LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed
+
+# Flags of the libraries come from a small makefile that is made first; make then starts anew.
+# `demo` and `check` install what is missing, the other targets only say so.
+NEEDS_LIBRARIES := $(filter-out core core-check clean help dist uninstall tidy-format format,$(or $(MAKECMDGOALS),all))
+ifneq ($(NEEDS_LIBRARIES),)
+include $(BUILD)/config.mk
+endif
+
+$(BUILD)/config.mk: tools/deps tools/config
+	@mkdir -p $(@D)
+	@tools/deps $(if $(filter demo check,$(MAKECMDGOALS)),,--check)
+	@tools/config > $@.new && mv $@.new $@
+
+# ---- targets -------------------------------------------------------------------------------------
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+.SECONDARY:
+.PHONY: all core demo check unit scripts asan memcheck tidy format tidy-format fuzz bench golden \
+        verify-real verify-paper interop blind install uninstall deb dist clean help FORCE
+
+all: $(PROGRAM) $(CORE) ## the program build/mukca and the core library (default)
+
+core: $(CORE) ## build/libmukca_core.a: plain C11 and libm only, cross-compiles (CC=...)
+
+$(CORE): $(CORE_OBJ)
+	@rm -f $@
+	$(AR) rcsD $@ $^
+
+$(BUILD)/mukca: $(CLI_OBJ) $(REST_OBJ) $(CORE)
+	$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm
+
+# A changed compiler or flag rebuilds everything.
+$(BUILD)/flags: FORCE
+	@mkdir -p $(@D)
+	@echo '$(subst ','\'',$(CC) $(CXX) $(C_FLAGS) $(CXX_FLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' | \
+	    cmp -s - $@ || echo '$(subst ','\'',$(CC) $(CXX) $(C_FLAGS) $(CXX_FLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' > $@
+
+$(CORE_OBJ): LIB_CFLAGS :=
+$(BUILD)/obj/%.o: %.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CC) $(C_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+$(BUILD)/obj/%.o: %.cc $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CXX) $(CXX_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) -c -o $@ $<
+
+# Tests of "kernels allocate nothing" count the calls of a wrapped malloc.
+$(BUILD)/tests/test_noalloc%: LD_FLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
+$(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/unit/%.o $(CLI_LIB) $(REST_OBJ) $(CORE)
+	@mkdir -p $(@D)
+	$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lcmocka -lm
+
+$(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tools/bench/%.o $(REST_OBJ) $(CORE)
+	@mkdir -p $(@D)
+	$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm
+
+# Examples show the core library to others: nothing but it and libm.
+$(EXAMPLES): $(BUILD)/examples/%: $(BUILD)/obj/tools/%.o $(CORE)
+	@mkdir -p $(@D)
+	$(CC) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ -lm
+
+$(FUZZERS): $(BUILD)/fuzzers/%: $(BUILD)/obj/tests/fuzz/%.o $(CLI_LIB) $(REST_OBJ) $(CORE)
+	@mkdir -p $(@D)
+	$(CXX) $(LD_FLAGS) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS) -lm
+
+TEST_ENVIRONMENT := MUKCA=$(abspath $(BUILD))/mukca BUILD=$(abspath $(BUILD)) LC_ALL=C.UTF-8
+
+demo: all ## calibrate, diagnose and report the demo arm of data/ into build/demo
+	@$(TEST_ENVIRONMENT) $(call script,demo) $(BUILD)/demo
+
+check: $(PROGRAM) $(TESTS) $(EXAMPLES) ## build and run every test
+	@$(TEST_ENVIRONMENT) tests/run $(TESTS) $(SCRIPTS)
+
+unit: $(TESTS) ## the cmocka tests only
+	@$(TEST_ENVIRONMENT) tests/run $(TESTS)
+
+SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+asan: ## all tests under the address and undefined-behaviour sanitizers
+	+@ASAN_OPTIONS=detect_leaks=1 $(MAKE) --no-print-directory BUILD=build/asan \
+	    CFLAGS='-O1 $(SANITIZE) $(CFLAGS)' LDFLAGS='$(SANITIZE) $(LDFLAGS)' check
+
+memcheck: $(PROGRAM) $(TESTS) ## the unit tests and a calibration under valgrind
+	@$(TEST_ENVIRONMENT) tests/memcheck $(TESTS)
+
+tidy: ## clang-tidy, cppcheck and gcc -fanalyzer; a finding is an error
+	@tools/tidy $(BUILD) $(C_FLAGS) $(LIB_CFLAGS)
+
+format: ## clang-format all sources in place
+	clang-format -i $$(git ls-files '*.c' '*.h' '*.cc')
+
+fuzz: ## libFuzzer on every reader (FUZZ_SECONDS=60 each)
+	+@$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang CXX=clang++ \
+	    CFLAGS='-O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined $(CFLAGS)' \
+	    LDFLAGS='-fsanitize=address,undefined $(LDFLAGS)' fuzz-run
+.PHONY: fuzz-run
+fuzz-run: $(FUZZERS)
+	@tests/fuzz/run $(FUZZERS)
+
+# A target whose script lies under tools/: tools/NAME/run*, tools/NAME.sh, tools/NAME.py or tools/NAME.
+script = $(or $(firstword $(wildcard $(1:%=tools/%/run) $(1:%=tools/%/run.sh) $(1:%=tools/%/run.py) \
+    $(1:%=tools/%.sh) $(1:%=tools/%.py)) $(if $(wildcard tools/$(1)/.),,$(wildcard tools/$(1)))),\
+    sh -c 'echo "make $@: its script tools/$(1) is not in this tree" >&2; exit 1')
+
+bench: $(PROGRAM) $(BENCHES) ## times and memory beside the references
+	@$(TEST_ENVIRONMENT) $(call script,bench)
+
+golden: $(PROGRAM) ## rewrite the expected output of the command-line tests
+	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/cli/run.sh
+
+verify-real: $(PROGRAM) ## the published real robots: Table I, minima of J, diagnosis (needs the data)
+	@$(TEST_ENVIRONMENT) $(call script,verify_real)
+
+verify-paper: $(PROGRAM) ## Kana et al. (2022), Tables 3 to 12, ours beside theirs
+	@$(TEST_ENVIRONMENT) $(call script,verify_paper)
+
+interop: $(PROGRAM) ## exported models in Pinocchio and MuJoCo (PyPI) against mukca fk
+	@$(TEST_ENVIRONMENT) $(or $(wildcard tests/interop/run.py),$(call script,interop))
+
+blind: $(PROGRAM) ## sealed cases of the independent generator, scored
+	@$(TEST_ENVIRONMENT) $(call script,blind)
+
+deb: $(PROGRAM) $(CORE) ## a Debian package in build/
+	@$(TEST_ENVIRONMENT) VERSION=$(VERSION) $(call script,deb)
+
+dist: ## a reproducible source archive in build/
+	@VERSION=$(VERSION) $(call script,dist)
+
+# ---- install -------------------------------------------------------------------------------------
+bindir := $(DESTDIR)$(PREFIX)/bin
+libdir := $(DESTDIR)$(PREFIX)/lib
+incdir := $(DESTDIR)$(PREFIX)/include/mukca
+share  := $(DESTDIR)$(PREFIX)/share
+MAN1   := $(wildcard mukca.1)
+MAN5   := $(wildcard mukca-formats.5)
+
+install: all ## program, core library, headers, mukca.pc, man pages, completion (DESTDIR, PREFIX)
+	install -d $(bindir) $(libdir)/pkgconfig $(incdir) $(share)/man/man1 $(share)/man/man5 \
+	    $(share)/bash-completion/completions $(share)/zsh/site-functions
+	install -m 755 $(BUILD)/mukca $(bindir)/mukca
+	install -m 644 $(CORE) $(libdir)/
+	install -m 644 $(HEADERS) $(incdir)/
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' tools/mukca.pc.in > $(libdir)/pkgconfig/mukca.pc
+	install -m 644 $(MAN1) $(share)/man/man1/
+	$(if $(MAN5),install -m 644 $(MAN5) $(share)/man/man5/)
+	$(if $(wildcard data/completion/mukca.bash),install -m 644 data/completion/mukca.bash $(share)/bash-completion/completions/mukca)
+	$(if $(wildcard data/completion/_mukca),install -m 644 data/completion/_mukca $(share)/zsh/site-functions/_mukca)
+
+uninstall: ## remove what install put there
+	rm -f $(bindir)/mukca $(libdir)/libmukca_core.a $(libdir)/pkgconfig/mukca.pc \
+	    $(share)/man/man1/mukca.1 $(share)/man/man5/mukca-formats.5 \
+	    $(share)/bash-completion/completions/mukca $(share)/zsh/site-functions/_mukca
+	rm -rf $(incdir)
+
+clean: ## remove build/
+	rm -rf build $(filter-out build,$(BUILD))
+
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | while IFS="$$(printf '\t')" read -r t d; do \
+	    printf '  %-13s %s\n' "$$t" "$$d"; done
+
+-include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
