@@ -1,4 +1,5 @@
-/* Recorded rows: joint angles with a socket label or a measured tip pose, and what came with them. */
+/* Recorded rows: joint angles with a socket label or a measured tip pose, and what came with them.
+ */
 #ifndef MUKCA_DATASET_H
 #define MUKCA_DATASET_H
 
@@ -26,22 +27,22 @@ typedef struct {
     double distance;
 } mukca_distance;
 
-/* All arrays are owned by the dataset (mukca_dataset_free); optional ones are NULL where no file had
- * the column and hold NaN in the rows of files that lacked it. */
+/* All arrays are owned by the dataset (mukca_dataset_free); optional ones are NULL where no file
+ * had the column and hold NaN in the rows of files that lacked it. */
 typedef struct {
     int n_rows, n_joints, n_sockets, n_placements, n_distances, n_files;
-    double *q;          /* [n_rows][n_joints], rad or m, in the chain's joint order */
-    int *socket;        /* [n_rows] index into sockets, -1 for a row of a pose log */
-    int *row;           /* [n_rows] 1-based data row in its file */
-    int *file;          /* [n_rows] index into files */
-    double *time;       /* [n_rows] s, or NULL */
+    double *q;           /* [n_rows][n_joints], rad or m, in the chain's joint order */
+    int *socket;         /* [n_rows] index into sockets, -1 for a row of a pose log */
+    int *row;            /* [n_rows] 1-based data row in its file */
+    int *file;           /* [n_rows] index into files */
+    double *time;        /* [n_rows] s, or NULL */
     double *temperature; /* [n_rows] degrees Celsius, or NULL */
-    double *payload;    /* [n_rows] kg at the tip beyond the model, or NULL */
-    double *effort;     /* [n_rows][n_joints] N m, or NULL */
-    double *command;    /* [n_rows][n_joints] rad, or NULL */
-    double *velocity;   /* [n_rows][n_joints] rad/s, or NULL */
-    double *position;   /* [n_rows][3] measured tip, m, or NULL (NaN: not measured in this row) */
-    double *quaternion; /* [n_rows][4] measured tip, w first, or NULL (NaN likewise) */
+    double *payload;     /* [n_rows] kg at the tip beyond the model, or NULL */
+    double *effort;      /* [n_rows][n_joints] N m, or NULL */
+    double *command;     /* [n_rows][n_joints] rad, or NULL */
+    double *velocity;    /* [n_rows][n_joints] rad/s, or NULL */
+    double *position;    /* [n_rows][3] measured tip, m, or NULL (NaN: not measured in this row) */
+    double *quaternion;  /* [n_rows][4] measured tip, w first, or NULL (NaN likewise) */
     mukca_socket *sockets;
     mukca_placement *placements;
     mukca_distance *distances; /* every pair of sockets of a placement whose distance is known */

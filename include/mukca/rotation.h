@@ -1,4 +1,5 @@
-/* Rotations and rigid-body transforms: 3x3 row-major matrices, RPY, axis-angle, quaternions (w first). */
+/* Rotations and rigid-body transforms: 3x3 row-major matrices, RPY, axis-angle, quaternions (w
+ * first). */
 #ifndef MUKCA_ROTATION_H
 #define MUKCA_ROTATION_H
 
@@ -31,7 +32,8 @@ void mukca_rotation_log(double w[3], const double R[9]);
 /* R about a unit axis by angle (Rodrigues). */
 void mukca_rotation_about(double R[9], const double axis[3], double angle);
 
-/* Unit quaternion (w, x, y, z), w >= 0, of a rotation, and back (normalised first; zero gives I). */
+/* Unit quaternion (w, x, y, z), w >= 0, of a rotation, and back (normalised first; zero gives I).
+ */
 void mukca_rotation_to_quaternion(double q[4], const double R[9]);
 void mukca_rotation_from_quaternion(double R[9], const double q[4]);
 

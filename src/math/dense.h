@@ -14,8 +14,8 @@ void mukca_dense_syrk(double *C, int n, const double *X, int m, int ldx);
 void mukca_dense_xty(double *C, int ldc, const double *X, int n, int ldx, const double *Y, int k,
                      int ldy, int m);
 
-/* Cholesky A = L L' in place (lower; the upper triangle is left alone).  Returns 0, or 1 + the index
- * of the first pivot that is not positive (also for NaN). */
+/* Cholesky A = L L' in place (lower; the upper triangle is left alone).  Returns 0, or 1 + the
+ * index of the first pivot that is not positive (also for NaN). */
 int mukca_dense_cholesky(double *A, int n);
 
 /* Solve L x = b, and L' x = b, in place for k right-hand sides b[n][k]. */
@@ -42,7 +42,8 @@ int mukca_dense_eigen(double *w, double *V, double *A, int n);
 /* Minimum-norm least squares of A[m][n] x = b[m], singular values below tolerance * s[0] dropped.
  * A and b are destroyed; x[n]; work of n * n + n doubles.  m < n is handled.  Returns the rank, -1
  * when the SVD did not converge. */
-int mukca_dense_lstsq(double *x, double *A, double *b, int m, int n, double tolerance, double *work);
+int mukca_dense_lstsq(double *x, double *A, double *b, int m, int n, double tolerance,
+                      double *work);
 
 /* Sequential (block) QR for least squares whose rows come one at a time: R[n][n + k] is the upper
  * triangular factor of all rows so far beside Q'b, zeroed at the start.  Absorbs the rows
