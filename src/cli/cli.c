@@ -1,0 +1,249 @@
+/* Parsing of command lines by the option tables. */
+#include "cli/cli.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/suggest.h"
+#include "cli/commands.h"
+
+#define DECLARE_COMMAND(name) extern const cli_command cli_command_##name;
+CLI_COMMAND_LIST(DECLARE_COMMAND)
+#undef DECLARE_COMMAND
+
+const cli_command *const cli_commands[] = {
+#define COMMAND_ADDRESS(name) &cli_command_##name,
+    CLI_COMMAND_LIST(COMMAND_ADDRESS)
+#undef COMMAND_ADDRESS
+        NULL};
+
+const cli_command *cli_find_command(const char *name)
+{
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        if (strcmp((*c)->name, name) == 0) return *c;
+    return NULL;
+}
+
+static const cli_option *find_option(const cli_option *options, const char *name, size_t length)
+{
+    for (const cli_option *o = options; o->name; o++)
+        if (strlen(o->name) == length && strncmp(o->name, name, length) == 0) return o;
+    return NULL;
+}
+
+static mukca_status unknown_option(cli_call *call, const char *word)
+{
+    char name[64];
+    const char *meant = NULL;
+    int best = 99;
+    size_t length = strcspn(word, "=");
+    snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), word);
+    for (const cli_option *o = call->command->options; o->name; o++)
+        if (mukca_suggest_better(&best, name + strspn(name, "-"), o->name)) meant = o->name;
+    if (meant)
+        return mukca_fail(&call->error, MUKCA_USAGE, "unknown option %s; did you mean --%s?", name,
+                          meant);
+    return mukca_fail(&call->error, MUKCA_USAGE, "unknown option %s; see `mukca help %s`", name,
+                      call->command->name);
+}
+
+/* Number at the start of `text` up to `end` exactly. */
+static bool parse_number(double *value, const char *text, char stop, const char **end)
+{
+    char *rest;
+    *value = strtod(text, &rest);
+    *end = rest;
+    return rest != text && *rest == stop && isfinite(*value);
+}
+
+static bool append(cli_list *list, const char *item)
+{
+    if ((list->n & (list->n - 1)) == 0) { /* full at each power of two */
+        size_t room = list->n ? 2 * (size_t)list->n : 1;
+        const char **items = realloc(list->items, room * sizeof *items);
+        if (!items) return false;
+        list->items = items;
+    }
+    list->items[list->n++] = item;
+    return true;
+}
+
+static mukca_status out_of_memory(cli_call *call)
+{
+    return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+}
+
+static mukca_status wrong_choice(cli_call *call, const cli_option *option, const char *text)
+{
+    char list[160] = "";
+    size_t used = 0;
+    for (int i = 0; option->choices[i] && used < sizeof list; i++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "",
+                                 option->choices[i]);
+    return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be one of %s", option->name, text,
+                      list);
+}
+
+static mukca_status set_value(cli_call *call, const cli_option *option, const char *text)
+{
+    void *at = (char *)call->options + option->offset;
+    const char *end;
+    switch (option->kind) {
+        case CLI_FLAG:
+            *(bool *)at = true;
+            return MUKCA_OK;
+        case CLI_TEXT:
+            *(const char **)at = text;
+            return MUKCA_OK;
+        case CLI_NUMBER:
+            if (!parse_number((double *)at, text, '\0', &end))
+                return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be a number",
+                                  option->name, text);
+            return MUKCA_OK;
+        case CLI_INTEGER: {
+            char *rest;
+            errno = 0;
+            long value = strtol(text, &rest, 10);
+            if (rest == text || *rest || errno || value > INT_MAX || value < INT_MIN)
+                return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be a whole number",
+                                  option->name, text);
+            *(int *)at = (int)value;
+            return MUKCA_OK;
+        }
+        case CLI_CHOICE:
+            for (int i = 0; option->choices[i]; i++)
+                if (strcmp(option->choices[i], text) == 0) {
+                    *(int *)at = i;
+                    return MUKCA_OK;
+                }
+            return wrong_choice(call, option, text);
+        case CLI_VECTOR: {
+            double *v = at;
+            if (!parse_number(&v[0], text, ',', &end) || !parse_number(&v[1], end + 1, ',', &end) ||
+                !parse_number(&v[2], end + 1, '\0', &end))
+                return mukca_fail(&call->error, MUKCA_USAGE,
+                                  "--%s %.40s: must be three numbers with commas between", option->name,
+                                  text);
+            return MUKCA_OK;
+        }
+        case CLI_TEXTS:
+        case CLI_REST:
+            return append(at, text) ? MUKCA_OK : out_of_memory(call);
+    }
+    return MUKCA_OK;
+}
+
+/* Length of the longest beginning of argv that holds no option. */
+static int count_plain(int argc, char **argv)
+{
+    int n = 0;
+    while (n < argc && (argv[n][0] != '-' || argv[n][1] == '\0')) n++;
+    return n;
+}
+
+/* One option at argv[0] with the value in `inlined` or in what follows; returns arguments used. */
+static mukca_status take_option(cli_call *call, int *used, const cli_option *option,
+                                const char *inlined, int argc, char **argv)
+{
+    *used = 1;
+    if (option->kind == CLI_FLAG) {
+        if (inlined)
+            return mukca_fail(&call->error, MUKCA_USAGE, "--%s takes no value", option->name);
+        return set_value(call, option, NULL);
+    }
+    if (option->kind == CLI_REST) {
+        int n = count_plain(argc - 1, argv + 1);
+        mukca_status status = inlined ? set_value(call, option, inlined) : MUKCA_OK;
+        if (!inlined && n == 0)
+            return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s", option->name,
+                              option->argument);
+        for (int i = 0; i < n && status == MUKCA_OK; i++) status = set_value(call, option, argv[1 + i]);
+        *used = 1 + n;
+        return status;
+    }
+    if (inlined) return set_value(call, option, inlined);
+    if (argc < 2)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s", option->name, option->argument);
+    *used = 2;
+    return set_value(call, option, argv[1]);
+}
+
+static mukca_status parse_letters(cli_call *call, bool *help, int *used, int argc, char **argv)
+{
+    const char *word = argv[0];
+    *used = 1;
+    for (const char *c = word + 1; *c; c++) {
+        const cli_option *o = call->command->options;
+        while (o->name && o->letter != *c) o++;
+        if (!o->name && *c == 'h') {
+            *help = true;
+            continue;
+        }
+        if (!o->name) return unknown_option(call, word);
+        if (o->kind != CLI_FLAG)
+            return take_option(call, used, o, c[1] ? c + 1 : NULL, argc, argv);
+        mukca_status status = set_value(call, o, NULL);
+        if (status) return status;
+    }
+    return MUKCA_OK;
+}
+
+static mukca_status check_arguments(cli_call *call)
+{
+    const cli_command *c = call->command;
+    if (call->arguments.n < c->min_arguments)
+        return mukca_fail(&call->error, MUKCA_USAGE, "needs %s; see `mukca help %s`", c->synopsis,
+                          c->name);
+    if (c->max_arguments >= 0 && call->arguments.n > c->max_arguments)
+        return mukca_fail(&call->error, MUKCA_USAGE, "unexpected argument '%.60s'; see `mukca help %s`",
+                          call->arguments.items[c->max_arguments], c->name);
+    return MUKCA_OK;
+}
+
+mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
+{
+    *help = false;
+    call->options = calloc(1, call->command->options_size);
+    call->common = call->options;
+    if (!call->options) return out_of_memory(call);
+    if (call->command->defaults)
+        memcpy(call->options, call->command->defaults, call->command->options_size);
+    bool plain = false;
+    for (int i = 0; i < argc;) {
+        const char *word = argv[i];
+        int used = 1;
+        mukca_status status = MUKCA_OK;
+        if (plain || word[0] != '-' || word[1] == '\0') {
+            if (!append(&call->arguments, word)) return out_of_memory(call);
+        } else if (strcmp(word, "--") == 0) {
+            plain = true;
+        } else if (strcmp(word, "--help") == 0) {
+            *help = true;
+        } else if (word[1] == '-') {
+            size_t length = strcspn(word + 2, "=");
+            const cli_option *o = find_option(call->command->options, word + 2, length);
+            if (!o) return unknown_option(call, word);
+            const char *inlined = word[2 + length] ? word + 3 + length : NULL;
+            status = take_option(call, &used, o, inlined, argc - i, argv + i);
+        } else {
+            status = parse_letters(call, help, &used, argc - i, argv + i);
+        }
+        if (status) return status;
+        i += used;
+    }
+    return *help ? MUKCA_OK : check_arguments(call);
+}
+
+void cli_call_free(cli_call *call)
+{
+    for (const cli_option *o = call->command->options; call->options && o->name; o++)
+        if (o->kind == CLI_TEXTS || o->kind == CLI_REST)
+            free(((cli_list *)(void *)((char *)call->options + o->offset))->items);
+    free(call->arguments.items);
+    free(call->options);
+    call->options = NULL;
+    call->common = NULL;
+}

@@ -1,0 +1,209 @@
+/* The command framework: tables of commands and options that drive parsing, help, man page and
+ * completion, and what commands share.
+ *
+ * A command is one file src/cli/<name>.c that defines `const cli_command cli_command_<name>`, and
+ * one line in CLI_COMMAND_LIST (commands.h).
+ */
+#ifndef MUKCA_CLI_H
+#define MUKCA_CLI_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "mukca/chain.h"
+#include "mukca/dataset.h"
+#include "mukca/effect.h"
+#include "mukca/status.h"
+
+/* The order of the work; title of each group in help. */
+#define CLI_GROUP_LIST(X)                              \
+    X(MEASURE, "Measure: record the arm, or make one up") \
+    X(CALIBRATE, "Calibrate: fit the model to the arm")   \
+    X(UNDERSTAND, "Understand: what gap is left, and why") \
+    X(USE, "Use: carry the result to where it is needed")
+
+typedef enum {
+#define CLI_GROUP_ENUM(name, title) CLI_##name,
+    CLI_GROUP_LIST(CLI_GROUP_ENUM)
+#undef CLI_GROUP_ENUM
+} cli_group;
+
+/* Texts given in order; items point into argv. */
+typedef struct {
+    const char **items;
+    int n;
+} cli_list;
+
+/* kind: the type of the member at `offset`, and what the command line must give */
+typedef enum {
+    CLI_FLAG,    /* bool; no argument */
+    CLI_TEXT,    /* const char *; the last one given wins */
+    CLI_NUMBER,  /* double; finite */
+    CLI_INTEGER, /* int */
+    CLI_CHOICE,  /* int; index into `choices` */
+    CLI_VECTOR,  /* double[3]; X,Y,Z, finite */
+    CLI_TEXTS,   /* cli_list; one text each time, repeatable */
+    CLI_REST     /* cli_list; all arguments that follow, up to the next option or `--` */
+} cli_kind;
+
+typedef struct {
+    const char *name; /* without `--`; NULL ends a table */
+    char letter;      /* 0: none */
+    cli_kind kind;
+    const char *argument;       /* its name in help, NULL for a flag */
+    const char *help;           /* one sentence without a final stop; tells the default */
+    const char *const *choices; /* CLI_CHOICE: names, ended by NULL */
+    size_t offset;              /* of the member in the command's options */
+} cli_option;
+
+/* The contract's common options: the first member of every command's options struct. */
+typedef struct {
+    const char *urdf, *base, *tip, *inertials, *offsets, *distances, *json, *output;
+    double distance;   /* m; 0: 0.05 */
+    double gravity[3]; /* m/s^2; all 0: upright base */
+    bool force, quiet, verbose;
+} cli_common;
+
+/* Rows of option tables for them.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION: help text. */
+#define CLI_COMMON(name, letter, kind, argument, help) \
+    {#name, letter, kind, argument, help, NULL, offsetof(cli_common, name)}
+#define CLI_MODEL_OPTIONS                                                                       \
+    CLI_COMMON(urdf, 0, CLI_TEXT, "FILE", "the arm's nominal model"),                           \
+        CLI_COMMON(base, 0, CLI_TEXT, "LINK", "first link of the chain (default: the URDF's root)"), \
+        CLI_COMMON(tip, 0, CLI_TEXT, "LINK",                                                    \
+                   "last link of the chain (default: ball_link, else ball, else the only leaf)"), \
+        CLI_COMMON(inertials, 0, CLI_TEXT, "FILE",                                              \
+                   "link masses, a TSV of link, mass_kg, com_x_m, com_y_m, com_z_m; wins over the URDF"), \
+        CLI_COMMON(gravity, 0, CLI_VECTOR, "X,Y,Z",                                             \
+                   "gravity in the base frame, m/s^2 (default: 0,0,-9.80665)")
+#define CLI_OFFSETS_OPTION                          \
+    CLI_COMMON(offsets, 0, CLI_TEXT, "FILE",        \
+               "apply this offsets table; must belong to the URDF, unless --force")
+#define CLI_DISTANCE_OPTIONS                                                                 \
+    CLI_COMMON(distance, 0, CLI_NUMBER, "M", "distance between the sockets, m (default: 0.05)"), \
+        CLI_COMMON(distances, 0, CLI_TEXT, "FILE",                                           \
+                   "distances of pairs of sockets, a TSV of socket_a, socket_b, distance_m")
+#define CLI_JSON_OPTION \
+    CLI_COMMON(json, 0, CLI_TEXT, "FILE", "write the result as JSON; - is standard output")
+#define CLI_OUTPUT_OPTION(what) {"output", 'o', CLI_TEXT, "FILE", what, NULL, offsetof(cli_common, output)}
+#define CLI_FORCE_OPTION \
+    CLI_COMMON(force, 0, CLI_FLAG, NULL, "overwrite existing files, accept another arm's offsets")
+#define CLI_TALK_OPTIONS                                                            \
+    CLI_COMMON(quiet, 'q', CLI_FLAG, NULL, "say nothing but errors on standard error"), \
+        CLI_COMMON(verbose, 'v', CLI_FLAG, NULL, "say more on standard error")
+#define CLI_END_OPTIONS {NULL, 0, CLI_FLAG, NULL, NULL, NULL, 0}
+
+typedef struct cli_call cli_call;
+
+/* Do the command's work.  Returns the exit code; where it is an error, call->error holds the line to
+ * print (empty: all has been said). */
+typedef mukca_status cli_run_fn(cli_call *call);
+
+typedef struct {
+    const char *name;
+    cli_group group;
+    const char *summary;              /* one line without a final stop */
+    const char *synopsis;             /* positional arguments, "DATA..."; "" where none */
+    int min_arguments, max_arguments; /* of positionals; -1: any number */
+    const char *description;          /* paragraphs parted by an empty line; wrapped by help */
+    const char *example;              /* real commands, one a line; each is run by a test */
+    const cli_option *options;
+    size_t options_size;  /* of the options struct, which begins with cli_common */
+    const void *defaults; /* an options struct, or NULL: zeroed */
+    cli_run_fn *run;
+} cli_command;
+
+struct cli_call {
+    const cli_command *command;
+    void *options;      /* the command's options struct */
+    cli_common *common; /* the same memory */
+    cli_list arguments; /* positionals */
+    mukca_error error;
+    double started, said; /* s, monotonic: for elapsed and progress */
+    bool showing;         /* a progress line is on the screen */
+};
+
+/* All commands, ended by NULL. */
+extern const cli_command *const cli_commands[];
+
+/* ---- parsing and help (cli.c, help.c, completion.c) ---- */
+
+/* Fill call->options and call->arguments from argv[argc]; `*help` tells that -h or --help was given.
+ * Errors: MUKCA_USAGE, MUKCA_MEMORY. */
+mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv);
+void cli_call_free(cli_call *call);
+
+const cli_command *cli_find_command(const char *name); /* NULL: none */
+
+/* Print `text` wrapped to 79 columns, each line indented; empty lines part paragraphs, lines that
+ * begin with a space are kept as they are. */
+void cli_print_wrapped(FILE *stream, int indent, const char *text);
+
+void cli_print_overview(FILE *stream);                             /* `mukca help` */
+void cli_print_start(FILE *stream);                                /* `mukca` alone */
+void cli_print_command_help(FILE *stream, const cli_command *command);
+void cli_print_effects(FILE *stream);                              /* `mukca help effects` */
+void cli_format_option(char *text, size_t size, const cli_option *option); /* "-o, --output FILE" */
+
+/* `mukca completion bash|zsh|man|options` (hidden): scripts and the man page from the tables. */
+mukca_status cli_completion(mukca_error *error, const char *what);
+
+/* ---- talking to people (talk.c): standard error only ---- */
+
+/* A mukca_note_fn; context is the cli_call.  Silent with -q. */
+void cli_note(void *call, const char *text);
+
+/* printf to standard error; silent with -q. */
+void cli_say(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Progress on a terminal once the command has run for 2 s; `done` of `total`. */
+void cli_progress(cli_call *call, const char *what, double done, double total);
+
+/* Seconds since the command began. */
+double cli_elapsed(const cli_call *call);
+
+/* Escape sequences for headings, "" where the stream is no terminal or NO_COLOR is set. */
+const char *cli_bold(FILE *stream);
+const char *cli_plain(FILE *stream);
+
+/* Catch SIGINT and SIGTERM (a second one kills); true once one has come: leave with
+ * MUKCA_INTERRUPTED. */
+void cli_catch_interrupts(void);
+bool cli_interrupted(void);
+
+/* ---- what commands share (common.c) ---- */
+
+/* The arm from --urdf, --base, --tip, --inertials, --gravity, --offsets. */
+typedef struct {
+    mukca_chain chain;
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS]; /* calibrated; nominal without --offsets */
+    mukca_geometry geometry;                             /* of theta */
+    int n_effects;
+    mukca_effect effects[MUKCA_MAX_EFFECTS]; /* of --offsets */
+} cli_model;
+
+/* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
+mukca_status cli_load_model(cli_call *call, cli_model *model);
+
+/* Read DATA paths for the model's chain; --distance and --distances apply.  Free with
+ * mukca_dataset_free. */
+mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
+                           const cli_list *paths);
+
+/* Check --json and -o before any long work: not both `-`, not existing without --force, folder
+ * writable. */
+mukca_status cli_check_outputs(cli_call *call);
+
+/* Write `root` (stolen) to --json, if that was given. */
+mukca_status cli_write_json(cli_call *call, json_t *root);
+
+/* A JSON number; null for NaN and infinity. */
+json_t *cli_json_real(double value);
+json_t *cli_json_reals(const double *values, int n);
+
+/* A JSON string; null for NULL. */
+json_t *cli_json_text(const char *text);
+
+#endif

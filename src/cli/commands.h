@@ -1,0 +1,7 @@
+/* The list of commands: one line each, in the order of the help. */
+#ifndef MUKCA_CLI_COMMANDS_H
+#define MUKCA_CLI_COMMANDS_H
+
+#define CLI_COMMAND_LIST(X)
+
+#endif

@@ -1,0 +1,171 @@
+/* Shell completion, the man page and a plain list of options, all from the tables. */
+#include <string.h>
+
+#include "cli/cli.h"
+
+static void print_bash(void)
+{
+    puts("# bash completion for mukca\n_mukca() {\n"
+         "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n"
+         "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        words=\"help --version\"");
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        printf("        words+=\" %s\"\n", (*c)->name);
+    puts("    else\n        case ${COMP_WORDS[1]}:$before in");
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        for (const cli_option *o = (*c)->options; o->name; o++) {
+            if (o->kind != CLI_CHOICE) continue;
+            printf("            %s:--%s) words=\"", (*c)->name, o->name);
+            for (int i = 0; o->choices[i]; i++) printf("%s%s", i ? " " : "", o->choices[i]);
+            puts("\" ;;");
+        }
+    printf("            help:*) words=\"effects");
+    for (const cli_command *const *c = cli_commands; *c; c++) printf(" %s", (*c)->name);
+    puts("\" ;;");
+    for (const cli_command *const *c = cli_commands; *c; c++) {
+        printf("            %s:*) words=\"--help", (*c)->name);
+        for (const cli_option *o = (*c)->options; o->name; o++) printf(" --%s", o->name);
+        puts("\" ;;");
+    }
+    puts("        esac\n    fi\n"
+         "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
+         "    [[ $word == -* ]] || [ \"$COMP_CWORD\" -eq 1 ] || "
+         "COMPREPLY+=($(compgen -f -- \"$word\"))\n}\n"
+         "complete -o filenames -F _mukca mukca");
+}
+
+/* Print text with `special` characters behind a backslash. */
+static void print_escaped(const char *text, const char *special)
+{
+    for (; *text; text++) {
+        if (*text == '\'') {
+            fputs("'\\''", stdout);
+            continue;
+        }
+        if (strchr(special, *text)) putchar('\\');
+        putchar(*text);
+    }
+}
+
+static void print_zsh_option(const cli_option *o)
+{
+    const char *repeat = o->kind == CLI_TEXTS || o->kind == CLI_REST ? "*" : "";
+    printf("        '%s--%s[", repeat, o->name);
+    print_escaped(o->help, "[]");
+    putchar(']');
+    if (o->kind == CLI_CHOICE) {
+        printf(":%s:(", o->argument);
+        for (int i = 0; o->choices[i]; i++) printf("%s%s", i ? " " : "", o->choices[i]);
+        putchar(')');
+    } else if (o->kind != CLI_FLAG) {
+        printf(":%s:%s", o->argument, o->kind == CLI_TEXT || o->kind == CLI_REST ? "_files" : " ");
+    }
+    puts("' \\");
+}
+
+static void print_zsh(void)
+{
+    puts("#compdef mukca\n_mukca() {\n    local -a commands=(\n        'help:how to use a command'");
+    for (const cli_command *const *c = cli_commands; *c; c++) {
+        printf("        '%s:", (*c)->name);
+        print_escaped((*c)->summary, ":");
+        puts("'");
+    }
+    puts("    )\n    if (( CURRENT == 2 )); then\n        _describe command commands\n"
+         "        return\n    fi\n    local command=$words[2]\n    shift words; (( CURRENT-- ))\n"
+         "    case $command in\n    help) _describe command commands ;;");
+    for (const cli_command *const *c = cli_commands; *c; c++) {
+        printf("    %s) _arguments \\\n", (*c)->name);
+        for (const cli_option *o = (*c)->options; o->name; o++) print_zsh_option(o);
+        puts("        '*:file:_files' ;;");
+    }
+    puts("    esac\n}\n_mukca \"$@\"");
+}
+
+/* Text for roff: hyphens and backslashes escaped, a leading dot or quote defused. */
+static void print_roff(const char *text)
+{
+    bool start = true;
+    for (; *text; text++) {
+        if (start && (*text == '.' || *text == '\'')) fputs("\\&", stdout);
+        if (*text == '\\')
+            fputs("\\e", stdout);
+        else if (*text == '-')
+            fputs("\\-", stdout);
+        else
+            putchar(*text);
+        start = *text == '\n';
+    }
+}
+
+static void print_man_command(const cli_command *c)
+{
+    printf(".SS \"mukca %s\"\n", c->name);
+    print_roff(c->summary);
+    puts(".\n.PP");
+    for (const char *line = c->description; *line;) {
+        size_t length = strcspn(line, "\n");
+        char text[1024];
+        snprintf(text, sizeof text, "%.*s", (int)length, line);
+        if (length == 0)
+            fputs(".PP", stdout);
+        else
+            print_roff(text);
+        putchar('\n');
+        line += length + (line[length] == '\n');
+    }
+    for (const cli_option *o = c->options; o->name; o++) {
+        char text[80];
+        cli_format_option(text, sizeof text, o);
+        fputs(".TP\n\\fB", stdout);
+        print_roff(text);
+        fputs("\\fR\n", stdout);
+        print_roff(o->help);
+        if (o->kind == CLI_CHOICE)
+            for (int i = 0; o->choices[i]; i++) {
+                fputs(i ? ", " : " (", stdout);
+                print_roff(o->choices[i]);
+            }
+        puts(o->kind == CLI_CHOICE ? ")" : "");
+    }
+    puts(".PP\nExample:\n.PP\n.nf");
+    print_roff(c->example);
+    puts("\n.fi");
+}
+
+/* The COMMANDS section of mukca(1). */
+static void print_man(void)
+{
+    puts(".SH COMMANDS");
+    for (const cli_command *const *c = cli_commands; *c; c++) print_man_command(*c);
+}
+
+/* command, option, letter, argument: for tests that documents agree. */
+static void print_options(void)
+{
+    puts("command\toption\tletter\targument");
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        for (const cli_option *o = (*c)->options; o->name; o++)
+            printf("%s\t--%s\t%.1s\t%s\n", (*c)->name, o->name, o->letter ? &o->letter : "",
+                   o->argument ? o->argument : "");
+}
+
+/* command and one line of its example, for the test that runs them. */
+static void print_examples(void)
+{
+    for (const cli_command *const *c = cli_commands; *c; c++) printf("%s\n", (*c)->example);
+}
+
+mukca_status cli_completion(mukca_error *error, const char *what)
+{
+    static const struct {
+        const char *name;
+        void (*print)(void);
+    } table[] = {{"bash", print_bash},       {"zsh", print_zsh},           {"man", print_man},
+                 {"options", print_options}, {"examples", print_examples}};
+    for (size_t i = 0; what && i < sizeof table / sizeof *table; i++)
+        if (strcmp(table[i].name, what) == 0) {
+            table[i].print();
+            return MUKCA_OK;
+        }
+    return mukca_fail(error, MUKCA_USAGE, "completion needs one of bash, zsh, man, options, examples");
+}

@@ -1,0 +1,169 @@
+/* Help texts, all printed from the tables. */
+#include <string.h>
+
+#include "cli/cli.h"
+#include "mukca/effect.h"
+
+enum { WIDTH = 79, OPTION_COLUMN = 26 };
+
+/* Words of text[length] wrapped; the cursor stands at `column` already. */
+static void print_words(FILE *stream, int indent, int column, const char *text, size_t length)
+{
+    const char *end = text + length;
+    bool first = true;
+    while (text < end) {
+        while (text < end && *text == ' ') text++;
+        size_t word = 0;
+        while (text + word < end && text[word] != ' ') word++;
+        if (!word) break;
+        if (!first && column + 1 + (int)word > WIDTH) {
+            fprintf(stream, "\n%*s", indent, "");
+            column = indent;
+            first = true;
+        }
+        column += fprintf(stream, "%s%.*s", first ? "" : " ", (int)word, text);
+        first = false;
+        text += word;
+    }
+    fputc('\n', stream);
+}
+
+void cli_print_wrapped(FILE *stream, int indent, const char *text)
+{
+    while (*text) {
+        size_t length = strcspn(text, "\n");
+        if (length == 0)
+            fputc('\n', stream);
+        else if (*text == ' ')
+            fprintf(stream, "%*s%.*s\n", indent, "", (int)length, text);
+        else {
+            fprintf(stream, "%*s", indent, "");
+            print_words(stream, indent, indent, text, length);
+        }
+        text += length + (text[length] == '\n');
+    }
+}
+
+void cli_format_option(char *text, size_t size, const cli_option *option)
+{
+    char letter[8] = "";
+    if (option->letter) snprintf(letter, sizeof letter, "-%c, ", option->letter);
+    snprintf(text, size, "%s--%s%s%s", letter, option->name, option->argument ? " " : "",
+             option->argument ? option->argument : "");
+}
+
+static void print_option(FILE *stream, const cli_option *option)
+{
+    char text[80];
+    cli_format_option(text, sizeof text, option);
+    int column = fprintf(stream, "  %s", text);
+    if (column + 2 > OPTION_COLUMN) {
+        fputc('\n', stream);
+        column = 0;
+    }
+    fprintf(stream, "%*s", OPTION_COLUMN - column, "");
+    print_words(stream, OPTION_COLUMN, OPTION_COLUMN, option->help, strlen(option->help));
+    if (option->kind != CLI_CHOICE) return;
+    fprintf(stream, "%*sone of:", OPTION_COLUMN, "");
+    for (int i = 0; option->choices[i]; i++)
+        fprintf(stream, "%s %s", i ? "," : "", option->choices[i]);
+    fputc('\n', stream);
+}
+
+void cli_print_command_help(FILE *stream, const cli_command *command)
+{
+    const char *bold = cli_bold(stream), *plain = cli_plain(stream);
+    fprintf(stream, "%smukca %s%s: %s\n\n", bold, command->name, plain, command->summary);
+    fprintf(stream, "%sUsage:%s mukca %s [options]%s%s\n\n", bold, plain, command->name,
+            *command->synopsis ? " " : "", command->synopsis);
+    cli_print_wrapped(stream, 0, command->description);
+    fprintf(stream, "\n%sOptions:%s\n", bold, plain);
+    for (const cli_option *o = command->options; o->name; o++) print_option(stream, o);
+    fprintf(stream, "\n%sExample:%s\n", bold, plain);
+    for (const char *line = command->example; *line;) {
+        size_t length = strcspn(line, "\n");
+        fprintf(stream, "  %.*s\n", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
+static void print_commands(FILE *stream)
+{
+    static const char *const title[] = {
+#define GROUP_TITLE(name, title) title,
+        CLI_GROUP_LIST(GROUP_TITLE)
+#undef GROUP_TITLE
+    };
+    for (size_t g = 0; g < sizeof title / sizeof *title; g++) {
+        bool any = false;
+        for (const cli_command *const *c = cli_commands; *c; c++) {
+            if ((size_t)(*c)->group != g) continue;
+            if (!any) fprintf(stream, "%s%s%s\n", cli_bold(stream), title[g], cli_plain(stream));
+            any = true;
+            fprintf(stream, "  %-12s ", (*c)->name);
+            print_words(stream, 15, 15, (*c)->summary, strlen((*c)->summary));
+        }
+        if (any) fputc('\n', stream);
+    }
+}
+
+void cli_print_overview(FILE *stream)
+{
+    fputs("mukca calibrates robot arms and tells where the remaining gap between model and\n"
+          "arm comes from.\n\n"
+          "Usage: mukca COMMAND [options] [arguments]\n\n",
+          stream);
+    print_commands(stream);
+    fputs("  mukca help COMMAND   options and an example\n"
+          "  mukca help effects   the causes that a diagnosis can name\n"
+          "  mukca --version\n\n"
+          "Exit codes: 0 done; 1 done, and the answer is a negative verdict; 2 bad usage;\n"
+          "3 bad input; 4 transport or time-out; 5 not identifiable; 130 interrupted.\n",
+          stream);
+}
+
+void cli_print_start(FILE *stream)
+{
+    fputs("mukca calibrates robot arms. It needs the arm's URDF and joint angles recorded\n"
+          "while a ball on the arm sits in one of two sockets.\n\n",
+          stream);
+    print_commands(stream);
+    fputs("Start with `mukca help calibrate`; `mukca help` shows all. `make demo` in the\n"
+          "source folder plays the whole way on the data that come with it.\n",
+          stream);
+}
+
+void cli_print_effects(FILE *stream)
+{
+    static const struct {
+        const char *name, *unit, *sentence;
+        int needs;
+    } effects[] = {
+#define EFFECT_ROW(kind, name, site, terms, unit, factor, display, sign, needs, sentence) \
+    {name, unit, sentence, needs},
+        MUKCA_EFFECT_LIST(EFFECT_ROW)
+#undef EFFECT_ROW
+    };
+    static const struct {
+        int bit;
+        const char *text;
+    } needs[] = {{MUKCA_NEEDS_MASSES, "link masses or measured efforts"},
+                 {MUKCA_NEEDS_ORDER, "rows in recording order"},
+                 {MUKCA_NEEDS_TIME, "the time_s column"},
+                 {MUKCA_NEEDS_PLACEMENTS, "two placements or more"},
+                 {MUKCA_NEEDS_SOCKETS, "socket data"}};
+    fputs("The effects that `mukca diagnose` can name and `mukca simulate --effect` can make:\n\n",
+          stream);
+    for (size_t i = 0; i < sizeof effects / sizeof *effects; i++) {
+        fprintf(stream, "%s%s%s (%s)\n    ", cli_bold(stream), effects[i].name, cli_plain(stream),
+                effects[i].unit);
+        print_words(stream, 4, 4, effects[i].sentence, strlen(effects[i].sentence));
+        bool any = false;
+        for (size_t k = 0; k < sizeof needs / sizeof *needs; k++) {
+            if (!(effects[i].needs & needs[k].bit)) continue;
+            fprintf(stream, "%s%s", any ? ", " : "    needs ", needs[k].text);
+            any = true;
+        }
+        if (any) fputc('\n', stream);
+    }
+}

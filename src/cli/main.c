@@ -1,0 +1,94 @@
+/* The program: finds the command, parses its options, runs it, and says what went wrong. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/suggest.h"
+#include "cli/cli.h"
+#include "mukca/version.h"
+
+static mukca_status unknown_command(const char *name)
+{
+    const char *meant = NULL;
+    int best = 99;
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        if (mukca_suggest_better(&best, name, (*c)->name)) meant = (*c)->name;
+    if (mukca_suggest_better(&best, name, "help")) meant = "help";
+    if (meant)
+        fprintf(stderr, "mukca: unknown command '%s'; did you mean %s?\n", name, meant);
+    else
+        fprintf(stderr, "mukca: unknown command '%s'; `mukca help` lists them\n", name);
+    return MUKCA_USAGE;
+}
+
+static mukca_status help(const char *topic)
+{
+    const cli_command *command = topic ? cli_find_command(topic) : NULL;
+    if (!topic)
+        cli_print_overview(stdout);
+    else if (strcmp(topic, "effects") == 0)
+        cli_print_effects(stdout);
+    else if (command)
+        cli_print_command_help(stdout, command);
+    else
+        return unknown_command(topic);
+    return MUKCA_OK;
+}
+
+static mukca_status run_command(const cli_command *command, int argc, char **argv)
+{
+    cli_call call = {.command = command};
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    call.started = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    bool wants_help;
+    mukca_status status = cli_parse(&call, &wants_help, argc, argv);
+    if (status == MUKCA_OK && wants_help)
+        cli_print_command_help(stdout, command);
+    else if (status == MUKCA_OK)
+        status = command->run(&call);
+    if (status != MUKCA_OK && cli_interrupted()) {
+        status = MUKCA_INTERRUPTED;
+        snprintf(call.error.text, sizeof call.error.text, "interrupted; nothing was written");
+    }
+    if (status != MUKCA_OK && call.error.text[0])
+        fprintf(stderr, "mukca %s: %s\n", command->name, call.error.text);
+    cli_call_free(&call);
+    return status;
+}
+
+static mukca_status dispatch(int argc, char **argv)
+{
+    if (argc < 2) {
+        cli_print_start(stderr);
+        return MUKCA_USAGE;
+    }
+    const char *word = argv[1];
+    const char *second = argc > 2 ? argv[2] : NULL;
+    if (strcmp(word, "--version") == 0) {
+        puts("mukca " MUKCA_VERSION);
+        return MUKCA_OK;
+    }
+    if (strcmp(word, "help") == 0 || strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
+        return help(second);
+    if (strcmp(word, "completion") == 0) {
+        mukca_error error;
+        mukca_status status = cli_completion(&error, second);
+        if (status) fprintf(stderr, "mukca completion: %s\n", error.text);
+        return status;
+    }
+    const cli_command *command = cli_find_command(word);
+    return command ? run_command(command, argc - 2, argv + 2) : unknown_command(word);
+}
+
+int main(int argc, char **argv)
+{
+    cli_catch_interrupts();
+    mukca_status status = dispatch(argc, argv);
+    if ((fflush(stdout) != 0 || ferror(stdout)) && (status == MUKCA_OK || status == MUKCA_NEGATIVE)) {
+        fprintf(stderr, "mukca: standard output: cannot write: %s\n", strerror(errno));
+        status = MUKCA_INPUT;
+    }
+    return (int)status;
+}

@@ -1,0 +1,99 @@
+/* Talking to people: notes, progress, headings, interrupts.  Standard error only. */
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double cli_elapsed(const cli_call *call)
+{
+    return now() - call->started;
+}
+
+static void clear_progress(cli_call *call)
+{
+    if (call->showing) fputs("\r\033[K", stderr);
+    call->showing = false;
+}
+
+void cli_note(void *context, const char *text)
+{
+    cli_call *call = context;
+    if (call->common && call->common->quiet) return;
+    clear_progress(call);
+    fprintf(stderr, "mukca: note: %s\n", text);
+}
+
+void cli_say(cli_call *call, const char *format, ...)
+{
+    if (call->common && call->common->quiet) return;
+    clear_progress(call);
+    va_list args;
+    va_start(args, format);
+    vfprintf(stderr, format, args);
+    va_end(args);
+}
+
+void cli_progress(cli_call *call, const char *what, double done, double total)
+{
+    double t = cli_elapsed(call);
+    if (call->common->quiet || t < 2 || t - call->said < 0.1 || !isatty(STDERR_FILENO)) return;
+    double share = total > 0 ? done / total : 0;
+    int filled = share < 0 ? 0 : share > 1 ? 30 : (int)(30 * share);
+    fprintf(stderr, "\r%-28.28s [%.*s%*s] %3.0f %%\033[K", what, filled,
+            "##############################", 30 - filled, "", 100 * share);
+    fflush(stderr);
+    call->said = t;
+    call->showing = true;
+}
+
+static bool fancy(FILE *stream)
+{
+    const char *no = getenv("NO_COLOR"), *term = getenv("TERM");
+    if (no && *no) return false;
+    return isatty(fileno(stream)) && term && strcmp(term, "dumb") != 0;
+}
+
+const char *cli_bold(FILE *stream)
+{
+    return fancy(stream) ? "\033[1m" : "";
+}
+
+const char *cli_plain(FILE *stream)
+{
+    return fancy(stream) ? "\033[0m" : "";
+}
+
+/* The one mutable global: a signal handler can reach nothing else. */
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number)
+{
+    interrupted = number;
+}
+
+void cli_catch_interrupts(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_signal;
+    action.sa_flags = (int)SA_RESETHAND; /* no SA_RESTART: blocking reads return */
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is then a write error, told in one line */
+}
+
+bool cli_interrupted(void)
+{
+    return interrupted != 0;
+}

@@ -1,0 +1,110 @@
+/* Files written whole or not at all. */
+#include "io/output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Length of the folder part of a path, with its slash; 0 where there is none. */
+static int folder_length(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? (int)(slash - path + 1) : 0;
+}
+
+static mukca_status fail_errno(mukca_error *error, const char *path, const char *what)
+{
+    const char *hint = errno == EACCES || errno == EROFS || errno == EPERM
+                           ? "; choose a folder that you may write to"
+                       : errno == ENOSPC ? "; free some space"
+                                         : "";
+    return mukca_fail(error, MUKCA_INPUT, "%s: %s: %s%s", path, what, strerror(errno), hint);
+}
+
+/* Fill path and temporary. */
+static mukca_status resolve(mukca_output *output, const char *path, bool force, mukca_error *error)
+{
+    struct stat info;
+    char whole[PATH_MAX];
+    memset(output, 0, sizeof *output);
+    bool exists = stat(path, &info) == 0;
+    if (exists && S_ISDIR(info.st_mode))
+        return mukca_fail(error, MUKCA_INPUT, "%s: is a folder; name a file", path);
+    const char *target = exists && realpath(path, whole) ? whole : path;
+    int written = snprintf(output->path, sizeof output->path, "%s", target);
+    if (written < 0 || (size_t)written >= sizeof output->path)
+        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
+    if (exists && !S_ISREG(info.st_mode)) return MUKCA_OK;
+    if (exists && !force)
+        return mukca_fail(error, MUKCA_INPUT, "%s: exists already; --force overwrites it", path);
+    int folder = folder_length(output->path);
+    written = snprintf(output->temporary, sizeof output->temporary, "%.*s.%.80s.%ld.tmp", folder,
+                       output->path, output->path + folder, (long)getpid());
+    if (written < 0 || (size_t)written >= sizeof output->temporary)
+        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
+    return MUKCA_OK;
+}
+
+mukca_status mukca_output_check(const char *path, bool force, mukca_error *error)
+{
+    if (strcmp(path, "-") == 0) return MUKCA_OK;
+    mukca_output output;
+    mukca_status status = mukca_output_open(&output, path, force, error);
+    mukca_output_abort(&output);
+    return status;
+}
+
+mukca_status mukca_output_open(mukca_output *output, const char *path, bool force, mukca_error *error)
+{
+    memset(output, 0, sizeof *output);
+    if (strcmp(path, "-") == 0) {
+        snprintf(output->path, sizeof output->path, "standard output");
+        output->stream = stdout;
+        return MUKCA_OK;
+    }
+    mukca_status status = resolve(output, path, force, error);
+    if (status) return status;
+    int flags = output->temporary[0] ? O_CREAT | O_EXCL : 0;
+    const char *name = output->temporary[0] ? output->temporary : output->path;
+    if (output->temporary[0]) unlink(name); /* of a killed process with our number */
+    int file = open(name, O_WRONLY | O_CLOEXEC | flags, 0666);
+    struct stat info;
+    if (file >= 0 && output->temporary[0] && stat(output->path, &info) == 0)
+        (void)!fchmod(file, info.st_mode & 0777);
+    output->stream = file < 0 ? NULL : fdopen(file, "w");
+    if (!output->stream) {
+        status = fail_errno(error, path, "cannot write");
+        if (file >= 0) close(file);
+    }
+    return status;
+}
+
+mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
+{
+    FILE *stream = output->stream;
+    bool regular = output->temporary[0] != '\0';
+    errno = 0;
+    bool good = fflush(stream) == 0 && !ferror(stream);
+    if (good && regular) good = fsync(fileno(stream)) == 0;
+    int reason = errno ? errno : EIO;
+    if (good && regular) {
+        good = rename(output->temporary, output->path) == 0;
+        reason = errno;
+        if (good) output->temporary[0] = '\0';
+    }
+    mukca_output_abort(output);
+    if (good) return MUKCA_OK;
+    errno = reason;
+    return fail_errno(error, output->path, "cannot write");
+}
+
+void mukca_output_abort(mukca_output *output)
+{
+    if (output->stream && output->stream != stdout) fclose(output->stream);
+    if (output->stream && output->temporary[0]) unlink(output->temporary);
+    output->stream = NULL;
+}
