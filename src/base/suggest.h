@@ -5,8 +5,8 @@
 /* Edits (insert, delete, replace, swap neighbours) from `a` to `b`, ignoring case; capped at 99. */
 int mukca_suggest_distance(const char *a, const char *b);
 
-/* True where `candidate` is near enough to `word` to be suggested, and nearer than *best (start with
- * 99), which it then updates. */
+/* True where `candidate` is near enough to `word` to be suggested, and nearer than *best (start
+ * with 99), which it then updates. */
 int mukca_suggest_better(int *best, const char *word, const char *candidate);
 
 #endif

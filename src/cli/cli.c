@@ -40,7 +40,8 @@ static mukca_status unknown_option(cli_call *call, const char *word)
     const char *meant = NULL;
     int best = 99;
     size_t length = strcspn(word, "=");
-    snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), word);
+    snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1),
+             word);
     for (const cli_option *o = call->command->options; o->name; o++)
         if (mukca_suggest_better(&best, name + strspn(name, "-"), o->name)) meant = o->name;
     if (meant)
@@ -83,8 +84,8 @@ static mukca_status wrong_choice(cli_call *call, const cli_option *option, const
     for (int i = 0; option->choices[i] && used < sizeof list; i++)
         used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "",
                                  option->choices[i]);
-    return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be one of %s", option->name, text,
-                      list);
+    return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be one of %s", option->name,
+                      text, list);
 }
 
 static mukca_status set_value(cli_call *call, const cli_option *option, const char *text)
@@ -125,8 +126,8 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
             if (!parse_number(&v[0], text, ',', &end) || !parse_number(&v[1], end + 1, ',', &end) ||
                 !parse_number(&v[2], end + 1, '\0', &end))
                 return mukca_fail(&call->error, MUKCA_USAGE,
-                                  "--%s %.40s: must be three numbers with commas between", option->name,
-                                  text);
+                                  "--%s %.40s: must be three numbers with commas between",
+                                  option->name, text);
             return MUKCA_OK;
         }
         case CLI_TEXTS:
@@ -160,13 +161,15 @@ static mukca_status take_option(cli_call *call, int *used, const cli_option *opt
         if (!inlined && n == 0)
             return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s", option->name,
                               option->argument);
-        for (int i = 0; i < n && status == MUKCA_OK; i++) status = set_value(call, option, argv[1 + i]);
+        for (int i = 0; i < n && status == MUKCA_OK; i++)
+            status = set_value(call, option, argv[1 + i]);
         *used = 1 + n;
         return status;
     }
     if (inlined) return set_value(call, option, inlined);
     if (argc < 2)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s", option->name, option->argument);
+        return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s", option->name,
+                          option->argument);
     *used = 2;
     return set_value(call, option, argv[1]);
 }
@@ -183,8 +186,7 @@ static mukca_status parse_letters(cli_call *call, bool *help, int *used, int arg
             continue;
         }
         if (!o->name) return unknown_option(call, word);
-        if (o->kind != CLI_FLAG)
-            return take_option(call, used, o, c[1] ? c + 1 : NULL, argc, argv);
+        if (o->kind != CLI_FLAG) return take_option(call, used, o, c[1] ? c + 1 : NULL, argc, argv);
         mukca_status status = set_value(call, o, NULL);
         if (status) return status;
     }
@@ -198,7 +200,8 @@ static mukca_status check_arguments(cli_call *call)
         return mukca_fail(&call->error, MUKCA_USAGE, "needs %s; see `mukca help %s`", c->synopsis,
                           c->name);
     if (c->max_arguments >= 0 && call->arguments.n > c->max_arguments)
-        return mukca_fail(&call->error, MUKCA_USAGE, "unexpected argument '%.60s'; see `mukca help %s`",
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "unexpected argument '%.60s'; see `mukca help %s`",
                           call->arguments.items[c->max_arguments], c->name);
     return MUKCA_OK;
 }

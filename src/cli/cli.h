@@ -18,9 +18,9 @@
 #include "mukca/status.h"
 
 /* The order of the work; title of each group in help. */
-#define CLI_GROUP_LIST(X)                              \
-    X(MEASURE, "Measure: record the arm, or make one up") \
-    X(CALIBRATE, "Calibrate: fit the model to the arm")   \
+#define CLI_GROUP_LIST(X)                                  \
+    X(MEASURE, "Measure: record the arm, or make one up")  \
+    X(CALIBRATE, "Calibrate: fit the model to the arm")    \
     X(UNDERSTAND, "Understand: what gap is left, and why") \
     X(USE, "Use: carry the result to where it is needed")
 
@@ -67,38 +67,48 @@ typedef struct {
 } cli_common;
 
 /* Rows of option tables for them.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION: help text. */
-#define CLI_COMMON(name, letter, kind, argument, help) \
-    {#name, letter, kind, argument, help, NULL, offsetof(cli_common, name)}
-#define CLI_MODEL_OPTIONS                                                                       \
-    CLI_COMMON(urdf, 0, CLI_TEXT, "FILE", "the arm's nominal model"),                           \
-        CLI_COMMON(base, 0, CLI_TEXT, "LINK", "first link of the chain (default: the URDF's root)"), \
-        CLI_COMMON(tip, 0, CLI_TEXT, "LINK",                                                    \
-                   "last link of the chain (default: ball_link, else ball, else the only leaf)"), \
-        CLI_COMMON(inertials, 0, CLI_TEXT, "FILE",                                              \
-                   "link masses, a TSV of link, mass_kg, com_x_m, com_y_m, com_z_m; wins over the URDF"), \
-        CLI_COMMON(gravity, 0, CLI_VECTOR, "X,Y,Z",                                             \
+#define CLI_COMMON(name, letter, kind, argument, help)                        \
+    {                                                                         \
+#name, letter, kind, argument, help, NULL, offsetof(cli_common, name) \
+    }
+#define CLI_MODEL_OPTIONS                                                                          \
+    CLI_COMMON(urdf, 0, CLI_TEXT, "FILE", "the arm's nominal model"),                              \
+        CLI_COMMON(base, 0, CLI_TEXT, "LINK",                                                      \
+                   "first link of the chain (default: the URDF's root)"),                          \
+        CLI_COMMON(tip, 0, CLI_TEXT, "LINK",                                                       \
+                   "last link of the chain (default: ball_link, else ball, else the only leaf)"),  \
+        CLI_COMMON(                                                                                \
+            inertials, 0, CLI_TEXT, "FILE",                                                        \
+            "link masses, a TSV of link, mass_kg, com_x_m, com_y_m, com_z_m; wins over the URDF"), \
+        CLI_COMMON(gravity, 0, CLI_VECTOR, "X,Y,Z",                                                \
                    "gravity in the base frame, m/s^2 (default: 0,0,-9.80665)")
-#define CLI_OFFSETS_OPTION                          \
-    CLI_COMMON(offsets, 0, CLI_TEXT, "FILE",        \
+#define CLI_OFFSETS_OPTION                   \
+    CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", \
                "apply this offsets table; must belong to the URDF, unless --force")
-#define CLI_DISTANCE_OPTIONS                                                                 \
+#define CLI_DISTANCE_OPTIONS                                                                     \
     CLI_COMMON(distance, 0, CLI_NUMBER, "M", "distance between the sockets, m (default: 0.05)"), \
-        CLI_COMMON(distances, 0, CLI_TEXT, "FILE",                                           \
+        CLI_COMMON(distances, 0, CLI_TEXT, "FILE",                                               \
                    "distances of pairs of sockets, a TSV of socket_a, socket_b, distance_m")
 #define CLI_JSON_OPTION \
     CLI_COMMON(json, 0, CLI_TEXT, "FILE", "write the result as JSON; - is standard output")
-#define CLI_OUTPUT_OPTION(what) {"output", 'o', CLI_TEXT, "FILE", what, NULL, offsetof(cli_common, output)}
+#define CLI_OUTPUT_OPTION(what)                                                   \
+    {                                                                             \
+        "output", 'o', CLI_TEXT, "FILE", what, NULL, offsetof(cli_common, output) \
+    }
 #define CLI_FORCE_OPTION \
     CLI_COMMON(force, 0, CLI_FLAG, NULL, "overwrite existing files, accept another arm's offsets")
-#define CLI_TALK_OPTIONS                                                            \
+#define CLI_TALK_OPTIONS                                                                \
     CLI_COMMON(quiet, 'q', CLI_FLAG, NULL, "say nothing but errors on standard error"), \
         CLI_COMMON(verbose, 'v', CLI_FLAG, NULL, "say more on standard error")
-#define CLI_END_OPTIONS {NULL, 0, CLI_FLAG, NULL, NULL, NULL, 0}
+#define CLI_END_OPTIONS                        \
+    {                                          \
+        NULL, 0, CLI_FLAG, NULL, NULL, NULL, 0 \
+    }
 
 typedef struct cli_call cli_call;
 
-/* Do the command's work.  Returns the exit code; where it is an error, call->error holds the line to
- * print (empty: all has been said). */
+/* Do the command's work.  Returns the exit code; where it is an error, call->error holds the line
+ * to print (empty: all has been said). */
 typedef mukca_status cli_run_fn(cli_call *call);
 
 typedef struct {
@@ -130,8 +140,8 @@ extern const cli_command *const cli_commands[];
 
 /* ---- parsing and help (cli.c, help.c, completion.c) ---- */
 
-/* Fill call->options and call->arguments from argv[argc]; `*help` tells that -h or --help was given.
- * Errors: MUKCA_USAGE, MUKCA_MEMORY. */
+/* Fill call->options and call->arguments from argv[argc]; `*help` tells that -h or --help was
+ * given. Errors: MUKCA_USAGE, MUKCA_MEMORY. */
 mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv);
 void cli_call_free(cli_call *call);
 
@@ -141,10 +151,10 @@ const cli_command *cli_find_command(const char *name); /* NULL: none */
  * begin with a space are kept as they are. */
 void cli_print_wrapped(FILE *stream, int indent, const char *text);
 
-void cli_print_overview(FILE *stream);                             /* `mukca help` */
-void cli_print_start(FILE *stream);                                /* `mukca` alone */
+void cli_print_overview(FILE *stream); /* `mukca help` */
+void cli_print_start(FILE *stream);    /* `mukca` alone */
 void cli_print_command_help(FILE *stream, const cli_command *command);
-void cli_print_effects(FILE *stream);                              /* `mukca help effects` */
+void cli_print_effects(FILE *stream); /* `mukca help effects` */
 void cli_format_option(char *text, size_t size, const cli_option *option); /* "-o, --output FILE" */
 
 /* `mukca completion bash|zsh|man|options` (hidden): scripts and the man page from the tables. */

@@ -27,7 +27,8 @@ mukca_status cli_check_outputs(cli_call *call)
 {
     const char *const paths[] = {call->common->json, call->common->output};
     if (paths[0] && paths[1] && strcmp(paths[0], paths[1]) == 0)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--json and -o cannot both go to %s", paths[0]);
+        return mukca_fail(&call->error, MUKCA_USAGE, "--json and -o cannot both go to %s",
+                          paths[0]);
     for (int i = 0; i < 2; i++) {
         if (!paths[i]) continue;
         mukca_status status = mukca_output_check(paths[i], call->common->force, &call->error);

@@ -5,9 +5,10 @@
 
 static void print_bash(void)
 {
-    puts("# bash completion for mukca\n_mukca() {\n"
-         "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n"
-         "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        words=\"help --version\"");
+    puts(
+        "# bash completion for mukca\n_mukca() {\n"
+        "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n"
+        "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        words=\"help --version\"");
     for (const cli_command *const *c = cli_commands; *c; c++)
         printf("        words+=\" %s\"\n", (*c)->name);
     puts("    else\n        case ${COMP_WORDS[1]}:$before in");
@@ -26,11 +27,12 @@ static void print_bash(void)
         for (const cli_option *o = (*c)->options; o->name; o++) printf(" --%s", o->name);
         puts("\" ;;");
     }
-    puts("        esac\n    fi\n"
-         "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
-         "    [[ $word == -* ]] || [ \"$COMP_CWORD\" -eq 1 ] || "
-         "COMPREPLY+=($(compgen -f -- \"$word\"))\n}\n"
-         "complete -o filenames -F _mukca mukca");
+    puts(
+        "        esac\n    fi\n"
+        "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
+        "    [[ $word == -* ]] || [ \"$COMP_CWORD\" -eq 1 ] || "
+        "COMPREPLY+=($(compgen -f -- \"$word\"))\n}\n"
+        "complete -o filenames -F _mukca mukca");
 }
 
 /* Print text with `special` characters behind a backslash. */
@@ -64,15 +66,17 @@ static void print_zsh_option(const cli_option *o)
 
 static void print_zsh(void)
 {
-    puts("#compdef mukca\n_mukca() {\n    local -a commands=(\n        'help:how to use a command'");
+    puts(
+        "#compdef mukca\n_mukca() {\n    local -a commands=(\n        'help:how to use a command'");
     for (const cli_command *const *c = cli_commands; *c; c++) {
         printf("        '%s:", (*c)->name);
         print_escaped((*c)->summary, ":");
         puts("'");
     }
-    puts("    )\n    if (( CURRENT == 2 )); then\n        _describe command commands\n"
-         "        return\n    fi\n    local command=$words[2]\n    shift words; (( CURRENT-- ))\n"
-         "    case $command in\n    help) _describe command commands ;;");
+    puts(
+        "    )\n    if (( CURRENT == 2 )); then\n        _describe command commands\n"
+        "        return\n    fi\n    local command=$words[2]\n    shift words; (( CURRENT-- ))\n"
+        "    case $command in\n    help) _describe command commands ;;");
     for (const cli_command *const *c = cli_commands; *c; c++) {
         printf("    %s) _arguments \\\n", (*c)->name);
         for (const cli_option *o = (*c)->options; o->name; o++) print_zsh_option(o);
@@ -160,12 +164,16 @@ mukca_status cli_completion(mukca_error *error, const char *what)
     static const struct {
         const char *name;
         void (*print)(void);
-    } table[] = {{"bash", print_bash},       {"zsh", print_zsh},           {"man", print_man},
-                 {"options", print_options}, {"examples", print_examples}};
+    } table[] = {{"bash", print_bash},
+                 {"zsh", print_zsh},
+                 {"man", print_man},
+                 {"options", print_options},
+                 {"examples", print_examples}};
     for (size_t i = 0; what && i < sizeof table / sizeof *table; i++)
         if (strcmp(table[i].name, what) == 0) {
             table[i].print();
             return MUKCA_OK;
         }
-    return mukca_fail(error, MUKCA_USAGE, "completion needs one of bash, zsh, man, options, examples");
+    return mukca_fail(error, MUKCA_USAGE,
+                      "completion needs one of bash, zsh, man, options, examples");
 }

@@ -109,28 +109,32 @@ static void print_commands(FILE *stream)
 
 void cli_print_overview(FILE *stream)
 {
-    fputs("mukca calibrates robot arms and tells where the remaining gap between model and\n"
-          "arm comes from.\n\n"
-          "Usage: mukca COMMAND [options] [arguments]\n\n",
-          stream);
+    fputs(
+        "mukca calibrates robot arms and tells where the remaining gap between model and\n"
+        "arm comes from.\n\n"
+        "Usage: mukca COMMAND [options] [arguments]\n\n",
+        stream);
     print_commands(stream);
-    fputs("  mukca help COMMAND   options and an example\n"
-          "  mukca help effects   the causes that a diagnosis can name\n"
-          "  mukca --version\n\n"
-          "Exit codes: 0 done; 1 done, and the answer is a negative verdict; 2 bad usage;\n"
-          "3 bad input; 4 transport or time-out; 5 not identifiable; 130 interrupted.\n",
-          stream);
+    fputs(
+        "  mukca help COMMAND   options and an example\n"
+        "  mukca help effects   the causes that a diagnosis can name\n"
+        "  mukca --version\n\n"
+        "Exit codes: 0 done; 1 done, and the answer is a negative verdict; 2 bad usage;\n"
+        "3 bad input; 4 transport or time-out; 5 not identifiable; 130 interrupted.\n",
+        stream);
 }
 
 void cli_print_start(FILE *stream)
 {
-    fputs("mukca calibrates robot arms. It needs the arm's URDF and joint angles recorded\n"
-          "while a ball on the arm sits in one of two sockets.\n\n",
-          stream);
+    fputs(
+        "mukca calibrates robot arms. It needs the arm's URDF and joint angles recorded\n"
+        "while a ball on the arm sits in one of two sockets.\n\n",
+        stream);
     print_commands(stream);
-    fputs("Start with `mukca help calibrate`; `mukca help` shows all. `make demo` in the\n"
-          "source folder plays the whole way on the data that come with it.\n",
-          stream);
+    fputs(
+        "Start with `mukca help calibrate`; `mukca help` shows all. `make demo` in the\n"
+        "source folder plays the whole way on the data that come with it.\n",
+        stream);
 }
 
 void cli_print_effects(FILE *stream)

@@ -49,8 +49,9 @@ static mukca_status run_command(const cli_command *command, int argc, char **arg
     else if (status == MUKCA_OK)
         status = command->run(&call);
     if (status != MUKCA_OK && cli_interrupted()) {
+        if (status != MUKCA_INTERRUPTED || !call.error.text[0])
+            snprintf(call.error.text, sizeof call.error.text, "interrupted; nothing was written");
         status = MUKCA_INTERRUPTED;
-        snprintf(call.error.text, sizeof call.error.text, "interrupted; nothing was written");
     }
     if (status != MUKCA_OK && call.error.text[0])
         fprintf(stderr, "mukca %s: %s\n", command->name, call.error.text);
@@ -86,7 +87,8 @@ int main(int argc, char **argv)
 {
     cli_catch_interrupts();
     mukca_status status = dispatch(argc, argv);
-    if ((fflush(stdout) != 0 || ferror(stdout)) && (status == MUKCA_OK || status == MUKCA_NEGATIVE)) {
+    if ((fflush(stdout) != 0 || ferror(stdout)) &&
+        (status == MUKCA_OK || status == MUKCA_NEGATIVE)) {
         fprintf(stderr, "mukca: standard output: cannot write: %s\n", strerror(errno));
         status = MUKCA_INPUT;
     }

@@ -58,7 +58,8 @@ mukca_status mukca_output_check(const char *path, bool force, mukca_error *error
     return status;
 }
 
-mukca_status mukca_output_open(mukca_output *output, const char *path, bool force, mukca_error *error)
+mukca_status mukca_output_open(mukca_output *output, const char *path, bool force,
+                               mukca_error *error)
 {
     memset(output, 0, sizeof *output);
     if (strcmp(path, "-") == 0) {

@@ -8,9 +8,9 @@
 #include "mukca/status.h"
 
 typedef struct {
-    FILE *stream;          /* write here; NULL while closed */
-    char path[1024];       /* what the user asked for, links followed */
-    char temporary[1080];  /* empty: written in place (standard output, a device) */
+    FILE *stream;         /* write here; NULL while closed */
+    char path[1024];      /* what the user asked for, links followed */
+    char temporary[1080]; /* empty: written in place (standard output, a device) */
 } mukca_output;
 
 /* Check that `path` can be opened below, without leaving a trace: call it before long work. */
@@ -18,7 +18,8 @@ mukca_status mukca_output_check(const char *path, bool force, mukca_error *error
 
 /* Open `path` for writing; `-` is standard output, devices and pipes are written directly.  Without
  * `force` an existing file is refused (exit code MUKCA_INPUT, as all failures here). */
-mukca_status mukca_output_open(mukca_output *output, const char *path, bool force, mukca_error *error);
+mukca_status mukca_output_open(mukca_output *output, const char *path, bool force,
+                               mukca_error *error);
 
 /* Flush, sync and put in place; on failure nothing of it remains and an old file is as it was.
  * A write that failed in between is found here. */

@@ -1,0 +1,135 @@
+/* Recorded rows: allocation, freeing, subsets. */
+#include "mukca/dataset.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* calloc that never asks for 0 bytes, so that NULL means out of memory. */
+static void *zeros(size_t count, size_t size)
+{
+    return calloc(count ? count : 1, size);
+}
+
+mukca_status mukca_dataset_create(mukca_dataset *data, int n_rows, int n_joints, int n_sockets,
+                                  int n_placements, mukca_error *error)
+{
+    memset(data, 0, sizeof *data);
+    data->n_rows = n_rows;
+    data->n_joints = n_joints;
+    data->n_sockets = n_sockets;
+    data->n_placements = n_placements;
+    size_t rows = (size_t)n_rows;
+    data->q = zeros(rows * (size_t)n_joints, sizeof *data->q);
+    data->socket = zeros(rows, sizeof *data->socket);
+    data->row = zeros(rows, sizeof *data->row);
+    data->file = zeros(rows, sizeof *data->file);
+    data->sockets = zeros((size_t)n_sockets, sizeof *data->sockets);
+    data->placements = zeros((size_t)n_placements, sizeof *data->placements);
+    if (!data->q || !data->socket || !data->row || !data->file || !data->sockets ||
+        !data->placements) {
+        mukca_dataset_free(data);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
+    }
+    for (int i = 0; i < n_rows; i++) {
+        data->row[i] = i + 1;
+        data->socket[i] = -1;
+    }
+    return MUKCA_OK;
+}
+
+void mukca_dataset_free(mukca_dataset *data)
+{
+    free(data->q);
+    free(data->socket);
+    free(data->row);
+    free(data->file);
+    free(data->time);
+    free(data->temperature);
+    free(data->payload);
+    free(data->effort);
+    free(data->command);
+    free(data->velocity);
+    free(data->position);
+    free(data->quaternion);
+    free(data->sockets);
+    free(data->placements);
+    free(data->distances);
+    free(data->files);
+    memset(data, 0, sizeof *data);
+}
+
+/* Copy of source[rows][width] with the kept rows only; NULL stays NULL. */
+static bool copy_doubles(double **out, const double *source, int width, const mukca_dataset *data,
+                         const unsigned char *keep, int kept)
+{
+    *out = NULL;
+    if (!source) return true;
+    size_t size = (size_t)width;
+    double *to = *out = zeros((size_t)kept * size, sizeof *to);
+    if (!to) return false;
+    for (int i = 0; i < data->n_rows; i++) {
+        if (!keep[i]) continue;
+        memcpy(to, source + (size_t)i * size, size * sizeof *to);
+        to += size;
+    }
+    return true;
+}
+
+/* Copy of count items of a list; NULL stays NULL. */
+static bool copy_list(void *out_pointer, const void *source, int count, size_t size)
+{
+    void *copy = NULL;
+    if (source) {
+        copy = zeros((size_t)count, size);
+        if (!copy) return false;
+        memcpy(copy, source, (size_t)count * size);
+    }
+    memcpy(out_pointer, &copy, sizeof copy);
+    return true;
+}
+
+mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
+                                  const unsigned char *keep, mukca_error *error)
+{
+    int kept = 0;
+    for (int i = 0; i < data->n_rows; i++) kept += keep[i] != 0;
+    mukca_dataset copy;
+    mukca_status status = mukca_dataset_create(&copy, kept, data->n_joints, data->n_sockets,
+                                               data->n_placements, error);
+    if (status) return status;
+    memcpy(copy.sockets, data->sockets, (size_t)data->n_sockets * sizeof *copy.sockets);
+    memcpy(copy.placements, data->placements, (size_t)data->n_placements * sizeof *copy.placements);
+    copy.n_distances = data->n_distances;
+    copy.n_files = data->n_files;
+    double *q = NULL;
+    const int n = data->n_joints;
+    bool good =
+        copy_doubles(&q, data->q, n, data, keep, kept) &&
+        copy_doubles(&copy.time, data->time, 1, data, keep, kept) &&
+        copy_doubles(&copy.temperature, data->temperature, 1, data, keep, kept) &&
+        copy_doubles(&copy.payload, data->payload, 1, data, keep, kept) &&
+        copy_doubles(&copy.effort, data->effort, n, data, keep, kept) &&
+        copy_doubles(&copy.command, data->command, n, data, keep, kept) &&
+        copy_doubles(&copy.velocity, data->velocity, n, data, keep, kept) &&
+        copy_doubles(&copy.position, data->position, 3, data, keep, kept) &&
+        copy_doubles(&copy.quaternion, data->quaternion, 4, data, keep, kept) &&
+        copy_list(&copy.distances, data->distances, data->n_distances, sizeof *data->distances) &&
+        copy_list(&copy.files, data->files, data->n_files, sizeof *data->files);
+    if (q) {
+        free(copy.q);
+        copy.q = q;
+    }
+    if (!good) {
+        mukca_dataset_free(&copy);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", kept);
+    }
+    for (int i = 0, k = 0; i < data->n_rows; i++) {
+        if (!keep[i]) continue;
+        copy.socket[k] = data->socket[i];
+        copy.row[k] = data->row[i];
+        copy.file[k] = data->file[i];
+        k++;
+    }
+    *out = copy;
+    return MUKCA_OK;
+}
