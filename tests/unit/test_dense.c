@@ -1,0 +1,274 @@
+/* Dense algebra: against definitions in long double, known spectra, and awkward matrices. */
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "close.h"
+#include "math/dense.h"
+#include "math/random.h"
+
+enum { MAX = 70 };
+
+static double hilbert(int i, int j)
+{
+    return 1.0 / (i + j + 1);
+}
+
+static void fill(double *A, int count, uint64_t seed)
+{
+    mukca_random random;
+    mukca_random_seed(&random, seed);
+    for (int i = 0; i < count; i++) A[i] = mukca_random_normal(&random);
+}
+
+static void test_gram(void **state)
+{
+    (void)state;
+    static const int shape[][2] = {{1, 1}, {5, 3}, {7, 8}, {64, 9}, {65, 12}, {200, 50}, {131, 63}};
+    static double X[200 * 67], Y[200 * 13], C[63 * 63], D[63 * 17];
+    fill(X, 200 * 67, 1);
+    fill(Y, 200 * 13, 2);
+    for (size_t s = 0; s < sizeof shape / sizeof *shape; s++) {
+        int m = shape[s][0], n = shape[s][1], ldx = n + 4, k = 1 + (int)s * 2, ldc = k + 4;
+        for (int i = 0; i < n * n; i++) C[i] = 1;
+        for (int i = 0; i < n * ldc; i++) D[i] = 2;
+        mukca_dense_syrk(C, n, X, m, ldx);
+        mukca_dense_xty(D, ldc, X, n, ldx, Y, k, 13, m);
+        for (int i = 0; i < n; i++) {
+            for (int j = 0; j < n; j++) {
+                long double sum = 1;
+                for (int r = 0; r < m; r++) sum += (long double)X[r * ldx + i] * X[r * ldx + j];
+                assert_close(C[i * n + j], (double)sum, 1e-12);
+            }
+            for (int j = 0; j < ldc; j++) {
+                long double sum = 2;
+                for (int r = 0; r < m && j < k; r++)
+                    sum += (long double)X[r * ldx + i] * Y[r * 13 + j];
+                assert_close(D[i * ldc + j], (double)sum, 1e-12);
+            }
+        }
+    }
+}
+
+static void test_cholesky(void **state)
+{
+    (void)state;
+    enum { N = 50, K = 3 };
+    static double X[80 * N], A[N * N], L[N * N], b[N * K], x[N * K];
+    fill(X, 80 * N, 3);
+    fill(b, N * K, 4);
+    memset(A, 0, sizeof A);
+    mukca_dense_syrk(A, N, X, 80, N);
+    for (int k = 1; k <= K; k += 2) {
+        memcpy(L, A, sizeof L);
+        memcpy(x, b, sizeof x);
+        assert_int_equal(mukca_dense_cholesky(L, N), 0);
+        mukca_dense_forward(x, k, L, N);
+        mukca_dense_backward(x, k, L, N);
+        for (int i = 0; i < N; i++)
+            for (int c = 0; c < k; c++) {
+                double sum = 0;
+                for (int j = 0; j < N; j++) sum += A[i * N + j] * x[j * k + c];
+                assert_close(sum, b[i * k + c], 1e-10);
+            }
+    }
+    A[7 * N + 7] = -1;
+    assert_int_equal(mukca_dense_cholesky(A, N), 8);
+    double nan1[4] = {1, 0, 0, NAN};
+    assert_int_equal(mukca_dense_cholesky(nan1, 2), 2);
+}
+
+/* A P = Q R, with Q' applied to the original columns. */
+static void check_qr(const double *A, int m, int n, int rank, double tolerance)
+{
+    static double F[MAX * MAX], tau[MAX], column[MAX];
+    int pivot[MAX];
+    memcpy(F, A, (size_t)(m * n) * sizeof *A);
+    int found = mukca_dense_qr(F, tau, pivot, m, n, 0);
+    if (rank >= 0) assert_int_equal(found, rank);
+    for (int j = 0; j < n; j++) {
+        double norm = 0;
+        for (int i = 0; i < m; i++) norm += A[i * n + pivot[j]] * A[i * n + pivot[j]];
+        for (int i = 0; i < m; i++) column[i] = A[i * n + pivot[j]];
+        mukca_dense_qr_apply(column, F, tau, m, n);
+        for (int i = 0; i < m; i++)
+            assert_close(column[i], i <= j ? F[i * n + j] : 0, tolerance * (1 + sqrt(norm)));
+    }
+    int steps = m < n ? m : n;
+    for (int j = 1; j < steps; j++)
+        assert_true(fabs(F[j * n + j]) <= fabs(F[(j - 1) * n + j - 1]) * (1 + 1e-12) + 1e-300);
+}
+
+static void test_qr(void **state)
+{
+    (void)state;
+    static double A[MAX * MAX], left[MAX * 5], right[5 * MAX];
+    for (int m = 1; m <= 13; m += 3)
+        for (int n = 1; n <= 12; n += 2) {
+            fill(A, m * n, (uint64_t)(m * 100 + n));
+            check_qr(A, m, n, m < n ? m : n, 1e-14);
+            for (int i = 0; i < m * n; i++) A[i] = hilbert(i / n, i % n);
+            check_qr(A, m, n, -1, 1e-15);
+        }
+    for (int i = 0; i < 7 * 7; i++) A[i] = hilbert(i / 7, i % 7);
+    check_qr(A, 7, 7, 7, 1e-15);
+    fill(left, 40 * 5, 5);
+    fill(right, 5 * 30, 6);
+    memset(A, 0, sizeof A);
+    for (int i = 0; i < 40; i++)
+        for (int j = 0; j < 30; j++)
+            for (int k = 0; k < 5; k++) A[i * 30 + j] += left[i * 5 + k] * right[k * 30 + j];
+    check_qr(A, 40, 30, 5, 1e-14);
+    double zero[6] = {0}, tau[2];
+    int pivot[2];
+    assert_int_equal(mukca_dense_qr(zero, tau, pivot, 3, 2, 0), 0);
+    zero[3] = NAN;
+    assert_int_equal(mukca_dense_qr(zero, tau, pivot, 3, 2, 0), -1);
+}
+
+/* U' U = I, V' V = I, U S V' = A, s descending. */
+static void check_svd(const double *A, int m, int n, double tolerance)
+{
+    static double U[MAX * MAX], V[MAX * MAX], s[MAX];
+    memcpy(U, A, (size_t)(m * n) * sizeof *A);
+    assert_int_equal(mukca_dense_svd(U, s, V, m, n), 0);
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < n; b++) {
+            double uu = 0, vv = 0;
+            for (int i = 0; i < m; i++) uu += U[i * n + a] * U[i * n + b];
+            for (int i = 0; i < n; i++) vv += V[i * n + a] * V[i * n + b];
+            if (s[a] > 0 && s[b] > 0) assert_close(uu, a == b, 1e-13);
+            assert_close(vv, a == b, 1e-13);
+        }
+    for (int j = 1; j < n; j++) assert_true(s[j] >= 0 && s[j] <= s[j - 1]);
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < n; j++) {
+            double sum = 0;
+            for (int k = 0; k < n; k++) sum += U[i * n + k] * s[k] * V[j * n + k];
+            assert_close(sum, A[i * n + j], tolerance * s[0]);
+        }
+}
+
+static void test_svd(void **state)
+{
+    (void)state;
+    static double A[MAX * MAX], s[MAX];
+    fill(A, 60 * 48, 7);
+    check_svd(A, 60, 48, 1e-14);
+    for (int i = 0; i < 60; i++) A[i * 48 + 5] = A[i * 48 + 9]; /* equal columns */
+    check_svd(A, 60, 48, 1e-14);
+    for (int i = 0; i < 60; i++) A[i * 48 + 7] = 0;
+    check_svd(A, 60, 48, 1e-14);
+    fill(A, 48 * 48, 8);
+    for (int i = 0; i < 48 * 48; i++) A[i] *= pow(10, -(i % 48) * 0.5); /* condition of 1e24 */
+    check_svd(A, 48, 48, 1e-14);
+    for (int i = 0; i < 144; i++) A[i] = hilbert(i / 12, i % 12);
+    check_svd(A, 12, 12, 1e-14);
+    for (int i = 0; i < 144; i++) A[i] = ldexp(hilbert(i / 12, i % 12), 1000);
+    check_svd(A, 12, 12, 1e-14);
+
+    /* Known values: the 5 x 5 Hilbert matrix, and a graded diagonal to full relative accuracy. */
+    for (int i = 0; i < 25; i++) A[i] = hilbert(i / 5, i % 5);
+    assert_int_equal(mukca_dense_svd(A, s, NULL, 5, 5), 0);
+    assert_close(s[0], 1.5670506910982307, 1e-14);
+    assert_close(s[4], 3.2879287721718e-06, 1e-16);
+    double graded[] = {1e-18, 0, 0, 0, 1, 0, 0, 0, 1e-9, 0, 0, 0};
+    assert_int_equal(mukca_dense_svd(graded, s, NULL, 4, 3), 0);
+    assert_close(s[0], 1, 0);
+    assert_close(s[1], 1e-9, 1e-24);
+    assert_close(s[2], 1e-18, 1e-33);
+    double bad[] = {1, NAN, 2, 3}, huge[] = {1, INFINITY, 2, 3};
+    assert_int_equal(mukca_dense_svd(bad, s, NULL, 2, 2), 1);
+    assert_int_equal(mukca_dense_svd(huge, s, NULL, 2, 2), 1);
+}
+
+static void test_eigen(void **state)
+{
+    (void)state;
+    enum { N = 40 };
+    static double A[N * N], w[N], V[N * N];
+    memset(A, 0, sizeof A);
+    for (int i = 0; i < N; i++) {
+        A[i * N + i] = 2;
+        if (i > 0) A[i * N + i - 1] = A[(i - 1) * N + i] = -1;
+    }
+    assert_int_equal(mukca_dense_eigen(w, V, A, N), 0);
+    for (int k = 0; k < N; k++) { /* of the second difference: known in closed form */
+        assert_close(w[k], 2 - 2 * cos((N - k) * M_PI / (N + 1)), 1e-13);
+        for (int i = 0; i < N; i++) {
+            double sum = 2 * V[i * N + k] - (i > 0 ? V[(i - 1) * N + k] : 0) -
+                         (i < N - 1 ? V[(i + 1) * N + k] : 0);
+            assert_close(sum, w[k] * V[i * N + k], 1e-13);
+        }
+    }
+    double indefinite[] = {0, 1, 1, 0}, bad[] = {NAN, 0, 0, 1};
+    assert_int_equal(mukca_dense_eigen(w, NULL, indefinite, 2), 0);
+    assert_close(w[0], 1, 1e-15);
+    assert_close(w[1], -1, 1e-15);
+    assert_int_equal(mukca_dense_eigen(w, NULL, bad, 2), 1);
+}
+
+static void test_lstsq(void **state)
+{
+    (void)state;
+    double work[20], x[4];
+    double wide[] = {1, 1, 1, 1}, b1[] = {8}; /* minimum norm spreads evenly */
+    assert_int_equal(mukca_dense_lstsq(x, wide, b1, 1, 4, 0, work), 1);
+    for (int i = 0; i < 4; i++) assert_close(x[i], 2, 1e-14);
+    double twin[] = {1, 1, 2, 2, 3, 3}, b2[] = {2, 4, 6}; /* equal columns share the answer */
+    assert_int_equal(mukca_dense_lstsq(x, twin, b2, 3, 2, 0, work), 1);
+    assert_close(x[0], 1, 1e-14);
+    assert_close(x[1], 1, 1e-14);
+    double line[] = {1, 0, 1, 1, 1, 2, 1, 3}, b3[] = {1, 2.5, 4.5, 6}; /* by hand: 0.95 + 1.7 t */
+    assert_int_equal(mukca_dense_lstsq(x, line, b3, 4, 2, 0, work), 2);
+    assert_close(x[0], 0.95, 1e-14);
+    assert_close(x[1], 1.7, 1e-14);
+    double bad[] = {1, NAN}, b4[] = {1, 2};
+    assert_int_equal(mukca_dense_lstsq(x, bad, b4, 2, 1, 0, work), -1);
+    double zero[] = {0, 0}, b5[] = {1, 2};
+    assert_int_equal(mukca_dense_lstsq(x, zero, b5, 2, 1, 0, work), 0);
+    assert_close(x[0], 0, 0);
+}
+
+/* R'R = A'A and the residual, however the rows are cut. */
+static void test_absorb(void **state)
+{
+    (void)state;
+    enum { M = 101, N = 13, K = 2, W = N + K };
+    static double rows[M * W], block[M * W], R[N * W], first[N * W];
+    fill(rows, M * W, 9);
+    for (int size = 1; size <= M; size += 10) {
+        double rss[K] = {0};
+        memset(R, 0, sizeof R);
+        for (int r = 0; r < M; r += size) {
+            int m = M - r < size ? M - r : size;
+            memcpy(block, rows + r * W, (size_t)(m * W) * sizeof *block);
+            mukca_dense_qr_absorb(R, rss, block, m, N, K);
+        }
+        for (int i = 0; i < N; i++)
+            for (int j = 0; j < W; j++) {
+                double sum = 0, of_r = 0;
+                for (int r = 0; r < M; r++) sum += rows[r * W + i] * rows[r * W + j];
+                for (int k = 0; k <= i; k++) of_r += R[k * W + i] * R[k * W + j];
+                assert_close(of_r, sum, 1e-11);
+                if (j < i) assert_close(R[i * W + j], 0, 0);
+            }
+        for (int c = 0; c < K; c++) {
+            double sum = rss[c], all = 0;
+            for (int i = 0; i < N; i++) sum += R[i * W + N + c] * R[i * W + N + c];
+            for (int r = 0; r < M; r++) all += rows[r * W + N + c] * rows[r * W + N + c];
+            assert_close(sum, all, 1e-11);
+        }
+        if (size == 1) memcpy(first, R, sizeof R);
+        for (int i = 0; i < N * W; i++) assert_close(fabs(R[i]), fabs(first[i]), 1e-12);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_gram),  cmocka_unit_test(test_cholesky), cmocka_unit_test(test_qr),
+        cmocka_unit_test(test_svd),   cmocka_unit_test(test_eigen),    cmocka_unit_test(test_lstsq),
+        cmocka_unit_test(test_absorb)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

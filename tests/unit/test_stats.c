@@ -1,0 +1,118 @@
+/* Statistics and random numbers against published values. */
+#include <string.h>
+
+#include "close.h"
+#include "math/random.h"
+#include "math/stats.h"
+
+static void test_moments(void **state)
+{
+    (void)state;
+    double x[] = {2, 4, 4, 4, 5, 5, 7, 9}, one[] = {3};
+    assert_close(mukca_stats_mean(x, 8), 5, 1e-15);
+    assert_close(mukca_stats_std(x, 8), sqrt(32.0 / 7), 1e-15);
+    assert_close(mukca_stats_std(one, 1), 0, 0);
+    assert_close(mukca_stats_median(x, 8), 4.5, 0);
+    assert_close(mukca_stats_median(x, 0), 0, 0);
+    double y[] = {9, 1, 5, 3};
+    assert_close(mukca_stats_quantile(y, 4, 0.25), 2.5, 1e-15); /* as numpy.quantile */
+    assert_close(mukca_stats_quantile(y, 4, 1), 9, 0);
+    double bad[] = {1, NAN, 2};
+    assert_true(isnan(mukca_stats_median(bad, 3)));
+}
+
+static void test_tails(void **state)
+{
+    (void)state;
+    double x[] = {-1000, -1000}, y[] = {1000, 0, -HUGE_VAL};
+    assert_close(mukca_stats_log_sum_exp(x, 2), -1000 + log(2), 1e-12);
+    assert_close(mukca_stats_log_sum_exp(y, 3), 1000, 1e-12);
+    assert_true(mukca_stats_log_sum_exp(y, 0) == -HUGE_VAL);
+    /* scipy.stats.norm.logcdf */
+    static const double phi[][2] = {{0, -0.6931471805599453},     {-1, -1.8410216450092636},
+                                    {-5, -15.064998393988727},    {-19.9, -201.91716770733265},
+                                    {-20.5, -214.06672896326387}, {-40, -804.6084420137539},
+                                    {6, -9.86587645524372e-10}};
+    for (size_t i = 0; i < sizeof phi / sizeof *phi; i++)
+        assert_close(mukca_stats_log_normal_cdf(phi[i][0]), phi[i][1], 1e-13 * fabs(phi[i][1]));
+    assert_close(mukca_stats_log_normal_cdf(-19.999999), mukca_stats_log_normal_cdf(-20.000001),
+                 1e-4);
+    /* Quantiles of the tables */
+    assert_close(mukca_stats_chi2_cdf(3.841458820694124, 1), 0.95, 1e-14);
+    assert_close(mukca_stats_chi2_cdf(2 * log(20), 2), 0.95, 1e-14);
+    assert_close(mukca_stats_chi2_cdf(18.307038053275146, 10), 0.95, 1e-13);
+    assert_close(mukca_stats_chi2_cdf(124.34211340400407, 100), 0.95, 1e-12);
+    assert_close(mukca_stats_chi2_cdf(0, 3), 0, 0);
+    assert_close(mukca_stats_chi2_cdf(1e9, 3), 1, 0);
+    assert_true(isnan(mukca_stats_chi2_cdf(NAN, 3)));
+}
+
+static double quartic(void *context, double x)
+{
+    (*(int *)context)++;
+    return pow(x - 0.3, 4) + (x - 0.3) * (x - 0.3) - 2;
+}
+
+static double slope(void *context, double x)
+{
+    (void)context;
+    return x;
+}
+
+static void test_minimize(void **state)
+{
+    (void)state;
+    int calls = 0;
+    double value;
+    assert_close(mukca_stats_minimize(&value, quartic, &calls, -4, 9, 1e-7), 0.3, 1e-7);
+    assert_close(value, -2, 1e-13);
+    assert_true(calls < 40);
+    assert_close(mukca_stats_minimize(NULL, slope, NULL, 1, 2, 1e-6), 1, 2e-6); /* at the edge */
+}
+
+static void test_random(void **state)
+{
+    (void)state;
+    mukca_random random = {.state = {1, 2, 3, 4}}; /* reference output of xoshiro256plusplus.c */
+    assert_true(mukca_random_bits(&random) == 41943041u);
+    assert_true(mukca_random_bits(&random) == 58720359u);
+    assert_true(mukca_random_bits(&random) == 3588806011781223u);
+    assert_true(mukca_random_bits(&random) == 3591011842654386u);
+    mukca_random_seed(&random, 1234567); /* reference output of splitmix64.c */
+    assert_true(random.state[0] == 6457827717110365317u);
+    assert_true(random.state[1] == 3203168211198807973u);
+
+    enum { N = 200000 };
+    double sum = 0, square = 0, fourth = 0, student = 0;
+    int bins[3] = {0};
+    for (int i = 0; i < N; i++) {
+        double z = mukca_random_normal(&random), t = mukca_random_student(&random, 8);
+        double u = mukca_random_uniform(&random);
+        assert_true(u >= 0 && u < 1);
+        sum += z;
+        square += z * z;
+        fourth += z * z * z * z;
+        student += t * t;
+        bins[mukca_random_below(&random, 3)]++;
+    }
+    assert_close(sum / N, 0, 5 / sqrt(N));
+    assert_close(square / N, 1, 5 * sqrt(2.0 / N));
+    assert_close(fourth / N, 3, 5 * sqrt(96.0 / N));
+    assert_close(student / N, 8.0 / 6, 0.03); /* variance dof / (dof - 2) */
+    for (int b = 0; b < 3; b++) assert_close(bins[b], N / 3.0, 5 * sqrt(N * 2.0 / 9));
+}
+
+static void test_nan_fails(void **state)
+{
+    (void)state;
+    assert_false(fabs(NAN - 1) <= 1e9); /* what assert_close rests on */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_moments), cmocka_unit_test(test_tails),
+                                       cmocka_unit_test(test_minimize),
+                                       cmocka_unit_test(test_random),
+                                       cmocka_unit_test(test_nan_fails)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
