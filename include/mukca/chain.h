@@ -63,6 +63,7 @@ typedef struct {
     double axis[MUKCA_MAX_ELEMENTS][3];
     signed char type[MUKCA_MAX_ELEMENTS]; /* mukca_joint_type */
     signed char joint[MUKCA_MAX_ELEMENTS];
+    signed char axis_z[MUKCA_MAX_ELEMENTS]; /* +1, -1: the axis is exactly +z, -z; 0: it is not */
 } mukca_geometry;
 
 /* Names of the six parameters, in order: x y z roll pitch yaw. */
@@ -121,10 +122,11 @@ void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geom
 /* Static moments of the masses for one configuration, N m: `moment[j]` about the origin of joint j
  * in its frame (before it turns) that joint j must hold against gravity, `torque[j]` its part about
  * the axis (force along it for a prismatic joint), `base` the same about the base origin in the
- * base frame.  Any output may be NULL.  `mass_scale` (n_masses factors) and `displacement` may be NULL. */
+ * base frame.  Any output may be NULL.  `mass_scale` (n_masses factors) may be NULL; `payload_kg`
+ * sits at the tip.  Linear in elements and masses. */
 void mukca_chain_moments(double (*moment)[3], double *torque, double base[3],
                          const mukca_chain *chain, const mukca_geometry *geometry, const double *q,
-                         const double *mass_scale);
+                         const double *mass_scale, double payload_kg);
 
 #ifdef __cplusplus
 }

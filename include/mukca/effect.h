@@ -97,7 +97,7 @@ enum { MUKCA_MAX_TERMS = 4, MUKCA_MAX_EFFECTS = 48 };
  *   gear_harmonic       order, 2 .. 400
  *   axis_wobble         order 1 or 2 in the frame before the turn, 11 or 12 in the frame after it,
  *                       100 + k (k = -2, -1, 2, 3) a conical motion, two terms
- *   joint_drift         time constant in s of 1 - exp(-t / T); 0: linear, rad per 1000 s
+ *   joint_drift         time constant T in s of 1 - exp(-t / T); 0: linear, rad per 1000 s
  *   readback_lag        0: along the last move; 1: command minus reading
  * and 0 elsewhere. */
 typedef struct {

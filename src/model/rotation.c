@@ -1,0 +1,157 @@
+/* Rotations and rigid-body transforms. */
+#include "mukca/rotation.h"
+
+#include <math.h>
+
+#define PI 3.14159265358979323846
+
+void mukca_rotation_from_rpy(double R[9], const double rpy[3])
+{
+    const double cr = cos(rpy[0]), sr = sin(rpy[0]);
+    const double cp = cos(rpy[1]), sp = sin(rpy[1]);
+    const double cy = cos(rpy[2]), sy = sin(rpy[2]);
+    R[0] = cy * cp, R[1] = cy * sp * sr - sy * cr, R[2] = cy * sp * cr + sy * sr;
+    R[3] = sy * cp, R[4] = sy * sp * sr + cy * cr, R[5] = sy * sp * cr - cy * sr;
+    R[6] = -sp, R[7] = cp * sr, R[8] = cp * cr;
+}
+
+void mukca_rotation_from_rpy_derivative(double dR[3][9], const double rpy[3])
+{
+    const double cr = cos(rpy[0]), sr = sin(rpy[0]);
+    const double cp = cos(rpy[1]), sp = sin(rpy[1]);
+    const double cy = cos(rpy[2]), sy = sin(rpy[2]);
+    const double roll[9] = {0,
+                            cy * sp * cr + sy * sr,
+                            -cy * sp * sr + sy * cr,
+                            0,
+                            sy * sp * cr - cy * sr,
+                            -sy * sp * sr - cy * cr,
+                            0,
+                            cp * cr,
+                            -cp * sr};
+    const double pitch[9] = {-cy * sp,     cy * cp * sr, cy * cp * cr, -sy * sp, sy * cp * sr,
+                             sy * cp * cr, -cp,          -sp * sr,     -sp * cr};
+    const double yaw[9] = {-sy * cp,
+                           -sy * sp * sr - cy * cr,
+                           -sy * sp * cr + cy * sr,
+                           cy * cp,
+                           cy * sp * sr - sy * cr,
+                           cy * sp * cr + sy * sr,
+                           0,
+                           0,
+                           0};
+    for (int i = 0; i < 9; i++) dR[0][i] = roll[i], dR[1][i] = pitch[i], dR[2][i] = yaw[i];
+}
+
+/* `angle` shifted by whole turns to lie nearest to `near`. */
+static double unwrap(double angle, double near)
+{
+    return angle + 2 * PI * round((near - angle) / (2 * PI));
+}
+
+static double triple_distance(const double a[3], const double b[3])
+{
+    return fabs(a[0] - b[0]) + fabs(a[1] - b[1]) + fabs(a[2] - b[2]);
+}
+
+void mukca_rotation_to_rpy(double rpy[3], const double R[9], const double near[3])
+{
+    const double cp = hypot(R[0], R[3]);
+    rpy[1] = atan2(-R[6], cp);
+    if (cp > 1e-9) {
+        rpy[0] = atan2(R[7], R[8]);
+        rpy[2] = atan2(R[3], R[0]);
+        if (near) {
+            double other[3] = {unwrap(rpy[0] + PI, near[0]), unwrap(PI - rpy[1], near[1]),
+                               unwrap(rpy[2] + PI, near[2])};
+            for (int i = 0; i < 3; i++) rpy[i] = unwrap(rpy[i], near[i]);
+            if (triple_distance(other, near) < triple_distance(rpy, near))
+                for (int i = 0; i < 3; i++) rpy[i] = other[i];
+        }
+        return;
+    }
+    /* Gimbal lock: only yaw - roll (pitch +90) or yaw + roll (pitch -90) is seen. */
+    const double sum = atan2(-R[1], R[4]); /* yaw of the rotation with roll = 0 */
+    rpy[0] = near ? near[0] : 0;
+    rpy[2] = R[6] < 0 ? sum + rpy[0] : sum - rpy[0];
+    if (near) rpy[2] = unwrap(rpy[2], near[2]);
+}
+
+void mukca_rotation_exp(double R[9], const double w[3])
+{
+    const double t2 = mukca_dot3(w, w), t = sqrt(t2);
+    double a, b; /* sin t / t, (1 - cos t) / t^2 */
+    if (t < 1e-4) {
+        a = 1 - t2 / 6, b = 0.5 - t2 / 24;
+    } else {
+        const double half = sin(0.5 * t);
+        a = sin(t) / t, b = 2 * half * half / t2;
+    }
+    const double c = 1 - b * t2;
+    R[0] = c + b * w[0] * w[0], R[4] = c + b * w[1] * w[1], R[8] = c + b * w[2] * w[2];
+    R[1] = b * w[0] * w[1] - a * w[2], R[3] = b * w[0] * w[1] + a * w[2];
+    R[2] = b * w[0] * w[2] + a * w[1], R[6] = b * w[0] * w[2] - a * w[1];
+    R[5] = b * w[1] * w[2] - a * w[0], R[7] = b * w[1] * w[2] + a * w[0];
+}
+
+void mukca_rotation_log(double w[3], const double R[9])
+{
+    double q[4];
+    mukca_rotation_to_quaternion(q, R);
+    const double s = sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    const double scale = s < 1e-12 ? 2 : 2 * atan2(s, q[0]) / s;
+    for (int i = 0; i < 3; i++) w[i] = scale * q[1 + i];
+}
+
+void mukca_rotation_about(double R[9], const double axis[3], double angle)
+{
+    const double w[3] = {axis[0] * angle, axis[1] * angle, axis[2] * angle};
+    mukca_rotation_exp(R, w);
+}
+
+void mukca_rotation_to_quaternion(double q[4], const double R[9])
+{
+    /* The largest of the four squares is at least 1/4: no cancellation (Shepperd 1978). */
+    const double square[4] = {1 + R[0] + R[4] + R[8], 1 + R[0] - R[4] - R[8],
+                              1 - R[0] + R[4] - R[8], 1 - R[0] - R[4] + R[8]};
+    int k = 0;
+    for (int i = 1; i < 4; i++)
+        if (square[i] > square[k]) k = i;
+    const double r = sqrt(square[k]), s = 0.5 / r;
+    const double d[3] = {R[7] - R[5], R[2] - R[6], R[3] - R[1]};
+    const double xy = R[1] + R[3], xz = R[2] + R[6], yz = R[5] + R[7];
+    const double rows[4][4] = {{0.5 * r, d[0] * s, d[1] * s, d[2] * s},
+                               {d[0] * s, 0.5 * r, xy * s, xz * s},
+                               {d[1] * s, xy * s, 0.5 * r, yz * s},
+                               {d[2] * s, xz * s, yz * s, 0.5 * r}};
+    const double sign = rows[k][0] < 0 ? -1 : 1;
+    for (int i = 0; i < 4; i++) q[i] = sign * rows[k][i];
+}
+
+void mukca_rotation_from_quaternion(double R[9], const double q[4])
+{
+    const double n2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const double s = n2 > 0 ? 2 / n2 : 0;
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    R[0] = 1 - s * (y * y + z * z), R[1] = s * (x * y - w * z), R[2] = s * (x * z + w * y);
+    R[3] = s * (x * y + w * z), R[4] = 1 - s * (x * x + z * z), R[5] = s * (y * z - w * x);
+    R[6] = s * (x * z - w * y), R[7] = s * (y * z + w * x), R[8] = 1 - s * (x * x + y * y);
+}
+
+void mukca_rotation_transverse(double e1[3], double e2[3], const double axis[3])
+{
+    /* Duff et al., "Building an orthonormal basis, revisited", JCGT 6 (2017). */
+    const double sign = copysign(1.0, axis[2]);
+    const double a = -1.0 / (sign + axis[2]), b = axis[0] * axis[1] * a;
+    e1[0] = 1 + sign * axis[0] * axis[0] * a, e1[1] = sign * b, e1[2] = -sign * axis[0];
+    e2[0] = b, e2[1] = sign + axis[1] * axis[1] * a, e2[2] = -axis[1];
+}
+
+void mukca_frame_multiply(mukca_frame *C, const mukca_frame *A, const mukca_frame *B)
+{
+    mukca_frame out;
+    mukca_mat3_mul(out.R, A->R, B->R);
+    mukca_mat3_vec(out.p, A->R, B->p);
+    for (int i = 0; i < 3; i++) out.p[i] += A->p[i];
+    *C = out;
+}

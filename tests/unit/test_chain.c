@@ -1,0 +1,250 @@
+/* Rotations, forward kinematics, Jacobians and gravity moments against each other and against
+ * numerical differentiation. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "mukca/chain.h"
+#include "mukca/effect.h"
+
+#define assert_close(a, b, tol) assert_true(!!(fabs((double)(a) - (double)(b)) <= (tol)))
+#define PI 3.14159265358979323846
+
+static unsigned seed = 12345;
+static double uniform(double lo, double hi)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return lo + (hi - lo) * (seed >> 8) / 16777216.0;
+}
+
+/* Random chain of n joints with arbitrary axes, a prismatic one and a fixed element inside. */
+static void random_chain(mukca_chain *chain, int n)
+{
+    memset(chain, 0, sizeof *chain);
+    chain->gravity[2] = -9.80665;
+    for (int k = 0; k < n + 2; k++) {
+        mukca_element *e = &chain->element[k];
+        const int fixed = k == 2 || k == n + 1;
+        e->name[0] = (char)('a' + k);
+        e->type = fixed ? MUKCA_FIXED : k == 4 ? MUKCA_PRISMATIC : MUKCA_REVOLUTE;
+        e->joint = fixed ? -1 : chain->n_joints;
+        if (!fixed) chain->joint_element[chain->n_joints++] = k;
+        double norm = 0;
+        for (int i = 0; i < 3; i++) {
+            e->xyz[i] = uniform(-0.4, 0.4);
+            e->rpy[i] = uniform(-3, 3);
+            e->axis[i] = k % 2 ? uniform(-1, 1) : i == 2 ? (k % 4 ? -1.0 : 1.0) : 0;
+            norm += e->axis[i] * e->axis[i];
+        }
+        for (int i = 0; i < 3; i++) e->axis[i] /= sqrt(norm);
+        chain->mass[k] = (mukca_mass){k, uniform(0.5, 4), {0.1, uniform(-0.1, 0.1), -0.05}};
+    }
+    chain->n_elements = chain->n_masses = n + 2;
+}
+
+static void rotations(void **state)
+{
+    (void)state;
+    const double angle[] = {0, 1e-12, 1e-5, 0.3, PI / 2, 3, PI - 1e-9, PI};
+    for (size_t i = 0; i < sizeof angle / sizeof *angle; i++)
+        for (int trial = 0; trial < 20; trial++) {
+            double axis[3] = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+            const double norm = sqrt(mukca_dot3(axis, axis));
+            for (int a = 0; a < 3; a++) axis[a] /= norm;
+            double R[9], Q[9], w[3], q[4], e1[3], e2[3], cross[3];
+            mukca_rotation_about(R, axis, angle[i]);
+            mukca_rotation_log(w, R);
+            mukca_rotation_exp(Q, w);
+            for (int a = 0; a < 9; a++) assert_close(R[a], Q[a], 1e-14);
+            assert_close(sqrt(mukca_dot3(w, w)), angle[i], 1e-14);
+            mukca_rotation_to_quaternion(q, R);
+            mukca_rotation_from_quaternion(Q, q);
+            for (int a = 0; a < 9; a++) assert_close(R[a], Q[a], 1e-14);
+            mukca_rotation_transverse(e1, e2, axis);
+            mukca_cross(cross, e1, e2);
+            for (int a = 0; a < 3; a++) assert_close(cross[a], axis[a], 1e-14);
+        }
+    const double pitch[] = {0.1, -1.2, PI / 2, -PI / 2, PI / 2 - 1e-7, 2.5};
+    for (size_t i = 0; i < sizeof pitch / sizeof *pitch; i++) {
+        const double rpy[3] = {0.4, pitch[i], -2.2};
+        double R[9], Q[9], back[3];
+        mukca_rotation_from_rpy(R, rpy);
+        mukca_rotation_to_rpy(back, R, rpy);
+        mukca_rotation_from_rpy(Q, back);
+        for (int a = 0; a < 9; a++) assert_close(R[a], Q[a], 1e-9);
+        for (int a = 0; a < 3; a++) assert_close(back[a], rpy[a], 1e-6);
+        double dR[3][9];
+        mukca_rotation_from_rpy_derivative(dR, rpy);
+        for (int p = 0; p < 3; p++) {
+            double up[3], down[3], A[9], B[9];
+            memcpy(up, rpy, sizeof up);
+            memcpy(down, rpy, sizeof down);
+            up[p] += 1e-6, down[p] -= 1e-6;
+            mukca_rotation_from_rpy(A, up);
+            mukca_rotation_from_rpy(B, down);
+            for (int a = 0; a < 9; a++) assert_close(dR[p][a], (A[a] - B[a]) / 2e-6, 1e-9);
+        }
+    }
+}
+
+static void kinematics(void **state)
+{
+    (void)state;
+    mukca_chain chain;
+    mukca_geometry geometry;
+    random_chain(&chain, 7);
+    double theta[6 * MUKCA_MAX_ELEMENTS], q[40][7], many[40][3];
+    mukca_chain_theta(theta, &chain);
+    mukca_geometry_set(&geometry, &chain, NULL);
+    for (int r = 0; r < 37; r++)
+        for (int j = 0; j < 7; j++) q[r][j] = uniform(-4, 4);
+    q[36][3] = 3e6; /* beyond the fast reduction */
+    mukca_fk_positions(&many[0][0], &geometry, &q[0][0], 37);
+    for (int r = 0; r < 37; r++) {
+        mukca_displacement d = {.any_rotation = true};
+        mukca_frame tip;
+        double p[3], J[6 * 7], P[3 * 6 * MUKCA_MAX_ELEMENTS], again[3];
+        mukca_fk_position(p, &geometry, q[r], NULL);
+        mukca_fk_pose(&tip, &geometry, q[r], NULL);
+        for (int i = 0; i < 3; i++) assert_close(p[i], tip.p[i], 5e-14);
+        for (int i = 0; i < 3; i++) assert_close(p[i], many[r][i], r == 36 ? 1e-12 : 5e-14);
+
+        for (int j = 0; j < 7; j++) {
+            d.q[j] = uniform(-1e-2, 1e-2);
+            for (int i = 0; i < 3; i++) d.rotation[j][i] = uniform(-1e-2, 1e-2);
+        }
+        for (int i = 0; i < 3; i++) d.base[i] = uniform(-0.1, 0.1), d.tip[i] = uniform(-0.1, 0.1);
+        mukca_fk_position(p, &geometry, q[r], &d);
+        mukca_fk_jacobian(J, &tip, &geometry, q[r], &d);
+        for (int i = 0; i < 3; i++) assert_close(p[i], tip.p[i], 5e-14);
+        if (r < 36)
+            for (int j = 0; j < 7; j++) {
+                double a[7], up[3], down[3];
+                memcpy(a, q[r], sizeof a);
+                a[j] += 1e-5;
+                mukca_fk_position(up, &geometry, a, &d);
+                a[j] -= 2e-5;
+                mukca_fk_position(down, &geometry, a, &d);
+                for (int i = 0; i < 3; i++)
+                    assert_close(J[i * 7 + j], (up[i] - down[i]) / 2e-5, 1e-9);
+            }
+        mukca_fk_parameter_jacobian(P, again, &geometry, theta, q[r]);
+        mukca_fk_position(p, &geometry, q[r], NULL);
+        for (int i = 0; i < 3; i++) assert_close(p[i], again[i], 1e-13);
+        for (int t = 0; t < 6 * chain.n_elements; t++) {
+            double moved[6 * MUKCA_MAX_ELEMENTS], up[3], down[3];
+            mukca_geometry g;
+            memcpy(moved, theta, sizeof moved);
+            moved[t] += 1e-6;
+            mukca_geometry_set(&g, &chain, moved);
+            mukca_fk_position(up, &g, q[r], NULL);
+            moved[t] -= 2e-6;
+            mukca_geometry_set(&g, &chain, moved);
+            mukca_fk_position(down, &g, q[r], NULL);
+            for (int i = 0; i < 3; i++)
+                assert_close(P[i * 6 * chain.n_elements + t], (up[i] - down[i]) / 2e-6, 1e-8);
+        }
+    }
+    double nan_q[7] = {0, 0, NAN, 0, 0, 0, 0}, p[3];
+    mukca_fk_positions(p, &geometry, nan_q, 1);
+    assert_true(isnan(p[0]));
+}
+
+/* Potential energy of the masses, from the frames alone. */
+static double energy(const mukca_chain *chain, const mukca_geometry *geometry, const double *q,
+                     const mukca_displacement *d)
+{
+    double sum = 0;
+    for (int m = 0; m < chain->n_masses; m++) {
+        mukca_geometry part = *geometry;
+        mukca_frame frame;
+        double x[3];
+        part.n_elements = chain->mass[m].element + 1;
+        mukca_fk_pose(&frame, &part, q, d);
+        mukca_mat3_vec(x, frame.R, chain->mass[m].com);
+        for (int i = 0; i < 3; i++)
+            sum -= chain->mass[m].kg * chain->gravity[i] * (x[i] + frame.p[i]);
+    }
+    return sum;
+}
+
+static void moments(void **state)
+{
+    (void)state;
+    mukca_chain chain;
+    mukca_geometry geometry;
+    random_chain(&chain, 7);
+    mukca_geometry_set(&geometry, &chain, NULL);
+    for (int trial = 0; trial < 10; trial++) {
+        double q[7], moment[7][3], torque[7], base[3];
+        const double h = 1e-5;
+        for (int j = 0; j < 7; j++) q[j] = uniform(-3, 3);
+        mukca_chain_moments(moment, torque, base, &chain, &geometry, q, NULL, 0);
+        for (int j = 0; j < 7; j++) {
+            mukca_displacement d = {.any_rotation = true};
+            d.q[j] = h;
+            double up = energy(&chain, &geometry, q, &d);
+            d.q[j] = -h;
+            assert_close(torque[j], (up - energy(&chain, &geometry, q, &d)) / (2 * h), 1e-6);
+            for (int i = 0; i < 3; i++) {
+                memset(&d, 0, sizeof d);
+                d.any_rotation = true;
+                d.rotation[j][i] = h;
+                up = energy(&chain, &geometry, q, &d);
+                d.rotation[j][i] = -h;
+                assert_close(moment[j][i], (up - energy(&chain, &geometry, q, &d)) / (2 * h), 1e-6);
+            }
+        }
+        for (int i = 0; i < 3; i++) {
+            mukca_displacement d = {.any_rotation = true};
+            d.base[i] = h;
+            const double up = energy(&chain, &geometry, q, &d);
+            d.base[i] = -h;
+            assert_close(base[i], (up - energy(&chain, &geometry, q, &d)) / (2 * h), 1e-6);
+        }
+    }
+}
+
+static void effect_terms(void **state)
+{
+    (void)state;
+    const int variant[MUKCA_EFFECT_COUNT][4] = {[MUKCA_EFFECT_BACKLASH] = {300, 1000, 3000, 1000},
+                                                [MUKCA_EFFECT_JOINT_COUPLING] = {-1, 1, 1, 1},
+                                                [MUKCA_EFFECT_GEAR_HARMONIC] = {2, 240, 400, 7},
+                                                [MUKCA_EFFECT_AXIS_WOBBLE] = {1, 12, 98, 103},
+                                                [MUKCA_EFFECT_JOINT_DRIFT] = {0, 300, 1000, 3000},
+                                                [MUKCA_EFFECT_READBACK_LAG] = {0, 1, 0, 1}};
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
+        assert_int_equal(mukca_effect_find(mukca_effect_table[kind].name), kind);
+        for (int v = 0; v < 4; v++) {
+            mukca_effect e = {
+                .kind = (mukca_effect_kind)kind, .variant = variant[kind][v], .placement = -1};
+            if (mukca_effect_table[kind].needs & MUKCA_NEEDS_PLACEMENTS) e.placement = v;
+            e.terms = mukca_effect_terms(e.kind, e.variant);
+            for (int t = 0; t < e.terms; t++) {
+                char text[48];
+                mukca_effect back = {.kind = e.kind};
+                mukca_effect_term_text(text, &e, t);
+                if (mukca_effect_table[kind].site == MUKCA_SITE_SOCKET) continue;
+                assert_int_equal(mukca_effect_term_parse(&back, text), t);
+                assert_int_equal(back.variant, e.variant);
+                assert_int_equal(back.placement, e.placement);
+                strcat(text, "?");
+                assert_int_equal(mukca_effect_term_parse(&back, text), -1);
+            }
+        }
+    }
+    assert_int_equal(mukca_effect_find("no_such_effect"), -1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(rotations), cmocka_unit_test(kinematics),
+                                       cmocka_unit_test(moments), cmocka_unit_test(effect_terms)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
