@@ -1,0 +1,147 @@
+/* Inverse kinematics: every pose that an arm can take is found again, limits hold, effects count.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "math/random.h"
+#include "study/inverse.h"
+
+/* A 7-axis arm with offset elbow and wrist, limits of 2.5 rad. */
+static void make_arm(mukca_chain *chain, mukca_geometry *geometry)
+{
+    static const double origin[8][6] = {
+        {0, 0, 0.3, 0, 0, 0},       {0, 0, 0, -M_PI_2, 0, 0},        {0, -0.37, 0, M_PI_2, 0, 0},
+        {0.04, 0, 0, M_PI_2, 0, 0}, {-0.04, 0.35, 0, -M_PI_2, 0, 0}, {0, 0, 0, M_PI_2, 0, 0},
+        {0.06, 0, 0, M_PI_2, 0, 0}, {0.06, 0, 0.16, 0, 0, 0}};
+    memset(chain, 0, sizeof *chain);
+    chain->n_elements = 8;
+    chain->n_joints = 7;
+    for (int k = 0; k < 8; k++) {
+        mukca_element *e = &chain->element[k];
+        e->type = k < 7 ? MUKCA_REVOLUTE : MUKCA_FIXED;
+        e->joint = k < 7 ? k : -1;
+        e->axis[2] = 1;
+        e->lower = -2.5;
+        e->upper = 2.5;
+        memcpy(e->xyz, origin[k], sizeof e->xyz);
+        memcpy(e->rpy, origin[k] + 3, sizeof e->rpy);
+        if (k < 7) chain->joint_element[k] = k;
+    }
+    mukca_geometry_set(geometry, chain, NULL);
+}
+
+static void test_positions_and_poses(void **state)
+{
+    (void)state;
+    mukca_chain chain;
+    mukca_geometry geometry;
+    mukca_random random;
+    int positions = 0, poses = 0;
+    make_arm(&chain, &geometry);
+    mukca_random_seed(&random, 11);
+    for (int i = 0; i < 200; i++) {
+        const bool pose = i % 2;
+        double truth[7], q[7], error = 0;
+        mukca_frame target, reached;
+        for (int j = 0; j < 7; j++) {
+            truth[j] = 2.3 * (2 * mukca_random_uniform(&random) - 1);
+            q[j] = fmax(-2.5, fmin(2.5, truth[j] + 0.3 * mukca_random_normal(&random)));
+        }
+        mukca_fk_pose(&target, &geometry, truth, NULL);
+        mukca_inverse_result r = mukca_inverse_solve(q, &chain, &geometry, &target, pose, NULL);
+        mukca_fk_pose(&reached, &geometry, q, NULL);
+        for (int k = 0; k < 3; k++) error += pow(reached.p[k] - target.p[k], 2);
+        for (int k = 0; k < 9 && pose; k++) error += pow(reached.R[k] - target.R[k], 2);
+        for (int j = 0; j < 7; j++) assert_true(q[j] >= -2.5 && q[j] <= 2.5);
+        /* what it says is what forward kinematics finds */
+        if (r.reached) assert_false(!(sqrt(error) <= 1e-8));
+        if (!r.reached) assert_true(sqrt(error) > 1e-9);
+        if (pose)
+            poses += r.reached;
+        else
+            positions += r.reached;
+    }
+    assert_in_range(positions, 99, 100);
+    assert_in_range(poses, 90, 100);
+}
+
+static void test_out_of_reach(void **state)
+{
+    (void)state;
+    mukca_chain chain;
+    mukca_geometry geometry;
+    make_arm(&chain, &geometry);
+    const mukca_frame target = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {3, 0, 0.3}};
+    double q[7] = {0.1, 0.5, 0.1, -1, 0.1, 1, 0.1};
+    mukca_inverse_result r = mukca_inverse_solve(q, &chain, &geometry, &target, false, NULL);
+    assert_false(r.reached);
+    /* stretched towards it: 3 m less a reach below 1 m */
+    assert_true(r.position_error > 2.0 && r.position_error < 2.2);
+}
+
+static void test_posture(void **state)
+{
+    (void)state;
+    mukca_chain chain;
+    mukca_geometry geometry;
+    make_arm(&chain, &geometry);
+    const double truth[7] = {0.4, 0.6, -0.3, -1.4, 0.2, 1.2, 0.5};
+    const double posture[7] = {0.8, 0.6, -0.7, -1.4, 0.2, 1.2, 0.5};
+    double q[7], near = 0, after = 0;
+    mukca_frame target;
+    mukca_fk_pose(&target, &geometry, truth, NULL);
+    memcpy(q, truth, sizeof q);
+    mukca_inverse_options options = {.posture = posture};
+    assert_true(mukca_inverse_solve(q, &chain, &geometry, &target, false, &options).reached);
+    for (int j = 0; j < 7; j++) after += pow(q[j] - posture[j], 2);
+    assert_true(after < 0.16 + 0.16);
+    /* No neighbour that also reaches the target is nearer to the posture by more than a little. */
+    mukca_random random;
+    mukca_random_seed(&random, 5);
+    for (int i = 0; i < 100; i++) {
+        double other[7];
+        for (int j = 0; j < 7; j++) other[j] = q[j] + 0.05 * mukca_random_normal(&random);
+        assert_true(mukca_inverse_solve(other, &chain, &geometry, &target, false, NULL).reached);
+        near = 0;
+        for (int j = 0; j < 7; j++) near += pow(other[j] - posture[j], 2);
+        assert_true(near > 0.999 * after);
+    }
+}
+
+static void sag(mukca_displacement *displacement, const double *q, void *context)
+{
+    displacement->q[1] += *(double *)context * sin(q[1]);
+}
+
+static void test_effects(void **state)
+{
+    (void)state;
+    mukca_chain chain;
+    mukca_geometry geometry;
+    make_arm(&chain, &geometry);
+    double q[7] = {0.4, 0.6, -0.3, -1.4, 0.2, 1.2, 0.5}, factor = 2e-3, position[3];
+    mukca_frame target;
+    mukca_fk_pose(&target, &geometry, q, NULL);
+    mukca_inverse_options options = {.displace = sag, .context = &factor};
+    assert_true(mukca_inverse_solve(q, &chain, &geometry, &target, true, &options).reached);
+    q[1] += factor * sin(q[1]);
+    mukca_fk_position(position, &geometry, q, NULL);
+    for (int k = 0; k < 3; k++) assert_false(!(fabs(position[k] - target.p[k]) <= 2e-9));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_positions_and_poses),
+        cmocka_unit_test(test_out_of_reach),
+        cmocka_unit_test(test_posture),
+        cmocka_unit_test(test_effects),
+    };
+    return cmocka_run_group_tests_name("inverse", tests, NULL, NULL);
+}
