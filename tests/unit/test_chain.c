@@ -103,7 +103,7 @@ static void kinematics(void **state)
     mukca_geometry_set(&geometry, &chain, NULL);
     for (int r = 0; r < 37; r++)
         for (int j = 0; j < 7; j++) q[r][j] = uniform(-4, 4);
-    q[36][3] = 3e6; /* beyond the fast reduction */
+    q[36][4] = 3e6; /* beyond the fast reduction */
     mukca_fk_positions(&many[0][0], &geometry, &q[0][0], 37);
     for (int r = 0; r < 37; r++) {
         mukca_displacement d = {.any_rotation = true};
