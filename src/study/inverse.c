@@ -16,9 +16,9 @@ enum { TASK = 6, DEFAULT_STEPS = 100 };
 /* Rotation errors count as if on a lever of this length (m), so that metres and radians add up. */
 static const double lever = 0.3;
 
-/* With a posture the task error may rise on the way, up to this (m), for the first half of steps.
- */
-static const double detour = 1e-3;
+/* The first half of the steps draws to the posture, where one is given; the task error may rise up
+ * to this (m) on that way.  The other half brings the tip home. */
+static const double detour = 0.05;
 
 typedef struct {
     const mukca_chain *chain;
@@ -60,11 +60,12 @@ static void look(point *at, const problem *p)
     at->size = hypot(at->position_error, lever * at->rotation_error);
 }
 
-/* One step dq[n] from a point, joints with fixed[j] left out. */
-static void step(double *dq, const point *at, const bool *fixed, double damping, const problem *p)
+/* One step dq[n] from a point, joints with fixed[j] left out; `posture` may be NULL. */
+static void step(double *dq, const point *at, const bool *fixed, const double *posture,
+                 double damping, const problem *p)
 {
     const int n = p->chain->n_joints, m = p->rows;
-    const double *J = at->J, *posture = p->options->posture;
+    const double *J = at->J;
     const double gain = p->options->posture_gain > 0 ? p->options->posture_gain : 0.2;
     double A[TASK * TASK], y[TASK], pull[MUKCA_MAX_JOINTS] = {0}, trace = 0, largest = 0;
     for (int j = 0; j < n; j++)
@@ -138,7 +139,7 @@ mukca_inverse_result mukca_inverse_solve(double *q, const mukca_chain *chain,
         if (done && !wander) break;
         bool fixed[MUKCA_MAX_JOINTS] = {false};
         do {
-            step(dq, &here, fixed, damping, &p);
+            step(dq, &here, fixed, wander ? p.options->posture : NULL, damping, &p);
         } while (advance(next.q, fixed, here.q, dq, &p));
         look(&next, &p);
         if (next.size < here.size || (wander && next.size < detour)) {
