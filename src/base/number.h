@@ -1,0 +1,14 @@
+/* Numbers from text: decimal, finite, the whole text, a point whatever the locale. */
+#ifndef MUKCA_BASE_NUMBER_H
+#define MUKCA_BASE_NUMBER_H
+
+#include <stdbool.h>
+
+/* True where all of `text` is one finite decimal number ("-1.5e-3"); hexadecimal, nan, inf, spaces
+ * and decimal commas are none. */
+bool mukca_number_parse(double *value, const char *text);
+
+/* Exactly n numbers parted by spaces, tabs or newlines, as in `xyz="0 0 1"`. */
+bool mukca_number_parse_list(double *values, int n, const char *text);
+
+#endif

@@ -1,0 +1,258 @@
+/* Tables of text, read row by row. */
+#include "io/table.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/number.h"
+
+enum { LONGEST_LINE = 1 << 20, MOST_COLUMNS = 4096, MOST_COMMENTS = 1 << 16 };
+
+const char *mukca_table_short_path(const char *path)
+{
+    size_t length = strlen(path);
+    return length > 100 ? path + length - 100 : path;
+}
+
+mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
+                              const char *format, ...)
+{
+    char text[200], where[80] = "";
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (column >= 0 && table->header)
+        snprintf(where, sizeof where, " column '%.40s':", table->header[column]);
+    else if (column >= 0)
+        snprintf(where, sizeof where, " column %d:", column + 1);
+    return mukca_fail(error, MUKCA_INPUT, "%s:%d:%s %s", mukca_table_short_path(table->path),
+                      table->line, where, text);
+}
+
+static mukca_status out_of_memory(mukca_error *error)
+{
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory while reading a table");
+}
+
+/* Read one line without its end into table->buffer; *more is false at the end of the file. */
+static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
+{
+    size_t length = 0;
+    *more = false;
+    errno = 0;
+    for (;;) {
+        if (t->capacity < length + 512) {
+            size_t capacity = t->capacity ? 2 * t->capacity : 1024;
+            char *buffer = realloc(t->buffer, capacity);
+            if (!buffer) return out_of_memory(error);
+            t->buffer = buffer;
+            t->capacity = capacity;
+        }
+        if (!fgets(t->buffer + length, (int)(t->capacity - length), t->stream)) break;
+        size_t got = strlen(t->buffer + length);
+        *more = true;
+        length += got;
+        if (got == 0) break; /* the line begins with a NUL */
+        if (t->buffer[length - 1] == '\n') break;
+        if (length >= LONGEST_LINE) {
+            t->line++;
+            return mukca_table_fail(error, t, -1, "the line is longer than a table's may be");
+        }
+        if (length + 1 < t->capacity && !feof(t->stream)) break; /* a NUL cut it short */
+    }
+    if (ferror(t->stream))
+        return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s",
+                          mukca_table_short_path(t->path), strerror(errno));
+    if (!*more) return MUKCA_OK;
+    t->line++;
+    t->cut_off = feof(t->stream) != 0;
+    if (!t->cut_off && (length == 0 || t->buffer[length - 1] != '\n'))
+        return mukca_table_fail(error, t, -1, "holds a zero byte; this is no text file");
+    while (length && (t->buffer[length - 1] == '\n' || t->buffer[length - 1] == '\r')) length--;
+    t->buffer[length] = '\0';
+    if (t->line == 1 && memcmp(t->buffer, "\xEF\xBB\xBF", length < 3 ? length : 3) == 0 &&
+        length >= 3)
+        memmove(t->buffer, t->buffer + 3, length - 2);
+    return MUKCA_OK;
+}
+
+static mukca_status keep_comment(mukca_table *t, mukca_error *error)
+{
+    size_t length = strlen(t->buffer);
+    if (t->comments_length + length + 2 > MOST_COMMENTS) return MUKCA_OK;
+    char *comments = realloc(t->comments, t->comments_length + length + 2);
+    if (!comments) return out_of_memory(error);
+    t->comments = comments;
+    memcpy(comments + t->comments_length, t->buffer, length);
+    comments[t->comments_length + length] = '\n';
+    comments[t->comments_length + length + 1] = '\0';
+    t->comments_length += length + 1;
+    return MUKCA_OK;
+}
+
+/* The next line that is neither blank nor a comment. */
+static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
+{
+    for (;;) {
+        mukca_status status = read_line(t, more, error);
+        if (status || !*more) return status;
+        const char *text = t->buffer + strspn(t->buffer, " \t\r");
+        if (*text == '#' && !t->cell) status = keep_comment(t, error);
+        if (status) return status;
+        if (*text && *text != '#') return MUKCA_OK;
+    }
+}
+
+/* Trim in place; returns the start. */
+static char *trim(char *cell)
+{
+    cell += strspn(cell, " \t\r");
+    size_t length = strlen(cell);
+    while (length && strchr(" \t\r", cell[length - 1])) cell[--length] = '\0';
+    if (length >= 2 && cell[0] == '"' && cell[length - 1] == '"') {
+        cell[length - 1] = '\0';
+        cell++;
+    }
+    return cell;
+}
+
+static int count_cells(const char *line, char delimiter)
+{
+    int n = 1;
+    for (; *line; line++) n += *line == delimiter;
+    return n;
+}
+
+/* Split `line` in place into exactly n cells; false where there are more or fewer. */
+static bool split(char **cells, int n, char *line, char delimiter)
+{
+    if (count_cells(line, delimiter) != n) return false;
+    for (int i = 0; i < n; i++) {
+        char *end = strchr(line, delimiter);
+        if (end) *end = '\0';
+        cells[i] = trim(line);
+        line = end ? end + 1 : line;
+    }
+    return true;
+}
+
+/* The first content line decides on delimiter and width. */
+static mukca_status set_shape(mukca_table *t, mukca_error *error)
+{
+    const char *line = t->buffer;
+    t->delimiter = strchr(line, '\t') ? '\t' : ',';
+    if (t->delimiter == ',' && !strchr(line, ',') && strchr(line, ';'))
+        return mukca_table_fail(
+            error, t, -1, "columns are parted by ';': use tabs, or commas with decimal points");
+    t->n_columns = count_cells(line, t->delimiter);
+    if (t->n_columns > MOST_COLUMNS)
+        return mukca_table_fail(error, t, -1, "has %d columns, more than any table here",
+                                t->n_columns);
+    t->cell = calloc((size_t)t->n_columns, sizeof *t->cell);
+    return t->cell ? MUKCA_OK : out_of_memory(error);
+}
+
+static mukca_status read_header(mukca_table *t, mukca_error *error)
+{
+    bool more;
+    mukca_status status = read_content(t, &more, error);
+    if (status) return status;
+    if (!more)
+        return mukca_fail(error, MUKCA_INPUT, "%s: is empty; expected a header and rows",
+                          mukca_table_short_path(t->path));
+    status = set_shape(t, error);
+    if (status) return status;
+    t->header = calloc((size_t)t->n_columns, sizeof *t->header);
+    t->header_buffer = strdup(t->buffer);
+    if (!t->header || !t->header_buffer) return out_of_memory(error);
+    split(t->header, t->n_columns, t->header_buffer, t->delimiter);
+    int numbers = 0;
+    for (int i = 0; i < t->n_columns; i++) {
+        double value;
+        numbers += mukca_number_parse(&value, t->header[i]);
+        for (int k = 0; k < i && t->header[i][0]; k++)
+            if (strcmp(t->header[i], t->header[k]) == 0)
+                return mukca_table_fail(error, t, -1, "column '%.40s' comes twice", t->header[i]);
+    }
+    if (numbers == t->n_columns)
+        return mukca_table_fail(
+            error, t, -1, "starts with numbers; a header with the columns' names must come first");
+    return MUKCA_OK;
+}
+
+mukca_status mukca_table_open(mukca_table *t, const char *path, bool has_header, mukca_error *error)
+{
+    memset(t, 0, sizeof *t);
+    if (strlen(path) >= sizeof t->path)
+        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
+    bool standard = strcmp(path, "-") == 0;
+    snprintf(t->path, sizeof t->path, "%s", standard ? "standard input" : path);
+    t->has_header = has_header;
+    t->stream = standard ? stdin : fopen(path, "r");
+    if (!t->stream)
+        return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", mukca_table_short_path(path),
+                          strerror(errno));
+    t->comments = calloc(1, 1);
+    mukca_status status = t->comments ? MUKCA_OK : out_of_memory(error);
+    if (status == MUKCA_OK && has_header) status = read_header(t, error);
+    if (status) mukca_table_close(t);
+    return status;
+}
+
+mukca_status mukca_table_next(mukca_table *t, bool *more, mukca_error *error)
+{
+    mukca_status status = read_content(t, more, error);
+    if (status || !*more) return status;
+    if (!t->cell) status = set_shape(t, error);
+    if (status) return status;
+    int found = count_cells(t->buffer, t->delimiter);
+    if (!split(t->cell, t->n_columns, t->buffer, t->delimiter))
+        return mukca_table_fail(error, t, -1, "%d columns, but %d %s%s", found, t->n_columns,
+                                t->header ? "in the header" : "in the first row",
+                                t->cut_off ? "; the last line is cut off" : "");
+    t->row++;
+    return MUKCA_OK;
+}
+
+void mukca_table_close(mukca_table *t)
+{
+    if (t->stream && t->stream != stdin) fclose(t->stream);
+    free(t->header);
+    free(t->header_buffer);
+    free(t->cell);
+    free(t->comments);
+    free(t->buffer);
+    t->stream = NULL;
+    t->header = t->cell = NULL;
+    t->header_buffer = t->comments = t->buffer = NULL;
+    t->capacity = 0;
+}
+
+int mukca_table_find(const mukca_table *t, const char *name)
+{
+    for (int i = 0; t->header && i < t->n_columns; i++)
+        if (strcmp(t->header[i], name) == 0) return i;
+    return -1;
+}
+
+mukca_status mukca_table_require(int *column, const mukca_table *t, const char *name,
+                                 mukca_error *error)
+{
+    *column = mukca_table_find(t, name);
+    if (*column >= 0) return MUKCA_OK;
+    return mukca_table_fail(error, t, -1, "the header has no column '%s'", name);
+}
+
+mukca_status mukca_table_number(double *value, const mukca_table *t, int column, mukca_error *error)
+{
+    const char *text = t->cell[column];
+    if (mukca_number_parse(value, text)) return MUKCA_OK;
+    if (!*text) return mukca_table_fail(error, t, column, "is empty; a number must stand here");
+    if (strchr(text, ',') && strspn(text, "+-0123456789,eE") == strlen(text))
+        return mukca_table_fail(error, t, column, "'%.30s' has a decimal comma; write a point",
+                                text);
+    return mukca_table_fail(error, t, column, "'%.30s' is not a finite number", text);
+}

@@ -1,0 +1,58 @@
+/* Tables of text: TSV or CSV, `#` comments, with a header or without; read row by row.
+ *
+ * Cells are trimmed and freed of surrounding double quotes; blank lines and a byte-order mark are
+ * skipped; lines may end in CR LF.  All errors are MUKCA_INPUT and name file, line and column.
+ */
+#ifndef MUKCA_IO_TABLE_H
+#define MUKCA_IO_TABLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "mukca/status.h"
+
+typedef struct {
+    char path[512];
+    FILE *stream;
+    int line;      /* of the current row, 1-based */
+    int row;       /* data rows read so far */
+    int n_columns; /* 0 before the first row of a table without header */
+    char delimiter;
+    bool has_header, cut_off; /* cut_off: the file ends without a newline */
+    char **header;            /* [n_columns], or NULL */
+    char **cell;              /* [n_columns] of the current row */
+    char *comments;           /* `#` lines before the header, one a line; "" where none */
+    char *buffer, *header_buffer;
+    size_t capacity, comments_length;
+} mukca_table;
+
+/* Open `path` (`-` is standard input) and read the header, where the table has one. */
+mukca_status mukca_table_open(mukca_table *table, const char *path, bool has_header,
+                              mukca_error *error);
+
+/* Read one row into table->cell; *more is false at the end of the file.  Rows of another width than
+ * the first are errors. */
+mukca_status mukca_table_next(mukca_table *table, bool *more, mukca_error *error);
+
+void mukca_table_close(mukca_table *table); /* harmless on a zeroed one */
+
+/* Index of a column by its name, -1 where there is none. */
+int mukca_table_find(const mukca_table *table, const char *name);
+
+/* The same, where the column must be there. */
+mukca_status mukca_table_require(int *column, const mukca_table *table, const char *name,
+                                 mukca_error *error);
+
+/* A cell as a finite number. */
+mukca_status mukca_table_number(double *value, const mukca_table *table, int column,
+                                mukca_error *error);
+
+/* "file:line: column 'name': ..." with status MUKCA_INPUT; column -1: none. */
+mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
+                              const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* A path short enough for an error line: its last 100 characters. */
+const char *mukca_table_short_path(const char *path);
+
+#endif

@@ -1,0 +1,265 @@
+/* A URDF as text: read, hashed, checked and its joints located with libxml2's SAX parser. */
+#include "io/urdf_text.h"
+
+#include <errno.h>
+#include <libxml/parser.h>
+#include <libxml/parserInternals.h>
+#include <sha2.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/number.h"
+#include "io/table.h"
+
+/* Beyond these no URDF is honest, and urdfdom's own parser recurses on the stack. */
+enum { LARGEST_FILE = 32 << 20, DEEPEST = 64, MOST_JOINTS = 4096 };
+
+typedef struct {
+    mukca_urdf_text *urdf;
+    xmlParserCtxtPtr parser;
+    int depth;
+    int capacity;
+    mukca_urdf_joint *joint; /* open now, or NULL */
+    mukca_status status;
+    mukca_error *error;
+    const char *path;
+} scan;
+
+static void stop(scan *s, mukca_status status)
+{
+    s->status = status;
+    xmlStopParser(s->parser);
+}
+
+/* Bytes of the input consumed so far: at `>` or `/>` of a start tag while its callback runs. */
+static size_t position(const scan *s)
+{
+    const xmlParserInput *input = s->parser->input;
+    return input->consumed + (size_t)(input->cur - input->base);
+}
+
+/* Value of an attribute without a namespace, copied into value[size]; false where absent. */
+static bool attribute(char *value, size_t size, const char *name, const xmlChar **attributes, int n)
+{
+    value[0] = '\0';
+    for (int i = 0; i < n; i++) {
+        const xmlChar *const *a = attributes + 5 * i;
+        if (a[1] || strcmp((const char *)a[0], name) != 0) continue;
+        size_t length = (size_t)(a[4] - a[3]);
+        if (length >= size) length = size - 1;
+        memcpy(value, a[3], length);
+        value[length] = '\0';
+        return true;
+    }
+    return false;
+}
+
+static mukca_urdf_joint *new_joint(scan *s)
+{
+    if (s->urdf->n_joints == MOST_JOINTS) {
+        stop(s, mukca_fail(s->error, MUKCA_INPUT, "%s: has more than %d joints", s->path,
+                           (int)MOST_JOINTS));
+        return NULL;
+    }
+    if (s->urdf->n_joints == s->capacity) {
+        int capacity = s->capacity ? 2 * s->capacity : 32;
+        mukca_urdf_joint *joints =
+            realloc(s->urdf->joints, (size_t)capacity * sizeof *s->urdf->joints);
+        if (!joints) {
+            stop(s, mukca_fail(s->error, MUKCA_MEMORY, "out of memory"));
+            return NULL;
+        }
+        s->urdf->joints = joints;
+        s->capacity = capacity;
+    }
+    mukca_urdf_joint *joint = &s->urdf->joints[s->urdf->n_joints++];
+    memset(joint, 0, sizeof *joint);
+    return joint;
+}
+
+/* Bytes [start, end) of the start tag that is being parsed; 0, 0 where the text is no plain UTF-8. */
+static void locate_tag(size_t *start, size_t *end, const scan *s, const char *name)
+{
+    size_t at = position(s), length = strlen(name);
+    *start = *end = 0;
+    if (at >= s->urdf->length) return;
+    const char *text = s->urdf->text;
+    const char *close = strchr(text + at, '>');
+    while (at && text[at] != '<') at--;
+    if (!close || strncmp(text + at + 1, name, length) != 0) return;
+    *start = at;
+    *end = (size_t)(close - text) + 1;
+}
+
+static void read_origin(scan *s, const xmlChar **attributes, int n)
+{
+    mukca_urdf_joint *joint = s->joint;
+    char value[256];
+    if (joint->origin_stop) return; /* urdfdom takes the first */
+    locate_tag(&joint->origin_start, &joint->origin_stop, s, "origin");
+    if (attribute(value, sizeof value, "xyz", attributes, n))
+        joint->bad_origin |= !mukca_number_parse_list(joint->xyz, 3, value);
+    if (attribute(value, sizeof value, "rpy", attributes, n))
+        joint->bad_origin |= !mukca_number_parse_list(joint->rpy, 3, value);
+}
+
+static void start_element(void *context, const xmlChar *name, const xmlChar *prefix,
+                          const xmlChar *uri, int n_namespaces, const xmlChar **namespaces,
+                          int n_attributes, int n_defaulted, const xmlChar **attributes)
+{
+    (void)uri, (void)n_namespaces, (void)namespaces, (void)n_defaulted;
+    scan *s = ((xmlParserCtxtPtr)context)->_private;
+    const char *tag = (const char *)name;
+    int line = xmlSAX2GetLineNumber(context);
+    int depth = s->depth++;
+    if (depth == 0 && strcmp(tag, "robot") != 0)
+        stop(s, mukca_fail(s->error, MUKCA_INPUT,
+                           "%s:%d: the outermost element is <%.40s>, not <robot>; this is no URDF",
+                           s->path, line, tag));
+    else if (depth >= DEEPEST)
+        stop(s, mukca_fail(s->error, MUKCA_INPUT, "%s:%d: elements are nested more than %d deep",
+                           s->path, line, (int)DEEPEST));
+    else if (prefix && strcmp((const char *)prefix, "xacro") == 0)
+        stop(s, mukca_fail(s->error, MUKCA_INPUT,
+                           "%s:%d: holds xacro macros; expand them first: xacro IN > OUT.urdf",
+                           s->path, line));
+    else if (depth == 1 && strcmp(tag, "joint") == 0) {
+        s->joint = new_joint(s);
+        if (!s->joint) return;
+        size_t start;
+        attribute(s->joint->name, sizeof s->joint->name, "name", attributes, n_attributes);
+        locate_tag(&start, &s->joint->tag_end, s, "joint");
+        s->joint->line = line;
+    } else if (depth == 2 && s->joint) {
+        if (strcmp(tag, "origin") == 0) read_origin(s, attributes, n_attributes);
+        if (strcmp(tag, "parent") == 0)
+            attribute(s->joint->parent, sizeof s->joint->parent, "link", attributes, n_attributes);
+        if (strcmp(tag, "child") == 0)
+            attribute(s->joint->child, sizeof s->joint->child, "link", attributes, n_attributes);
+    }
+}
+
+static void end_element(void *context, const xmlChar *name, const xmlChar *prefix,
+                        const xmlChar *uri)
+{
+    (void)name, (void)prefix, (void)uri;
+    scan *s = ((xmlParserCtxtPtr)context)->_private;
+    if (--s->depth == 1) s->joint = NULL;
+}
+
+static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_error *error)
+{
+    scan s = {.urdf = urdf, .path = path, .error = error};
+    xmlSAXHandler handler = {.initialized = XML_SAX2_MAGIC,
+                             .startElementNs = start_element,
+                             .endElementNs = end_element};
+    s.parser = xmlCreateMemoryParserCtxt(urdf->text, (int)urdf->length);
+    if (!s.parser) return mukca_fail(error, MUKCA_INPUT, "%s: is empty or no XML", path);
+    xmlSAXHandlerPtr old = s.parser->sax;
+    s.parser->sax = &handler;
+    s.parser->_private = &s;
+    xmlCtxtUseOptions(s.parser, XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
+    xmlParseDocument(s.parser);
+    if (s.status == MUKCA_OK && !s.parser->wellFormed) {
+        const xmlError *e = xmlCtxtGetLastError(s.parser);
+        char text[120] = "is broken";
+        if (e && e->message) snprintf(text, sizeof text, "%s", e->message);
+        text[strcspn(text, "\n")] = '\0';
+        s.status = mukca_fail(error, MUKCA_INPUT, "%s:%d: broken XML: %s", path, e ? e->line : 0,
+                              text);
+    }
+    s.parser->sax = old;
+    xmlFreeDoc(s.parser->myDoc);
+    s.parser->myDoc = NULL;
+    xmlFreeParserCtxt(s.parser);
+    return s.status;
+}
+
+static mukca_status read_bytes(mukca_urdf_text *urdf, const char *path, mukca_error *error)
+{
+    const char *shown = mukca_table_short_path(path);
+    struct stat info;
+    FILE *file = fopen(path, "rb");
+    if (!file || fstat(fileno(file), &info) != 0 || S_ISDIR(info.st_mode)) {
+        int reason = file ? EISDIR : errno;
+        if (file) fclose(file);
+        return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", shown, strerror(reason));
+    }
+    mukca_status status = MUKCA_OK;
+    size_t capacity = 0;
+    errno = 0;
+    do {
+        if (capacity - urdf->length < 2) {
+            capacity = capacity ? 2 * capacity : 1 << 16;
+            char *text = realloc(urdf->text, capacity);
+            if (!text) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+            if (!text) break;
+            urdf->text = text;
+        }
+        urdf->length += fread(urdf->text + urdf->length, 1, capacity - urdf->length - 1, file);
+        if (urdf->length > LARGEST_FILE)
+            status = mukca_fail(error, MUKCA_INPUT, "%s: is larger than %d MiB; this is no URDF",
+                                shown, LARGEST_FILE >> 20);
+        if (ferror(file))
+            status = mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", shown, strerror(errno));
+    } while (status == MUKCA_OK && !feof(file));
+    fclose(file);
+    if (status) return status;
+    urdf->text[urdf->length] = '\0';
+    if (urdf->length == 0) return mukca_fail(error, MUKCA_INPUT, "%s: is empty", shown);
+    if (strlen(urdf->text) != urdf->length)
+        return mukca_fail(error, MUKCA_INPUT, "%s: holds a zero byte; save it as UTF-8 text", shown);
+    SHA256Data((const uint8_t *)urdf->text, urdf->length, urdf->sha256);
+    return MUKCA_OK;
+}
+
+/* A `${...}` outside comments is a xacro expression that nobody expanded. */
+static mukca_status check_expressions(const mukca_urdf_text *urdf, const char *path,
+                                      mukca_error *error)
+{
+    int line = 1;
+    bool comment = false;
+    for (const char *c = urdf->text; *c; c++) {
+        line += *c == '\n';
+        if (strncmp(c, "<!--", 4) == 0) comment = true;
+        if (strncmp(c, "-->", 3) == 0) comment = false;
+        if (!comment && c[0] == '$' && c[1] == '{')
+            return mukca_fail(error, MUKCA_INPUT,
+                              "%s:%d: holds a xacro expression ${...}; expand it first: "
+                              "xacro IN > OUT.urdf",
+                              path, line);
+    }
+    return MUKCA_OK;
+}
+
+mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error)
+{
+    memset(urdf, 0, sizeof *urdf);
+    const char *shown = mukca_table_short_path(path);
+    mukca_status status = read_bytes(urdf, path, error);
+    if (status == MUKCA_OK) status = scan_joints(urdf, shown, error);
+    if (status == MUKCA_OK) status = check_expressions(urdf, shown, error);
+    for (int i = 0; status == MUKCA_OK && i < urdf->n_joints; i++)
+        if (urdf->joints[i].bad_origin)
+            status = mukca_fail(error, MUKCA_INPUT,
+                                "%s:%d: joint '%s': origin xyz and rpy must be three numbers each",
+                                shown, urdf->joints[i].line, urdf->joints[i].name);
+    if (status) mukca_urdf_text_free(urdf);
+    return status;
+}
+
+void mukca_urdf_text_free(mukca_urdf_text *urdf)
+{
+    free(urdf->text);
+    free(urdf->joints);
+    memset(urdf, 0, sizeof *urdf);
+}
+
+const mukca_urdf_joint *mukca_urdf_text_joint(const mukca_urdf_text *urdf, const char *name)
+{
+    for (int i = 0; i < urdf->n_joints; i++)
+        if (strcmp(urdf->joints[i].name, name) == 0) return &urdf->joints[i];
+    return NULL;
+}

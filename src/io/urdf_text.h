@@ -1,0 +1,44 @@
+/* A URDF as text: checked for size, depth and xacro, its joints located byte by byte. */
+#ifndef MUKCA_IO_URDF_TEXT_H
+#define MUKCA_IO_URDF_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "mukca/chain.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One <joint> of the robot.  Offsets count bytes from the start of the text. */
+typedef struct {
+    char name[MUKCA_NAME_SIZE]; /* cut at 63 characters */
+    char parent[MUKCA_NAME_SIZE], child[MUKCA_NAME_SIZE];
+    int line;
+    size_t tag_end;                   /* just behind the joint's start tag */
+    size_t origin_start, origin_stop; /* the origin's start tag, `<` to behind `>`; 0, 0: none */
+    double xyz[3], rpy[3];            /* of the origin, as written; 0 where absent */
+    bool bad_origin;                  /* xyz or rpy are not three numbers */
+} mukca_urdf_joint;
+
+typedef struct {
+    char *text; /* the file's bytes, ended by a zero byte */
+    size_t length;
+    char sha256[65];
+    int n_joints;
+    mukca_urdf_joint *joints;
+} mukca_urdf_text;
+
+/* Read and check a file.  Errors: MUKCA_INPUT (also: broken XML with its line, nested too deeply, too
+ * large, unexpanded xacro), MUKCA_MEMORY. */
+mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error);
+void mukca_urdf_text_free(mukca_urdf_text *urdf); /* harmless on a zeroed one */
+
+/* The joint of that name, NULL where there is none. */
+const mukca_urdf_joint *mukca_urdf_text_joint(const mukca_urdf_text *urdf, const char *name);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
