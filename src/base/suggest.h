@@ -2,6 +2,10 @@
 #ifndef MUKCA_BASE_SUGGEST_H
 #define MUKCA_BASE_SUGGEST_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Edits (insert, delete, replace, swap neighbours) from `a` to `b`, ignoring case; capped at 99. */
 int mukca_suggest_distance(const char *a, const char *b);
 
@@ -9,4 +13,7 @@ int mukca_suggest_distance(const char *a, const char *b);
  * with 99), which it then updates. */
 int mukca_suggest_better(int *best, const char *word, const char *candidate);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

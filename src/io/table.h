@@ -12,6 +12,10 @@
 
 #include "mukca/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     char path[512];
     FILE *stream;
@@ -55,4 +59,7 @@ mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int 
 /* A path short enough for an error line: its last 100 characters. */
 const char *mukca_table_short_path(const char *path);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -79,7 +79,8 @@ static mukca_urdf_joint *new_joint(scan *s)
     return joint;
 }
 
-/* Bytes [start, end) of the start tag that is being parsed; 0, 0 where the text is no plain UTF-8. */
+/* Bytes [start, end) of the start tag that is being parsed; 0, 0 where the text is no plain UTF-8.
+ */
 static void locate_tag(size_t *start, size_t *end, const scan *s, const char *name)
 {
     size_t at = position(s), length = strlen(name);
@@ -167,8 +168,8 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
         char text[120] = "is broken";
         if (e && e->message) snprintf(text, sizeof text, "%s", e->message);
         text[strcspn(text, "\n")] = '\0';
-        s.status = mukca_fail(error, MUKCA_INPUT, "%s:%d: broken XML: %s", path, e ? e->line : 0,
-                              text);
+        s.status =
+            mukca_fail(error, MUKCA_INPUT, "%s:%d: broken XML: %s", path, e ? e->line : 0, text);
     }
     s.parser->sax = old;
     xmlFreeDoc(s.parser->myDoc);
@@ -210,7 +211,8 @@ static mukca_status read_bytes(mukca_urdf_text *urdf, const char *path, mukca_er
     urdf->text[urdf->length] = '\0';
     if (urdf->length == 0) return mukca_fail(error, MUKCA_INPUT, "%s: is empty", shown);
     if (strlen(urdf->text) != urdf->length)
-        return mukca_fail(error, MUKCA_INPUT, "%s: holds a zero byte; save it as UTF-8 text", shown);
+        return mukca_fail(error, MUKCA_INPUT, "%s: holds a zero byte; save it as UTF-8 text",
+                          shown);
     SHA256Data((const uint8_t *)urdf->text, urdf->length, urdf->sha256);
     return MUKCA_OK;
 }

@@ -30,8 +30,8 @@ typedef struct {
     mukca_urdf_joint *joints;
 } mukca_urdf_text;
 
-/* Read and check a file.  Errors: MUKCA_INPUT (also: broken XML with its line, nested too deeply, too
- * large, unexpanded xacro), MUKCA_MEMORY. */
+/* Read and check a file.  Errors: MUKCA_INPUT (also: broken XML with its line, nested too deeply,
+ * too large, unexpanded xacro), MUKCA_MEMORY. */
 mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error);
 void mukca_urdf_text_free(mukca_urdf_text *urdf); /* harmless on a zeroed one */
 

@@ -1,0 +1,426 @@
+// The arm from a URDF: the tree by urdfdom, exact origins from the text.  The one C++ file.
+#include <console_bridge/console.h>
+#include <urdf_model/joint.h>
+#include <urdf_model/link.h>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/suggest.h"
+#include "io/inertials.h"
+#include "io/table.h"
+#include "io/urdf.h"
+#include "io/urdf_text.h"
+
+namespace
+{
+
+// Thrown after the error record has been filled; never leaves this file.
+struct Failure {
+    mukca_status status;
+};
+
+// urdfdom's complaints, kept instead of printed; the first one says most.
+class Listener : public console_bridge::OutputHandler
+{
+   public:
+    Listener() { console_bridge::useOutputHandler(this); }
+    ~Listener() override { console_bridge::restorePreviousOutputHandler(); }
+    Listener(const Listener &) = delete;
+    Listener &operator=(const Listener &) = delete;
+    void log(const std::string &text, console_bridge::LogLevel level, const char *, int) override
+    {
+        if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first.empty()) first = text;
+    }
+    std::string first;
+};
+
+struct Mass {
+    double kg, com[3];
+};
+
+// "a, b, c" cut at a length that leaves room for the rest of an error line.
+std::string join(const std::vector<std::string> &names)
+{
+    std::string text;
+    for (const std::string &name : names) {
+        if (text.size() + name.size() > 140) return text + ", ...";
+        text += (text.empty() ? "" : ", ") + name;
+    }
+    return text;
+}
+
+std::string one_line(std::string text)
+{
+    for (char &c : text)
+        if (c == '\n' || c == '\t') c = ' ';
+    return text.substr(0, 140);
+}
+
+class Loader
+{
+   public:
+    Loader(mukca_chain *chain, const char *path, const mukca_urdf_options &options,
+           mukca_note_fn *note, void *context, mukca_error *error)
+        : chain_(chain),
+          path_(mukca_table_short_path(path)),
+          options_(options),
+          note_(note),
+          context_(context),
+          error_(error)
+    {
+        std::memset(chain, 0, sizeof *chain);
+        mukca_status status = mukca_urdf_text_read(&text_, path, error);
+        if (status) throw Failure{status};
+    }
+    ~Loader() { mukca_urdf_text_free(&text_); }
+    Loader(const Loader &) = delete;
+    Loader &operator=(const Loader &) = delete;
+
+    void run()
+    {
+        parse();
+        check_tree();
+        const std::string base = find_base(), tip = find_tip(base);
+        read_masses();
+        std::vector<std::string> joints = path(base, tip);
+        if (joints.size() > MUKCA_MAX_ELEMENTS)
+            fail("the chain has " + std::to_string(joints.size()) + " joints, more than " +
+                 std::to_string(MUKCA_MAX_ELEMENTS));
+        copy_name(chain_->robot, model_->getName().substr(0, MUKCA_NAME_SIZE - 1));
+        copy_name(chain_->base, base);
+        copy_name(chain_->tip, tip);
+        std::snprintf(chain_->urdf_sha256, sizeof chain_->urdf_sha256, "%s", text_.sha256);
+        for (const std::string &name : joints) add_element(name);
+        if (chain_->n_joints == 0)
+            fail("no joint moves between '" + base + "' and '" + tip + "'; check --base and --tip");
+        for (int k = 0; k < chain_->n_elements; k++)
+            add_mass(k, k + 1 < chain_->n_elements ? chain_->element[k + 1].name : "");
+        set_gravity(base);
+    }
+
+   private:
+    [[noreturn]] void fail(const std::string &what, int line = 0)
+    {
+        std::string place = std::string(path_) + ":";
+        if (line) place += std::to_string(line) + ":";
+        throw Failure{mukca_fail(error_, MUKCA_INPUT, "%s %s", place.c_str(), what.c_str())};
+    }
+
+    [[noreturn]] void fail_joint(const std::string &joint, const std::string &what)
+    {
+        const mukca_urdf_joint *t = mukca_urdf_text_joint(&text_, joint.c_str());
+        fail("joint '" + joint + "': " + what, t ? t->line : 0);
+    }
+
+    void say(const std::string &what)
+    {
+        if (note_) note_(context_, (std::string(path_) + ": " + what).c_str());
+    }
+
+    void copy_name(char *to, const std::string &name)
+    {
+        if (name.size() >= MUKCA_NAME_SIZE)
+            fail("the name '" + name.substr(0, 40) + "...' is longer than 63 letters");
+        std::memcpy(to, name.c_str(), name.size() + 1);
+    }
+
+    void parse()
+    {
+        Listener listener;
+        std::string text = text_.text; /* urdfdom parts numbers by single spaces only */
+        for (char &c : text)
+            if (c == '\t' || c == '\n' || c == '\r') c = ' ';
+        model_ = urdf::parseURDF(text);
+        if (!model_)
+            fail("urdfdom refuses it: " +
+                 one_line(listener.first.empty() ? "no reason given" : listener.first));
+        if (!model_->getRoot()) fail("has no root link");
+    }
+
+    // Every link hangs below the root, by one joint: urdfdom does not see to that.
+    void check_tree()
+    {
+        std::map<std::string, std::string> parent_joint;
+        for (const auto &entry : model_->joints_) {
+            const urdf::Joint &joint = *entry.second;
+            if (!parent_joint.emplace(joint.child_link_name, joint.name).second)
+                fail_joint(joint.name, "link '" + joint.child_link_name +
+                                           "' is the child of another joint too, a loop; " +
+                                           "a URDF must be a tree");
+        }
+        std::set<std::string> below;
+        std::vector<std::string> open = {model_->getRoot()->name};
+        while (!open.empty()) {
+            const std::string link = open.back();
+            open.pop_back();
+            below.insert(link);
+            for (const auto &joint : model_->getLink(link)->child_joints)
+                open.push_back(joint->child_link_name);
+        }
+        for (const auto &entry : parent_joint)
+            if (!below.count(entry.first))
+                fail_joint(entry.second, "link '" + entry.first +
+                                             "' is part of a cycle that the root does not reach");
+    }
+
+    [[noreturn]] void unknown_link(const char *option, const std::string &name)
+    {
+        std::vector<std::string> names;
+        std::string meant;
+        int best = 99;
+        for (const auto &entry : model_->links_) {
+            names.push_back(entry.first);
+            if (mukca_suggest_better(&best, name.c_str(), entry.first.c_str())) meant = entry.first;
+        }
+        fail(std::string("has no link '") + name.substr(0, 60) + "' (" + option + ")" +
+             (meant.empty() ? "; links: " + join(names) : "; did you mean " + meant + "?"));
+    }
+
+    std::string find_base()
+    {
+        if (!options_.base) return model_->getRoot()->name;
+        if (!model_->links_.count(options_.base)) unknown_link("--base", options_.base);
+        return options_.base;
+    }
+
+    bool is_below(const std::string &link, const std::string &base) const
+    {
+        for (urdf::LinkConstSharedPtr at = model_->getLink(link); at; at = at->getParent())
+            if (at->name == base) return true;
+        return false;
+    }
+
+    std::string find_tip(const std::string &base)
+    {
+        std::vector<std::string> leaves;
+        for (const auto &entry : model_->links_)
+            if (entry.second->child_joints.empty() && entry.first != base &&
+                is_below(entry.first, base))
+                leaves.push_back(entry.first);
+        if (options_.tip) {
+            if (!model_->links_.count(options_.tip)) unknown_link("--tip", options_.tip);
+            if (!is_below(options_.tip, base) || base == options_.tip)
+                fail("link '" + std::string(options_.tip) + "' (--tip) is not below '" + base +
+                     "' (--base); below it end: " + join(leaves));
+            return options_.tip;
+        }
+        for (const char *name : {"ball_link", "ball"})
+            if (model_->links_.count(name) && is_below(name, base) && base != name) return name;
+        if (leaves.empty()) fail("nothing is below link '" + base + "' (--base)");
+        if (leaves.size() > 1) fail("has several ends, choose one by --tip: " + join(leaves));
+        return leaves[0];
+    }
+
+    std::vector<std::string> path(const std::string &base, const std::string &tip) const
+    {
+        std::vector<std::string> joints;
+        for (std::string link = tip; link != base;) {
+            urdf::JointConstSharedPtr joint = model_->getLink(link)->parent_joint;
+            joints.insert(joints.begin(), joint->name);
+            link = joint->parent_link_name;
+        }
+        return joints;
+    }
+
+    void set_axis(mukca_element *e, const urdf::Joint &joint)
+    {
+        const double axis[3] = {joint.axis.x, joint.axis.y, joint.axis.z};
+        double length = std::sqrt(mukca_dot3(axis, axis));
+        if (!(length > 1e-9) || !std::isfinite(length))
+            fail_joint(joint.name, "its axis is 0 0 0; give it a direction");
+        bool unit = std::fabs(length - 1) <= 1e-15;
+        if (std::fabs(length - 1) > 1e-6) {
+            char text[100];
+            std::snprintf(text, sizeof text, "its axis has length %.6g; normalised", length);
+            say("joint '" + joint.name + "': " + text);
+        }
+        for (int i = 0; i < 3; i++) e->axis[i] = unit ? axis[i] : axis[i] / length;
+    }
+
+    void set_limits(mukca_element *e, const urdf::Joint &joint)
+    {
+        e->lower = -HUGE_VAL;
+        e->upper = HUGE_VAL;
+        if (e->type == MUKCA_CONTINUOUS || !joint.limits) return;
+        if (joint.limits->lower < joint.limits->upper) {
+            e->lower = joint.limits->lower;
+            e->upper = joint.limits->upper;
+        } else {
+            say("joint '" + joint.name + "': its limits leave no room; taken as unlimited");
+        }
+    }
+
+    void add_element(const std::string &name)
+    {
+        const urdf::Joint &joint = *model_->getJoint(name);
+        mukca_element *e = &chain_->element[chain_->n_elements];
+        copy_name(e->name, name);
+        copy_name(e->child, joint.child_link_name);
+        switch (joint.type) {
+            case urdf::Joint::REVOLUTE:
+                e->type = MUKCA_REVOLUTE;
+                break;
+            case urdf::Joint::CONTINUOUS:
+                e->type = MUKCA_CONTINUOUS;
+                break;
+            case urdf::Joint::PRISMATIC:
+                e->type = MUKCA_PRISMATIC;
+                break;
+            case urdf::Joint::FIXED:
+                e->type = MUKCA_FIXED;
+                break;
+            default:
+                fail_joint(name, "joints that are planar or floating cannot be in the chain; " +
+                                     std::string("choose --base and --tip on one side of it"));
+        }
+        if (joint.mimic)
+            fail_joint(name, "it mimics '" + joint.mimic->joint_name +
+                                 "', which a joint of the chain may not; choose another --tip");
+        joint_origin(name, e->xyz, e->rpy);
+        e->joint = -1;
+        e->axis[0] = 1;
+        e->lower = -HUGE_VAL;
+        e->upper = HUGE_VAL;
+        if (e->type != MUKCA_FIXED) {
+            if (chain_->n_joints == MUKCA_MAX_JOINTS)
+                fail("the chain has more than " + std::to_string(MUKCA_MAX_JOINTS) +
+                     " joints that move");
+            set_axis(e, joint);
+            set_limits(e, joint);
+            e->joint = chain_->n_joints;
+            chain_->joint_element[chain_->n_joints++] = chain_->n_elements;
+        }
+        chain_->n_elements++;
+    }
+
+    // The origin exactly as written: urdfdom keeps a quaternion and loses rpy near +-90 degrees.
+    mukca_frame joint_origin(const std::string &name, double xyz[3], double rpy[3]) const
+    {
+        mukca_frame frame;
+        const mukca_urdf_joint *t = mukca_urdf_text_joint(&text_, name.c_str());
+        for (int i = 0; i < 3; i++) {
+            xyz[i] = t ? t->xyz[i] : 0;
+            rpy[i] = t ? t->rpy[i] : 0;
+            frame.p[i] = xyz[i];
+        }
+        mukca_rotation_from_rpy(frame.R, rpy);
+        return frame;
+    }
+
+    void read_masses()
+    {
+        for (const auto &entry : model_->links_) {
+            const urdf::InertialSharedPtr &inertial = entry.second->inertial;
+            if (!inertial) continue;
+            if (!(inertial->mass >= 0) || !std::isfinite(inertial->mass))
+                fail("link '" + entry.first + "': its mass must not be negative");
+            const urdf::Vector3 &p = inertial->origin.position;
+            masses_[entry.first] = Mass{inertial->mass, {p.x, p.y, p.z}};
+        }
+        if (!options_.inertials) return;
+        mukca_inertial *list;
+        int n;
+        mukca_status status = mukca_inertials_read(&list, &n, options_.inertials, error_);
+        if (status) throw Failure{status};
+        std::vector<mukca_inertial> rows(list, list + n);
+        std::free(list);
+        for (const mukca_inertial &row : rows) {
+            if (!model_->links_.count(row.link)) unknown_link(options_.inertials, row.link);
+            masses_[row.link] = Mass{row.kg, {row.com[0], row.com[1], row.com[2]}};
+        }
+    }
+
+    // Sum kg and kg * com of `link` and all that hangs on it but for the joint `next`; T is its
+    // pose in the frame of the element.
+    void fold(double *kg, double moment[3], const std::string &link, const mukca_frame &T,
+              const std::string &next) const
+    {
+        auto mass = masses_.find(link);
+        if (mass != masses_.end()) {
+            double p[3];
+            mukca_mat3_vec(p, T.R, mass->second.com);
+            *kg += mass->second.kg;
+            for (int i = 0; i < 3; i++) moment[i] += mass->second.kg * (p[i] + T.p[i]);
+        }
+        for (const auto &joint : model_->getLink(link)->child_joints) {
+            if (joint->name == next) continue;
+            double xyz[3], rpy[3];
+            mukca_frame origin = joint_origin(joint->name, xyz, rpy), child;
+            mukca_frame_multiply(&child, &T, &origin);
+            fold(kg, moment, joint->child_link_name, child, next);
+        }
+    }
+
+    void add_mass(int element, const std::string &next)
+    {
+        const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+        double kg = 0, moment[3] = {0, 0, 0};
+        fold(&kg, moment, chain_->element[element].child, identity, next);
+        if (kg == 0) return;
+        mukca_mass *m = &chain_->mass[chain_->n_masses++];
+        m->element = element;
+        m->kg = kg;
+        for (int i = 0; i < 3; i++) m->com[i] = moment[i] / kg;
+    }
+
+    void set_gravity(const std::string &base)
+    {
+        const double *given = options_.gravity;
+        std::memcpy(chain_->gravity, given, sizeof chain_->gravity);
+        if (mukca_dot3(given, given) > 0) return;
+        mukca_frame T = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+        bool moves = false;
+        for (const std::string &name : path(model_->getRoot()->name, base)) {
+            double xyz[3], rpy[3];
+            mukca_frame origin = joint_origin(name, xyz, rpy);
+            mukca_frame_multiply(&T, &T, &origin);
+            moves |= model_->getJoint(name)->type != urdf::Joint::FIXED;
+        }
+        const double down[3] = {0, 0, -9.80665};
+        mukca_mat3_tvec(chain_->gravity, T.R, down);
+        if (moves)
+            say("joints above '" + base + "' are taken at zero for gravity; --gravity sets it");
+    }
+
+    mukca_chain *chain_;
+    const char *path_;
+    mukca_urdf_options options_;
+    mukca_note_fn *note_;
+    void *context_;
+    mukca_error *error_;
+    mukca_urdf_text text_ = {};
+    urdf::ModelInterfaceSharedPtr model_;
+    std::map<std::string, Mass> masses_;
+};
+
+}  // namespace
+
+extern "C" mukca_status mukca_urdf_load(mukca_chain *chain, const char *path,
+                                        const mukca_urdf_options *options, mukca_note_fn *note,
+                                        void *context, mukca_error *error)
+{
+    const mukca_urdf_options defaults = {};
+    try {
+        Loader(chain, path, options ? *options : defaults, note, context, error).run();
+        return MUKCA_OK;
+    } catch (const Failure &failure) {
+        return failure.status;
+    } catch (const std::bad_alloc &) {
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    } catch (const std::exception &e) {
+        return mukca_fail(error, MUKCA_INPUT, "%s: cannot be read: %s",
+                          mukca_table_short_path(path), e.what());
+    } catch (...) {
+        return mukca_fail(error, MUKCA_INPUT, "%s: cannot be read", mukca_table_short_path(path));
+    }
+}
