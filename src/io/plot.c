@@ -146,6 +146,10 @@ static void put_body(FILE *out, const char *body, const char *id)
             body = rest;
             continue;
         }
+        if ((rest = starts(body, " id=\"gnuplot_")) && (close = strchr(rest, '"'))) {
+            body = close + 1;
+            continue;
+        }
         if ((rest = starts(body, "xlink:href"))) body += strlen("xlink:");
         size_t k = 0;
         for (; k < sizeof references / sizeof *references; k++)
