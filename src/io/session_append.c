@@ -1,0 +1,325 @@
+/* A session file that grows while it is recorded.
+ *
+ * Safe against a kill or a power cut at any moment: a row is one write at the end followed by
+ * fsync, an undo is one byte (the row's first becomes #).  Whatever follows the last newline was
+ * never acknowledged. */
+#include "io/session_append.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { LINE_SIZE = 8192, MAX_SESSION = 1 << 27 };
+
+/* A line that is being put together. */
+typedef struct {
+    char text[LINE_SIZE];
+    size_t length;
+} line;
+
+static void append(line *l, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void append(line *l, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    int n = vsnprintf(l->text + l->length, sizeof l->text - l->length, format, args);
+    va_end(args);
+    l->length += n < 0 ? 0 : (size_t)n;
+    if (l->length >= sizeof l->text) l->length = sizeof l->text - 1;
+}
+
+static mukca_status fail(const mukca_session *session, const char *what, mukca_error *error)
+{
+    return mukca_fail(error, MUKCA_INPUT, "session %s: %s: %s", session->path, what,
+                      strerror(errno));
+}
+
+bool mukca_session_label_ok(const char *label)
+{
+    size_t n = strlen(label);
+    if (n < 1 || n >= MUKCA_NAME_SIZE || label[0] == '#' || label[0] == ' ') return false;
+    for (const char *c = label; *c; c++)
+        if ((unsigned char)*c < 32 || *c == 127 || *c == ',' || *c == ';' || *c == '"')
+            return false;
+    return label[n - 1] != ' ';
+}
+
+/* ---- writing ---- */
+
+/* Append text and put it on disk, or leave the file as it was. */
+static mukca_status commit(mukca_session *session, const char *text, size_t length,
+                           mukca_error *error)
+{
+    int fd = session->fd - 1;
+    size_t done = 0;
+    while (done < length) {
+        ssize_t n = pwrite(fd, text + done, length - done, session->length + (off_t)done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) break;
+        done += (size_t)n;
+    }
+    if (done == length && fsync(fd) == 0) {
+        session->length += (int64_t)length;
+        return MUKCA_OK;
+    }
+    mukca_status status = fail(session, "not recorded", error);
+    if (ftruncate(fd, session->length)) { /* what is left has no newline: cut off on resume */
+    }
+    return status;
+}
+
+static bool grow(mukca_session *session)
+{
+    if (session->n_rows < session->capacity) return true;
+    int capacity = session->capacity ? 2 * session->capacity : 256;
+    int64_t *more = realloc(session->row_at, (size_t)capacity * sizeof *more);
+    if (!more) return false;
+    session->row_at = more;
+    session->capacity = capacity;
+    return true;
+}
+
+mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
+                               mukca_error *error)
+{
+    line l = {.length = 0};
+    char s = session->separator;
+    if (!grow(session)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    append(&l, "%s%c%s%c%.6f", row->placement, s, row->socket, s, row->time);
+    const double *const columns[] = {row->q, row->spread, session->has_effort ? row->effort : NULL,
+                                     session->has_command ? row->command : NULL};
+    for (int k = 0; k < 4; k++)
+        for (int j = 0; columns[k] && j < session->n_joints; j++)
+            append(&l, "%c%.17g", s, columns[k][j]);
+    append(&l, "\n");
+    int64_t at = session->length;
+    mukca_status status = commit(session, l.text, l.length, error);
+    if (!status) session->row_at[session->n_rows++] = at;
+    return status;
+}
+
+mukca_status mukca_session_undo(mukca_session *session, const char *placement, const char *socket,
+                                mukca_error *error)
+{
+    if (!session->n_rows)
+        return mukca_fail(error, MUKCA_INPUT, "session %s has no row to delete", session->path);
+    int fd = session->fd - 1;
+    if (pwrite(fd, "#", 1, session->row_at[session->n_rows - 1]) != 1 || fsync(fd))
+        return fail(session, "not deleted", error);
+    line l = {.length = 0};
+    append(&l, "# undone: row %d, placement %s, socket %s (the line that now begins with #)\n",
+           session->n_rows, placement, socket);
+    session->n_rows--;
+    mukca_error unsaid; /* the row itself, behind its #, is record enough */
+    (void)commit(session, l.text, l.length, &unsaid);
+    return MUKCA_OK;
+}
+
+/* ---- beginning ---- */
+
+static void format_columns(line *l, const mukca_session *session, const mukca_session_head *head)
+{
+    const struct {
+        const char *suffix;
+        bool there;
+    } groups[] = {{"", true},
+                  {".spread", true},
+                  {".effort", head->has_effort},
+                  {".command", head->has_command}};
+    char s = session->separator;
+    append(l, "placement%csocket%ctime_s", s, s);
+    for (int g = 0; g < 4; g++)
+        for (int j = 0; groups[g].there && j < session->n_joints; j++)
+            append(l, "%c%s%s", s, head->chain->element[head->chain->joint_element[j]].name,
+                   groups[g].suffix);
+    append(l, "\n");
+}
+
+/* "# key: value" lines whose values must be the same on resume. */
+static const char *head_value(const mukca_session_head *head, int key)
+{
+    return key == 0 ? head->chain->urdf_sha256 : head->stream;
+}
+static const char *const head_key[] = {"urdf_sha256", "stream"};
+static const char first_line[] = "# mukca session\n";
+
+static mukca_status write_head(mukca_session *session, const mukca_session_head *head,
+                               mukca_error *error)
+{
+    line l = {.length = 0};
+    append(&l, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, head->chain->robot,
+           head->chain->base, head->chain->tip);
+    for (int k = 0; k < 2; k++) append(&l, "# %s: %s\n", head_key[k], head_value(head, k));
+    append(&l, "# channel: %s (%s)\n", head->channel, head->type);
+    append(&l,
+           "# a row is the mean of a still window; .spread is the standard deviation within it\n");
+    format_columns(&l, session, head);
+    mukca_status status = commit(session, l.text, l.length, error);
+    if (status) return status;
+    /* the file's name must survive a power cut too */
+    char folder[sizeof session->path];
+    memcpy(folder, session->path, sizeof folder);
+    int fd = open(dirname(folder), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd >= 0) {
+        if (fsync(fd)) { /* not every file system can */
+        }
+        close(fd);
+    }
+    return MUKCA_OK;
+}
+
+static mukca_status open_file(mukca_session *session, const char *path, int flags,
+                              const mukca_session_head *head, mukca_error *error)
+{
+    memset(session, 0, sizeof *session);
+    size_t n = strlen(path);
+    if (n >= sizeof session->path)
+        return mukca_fail(error, MUKCA_INPUT, "session %.100s...: path too long", path);
+    memcpy(session->path, path, n + 1);
+    session->separator = n > 4 && strcmp(path + n - 4, ".csv") == 0 ? ',' : '\t';
+    session->n_joints = head->chain->n_joints;
+    session->has_effort = head->has_effort;
+    session->has_command = head->has_command;
+    int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | flags, 0666);
+    if (fd < 0 && errno == EEXIST)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "session %s exists: --resume goes on with it, --force overwrites it",
+                          path);
+    if (fd < 0) return fail(session, "cannot be written", error);
+    session->fd = fd + 1;
+    struct stat st;
+    if (fstat(fd, &st) || !S_ISREG(st.st_mode))
+        return mukca_fail(error, MUKCA_INPUT, "session %s is no regular file", path);
+    if (flock(fd, LOCK_EX | LOCK_NB))
+        return mukca_fail(error, MUKCA_INPUT, "session %s is being recorded by another mukca",
+                          path);
+    session->length = st.st_size;
+    return MUKCA_OK;
+}
+
+mukca_status mukca_session_create(mukca_session *session, const char *path, bool force,
+                                  const mukca_session_head *head, mukca_error *error)
+{
+    mukca_status status = open_file(session, path, force ? 0 : O_EXCL, head, error);
+    if (!status && session->length && ftruncate(session->fd - 1, 0))
+        status = fail(session, "cannot be overwritten", error);
+    if (!status) {
+        session->length = 0;
+        status = write_head(session, head, error);
+        if (status && !force) unlink(path);
+    }
+    if (status) mukca_session_close(session);
+    return status;
+}
+
+/* ---- resuming ---- */
+
+/* Check "# key: value" lines and the column line (is there one?), and find the rows.
+ * text[session->length] ends in a newline and is NUL-terminated; it is cut up. */
+static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
+                         const mukca_session_head *head, mukca_error *error)
+{
+    line columns = {.length = 0};
+    format_columns(&columns, session, head);
+    columns.text[columns.length - 1] = '\0';
+    *has_columns = false;
+    for (char *at = text, *end; *at; at = end + 1) {
+        end = strchr(at, '\n');
+        if (!end)
+            return mukca_fail(error, MUKCA_INPUT, "session %s is no text file", session->path);
+        *end = '\0';
+        if (end > at && end[-1] == '\r') end[-1] = '\0';
+        if (at[0] == '#') {
+            for (int k = 0; k < 2; k++) {
+                size_t n = strlen(head_key[k]);
+                if (strncmp(at, "# ", 2) || strncmp(at + 2, head_key[k], n) ||
+                    strncmp(at + 2 + n, ": ", 2) || strcmp(at + 4 + n, head_value(head, k)) == 0)
+                    continue;
+                return mukca_fail(error, MUKCA_INPUT,
+                                  k == 0 ? "session %s was recorded with another URDF (SHA-256 "
+                                           "%.16s...): give that one"
+                                         : "session %s was recorded with --stream %s: do not mix",
+                                  session->path, at + 4 + n);
+            }
+        } else if (at[0] && !*has_columns) {
+            if (strcmp(at, columns.text))
+                return mukca_fail(error, MUKCA_INPUT,
+                                  "session %s has other columns than this stream would record: "
+                                  "begin another session",
+                                  session->path);
+            *has_columns = true;
+        } else if (at[0]) {
+            if (!grow(session)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+            session->row_at[session->n_rows++] = at - text;
+        }
+    }
+    return MUKCA_OK;
+}
+
+mukca_status mukca_session_resume(mukca_session *session, const char *path,
+                                  const mukca_session_head *head, mukca_note_fn *note,
+                                  void *note_context, mukca_error *error)
+{
+    char *text = NULL;
+    mukca_status status = open_file(session, path, 0, head, error);
+    if (status) goto out;
+    if (session->length > MAX_SESSION) {
+        status = mukca_fail(error, MUKCA_INPUT, "session %s is too large", path);
+        goto out;
+    }
+    text = malloc((size_t)session->length + 1);
+    if (!text) {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+        goto out;
+    }
+    ssize_t got = pread(session->fd - 1, text, (size_t)session->length, 0);
+    if (got != session->length) {
+        status = fail(session, "cannot be read", error);
+        goto out;
+    }
+    int64_t whole = session->length;
+    while (whole > 0 && text[whole - 1] != '\n') whole--;
+    if (whole < session->length) {
+        char said[160];
+        snprintf(said, sizeof said, "cut %lld bytes of an unfinished row off the session",
+                 (long long)(session->length - whole));
+        if (ftruncate(session->fd - 1, whole)) {
+            status = fail(session, "cannot be mended", error);
+            goto out;
+        }
+        session->length = whole;
+        if (note) note(note_context, said);
+    }
+    text[whole] = '\0';
+    bool begun = whole > 0, ours = strncmp(text, first_line, strlen(first_line)) == 0;
+    if (begun) status = scan(session, &begun, text, head, error);
+    if (status || begun) goto out;
+    if (whole > 0 && !ours) {
+        status = mukca_fail(error, MUKCA_INPUT, "session %s has no header", path);
+    } else if (ftruncate(session->fd - 1, 0)) { /* a head that a power cut left unfinished */
+        status = fail(session, "cannot be mended", error);
+    } else {
+        session->length = 0;
+        status = write_head(session, head, error);
+    }
+out:
+    free(text);
+    if (status) mukca_session_close(session);
+    return status;
+}
+
+void mukca_session_close(mukca_session *session)
+{
+    if (session->fd) close(session->fd - 1);
+    free(session->row_at);
+    memset(session, 0, sizeof *session);
+}

@@ -1,0 +1,426 @@
+/* LCM message types: fingerprints against lcm-gen's, the .lcm reader, and the bounded decoder. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "io/lcm_message.h"
+#include "io/lcm_type.h"
+#include "math/random.h"
+
+static mukca_lcm_types types;
+
+static int setup(void **state)
+{
+    mukca_error error;
+    (void)state;
+    if (mukca_lcm_types_init(&types, &error)) {
+        fprintf(stderr, "%s\n", error.text);
+        return 1;
+    }
+    return 0;
+}
+
+/* What lcm-gen 1.3.1 prints for the public descriptions, and for data/lcm. */
+static void fingerprints_of_the_table(void **state)
+{
+    static const uint64_t expected[MUKCA_LCM_BUILTIN_TYPES] = {
+        0xf16fb804284abca3, 0x19571cdf4d82fae6, 0x9bc39ecbb8de40c8, 0x84cfb1722d58bd59,
+        0x3e377b4cebc593a4, 0x3e7cd307b8f9e790, 0x7e17a1d01fe0e2fb, 0x9ed4cb80fd4c8cd9,
+        0xed12f1132393a392, 0x117e02e881428d9b, 0x07050f18097d47d5, 0x645cdf5dd6a54db9};
+    (void)state;
+    for (int t = 0; t < MUKCA_LCM_BUILTIN_TYPES; t++)
+        if (types.type[t].fingerprint != expected[t])
+            fail_msg("%s: %016llx", types.type[t].name,
+                     (unsigned long long)types.type[t].fingerprint);
+}
+
+/* Nested, recursive and many-dimensional types; the numbers are lcm-gen's. */
+static const char description[] =
+    "package tt; struct inner_t { int32_t k; double v[k]; string s; }\n"
+    "struct outer_t { /* block\n comment */ const int32_t N = 7, M = 0x3; const double PI = 3.14;\n"
+    "  int64_t utime; // c\n  inner_t head; tt.inner_t list[3]; double q[7]; int8_t rows;\n"
+    "  int16_t cols; float m[rows][cols][2]; byte raw[3]; boolean ok; byte hx[0x04]; }\n"
+    "struct rec_t { int32_t n; rec_t child[n]; int8_t x; }\n"
+    "struct multi_t { double a, b[2], c; }\n";
+
+static void fingerprints_of_descriptions(void **state)
+{
+    static mukca_lcm_types more;
+    static const uint64_t expected[] = {0xe91bf74449e1007d, 0xf308ee7639972379, 0xad74a06faabc875e,
+                                        0xb215bfa80228ad15};
+    mukca_error error = {0};
+    (void)state;
+    more = types;
+    if (mukca_lcm_types_parse(&more, description, strlen(description), "t.lcm", &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(more.n_types, types.n_types + 4);
+    for (int i = 0; i < 4; i++)
+        assert_true(more.type[types.n_types + i].fingerprint == expected[i]);
+}
+
+/* Every error names file, line and column, and leaves the table as it was. */
+static void bad_descriptions(void **state)
+{
+    static const struct {
+        const char *text, *says;
+    } cases[] = {
+        {"", "describes no struct"},
+        {"package a;\nstruct b {\n  double q[n];\n}", "x.lcm:3:12: the array size is no integer"},
+        {"struct b { double n; double q[n]; }", "x.lcm:1:31: the array size is no integer"},
+        {"struct b { double q[0]; }", "bad array size"},
+        {"struct b { double q[2][2][2][2]; }", "too many dimensions"},
+        {"struct b { other_t x; }", "field x of b is a other_t, which no --type file"},
+        {"struct b { double q; double q; }", "the same field twice"},
+        {"struct b { double q }", "expected \";\""},
+        {"struct b { double q; ", "expected a name at the end"},
+        {"enum e { A, B }", "enum is not understood"},
+        {"struct b { enum e { A } x; }", "enum and struct inside"},
+        {"struct 9b { }", "expected a name"},
+        {"hello", "expected \"package\" or \"struct\" at \"hello\""},
+        {"struct b { const int32_t A = 1", "expected \";\" at the end"},
+    };
+    static mukca_lcm_types more;
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        mukca_error error = {0};
+        more = types;
+        assert_int_equal(
+            mukca_lcm_types_parse(&more, cases[i].text, strlen(cases[i].text), "x.lcm", &error),
+            MUKCA_INPUT);
+        if (!strstr(error.text, cases[i].says)) fail_msg("case %zu says: %s", i, error.text);
+        assert_int_equal(more.n_types, types.n_types);
+        assert_int_equal(more.n_fields, types.n_fields);
+    }
+}
+
+/* ---- a writer that knows nothing of the decoder ---- */
+
+typedef struct {
+    unsigned char bytes[4096];
+    size_t n;
+} message;
+
+static void put(message *m, uint64_t value, int size)
+{
+    while (size--) m->bytes[m->n++] = (unsigned char)(value >> 8 * size);
+}
+
+static void put_real(message *m, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put(m, bits, 8);
+}
+
+static void put_float(message *m, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put(m, bits, 4);
+}
+
+static void put_text(message *m, const char *text)
+{
+    put(m, strlen(text) + 1, 4);
+    memcpy(m->bytes + m->n, text, strlen(text) + 1);
+    m->n += strlen(text) + 1;
+}
+
+/* A message of every type with joints; entry j of array a is 100 a + j / 8. */
+static void compose(message *m, int t, int n)
+{
+    static const int arrays[] = {7, 8, 5, 0, 0, 0};
+    m->n = 0;
+    put(m, types.type[t].fingerprint, 8);
+    put(m, 1700000000123456, 8);
+    if (t == MUKCA_LCM_JOINT_ANGLES) put_text(m, "arm");
+    put(m, (uint64_t)n, t == MUKCA_LCM_ROBOT_STATE || t == MUKCA_LCM_JOINT_STATE ? 2 : 4);
+    for (int a = 0; a < arrays[t]; a++)
+        for (int j = 0; j < n; j++) put_real(m, 100 * a + j / 8.);
+    if (t >= MUKCA_LCM_ROBOT_STATE)
+        for (int j = 0; j < n; j++) put_text(m, (const char[]){'j', (char)('1' + j % 9), 0});
+    if (t == MUKCA_LCM_ROBOT_STATE || t == MUKCA_LCM_JOINT_STATE)
+        for (int a = 0; a < (t == MUKCA_LCM_ROBOT_STATE ? 1 : 3); a++)
+            for (int j = 0; j < n; j++) put_float(m, 100.f * (float)a + (float)j / 8);
+    if (t == MUKCA_LCM_JOINT_ANGLES)
+        for (int j = 0; j < n; j++) put_real(m, j / 8.);
+    if (t == MUKCA_LCM_PANDA_STATUS) {
+        put_real(m, 1);
+        put(m, MUKCA_LCM_MODE_GUIDING, 1);
+        put(m, 77, 8);
+        put(m, 1, 1);
+    }
+    if (t == MUKCA_LCM_JACO_STATUS) {
+        put(m, 3, 4);
+        for (int k = 0; k < 15; k++) put_real(m, 9);
+    }
+}
+
+static void decodes_every_type(void **state)
+{
+    /* index of the arrays on the wire, -1 where the type has none */
+    static const int velocity[] = {1, 2, 1, -1, 1, -1}, effort[] = {4, 5, 2, -1, 2, -1},
+                     command[] = {2, 1, -1, -1, -1, -1};
+    (void)state;
+    for (int t = 0; t < MUKCA_LCM_TRIGGER; t++) {
+        for (int n = 1; n <= 64; n += 9) {
+            message m;
+            mukca_lcm_joints joints;
+            mukca_error error = {0};
+            compose(&m, t, n);
+            assert_int_equal(mukca_lcm_types_find(&types, m.bytes, m.n), t);
+            if (mukca_lcm_decode_joints(&joints, &types, t, m.bytes, m.n, &error))
+                fail_msg("%s: %s", types.type[t].name, error.text);
+            assert_int_equal(joints.n, n);
+            assert_true(joints.time == 1700000000123456);
+            assert_int_equal(joints.mode,
+                             t == MUKCA_LCM_PANDA_STATUS ? MUKCA_LCM_MODE_GUIDING : -1);
+            assert_int_equal(joints.has[MUKCA_LCM_ROLE_NAME], t >= MUKCA_LCM_ROBOT_STATE);
+            assert_int_equal(joints.has[MUKCA_LCM_ROLE_VELOCITY], velocity[t] >= 0);
+            assert_int_equal(joints.has[MUKCA_LCM_ROLE_EFFORT], effort[t] >= 0);
+            assert_int_equal(joints.has[MUKCA_LCM_ROLE_COMMAND], command[t] >= 0);
+            double sign = t == MUKCA_LCM_IIWA_STATUS ? -1 : 1;
+            for (int j = 0; j < n; j++) {
+                assert_true(joints.value[MUKCA_LCM_ROLE_POSITION][j] == j / 8.);
+                if (velocity[t] >= 0)
+                    assert_true(joints.value[MUKCA_LCM_ROLE_VELOCITY][j] ==
+                                100 * velocity[t] + j / 8.);
+                if (effort[t] >= 0)
+                    assert_true(joints.value[MUKCA_LCM_ROLE_EFFORT][j] ==
+                                sign * (100 * effort[t] + j / 8.));
+                if (command[t] >= 0)
+                    assert_true(joints.value[MUKCA_LCM_ROLE_COMMAND][j] ==
+                                100 * command[t] + j / 8.);
+                if (t >= MUKCA_LCM_ROBOT_STATE) assert_int_equal(joints.name[j][1], '1' + j % 9);
+            }
+            if (t == MUKCA_LCM_IIWA_STATUS) assert_int_equal(m.n, 20 + 56 * n);
+            if (t == MUKCA_LCM_PANDA_STATUS) assert_int_equal(m.n, 38 + 64 * n);
+        }
+    }
+}
+
+/* A copy that ends where memory ends, so that a sanitizer sees any read beyond. */
+static mukca_status decode_copy(int t, const void *bytes, size_t n, mukca_error *error)
+{
+    mukca_lcm_joints joints;
+    unsigned char *copy = malloc(n ? n : 1);
+    assert_non_null(copy);
+    memcpy(copy, bytes, n);
+    mukca_status status = mukca_lcm_decode_joints(&joints, &types, t, copy, n, error);
+    free(copy);
+    return status;
+}
+
+static void refuses_hostile_messages(void **state)
+{
+    static const uint32_t counts[] = {0,          8,          65,         0x7fffffff, 0x80000000,
+                                      0xffffffff, 0x10000000, 0x20000000, 0x24924924, 0x12492492};
+    (void)state;
+    for (int t = 0; t < MUKCA_LCM_TRIGGER; t++) {
+        message m;
+        mukca_error error = {0};
+        compose(&m, t, 7);
+        for (size_t cut = 0; cut < m.n; cut++)
+            assert_int_equal(decode_copy(t, m.bytes, cut, &error), MUKCA_INPUT);
+        m.bytes[m.n] = 0;
+        assert_int_equal(decode_copy(t, m.bytes, m.n + 1, &error), MUKCA_INPUT);
+        size_t at = t == MUKCA_LCM_JOINT_ANGLES ? 24 : 16;
+        int width = t == MUKCA_LCM_ROBOT_STATE || t == MUKCA_LCM_JOINT_STATE ? 2 : 4;
+        for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+            for (int k = 0; k < width; k++)
+                m.bytes[at + (size_t)k] = (unsigned char)(counts[i] >> 8 * (3 - k));
+            assert_int_equal(decode_copy(t, m.bytes, m.n, &error), MUKCA_INPUT);
+        }
+        compose(&m, t, 65); /* well formed, but more joints than an arm has */
+        assert_int_equal(decode_copy(t, m.bytes, m.n, &error), MUKCA_INPUT);
+    }
+    message m;
+    mukca_error error = {0};
+    compose(&m, MUKCA_LCM_IIWA_STATUS, 7);
+    size_t end = m.n;
+    m.n = 20 + 8 * 2;
+    put_real(&m, (double)NAN);
+    assert_int_equal(decode_copy(MUKCA_LCM_IIWA_STATUS, m.bytes, end, &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "position 3 is no finite number"));
+}
+
+/* A million mutated and random messages of every type: no crash, and none that fits by chance is
+ * believed to be larger than it is. */
+static void survives_a_million_mutations(void **state)
+{
+    mukca_random random;
+    message m[MUKCA_LCM_TRIGGER];
+    int decoded = 0;
+    (void)state;
+    mukca_random_seed(&random, 4);
+    for (int t = 0; t < MUKCA_LCM_TRIGGER; t++) compose(&m[t], t, 7);
+    for (int i = 0; i < 1000000; i++) {
+        int t = i % MUKCA_LCM_TRIGGER, changes = 1 + mukca_random_below(&random, 8);
+        message copy = m[t];
+        for (int c = 0; c < changes; c++)
+            copy.bytes[8 + mukca_random_below(&random, (int)copy.n - 8)] =
+                (unsigned char)mukca_random_bits(&random);
+        if (i % 16 == 0)
+            for (size_t k = 8; k < copy.n; k++)
+                copy.bytes[k] = (unsigned char)mukca_random_bits(&random);
+        if (i % 4 == 0) copy.n = 8 + (size_t)mukca_random_below(&random, (int)copy.n - 8);
+        mukca_lcm_joints joints;
+        mukca_error error;
+        if (mukca_lcm_decode_joints(&joints, &types, t, copy.bytes, copy.n, &error)) continue;
+        decoded++;
+        assert_true(joints.n >= 1 && joints.n <= MUKCA_LCM_MAX_JOINTS);
+        for (int j = 0; j < joints.n; j++)
+            assert_true(isfinite(joints.value[MUKCA_LCM_ROLE_POSITION][j]));
+    }
+    assert_true(decoded > 100000); /* most changes hit a number, which may have any value */
+}
+
+/* Positions inside nested structs, one by one. */
+static void decodes_nested_positions(void **state)
+{
+    static mukca_lcm_types more;
+    static const char text[] =
+        "package u; struct joint { string name; float q; } struct head { int64_t seq; }\n"
+        "struct arm { head h; int8_t n; joint joints[n]; int64_t utime; }";
+    mukca_error error = {0};
+    (void)state;
+    more = types;
+    if (mukca_lcm_types_parse(&more, text, strlen(text), "u.lcm", &error))
+        fail_msg("%s", error.text);
+    int t = types.n_types + 2;
+    assert_int_equal(mukca_lcm_type_set_role(&more, t, MUKCA_LCM_ROLE_POSITION, "joints.q", &error),
+                     MUKCA_OK);
+    assert_int_equal(mukca_lcm_type_set_role(&more, t, MUKCA_LCM_ROLE_NAME, "joints.name", &error),
+                     MUKCA_OK);
+    assert_int_equal(mukca_lcm_type_set_role(&more, t, MUKCA_LCM_ROLE_TIME, "utime", &error),
+                     MUKCA_OK);
+    message m = {.n = 0};
+    put(&m, more.type[t].fingerprint, 8);
+    put(&m, 5, 8);
+    put(&m, 3, 1);
+    for (int j = 0; j < 3; j++) {
+        put_text(&m, "ab");
+        put_float(&m, (float)j + 0.5f);
+    }
+    put(&m, 12345, 8);
+    mukca_lcm_joints joints;
+    if (mukca_lcm_decode_joints(&joints, &more, t, m.bytes, m.n, &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(joints.n, 3);
+    assert_true(joints.value[MUKCA_LCM_ROLE_POSITION][2] == 2.5);
+    assert_string_equal(joints.name[1], "ab");
+    assert_true(joints.time == 12345);
+
+    static const struct {
+        const char *path, *says;
+    } bad[] = {{"nothing", "has no field \"nothing\"; its fields: h n joints utime"},
+               {"joints", "is a struct: name a field of it"},
+               {"joints.name", "is a text, not a number"},
+               {"n.x", "field n of u.arm"}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_int_equal(
+            mukca_lcm_type_set_role(&more, t, MUKCA_LCM_ROLE_POSITION, bad[i].path, &error),
+            MUKCA_INPUT);
+        if (!strstr(error.text, bad[i].says)) fail_msg("%s", error.text);
+    }
+}
+
+/* A struct that takes no bytes, or holds itself, costs no more time than its message is long. */
+static void empty_and_recursive_types_are_bounded(void **state)
+{
+    static mukca_lcm_types more;
+    static const char text[] =
+        "struct none { } struct a { int32_t n; none x[n]; double q; }\n"
+        "struct r { int8_t n; r child[n]; double q; }";
+    mukca_error error = {0};
+    mukca_lcm_joints joints;
+    (void)state;
+    more = types;
+    if (mukca_lcm_types_parse(&more, text, strlen(text), "u.lcm", &error))
+        fail_msg("%s", error.text);
+    for (int t = types.n_types + 1; t < more.n_types; t++)
+        assert_int_equal(mukca_lcm_type_set_role(&more, t, MUKCA_LCM_ROLE_POSITION, "q", &error),
+                         MUKCA_OK);
+    message m = {.n = 8};
+    put(&m, 0x7fffffff, 4);
+    put_real(&m, 1);
+    assert_int_equal(
+        mukca_lcm_decode_joints(&joints, &more, types.n_types + 1, m.bytes, m.n, &error),
+        MUKCA_INPUT);
+    memset(m.bytes, 1, sizeof m.bytes); /* each r holds one r holds one r ... */
+    assert_int_equal(
+        mukca_lcm_decode_joints(&joints, &more, types.n_types + 2, m.bytes, sizeof m.bytes, &error),
+        MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "nested more than"));
+}
+
+/* Our own messages: every field comes back, any cut is refused, an encoder short of room says how
+ * much it needs. */
+static void own_messages_round_trip(void **state)
+{
+    static unsigned char buffer[1 << 20];
+    static mukca_message_result result, back;
+    mukca_error error = {0};
+    (void)state;
+    result = (mukca_message_result){.utime = -5,
+                                    .id = 1LL << 60,
+                                    .verb = "calibrate",
+                                    .code = 1,
+                                    .text = "t",
+                                    .json = "{}",
+                                    .n = 3};
+    for (int i = 0; i < 3; i++) {
+        result.joint[i] = "A1";
+        result.parameter[i] = "roll";
+        result.unit[i] = "rad";
+        result.offset[i] = 0.1 * i;
+        result.sigma[i] = (double)INFINITY;
+        result.identifiable[i] = i == 1;
+    }
+    size_t n = mukca_message_encode(buffer, sizeof buffer, MUKCA_LCM_RESULT, &result, &types);
+    assert_true(n > 0);
+    assert_int_equal(mukca_message_encode(NULL, 0, MUKCA_LCM_RESULT, &result, &types), n);
+    assert_int_equal(mukca_message_decode(&back, MUKCA_LCM_RESULT, buffer, n, &types, &error),
+                     MUKCA_OK);
+    assert_true(back.utime == -5 && back.id == 1LL << 60 && back.code == 1 && back.n == 3);
+    assert_string_equal(back.verb, "calibrate");
+    assert_string_equal(back.robot, "");
+    assert_string_equal(back.parameter[2], "roll");
+    assert_true(back.offset[2] == 0.1 * 2 && isinf(back.sigma[0]) && back.identifiable[1]);
+    assert_string_equal(back.json, "{}");
+    for (size_t cut = 0; cut < n; cut++) {
+        unsigned char *copy = malloc(cut ? cut : 1);
+        assert_non_null(copy);
+        memcpy(copy, buffer, cut);
+        assert_int_equal(mukca_message_decode(&back, MUKCA_LCM_RESULT, copy, cut, &types, &error),
+                         MUKCA_INPUT);
+        free(copy);
+    }
+    assert_int_equal(mukca_message_decode(&back, MUKCA_LCM_SAMPLE, buffer, n, &types, &error),
+                     MUKCA_INPUT);
+    result.n = MUKCA_MESSAGE_ROWS + 1;
+    assert_int_equal(mukca_message_encode(NULL, 0, MUKCA_LCM_RESULT, &result, &types), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fingerprints_of_the_table),
+        cmocka_unit_test(fingerprints_of_descriptions),
+        cmocka_unit_test(bad_descriptions),
+        cmocka_unit_test(decodes_every_type),
+        cmocka_unit_test(refuses_hostile_messages),
+        cmocka_unit_test(survives_a_million_mutations),
+        cmocka_unit_test(decodes_nested_positions),
+        cmocka_unit_test(empty_and_recursive_types_are_bounded),
+        cmocka_unit_test(own_messages_round_trip),
+    };
+    return cmocka_run_group_tests(tests, setup, NULL);
+}

@@ -1,0 +1,291 @@
+/* A session that grows: every acknowledged row survives kills, full disks and resumes. */
+#include <errno.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "io/session_append.h"
+#include "io/table.h"
+
+static mukca_chain chain;
+static char folder[] = "/tmp/mukca_test_session_XXXXXX", path[64];
+
+static int setup(void **state)
+{
+    (void)state;
+    chain.n_joints = chain.n_elements = 3;
+    for (int j = 0; j < 3; j++) {
+        chain.joint_element[j] = j;
+        snprintf(chain.element[j].name, sizeof chain.element[j].name, "A%d", j + 1);
+    }
+    memcpy(chain.urdf_sha256, "0123456789abcdef", 17);
+    if (!mkdtemp(folder)) return 1;
+    snprintf(path, sizeof path, "%s/s.tsv", folder);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    unlink(path);
+    return rmdir(folder);
+}
+
+static mukca_session_head head(const char *stream)
+{
+    return (mukca_session_head){
+        .chain = &chain, .stream = stream, .channel = "ARM", .type = "t", .has_effort = true};
+}
+
+static mukca_status add(mukca_session *session, int i, mukca_error *error)
+{
+    double q[3] = {i / 3., -i, 1e-17}, spread[3] = {1e-5, 0, 2}, effort[3] = {i, 0.5, -1};
+    mukca_session_row row = {.placement = "front left",
+                             .socket = i % 2 ? "1" : "0",
+                             .time = 1700000000 + i,
+                             .q = q,
+                             .spread = spread,
+                             .effort = effort};
+    return mukca_session_add(session, &row, error);
+}
+
+/* Rows of the file as the project's reader of tables sees them: A1 of row i is expected[i] / 3. */
+static void check_rows(const int *expected, int n)
+{
+    mukca_table table;
+    mukca_error error;
+    bool more;
+    if (mukca_table_open(&table, path, true, &error)) fail_msg("%s", error.text);
+    int column = mukca_table_find(&table, "A1"), count = 0;
+    assert_int_equal(column, 3);
+    assert_int_equal(table.n_columns, 3 + 9);
+    for (;;) {
+        double value;
+        if (mukca_table_next(&table, &more, &error)) fail_msg("%s", error.text);
+        if (!more) break;
+        assert_true(count < n);
+        assert_int_equal(mukca_table_number(&value, &table, column, &error), MUKCA_OK);
+        assert_true(value == expected[count] / 3.);
+        count++;
+    }
+    assert_int_equal(count, n);
+    mukca_table_close(&table);
+}
+
+static void append_text(const char *text)
+{
+    FILE *file = fopen(path, "ab");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+static void count_note(void *context, const char *text)
+{
+    assert_non_null(text);
+    ++*(int *)context;
+}
+
+static void rows_are_added_undone_and_resumed(void **state)
+{
+    mukca_session session, second;
+    mukca_session_head h = head("raw"), corrected = head("corrected"), columns = head("raw");
+    mukca_error error = {0};
+    int notes = 0;
+    (void)state;
+    unlink(path);
+    assert_int_equal(mukca_session_create(&session, path, false, &h, &error), MUKCA_OK);
+    assert_int_equal(mukca_session_undo(&session, "p", "s", &error), MUKCA_INPUT);
+    for (int i = 0; i < 5; i++) assert_int_equal(add(&session, i, &error), MUKCA_OK);
+    assert_int_equal(mukca_session_undo(&session, "front left", "0", &error), MUKCA_OK);
+    assert_int_equal(mukca_session_undo(&session, "front left", "1", &error), MUKCA_OK);
+    assert_int_equal(add(&session, 9, &error), MUKCA_OK);
+    assert_int_equal(session.n_rows, 4);
+    check_rows((const int[]){0, 1, 2, 9}, 4);
+
+    /* one at a time; and not by accident over an old one */
+    assert_int_equal(mukca_session_resume(&second, path, &h, NULL, NULL, &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "another mukca"));
+    mukca_session_close(&session);
+    assert_int_equal(mukca_session_create(&session, path, false, &h, &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "--resume"));
+
+    /* a row that was never acknowledged is cut off */
+    append_text("front left\t0\t17000");
+    assert_int_equal(mukca_session_resume(&session, path, &h, count_note, &notes, &error),
+                     MUKCA_OK);
+    assert_int_equal(notes, 1);
+    assert_int_equal(session.n_rows, 4);
+    assert_int_equal(add(&session, 10, &error), MUKCA_OK);
+    assert_int_equal(mukca_session_undo(&session, "front left", "0", &error), MUKCA_OK);
+    assert_int_equal(mukca_session_undo(&session, "front left", "1", &error), MUKCA_OK);
+    mukca_session_close(&session);
+    check_rows((const int[]){0, 1, 2}, 3);
+
+    /* what does not belong together is not mixed */
+    assert_int_equal(mukca_session_resume(&session, path, &corrected, NULL, NULL, &error),
+                     MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "--stream raw"));
+    columns.has_command = true;
+    assert_int_equal(mukca_session_resume(&session, path, &columns, NULL, NULL, &error),
+                     MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "other columns"));
+    chain.urdf_sha256[0] = 'x';
+    assert_int_equal(mukca_session_resume(&session, path, &h, NULL, NULL, &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "another URDF"));
+    chain.urdf_sha256[0] = '0';
+    assert_int_equal(mukca_session_create(&session, path, true, &h, &error), MUKCA_OK);
+    mukca_session_close(&session);
+    check_rows(NULL, 0);
+}
+
+/* A power cut may leave any beginning of the file. */
+static void any_beginning_can_be_resumed(void **state)
+{
+    static char whole[8192], cut[8192];
+    mukca_session session;
+    mukca_session_head h = head("raw");
+    mukca_error error = {0};
+    (void)state;
+    assert_int_equal(mukca_session_create(&session, path, true, &h, &error), MUKCA_OK);
+    int64_t after[4] = {session.length};
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(add(&session, i, &error), MUKCA_OK);
+        after[i + 1] = session.length;
+    }
+    mukca_session_close(&session);
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    size_t n = fread(whole, 1, sizeof whole, file);
+    fclose(file);
+    for (size_t length = 0; length <= n; length++) {
+        file = fopen(path, "wb");
+        assert_non_null(file);
+        memcpy(cut, whole, length);
+        fwrite(cut, 1, length, file);
+        fclose(file);
+        mukca_status status = mukca_session_resume(&session, path, &h, NULL, NULL, &error);
+        if (length > 0 && length < strlen("# mukca session\n")) {
+            if (status) continue; /* could be anybody's file */
+        } else if (status) {
+            fail_msg("cut at %zu: %s", length, error.text);
+        }
+        int rows = 0;
+        while (rows < 3 && (int64_t)length >= after[rows + 1]) rows++;
+        assert_int_equal(session.n_rows, rows);
+        assert_int_equal(add(&session, 7, &error), MUKCA_OK);
+        mukca_session_close(&session);
+        int expected[4] = {0, 1, 2, 2};
+        expected[rows] = 7;
+        check_rows(expected, rows + 1);
+    }
+    file = fopen(path, "wb");
+    assert_non_null(file);
+    fputs("# my notes\n", file);
+    fclose(file);
+    assert_int_equal(mukca_session_resume(&session, path, &h, NULL, NULL, &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "no header"));
+}
+
+/* Disk full in mid-session: the row is refused, the others stay, and later ones go on. */
+static void full_disk_refuses_the_row_only(void **state)
+{
+    mukca_session session;
+    mukca_session_head h = head("raw");
+    mukca_error error = {0};
+    struct rlimit old, small;
+    (void)state;
+    assert_int_equal(mukca_session_create(&session, path, true, &h, &error), MUKCA_OK);
+    assert_int_equal(add(&session, 1, &error), MUKCA_OK);
+    getrlimit(RLIMIT_FSIZE, &old);
+    signal(SIGXFSZ, SIG_IGN);
+    for (int room = 0; room < 100; room += 11) {
+        small.rlim_cur = (rlim_t)session.length + (rlim_t)room;
+        small.rlim_max = old.rlim_max;
+        setrlimit(RLIMIT_FSIZE, &small);
+        assert_int_equal(add(&session, 2, &error), MUKCA_INPUT);
+        assert_non_null(strstr(error.text, strerror(EFBIG)));
+        setrlimit(RLIMIT_FSIZE, &old);
+        check_rows((const int[]){1}, 1);
+    }
+    signal(SIGXFSZ, SIG_DFL);
+    assert_int_equal(add(&session, 3, &error), MUKCA_OK);
+    mukca_session_close(&session);
+    check_rows((const int[]){1, 3}, 2);
+}
+
+/* Killed at a random moment a hundred times: what was acknowledged is there. */
+static void killed_sessions_keep_acknowledged_rows(void **state)
+{
+    mukca_session session;
+    mukca_session_head h = head("raw");
+    mukca_error error = {0};
+    int rows = 0;
+    (void)state;
+    unlink(path);
+    for (int kill_at = 0; kill_at < 100; kill_at++) {
+        int acknowledge[2];
+        assert_int_equal(pipe(acknowledge), 0);
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            if (mukca_session_resume(&session, path, &h, NULL, NULL, &error)) _exit(1);
+            for (int i = session.n_rows;; i++) {
+                if (add(&session, i, &error)) _exit(2);
+                if (write(acknowledge[1], &session.n_rows, sizeof session.n_rows) < 0) _exit(3);
+            }
+        }
+        close(acknowledge[1]);
+        int acknowledged = 0, status;
+        usleep((useconds_t)(1000 + 37 * kill_at));
+        kill(child, SIGKILL);
+        waitpid(child, &status, 0);
+        assert_true(WIFSIGNALED(status));
+        while (read(acknowledge[0], &acknowledged, sizeof acknowledged) > 0) continue;
+        close(acknowledge[0]);
+        assert_int_equal(mukca_session_resume(&session, path, &h, NULL, NULL, &error), MUKCA_OK);
+        assert_true(session.n_rows >= acknowledged && session.n_rows >= rows);
+        rows = session.n_rows;
+        mukca_session_close(&session);
+    }
+    assert_true(rows > 0);
+    int *expected = malloc((size_t)rows * sizeof *expected);
+    assert_non_null(expected);
+    for (int i = 0; i < rows; i++) expected[i] = i;
+    check_rows(expected, rows);
+    free(expected);
+}
+
+static void labels(void **state)
+{
+    static const char *const good[] = {"0", "front left", "h\303\266he"}, *const bad[] = {
+                                                                              "",     "#1",
+                                                                              "a\tb", "a\nb",
+                                                                              "a,b",  " a",
+                                                                              "a ",   "\"a\""};
+    (void)state;
+    for (size_t i = 0; i < 3; i++) assert_true(mukca_session_label_ok(good[i]));
+    for (size_t i = 0; i < 8; i++) assert_false(mukca_session_label_ok(bad[i]));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_are_added_undone_and_resumed),
+        cmocka_unit_test(any_beginning_can_be_resumed),
+        cmocka_unit_test(full_disk_refuses_the_row_only),
+        cmocka_unit_test(killed_sessions_keep_acknowledged_rows),
+        cmocka_unit_test(labels),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
