@@ -192,8 +192,8 @@ install: all ## program, core library, headers, mukca.pc, man pages, completion 
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' tools/mukca.pc.in > $(libdir)/pkgconfig/mukca.pc
 	install -m 644 $(MAN1) $(share)/man/man1/
 	$(if $(MAN5),install -m 644 $(MAN5) $(share)/man/man5/)
-	$(if $(wildcard data/completion/mukca.bash),install -m 644 data/completion/mukca.bash $(share)/bash-completion/completions/mukca)
-	$(if $(wildcard data/completion/_mukca),install -m 644 data/completion/_mukca $(share)/zsh/site-functions/_mukca)
+	$(BUILD)/mukca completion bash > $(share)/bash-completion/completions/mukca
+	$(BUILD)/mukca completion zsh > $(share)/zsh/site-functions/_mukca
 
 uninstall: ## remove what install put there
 	rm -f $(bindir)/mukca $(libdir)/libmukca_core.a $(libdir)/pkgconfig/mukca.pc \
