@@ -1,0 +1,85 @@
+/* The MUKCa cost, its gradient and its Gauss-Newton Hessian. */
+#include "fit/cost.h"
+
+#include <string.h>
+
+#include "math/dense.h"
+
+size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain,
+                        const mukca_parameters *parameters, const mukca_dataset *data,
+                        const mukca_cost_options *options, const double *theta)
+{
+    const mukca_cost_options none = {0};
+    double nominal[MUKCA_MAX_FREE];
+    mukca_arena arena = {.base = memory};
+    if (!options) options = &none;
+    mukca_chain_theta(nominal, chain);
+    const mukca_observe_options observe = {
+        .displacements = options->displacements,
+        .metres_per_radian = options->metres_per_radian,
+        .pull_theta = options->nominal_means ? nominal : NULL,
+    };
+    const int n = parameters->n, all = MUKCA_PARAMETERS * chain->n_elements;
+    memset(cost, 0, sizeof *cost);
+    const size_t inner = mukca_observe_setup(&cost->observations, NULL, chain, data, &observe, n);
+    void *block = MUKCA_CARVE(&arena, char, inner);
+    const int m = cost->observations.n_residuals;
+    cost->theta = MUKCA_CARVE(&arena, double, all);
+    cost->nominal = MUKCA_CARVE(&arena, double, n);
+    cost->r = MUKCA_CARVE(&arena, double, m);
+    cost->J = MUKCA_CARVE(&arena, double, m * n);
+    cost->weight = MUKCA_CARVE(&arena, double, m);
+    cost->scratch = MUKCA_CARVE(&arena, double, 3 * n * n + 6 * n);
+    if (!memory) return arena.used;
+
+    mukca_observe_setup(&cost->observations, block, chain, data, &observe, n);
+    cost->chain = chain;
+    cost->parameters = parameters;
+    cost->gradient = options->gradient;
+    cost->n = n;
+    cost->pair_weight = options->no_distortion ? 0 : 1;
+    cost->lambda = options->lambda < 0 ? 0 : options->lambda > 0 ? options->lambda : MUKCA_LAMBDA;
+    cost->lambda *= cost->observations.n_groups;
+    memcpy(cost->theta, theta ? theta : nominal, (size_t)all * sizeof *nominal);
+    mukca_parameters_pack(cost->nominal, parameters, nominal);
+    mukca_observe_weights(cost->weight, &cost->observations, cost->pair_weight);
+    return arena.used;
+}
+
+double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost *cost,
+                           const double *x)
+{
+    mukca_cost_value value = {0};
+    mukca_observations *o = &cost->observations;
+    cost->evaluations++;
+    mukca_parameters_unpack(cost->theta, cost->parameters, x);
+    mukca_observe_predict(o, cost->theta);
+    value.inconsistency = mukca_observe_squares(&value.distortion, o);
+    value.distortion *= cost->pair_weight;
+    if (gradient)
+        mukca_observe_gradient(gradient, o, cost->theta, cost->parameters, cost->gradient,
+                               cost->pair_weight);
+    for (int i = 0; i < cost->n; i++) {
+        if (!cost->parameters->regularised[i]) continue;
+        const double off = x[i] - cost->nominal[i];
+        value.regularisation += cost->lambda * off * off;
+        if (gradient) gradient[i] += 2 * cost->lambda * off;
+    }
+    value.total = value.inconsistency + value.distortion + value.regularisation;
+    if (parts) *parts = value;
+    return value.total;
+}
+
+void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_only)
+{
+    const int n = cost->n, m = cost->observations.n_residuals;
+    mukca_parameters_unpack(cost->theta, cost->parameters, x);
+    mukca_observe_residuals(cost->r, cost->J, &cost->observations, cost->theta, cost->parameters,
+                            cost->gradient);
+    for (int i = 0; i < m; i++)
+        for (int c = 0; c < n; c++) cost->J[i * n + c] *= cost->weight[i];
+    memset(H, 0, (size_t)(n * n) * sizeof *H);
+    mukca_dense_syrk(H, n, cost->J, m, n);
+    for (int i = 0; i < n && !data_only; i++)
+        if (cost->parameters->regularised[i]) H[i * n + i] += cost->lambda;
+}

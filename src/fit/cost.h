@@ -1,0 +1,60 @@
+/* The MUKCa cost (arXiv 2503.12584, equation 5), summed over placements, with gradient and
+ * Gauss-Newton Hessian:
+ *     J = sum over placements of  (sum_s N_s tr Sigma_s) / (sum_s N_s)
+ *                               + sum over pairs of sockets of (|mu_a - mu_b| - d)^2
+ *                               + lambda |theta - theta_nominal|^2.
+ * Measured poses count as one more placement, whose first term is the mean squared residual.
+ */
+#ifndef MUKCA_FIT_COST_H
+#define MUKCA_FIT_COST_H
+
+#include "fit/observe.h"
+
+#define MUKCA_LAMBDA 1e-4
+
+/* Zeroed means the defaults. */
+typedef struct {
+    double lambda;           /* 0: MUKCA_LAMBDA; negative: no regularisation */
+    bool nominal_means;      /* sockets pulled to their nominal means (older closed-chain method) */
+    bool no_distortion;      /* distances between sockets left out */
+    mukca_gradient gradient; /* how an element's derivative is taken */
+    const mukca_displacement *displacements; /* as in observe.h */
+    double metres_per_radian;
+} mukca_cost_options;
+
+typedef struct {
+    double total, inconsistency, distortion, regularisation; /* m^2 */
+} mukca_cost_value;
+
+typedef struct {
+    const mukca_chain *chain;
+    const mukca_parameters *parameters;
+    mukca_observations observations;
+    mukca_gradient gradient;
+    double lambda;      /* times the number of placements */
+    double pair_weight; /* 1, or 0 without distortion */
+    int n;              /* free parameters */
+    int evaluations;    /* of value, with or without gradient */
+    double *theta;      /* [6 * n_elements] scratch; frozen entries hold their value */
+    double *nominal;    /* [n] */
+    double *r;          /* [n_residuals] scratch */
+    double *J;          /* [n_residuals][n] scratch */
+    double *weight;     /* [n_residuals] square roots */
+    double *scratch;    /* [3][n][n] and [6][n] for solvers */
+} mukca_cost;
+
+/* Carve from `memory`, or with memory = NULL count the bytes.  `theta[6 * n_elements]` (NULL: nominal)
+ * gives the frozen parameters their values.  chain and parameters must outlive the cost. */
+size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain,
+                        const mukca_parameters *parameters, const mukca_dataset *data,
+                        const mukca_cost_options *options, const double *theta);
+
+/* J at x[n], m^2; its parts and its gradient[n] may be NULL.  Allocates nothing. */
+double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost *cost,
+                           const double *x);
+
+/* Half the Gauss-Newton Hessian, H[n][n] = J'WJ + lambda I on the regularised parameters; with
+ * `data_only` without lambda.  Leaves the weighted Jacobian in cost->J. */
+void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_only);
+
+#endif

@@ -1,0 +1,123 @@
+/* A whole fit: free parameters, cost, solver, verdict, and what the data can tell. */
+#include "fit/fit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "math/dense.h"
+
+/* Rotation that best turns the vectors of sum S = sum a b' from b to a (Horn 1987, unit quaternion). */
+static void best_rotation(double R[9], const double S[9])
+{
+    const double xx = S[0], xy = S[1], xz = S[2], yx = S[3], yy = S[4], yz = S[5], zx = S[6],
+                 zy = S[7], zz = S[8];
+    double N[16] = {xx + yy + zz, zy - yz,      xz - zx,      yx - xy,
+                    zy - yz,      xx - yy - zz, xy + yx,      zx + xz,
+                    xz - zx,      xy + yx,      yy - xx - zz, yz + zy,
+                    yx - xy,      zx + xz,      yz + zy,      zz - xx - yy};
+    double w[4], V[16], q[4];
+    mukca_dense_eigen(w, V, N, 4);
+    for (int i = 0; i < 4; i++) q[i] = V[4 * i];
+    mukca_rotation_from_quaternion(R, q);
+}
+
+void mukca_fit_start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
+                     bool free_base)
+{
+    mukca_geometry geometry;
+    double mean_a[3] = {0}, mean_b[3] = {0}, S[9] = {0}, R[9], turned[3];
+    int n = 0;
+    mukca_chain_theta(theta, chain);
+    if (!free_base || !data->position) return;
+    mukca_geometry_set(&geometry, chain, theta);
+    for (int pass = 0; pass < 2; pass++) {
+        for (int i = 0; i < data->n_rows; i++) {
+            const double *a = data->position + 3 * i;
+            double b[3];
+            if (data->socket[i] >= 0 || !isfinite(a[0])) continue;
+            mukca_fk_position(b, &geometry, data->q + i * data->n_joints, NULL);
+            n += pass == 0;
+            for (int r = 0; r < 3; r++) {
+                if (pass == 0) mean_a[r] += a[r], mean_b[r] += b[r];
+                for (int c = 0; c < 3 && pass == 1; c++)
+                    S[3 * r + c] += (a[r] - mean_a[r]) * (b[c] - mean_b[c]);
+            }
+        }
+        for (int r = 0; r < 3 && pass == 0 && n > 0; r++) mean_a[r] /= n, mean_b[r] /= n;
+    }
+    if (n < 3) return;
+    best_rotation(R, S);
+    mukca_mat3_vec(turned, R, mean_b);
+    for (int r = 0; r < 3; r++) theta[r] = mean_a[r] - turned[r];
+    mukca_rotation_to_rpy(theta + 3, R, NULL);
+}
+
+static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, double *work,
+                            mukca_error *error)
+{
+    const int n = cost->n;
+    double *H = cost->scratch, *g = H + 3 * n * n;
+    const double value = mukca_cost_evaluate(&fit->calibrated, g, cost, x);
+    mukca_cost_normal(H, cost, x, false);
+    mukca_solver_factorise(H, n);
+    fit->to_gain = mukca_solver_decrement(H, g, g + n, n) / (value > 0 ? value : 1);
+    fit->converged = fit->to_gain * value <= 1e-9 * value + 1e-20;
+    fit->n_measured = cost->observations.n_measured;
+    return mukca_identify(&fit->identification, fit->null_space, cost, x, work, error);
+}
+
+mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca_dataset *data,
+                           const mukca_fit_options *options, mukca_error *error)
+{
+    const mukca_fit_options none = {0};
+    mukca_cost cost;
+    double nominal[MUKCA_MAX_FREE], x[MUKCA_MAX_FREE];
+    mukca_status status;
+    void *workspace = NULL;
+    if (!options) options = &none;
+    memset(fit, 0, sizeof *fit);
+    if (data->n_rows < 1) return mukca_fail(error, MUKCA_INPUT, "there are no rows to fit");
+    status = mukca_chain_with_frames(&fit->chain, chain, options->free_base, options->free_tool, error);
+    if (status == MUKCA_OK)
+        status = mukca_parameters_select(&fit->parameters, &fit->chain, &options->selection, error);
+    if (status != MUKCA_OK) return status;
+
+    const size_t n = (size_t)fit->parameters.n;
+    mukca_fit_start(fit->theta, &fit->chain, data, options->free_base);
+    const size_t bytes = mukca_cost_setup(&cost, NULL, &fit->chain, &fit->parameters, data,
+                                          &options->cost, fit->theta);
+    workspace = malloc(bytes);
+    fit->memory = malloc((n * n + MUKCA_IDENTIFY_WORK(n)) * sizeof *fit->memory);
+    if (!workspace || !fit->memory) {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows, %d parameters",
+                            data->n_rows, fit->parameters.n);
+        goto out;
+    }
+    fit->null_space = fit->memory;
+    mukca_cost_setup(&cost, workspace, &fit->chain, &fit->parameters, data, &options->cost,
+                     fit->theta);
+    mukca_chain_theta(nominal, &fit->chain);
+    mukca_parameters_pack(x, &fit->parameters, nominal);
+    mukca_cost_evaluate(&fit->nominal, NULL, &cost, x);
+    mukca_parameters_pack(x, &fit->parameters, fit->theta);
+    const mukca_solver *solver = options->solver ? options->solver : &mukca_solver_gauss_newton;
+    status = solver->run(x, &fit->outcome, &cost, &options->limits, error);
+    if (status != MUKCA_OK) goto out;
+    if (fit->outcome.stop == MUKCA_STOP_STOPPED) {
+        status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
+        goto out;
+    }
+    mukca_parameters_unpack(fit->theta, &fit->parameters, x);
+    status = analyse(fit, &cost, x, fit->memory + n * n, error);
+out:
+    free(workspace);
+    if (status != MUKCA_OK) mukca_fit_free(fit);
+    return status;
+}
+
+void mukca_fit_free(mukca_fit *fit)
+{
+    free(fit->memory);
+    fit->memory = fit->null_space = NULL;
+}

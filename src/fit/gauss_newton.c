@@ -1,0 +1,111 @@
+/* Damped Gauss-Newton, and what all solvers share. */
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+#include "fit/solver.h"
+#include "math/dense.h"
+
+const char *mukca_stop_text(mukca_stop stop)
+{
+    static const char *const text[] = {
+#define STOP_TEXT(name, text) text,
+        MUKCA_STOP_LIST(STOP_TEXT)
+#undef STOP_TEXT
+    };
+    return text[stop];
+}
+
+double mukca_solver_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double mukca_solver_goal(double cost) { return 1e-12 * cost + 1e-24; }
+
+static double largest_diagonal(const double *H, int n)
+{
+    double largest = 0;
+    for (int i = 0; i < n; i++) largest = fmax(largest, H[i * n + i]);
+    return largest > 0 ? largest : 1;
+}
+
+void mukca_solver_factorise(double *H, int n)
+{
+    double ridge = 1e-12 * largest_diagonal(H, n);
+    for (int i = 0; i < n; i++) H[i * n + i] += ridge;
+    mukca_dense_cholesky(H, n);
+}
+
+double mukca_solver_decrement(const double *L, const double *gradient, double *work, int n)
+{
+    double sum = 0;
+    memcpy(work, gradient, (size_t)n * sizeof *work);
+    mukca_dense_forward(work, 1, L, n);
+    for (int i = 0; i < n; i++) sum += work[i] * work[i];
+    return sum / 4;
+}
+
+static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
+                        const mukca_solver_options *options, mukca_error *error)
+{
+    const mukca_solver_options none = {0};
+    const int n = cost->n;
+    double *H = cost->scratch, *L = H + n * n, *g = H + 3 * n * n, *step = g + n, *trial = step + n;
+    double damping = 0, value;
+    mukca_cost_value parts;
+    (void)error;
+    if (!options) options = &none;
+    const int limit = options->max_evaluations > 0 ? options->max_evaluations : 2000;
+    const double until =
+        mukca_solver_clock() + (options->max_seconds > 0 ? options->max_seconds : 60);
+    const int before = cost->evaluations;
+    memset(outcome, 0, sizeof *outcome);
+    value = mukca_cost_evaluate(&parts, g, cost, x);
+    outcome->stop = isfinite(value) ? MUKCA_STOP_LIMIT : MUKCA_STOP_NOT_FINITE;
+    if (options->progress) options->progress(options->context, x, &parts, 1);
+    bool moved = true;
+    while (outcome->stop == MUKCA_STOP_LIMIT && cost->evaluations - before < limit &&
+           mukca_solver_clock() < until) {
+        if (options->stop && options->stop(options->context)) {
+            outcome->stop = MUKCA_STOP_STOPPED;
+            break;
+        }
+        if (moved) mukca_cost_normal(H, cost, x, false);
+        memcpy(L, H, (size_t)(n * n) * sizeof *L);
+        for (int i = 0; i < n; i++) L[i * n + i] += damping;
+        mukca_solver_factorise(L, n);
+        const double promised = mukca_solver_decrement(L, g, step, n);
+        if (promised <= mukca_solver_goal(value)) {
+            outcome->stop = MUKCA_STOP_GRADIENT;
+            break;
+        }
+        mukca_dense_backward(step, 1, L, n);
+        for (int i = 0; i < n; i++) trial[i] = x[i] - step[i] / 2;
+        const double next = mukca_cost_evaluate(&parts, NULL, cost, trial);
+        moved = next < value;
+        if (!moved) {
+            if (promised <= 1e-9 * value) { /* the model is right; rounding is in the way */
+                outcome->stop = MUKCA_STOP_TOLERANCE;
+                break;
+            }
+            damping = fmax(10 * damping, 1e-8 * largest_diagonal(H, n));
+            if (!isfinite(damping)) outcome->stop = MUKCA_STOP_FAILED;
+            continue;
+        }
+        damping = damping > 1e-8 * largest_diagonal(H, n) ? damping / 10 : 0;
+        outcome->last_step = sqrt((value - next) / next);
+        outcome->iterations++;
+        memcpy(x, trial, (size_t)n * sizeof *x);
+        value = mukca_cost_evaluate(&parts, g, cost, x);
+        if (options->progress)
+            options->progress(options->context, x, &parts, cost->evaluations - before);
+    }
+    outcome->evaluations = cost->evaluations - before;
+    return MUKCA_OK;
+}
+
+const mukca_solver mukca_solver_gauss_newton = {
+    "gauss-newton", "damped Gauss-Newton, built in: fewest evaluations", run};

@@ -1,0 +1,110 @@
+/* What the data can tell about each parameter. */
+#include "fit/identify.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "math/dense.h"
+
+/* B[n][n] = covariance of J'W r for unit noise of every coordinate: each row acts on its own residual
+ * and, through its socket's mean, on the distances.  Spoils cost->J (weighted Jacobian). */
+static void score_covariance(double *B, mukca_cost *cost)
+{
+    mukca_observations *o = &cost->observations;
+    const int n = cost->n, rows = o->n_rows, first_pair = o->n_residuals - o->n_pairs;
+    for (int i = 0; i < first_pair; i++)
+        for (int c = 0; c < n; c++) cost->J[i * n + c] *= cost->weight[i];
+    for (int i = 0; i < rows; i++)
+        for (int p = 0; p < o->n_pairs; p++) {
+            const int s = o->socket[i];
+            const int sign = (o->pair[2 * p] == s) - (o->pair[2 * p + 1] == s);
+            if (s < 0 || sign == 0) continue;
+            for (int a = 0; a < 3; a++) {
+                const double f = sign * cost->pair_weight * o->pair_direction[3 * p + a] / o->count[s];
+                for (int c = 0; c < n; c++)
+                    cost->J[(3 * i + a) * n + c] += f * cost->J[(first_pair + p) * n + c];
+            }
+        }
+    memset(B, 0, (size_t)(n * n) * sizeof *B);
+    mukca_dense_syrk(B, n, cost->J, first_pair, n);
+}
+
+/* Gauss-Jordan with full pivoting: the rows of N[k][n] become 1 in a column of their own. */
+static void reduce_rows(double *N, int k, int n)
+{
+    unsigned char used[MUKCA_MAX_FREE] = {0};
+    for (int step = 0; step < k; step++) {
+        int row = step, column = -1;
+        for (int r = step; r < k; r++)
+            for (int c = 0; c < n; c++)
+                if (!used[c] && (column < 0 || fabs(N[r * n + c]) > fabs(N[row * n + column])))
+                    row = r, column = c;
+        if (N[row * n + column] == 0) return;
+        used[column] = 1;
+        for (int c = 0; c < n; c++) {
+            const double swap = N[step * n + c];
+            N[step * n + c] = N[row * n + c];
+            N[row * n + c] = swap;
+        }
+        const double pivot = N[step * n + column];
+        for (int c = 0; c < n; c++) N[step * n + c] /= pivot;
+        for (int r = 0; r < k; r++) {
+            const double f = N[r * n + column];
+            for (int c = 0; c < n && r != step; c++) N[r * n + c] -= f * N[step * n + c];
+        }
+    }
+}
+
+/* Standard errors from the pseudo-inverse G = V S^-2 V' and B: diag(G B G). */
+static void standard_errors(mukca_identification *id, const double *V, const double *s,
+                            const double *B, double *G, double *T, int n)
+{
+    memset(G, 0, (size_t)(n * n) * sizeof *G);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double sum = 0;
+            for (int r = 0; r < id->rank; r++) sum += V[i * n + r] * V[j * n + r] / (s[r] * s[r]);
+            G[i * n + j] = sum;
+        }
+    memset(T, 0, (size_t)(n * n) * sizeof *T);
+    mukca_dense_xty(T, n, B, n, n, G, n, n, n);
+    for (int i = 0; i < n; i++) {
+        double hidden = 0, variance = 0;
+        for (int r = id->rank; r < n; r++) hidden += V[i * n + r] * V[i * n + r];
+        for (int j = 0; j < n; j++) variance += G[i * n + j] * T[j * n + i];
+        id->identifiable[i] = hidden < 1e-8;
+        id->sigma[i] = id->identifiable[i] ? id->noise * sqrt(fmax(variance, 0)) : HUGE_VAL;
+    }
+}
+
+mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_cost *cost,
+                            const double *x, double *work, mukca_error *error)
+{
+    const int n = cost->n;
+    mukca_observations *o = &cost->observations;
+    double *B = work, *R = B + n * n, *V = R + n * n, *G = V + n * n, *s = G + n * n;
+    memset(id, 0, sizeof *id);
+    mukca_cost_normal(R, cost, x, true);
+    score_covariance(B, cost);
+    mukca_cost_normal(R, cost, x, true); /* the Jacobian once more: it is needed whole */
+    memset(R, 0, (size_t)(n * n) * sizeof *R);
+    mukca_dense_qr_absorb(R, NULL, cost->J, o->n_residuals, n, 0);
+    if (mukca_dense_svd(R, s, V, n, n) != 0)
+        return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
+    double log_product = 0, squares = 0;
+    while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
+        log_product += log(s[id->rank++]);
+    id->observability = id->rank > 0 ? exp(log_product / id->rank) : 0;
+    const int pairs = cost->pair_weight > 0 ? o->n_pairs : 0;
+    for (int i = 0; i < o->n_residuals - o->n_pairs + pairs; i++)
+        squares += cost->weight[i] > 0 ? cost->r[i] * cost->r[i] : 0;
+    const int spare = o->n_measured - o->n_pairs + pairs - id->rank;
+    id->noise = spare > 0 ? sqrt(squares / spare) : HUGE_VAL;
+    standard_errors(id, V, s, B, G, R, n);
+    if (null_space) {
+        for (int r = id->rank; r < n; r++)
+            for (int c = 0; c < n; c++) null_space[(r - id->rank) * n + c] = V[c * n + r];
+        reduce_rows(null_space, n - id->rank, n);
+    }
+    return MUKCA_OK;
+}

@@ -1,0 +1,133 @@
+/* SLSQP and LBFGS of NLopt in whitened variables.
+ *
+ * x = x0 + s L^-T y with L L' half the Gauss-Newton Hessian at the start and s = sqrt(J0 / 2), so that
+ * f(y) = J / J0 is of order one and its Hessian near the identity: without it LBFGS crawls and stops at
+ * its built-in gradient tolerance.
+ */
+#include "fit/nlopt_adapter.h"
+
+#include <math.h>
+#include <nlopt.h>
+#include <string.h>
+
+#include "math/dense.h"
+
+typedef struct {
+    mukca_cost *cost;
+    const mukca_solver_options *options;
+    mukca_solver_outcome *outcome;
+    nlopt_opt opt;
+    const double *L, *start; /* [n][n], [n] */
+    double *x, *g;           /* [n] scratch */
+    double *best;            /* [n] best point seen */
+    double best_value, scale, unit;
+    int before;
+    bool decided; /* outcome->stop says why it stops */
+} adapter;
+
+static void decide(adapter *a, mukca_stop stop)
+{
+    a->outcome->stop = stop;
+    a->decided = true;
+    nlopt_force_stop(a->opt);
+}
+
+static double objective(unsigned n_unsigned, const double *y, double *gradient, void *context)
+{
+    adapter *a = context;
+    const int n = (int)n_unsigned;
+    mukca_cost_value parts;
+    if (a->options->stop && a->options->stop(a->options->context)) {
+        decide(a, MUKCA_STOP_STOPPED);
+        return HUGE_VAL;
+    }
+    memcpy(a->x, y, (size_t)n * sizeof *y);
+    mukca_dense_backward(a->x, 1, a->L, n);
+    for (int i = 0; i < n; i++) a->x[i] = a->start[i] + a->scale * a->x[i];
+    const double value = mukca_cost_evaluate(&parts, gradient ? a->g : NULL, a->cost, a->x);
+    double slope = 0;
+    if (gradient) {
+        memcpy(gradient, a->g, (size_t)n * sizeof *gradient);
+        mukca_dense_forward(gradient, 1, a->L, n);
+        for (int i = 0; i < n; i++) {
+            gradient[i] *= a->scale / a->unit;
+            slope += gradient[i] * gradient[i];
+        }
+    }
+    if (!isfinite(value) || !isfinite(slope)) { /* NLopt would run on, or hang */
+        decide(a, MUKCA_STOP_NOT_FINITE);
+        return HUGE_VAL;
+    }
+    if (value < a->best_value) {
+        if (isfinite(a->best_value)) {
+            a->outcome->iterations++;
+            a->outcome->last_step = sqrt((a->best_value - value) / value);
+        }
+        a->best_value = value;
+        memcpy(a->best, a->x, (size_t)n * sizeof *a->x);
+        if (a->options->progress)
+            a->options->progress(a->options->context, a->x, &parts, a->cost->evaluations - a->before);
+    }
+    if (gradient && slope / 2 * a->unit <= mukca_solver_goal(value)) decide(a, MUKCA_STOP_GRADIENT);
+    return value / a->unit;
+}
+
+static mukca_status run_nlopt(nlopt_algorithm algorithm, double *x, mukca_solver_outcome *outcome,
+                              mukca_cost *cost, const mukca_solver_options *options,
+                              mukca_error *error)
+{
+    const mukca_solver_options none = {0};
+    const int n = cost->n;
+    double *L = cost->scratch, *work = L + 3 * n * n, *y = work + 3 * n, value = 0;
+    if (!options) options = &none;
+    memset(outcome, 0, sizeof *outcome);
+    mukca_cost_normal(L, cost, x, false);
+    mukca_solver_factorise(L, n);
+    adapter a = {.cost = cost, .options = options, .outcome = outcome, .L = L};
+    a.before = cost->evaluations;
+    a.x = work, a.g = work + n, a.start = work + 2 * n, a.best = x, a.best_value = HUGE_VAL;
+    memcpy(work + 2 * n, x, (size_t)n * sizeof *x);
+    memset(y, 0, (size_t)n * sizeof *y);
+    a.unit = mukca_cost_evaluate(NULL, NULL, cost, x);
+    if (!isfinite(a.unit)) {
+        outcome->stop = MUKCA_STOP_NOT_FINITE;
+        return MUKCA_OK;
+    }
+    if (!(a.unit > 0)) a.unit = 1;
+    a.scale = sqrt(a.unit / 2);
+    a.opt = nlopt_create(algorithm, (unsigned)n);
+    if (!a.opt) return mukca_fail(error, MUKCA_MEMORY, "out of memory for NLopt, %d parameters", n);
+    nlopt_set_min_objective(a.opt, objective, &a);
+    nlopt_set_ftol_abs(a.opt, 1e-30);
+    nlopt_set_maxeval(a.opt, options->max_evaluations > 0 ? options->max_evaluations : 2000);
+    nlopt_set_maxtime(a.opt, options->max_seconds > 0 ? options->max_seconds : 60);
+    const nlopt_result result = nlopt_optimize(a.opt, y, &value);
+    nlopt_destroy(a.opt);
+    if (!a.decided)
+        outcome->stop = result == NLOPT_MAXEVAL_REACHED || result == NLOPT_MAXTIME_REACHED
+                            ? MUKCA_STOP_LIMIT
+                        : result > 0 || result == NLOPT_ROUNDOFF_LIMITED ? MUKCA_STOP_TOLERANCE
+                                                                         : MUKCA_STOP_FAILED;
+    outcome->evaluations = cost->evaluations - a.before;
+    return result == NLOPT_OUT_OF_MEMORY
+               ? mukca_fail(error, MUKCA_MEMORY, "out of memory in NLopt, %d parameters", n)
+               : MUKCA_OK;
+}
+
+static mukca_status run_slsqp(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
+                              const mukca_solver_options *options, mukca_error *error)
+{
+    return run_nlopt(NLOPT_LD_SLSQP, x, outcome, cost, options, error);
+}
+
+static mukca_status run_lbfgs(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
+                              const mukca_solver_options *options, mukca_error *error)
+{
+    return run_nlopt(NLOPT_LD_LBFGS, x, outcome, cost, options, error);
+}
+
+static const mukca_solver slsqp = {
+    "slsqp", "sequential quadratic programming, of NLopt", run_slsqp};
+static const mukca_solver lbfgs = {"lbfgs", "limited-memory BFGS, of NLopt", run_lbfgs};
+
+const mukca_solver *const mukca_solver_table[] = {&slsqp, &lbfgs, &mukca_solver_gauss_newton, NULL};

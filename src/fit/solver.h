@@ -1,0 +1,65 @@
+/* One interface for all minimisers of the cost. */
+#ifndef MUKCA_FIT_SOLVER_H
+#define MUKCA_FIT_SOLVER_H
+
+#include "fit/cost.h"
+
+/* Zeroed means the defaults. */
+typedef struct {
+    int max_evaluations;         /* 0: 2000 */
+    double max_seconds;          /* 0: 60 */
+    bool (*stop)(void *context); /* asked before each evaluation; NULL: never */
+    /* called with each x[n] that is better than all before it; NULL: nobody listens */
+    void (*progress)(void *context, const double *x, const mukca_cost_value *value, int evaluations);
+    void *context; /* of both */
+} mukca_solver_options;
+
+/* Why it stopped is a result, not an error. */
+#define MUKCA_STOP_LIST(X)                                        \
+    X(GRADIENT, "the gradient vanished")                          \
+    X(TOLERANCE, "no further decrease within rounding")           \
+    X(LIMIT, "out of evaluations or time")                        \
+    X(NOT_FINITE, "the cost is not a finite number")              \
+    X(FAILED, "the solver gave up")                               \
+    X(STOPPED, "interrupted")
+
+typedef enum {
+#define MUKCA_STOP_ENUM(name, text) MUKCA_STOP_##name,
+    MUKCA_STOP_LIST(MUKCA_STOP_ENUM)
+#undef MUKCA_STOP_ENUM
+} mukca_stop;
+
+const char *mukca_stop_text(mukca_stop stop);
+
+typedef struct {
+    int evaluations, iterations; /* iterations: points better than all before */
+    mukca_stop stop;
+    double last_step; /* relative: sqrt of the last step's decrease over the cost */
+} mukca_solver_outcome;
+
+/* Minimise from x[n] (in/out: the best point seen).  Errors: MUKCA_MEMORY (NLopt's own). */
+typedef mukca_status mukca_solver_fn(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
+                                     const mukca_solver_options *options, mukca_error *error);
+
+typedef struct {
+    const char *name;
+    const char *sentence; /* for help */
+    mukca_solver_fn *run;
+} mukca_solver;
+
+extern const mukca_solver mukca_solver_gauss_newton;
+
+/* For solvers: L[n][n] with L L' = H + a ridge that keeps flat directions solvable; H in place. */
+void mukca_solver_factorise(double *H, int n);
+
+/* For solvers: g' H^-1 g / 4, the decrease of the cost that a Gauss-Newton step promises; L as above,
+ * work[n]. */
+double mukca_solver_decrement(const double *L, const double *gradient, double *work, int n);
+
+/* The promised decrease below which nothing is left to gain. */
+double mukca_solver_goal(double cost);
+
+/* Monotonic clock, s. */
+double mukca_solver_clock(void);
+
+#endif

@@ -1,0 +1,339 @@
+/* Sweeps over many rows at once: predictions, adjoint gradient, Jacobian. */
+#include "fit/sweep.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "math/four.h"
+
+enum { LANES = 8 };
+
+static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+static bool turns(int type) { return type == MUKCA_REVOLUTE || type == MUKCA_CONTINUOUS; }
+
+/* A with A e_z = axis; the identity where the axis is z already. */
+static void align_axis(double A[9], const double axis[3])
+{
+    double e1[3], e2[3];
+    memcpy(A, identity, sizeof identity);
+    if (axis[0] == 0 && axis[1] == 0 && axis[2] > 0) return;
+    mukca_rotation_transverse(e1, e2, axis);
+    for (int i = 0; i < 3; i++) A[3 * i] = e1[i], A[3 * i + 1] = e2[i], A[3 * i + 2] = axis[i];
+}
+
+void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows,
+                       bool displaced)
+{
+    const int n = chain->n_elements, joints = chain->n_joints;
+    const int padded = (rows + LANES - 1) / LANES * LANES;
+    memset(sweep, 0, sizeof *sweep);
+    sweep->n_elements = n;
+    sweep->n_joints = joints;
+    sweep->n_rows = rows;
+    sweep->padded = padded;
+    memcpy(sweep->align[0], identity, sizeof identity);
+    for (int k = 0; k < n; k++) {
+        const mukca_element *e = &chain->element[k];
+        sweep->type[k] = (signed char)e->type;
+        sweep->joint[k] = (signed char)e->joint;
+        align_axis(sweep->align[k + 1], e->type == MUKCA_FIXED ? identity + 6 : e->axis);
+    }
+    sweep->sine = MUKCA_CARVE(arena, double, joints * padded);
+    sweep->cosine = MUKCA_CARVE(arena, double, joints * padded);
+    if (displaced) {
+        sweep->turn = MUKCA_CARVE(arena, double, joints * 9 * padded);
+        sweep->base = MUKCA_CARVE(arena, double, 9 * padded);
+        sweep->shift = MUKCA_CARVE(arena, double, 3 * padded);
+    }
+    sweep->x = MUKCA_CARVE(arena, double, 3 * padded);
+    sweep->w = MUKCA_CARVE(arena, double, n * 3 * padded);
+    sweep->Q = MUKCA_CARVE(arena, double, 9 * padded);
+}
+
+/* B = A' M C for 3x3 matrices. */
+static void conjugate(double B[9], const double A[9], const double M[9], const double C[9])
+{
+    double MC[9], At[9];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) At[3 * i + j] = A[3 * j + i];
+    mukca_mat3_mul(MC, M, C);
+    mukca_mat3_mul(B, At, MC);
+}
+
+void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q,
+                      const mukca_displacement *displacements)
+{
+    const int padded = sweep->padded, last = sweep->n_rows - 1;
+    for (int j = 0; j < sweep->n_joints; j++) {
+        const int k = chain->joint_element[j];
+        for (int i = 0; i < padded; i++) {
+            const int row = i < last ? i : last; /* padding repeats the last row */
+            double angle = q[row * sweep->n_joints + j], R[9], E[9];
+            if (displacements) angle += displacements[row].q[j];
+            sweep->sine[j * padded + i] = turns(sweep->type[k]) ? sin(angle) : angle;
+            sweep->cosine[j * padded + i] = turns(sweep->type[k]) ? cos(angle) : 1;
+            if (!displacements) continue;
+            mukca_rotation_exp(R, displacements[row].rotation[j]);
+            conjugate(E, sweep->align[k + 1], R, sweep->align[k + 1]);
+            for (int c = 0; c < 9; c++) sweep->turn[(j * 9 + c) * padded + i] = E[c];
+        }
+    }
+    if (!displacements) {
+        sweep->turn = sweep->base = sweep->shift = NULL;
+        return;
+    }
+    for (int i = 0; i < padded; i++) {
+        const mukca_displacement *d = &displacements[i < last ? i : last];
+        double R[9], tip[3];
+        mukca_rotation_exp(R, d->base);
+        mukca_mat3_tvec(tip, sweep->align[sweep->n_elements], d->tip);
+        for (int c = 0; c < 9; c++) sweep->base[c * padded + i] = R[c];
+        for (int c = 0; c < 3; c++) sweep->shift[c * padded + i] = tip[c];
+    }
+}
+
+void mukca_sweep_origins(mukca_sweep *sweep, const double *theta)
+{
+    for (int k = 0; k < sweep->n_elements; k++) {
+        double R[9];
+        mukca_rotation_from_rpy(R, theta + 6 * k + 3);
+        conjugate(sweep->R[k], sweep->align[k], R, sweep->align[k + 1]);
+        mukca_mat3_tvec(sweep->p[k], sweep->align[k], theta + 6 * k);
+    }
+}
+
+/* y[3][padded] = M x (+ p), M and p the same for all rows; y may be x. */
+MUKCA_INLINE void map_rows(double *y, const double M[9], const double *p, const double *x, int padded)
+{
+    const double *xs = x, *ys = x + padded, *zs = x + 2 * padded;
+    const double px = p ? p[0] : 0, py = p ? p[1] : 0, pz = p ? p[2] : 0;
+    for (int i = 0; i < padded; i += LANES) {
+        double a[LANES], b[LANES], c[LANES];
+        for (int l = 0; l < LANES; l++) {
+            a[l] = M[0] * xs[i + l] + M[1] * ys[i + l] + M[2] * zs[i + l] + px;
+            b[l] = M[3] * xs[i + l] + M[4] * ys[i + l] + M[5] * zs[i + l] + py;
+            c[l] = M[6] * xs[i + l] + M[7] * ys[i + l] + M[8] * zs[i + l] + pz;
+        }
+        memcpy(y + i, a, sizeof a);
+        memcpy(y + padded + i, b, sizeof b);
+        memcpy(y + 2 * padded + i, c, sizeof c);
+    }
+}
+
+/* x[3][padded] := E x, or E' x, with a matrix E[9][padded] of its own for each row. */
+MUKCA_INLINE void map_each(double *x, const double *E, bool transposed, int padded)
+{
+    for (int i = 0; i < padded; i++) {
+        double v[3] = {x[i], x[padded + i], x[2 * padded + i]};
+        for (int r = 0; r < 3; r++) {
+            double s = 0;
+            for (int c = 0; c < 3; c++)
+                s += E[(transposed ? 3 * c + r : 3 * r + c) * padded + i] * v[c];
+            x[r * padded + i] = s;
+        }
+    }
+}
+
+/* x, y := rotated about z by the angles of joint j, backwards for sign = -1. */
+MUKCA_INLINE void turn_rows(double *restrict x, double *restrict y, const double *restrict s,
+                            const double *restrict c, double sign, int padded)
+{
+    for (int i = 0; i < padded; i++) {
+        const double a = x[i], b = y[i], sine = sign * s[i];
+        x[i] = c[i] * a - sine * b;
+        y[i] = sine * a + c[i] * b;
+    }
+}
+
+MUKCA_CLONES void mukca_sweep_forward(mukca_sweep *sweep)
+{
+    const int padded = sweep->padded, n = sweep->n_elements;
+    const size_t bytes = 3 * (size_t)padded * sizeof(double);
+    for (int k = n - 1; k >= 0; k--) {
+        double *w = sweep->w + 3 * k * padded;
+        const int j = sweep->joint[k];
+        if (k < n - 1)
+            map_rows(w, sweep->R[k + 1], sweep->p[k + 1], w + 3 * padded, padded);
+        else if (sweep->shift)
+            memcpy(w, sweep->shift, bytes);
+        else
+            memset(w, 0, bytes);
+        if (j < 0) continue;
+        const double *s = sweep->sine + j * padded;
+        if (turns(sweep->type[k])) {
+            turn_rows(w, w + padded, s, sweep->cosine + j * padded, 1, padded);
+        } else {
+            for (int i = 0; i < padded; i++) w[2 * padded + i] += s[i];
+        }
+        if (sweep->turn) map_each(w, sweep->turn + 9 * j * padded, false, padded);
+    }
+    map_rows(sweep->x, sweep->R[0], sweep->p[0], sweep->w, padded);
+    if (sweep->base) map_each(sweep->x, sweep->base, false, padded);
+}
+
+/* Q := Q R for every row, the rows of Q being x[3][padded] vectors times R from the right. */
+MUKCA_INLINE void frames_times(double *Q, const double R[9], int padded)
+{
+    double Rt[9];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) Rt[3 * i + j] = R[3 * j + i];
+    for (int row = 0; row < 3; row++) map_rows(Q + 3 * row * padded, Rt, NULL, Q + 3 * row * padded, padded);
+}
+
+/* Q := Q E Rz(q) of element k. */
+MUKCA_INLINE void frames_turn(double *Q, const mukca_sweep *sweep, int k)
+{
+    const int padded = sweep->padded, j = sweep->joint[k];
+    if (j < 0) return;
+    for (int row = 0; row < 3; row++) {
+        double *q = Q + 3 * row * padded;
+        if (sweep->turn) map_each(q, sweep->turn + 9 * j * padded, true, padded);
+        if (turns(sweep->type[k]))
+            turn_rows(q, q + padded, sweep->sine + j * padded, sweep->cosine + j * padded, -1, padded);
+    }
+}
+
+MUKCA_INLINE void frames_start(double *Q, const mukca_sweep *sweep)
+{
+    const int padded = sweep->padded;
+    for (int c = 0; c < 9; c++)
+        for (int i = 0; i < padded; i++)
+            Q[c * padded + i] = sweep->base ? sweep->base[c * padded + i] : identity[c];
+}
+
+MUKCA_CLONES void mukca_sweep_orientations(mukca_sweep *sweep)
+{
+    frames_start(sweep->Q, sweep);
+    for (int k = 0; k < sweep->n_elements; k++) {
+        frames_times(sweep->Q, sweep->R[k], sweep->padded);
+        frames_turn(sweep->Q, sweep, k);
+    }
+    double back[9]; /* from aligned to true coordinates of the last frame */
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) back[3 * i + j] = sweep->align[sweep->n_elements][3 * j + i];
+    frames_times(sweep->Q, back, sweep->padded);
+}
+
+#define SUM4(v) (((v)[0] + (v)[1]) + ((v)[2] + (v)[3]))
+
+/* sum[3] of h, and outer[9] of h w', over all rows. */
+MUKCA_INLINE void sum_rows(double sum[3], double outer[9], const double *h, const double *w, int padded)
+{
+    for (int r = 0; r < 3; r++) {
+        const double *hr = h + r * padded;
+        four s = {0}, x = {0}, y = {0}, z = {0};
+        for (int i = 0; i < padded; i += 4) {
+            const four v = LOAD4(hr + i);
+            s += v;
+            x += v * LOAD4(w + i);
+            y += v * LOAD4(w + padded + i);
+            z += v * LOAD4(w + 2 * padded + i);
+        }
+        sum[r] = SUM4(s);
+        outer[3 * r] = SUM4(x), outer[3 * r + 1] = SUM4(y), outer[3 * r + 2] = SUM4(z);
+    }
+}
+
+MUKCA_CLONES void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep)
+{
+    const int padded = sweep->padded;
+    if (sweep->base) map_each(h, sweep->base, true, padded);
+    for (int k = 0; k < sweep->n_elements; k++) {
+        double sum[3], outer[9], half[9], Rt[9], At[9];
+        const int j = sweep->joint[k];
+        sum_rows(sum, outer, h, sweep->w + 3 * k * padded, padded);
+        mukca_mat3_vec(adjoint->sum[k], sweep->align[k], sum);
+        for (int r = 0; r < 3; r++)
+            for (int c = 0; c < 3; c++) {
+                Rt[3 * r + c] = sweep->R[k][3 * c + r];
+                At[3 * r + c] = sweep->align[k + 1][3 * c + r];
+            }
+        mukca_mat3_mul(half, sweep->align[k], outer);
+        mukca_mat3_mul(adjoint->outer[k], half, At);
+        if (k == sweep->n_elements - 1) break;
+        map_rows(h, Rt, NULL, h, padded);
+        if (j < 0) continue;
+        if (sweep->turn) map_each(h, sweep->turn + 9 * j * padded, true, padded);
+        if (turns(sweep->type[k]))
+            turn_rows(h, h + padded, sweep->sine + j * padded, sweep->cosine + j * padded, -1, padded);
+    }
+}
+
+void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_gradient gradient)
+{
+    if (gradient == MUKCA_GRADIENT_ANALYTIC) {
+        mukca_rotation_from_rpy_derivative(dR, rpy);
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
+        double low[9], high[9], at[3] = {rpy[0], rpy[1], rpy[2]};
+        const double step = cbrt(DBL_EPSILON) * fmax(1, fabs(rpy[i]));
+        at[i] = rpy[i] + step;
+        const double above = at[i];
+        mukca_rotation_from_rpy(high, at);
+        at[i] = rpy[i] - step;
+        mukca_rotation_from_rpy(low, at);
+        for (int c = 0; c < 9; c++) dR[i][c] = (high[c] - low[c]) / (above - at[i]);
+    }
+}
+
+/* Column `column` of J: row i gets Q_i v_i.  v is the same for all rows (stride 1, along 0) or one
+ * per row (stride padded, along 1). */
+MUKCA_INLINE void column_rows(double *J, int ld, int column, const double *Q, const double *v,
+                              int stride, int along, const mukca_sweep *sweep)
+{
+    const int padded = sweep->padded, rows = sweep->n_rows;
+    for (int start = 0; start < rows; start += LANES) {
+        double out[3][LANES];
+        for (int r = 0; r < 3; r++)
+            for (int l = 0; l < LANES; l++) {
+                const int i = start + l;
+                double s = 0;
+                for (int c = 0; c < 3; c++)
+                    s += Q[(3 * r + c) * padded + i] * v[c * stride + along * i];
+                out[r][l] = s;
+            }
+        for (int l = 0; l < LANES && start + l < rows; l++)
+            for (int r = 0; r < 3; r++) J[(3 * (start + l) + r) * ld + column] = out[r][l];
+    }
+}
+
+MUKCA_CLONES void mukca_sweep_jacobian(double *J, double *JO, int ld, mukca_sweep *sweep,
+                                       const double *theta, const short *index, int n,
+                                       mukca_gradient gradient)
+{
+    const int padded = sweep->padded;
+    static const double none[3] = {0, 0, 0};
+    double *Q = sweep->Q, *v = sweep->x; /* x is spent: predictions are recomputed below */
+    frames_start(Q, sweep);
+    for (int k = 0, column = 0; k < sweep->n_elements && column < n; k++) {
+        double dR[3][9];
+        if (index[column] / MUKCA_PARAMETERS == k)
+            mukca_sweep_element_derivative(dR, theta + 6 * k + 3, gradient);
+        for (; column < n && index[column] / MUKCA_PARAMETERS == k; column++) {
+            const int parameter = index[column] % MUKCA_PARAMETERS;
+            if (parameter < 3) { /* the parent frame's axis, in aligned coordinates */
+                column_rows(J, ld, column, Q, sweep->align[k] + 3 * parameter, 1, 0, sweep);
+                if (JO) column_rows(JO, ld, column, Q, none, 1, 0, sweep);
+                continue;
+            }
+            double M[9], R[9], spin[9];
+            conjugate(M, sweep->align[k], dR[parameter - 3], sweep->align[k + 1]);
+            map_rows(v, M, NULL, sweep->w + 3 * k * padded, padded);
+            column_rows(J, ld, column, Q, v, padded, 1, sweep);
+            if (!JO) continue;
+            for (int r = 0; r < 3; r++)
+                for (int c = 0; c < 3; c++) R[3 * r + c] = sweep->R[k][3 * c + r];
+            mukca_mat3_mul(spin, M, R); /* antisymmetric: the angular velocity */
+            const double omega[3] = {0.5 * (spin[7] - spin[5]), 0.5 * (spin[2] - spin[6]),
+                                     0.5 * (spin[3] - spin[1])};
+            column_rows(JO, ld, column, Q, omega, 1, 0, sweep);
+        }
+        frames_times(Q, sweep->R[k], padded);
+        frames_turn(Q, sweep, k);
+    }
+    map_rows(sweep->x, sweep->R[0], sweep->p[0], sweep->w, padded);
+    if (sweep->base) map_each(sweep->x, sweep->base, false, padded);
+}

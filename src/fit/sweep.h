@@ -1,0 +1,69 @@
+/* Sweeps over many rows at once: predictions, adjoint gradient, Jacobian.
+ *
+ * All arrays run along the rows (structure of arrays, padded to a multiple of 8).  Each joint frame is
+ * first turned so that its axis is z: with A_k e_z = axis_k,
+ *     u_k = (A_{k-1}' R_k A_k) E_k Rz(q) u_{k+1} + A_{k-1}' p_k,
+ * where u_k is the tip as seen from element k's parent frame.  Sines and cosines of the joint angles
+ * are constants of a fit and are computed once.  E_k is a small rotation per row, absent by default.
+ */
+#ifndef MUKCA_FIT_SWEEP_H
+#define MUKCA_FIT_SWEEP_H
+
+#include "base/arena.h"
+#include "mukca/chain.h"
+
+typedef enum { MUKCA_GRADIENT_FD, MUKCA_GRADIENT_ANALYTIC } mukca_gradient;
+
+typedef struct {
+    int n_elements, n_joints, n_rows, padded;
+    signed char type[MUKCA_MAX_ELEMENTS], joint[MUKCA_MAX_ELEMENTS];
+    double align[MUKCA_MAX_ELEMENTS + 1][9]; /* A_{k-1} at k; align[0] = I */
+    double *sine, *cosine;                   /* [n_joints][padded]; prismatic: sine holds q */
+    double *turn;                            /* [n_joints][9][padded] E of each joint, or NULL */
+    double *base;                            /* [9][padded] rotation of the base, or NULL */
+    double *shift;                           /* [3][padded] of the tip in its frame, or NULL */
+    double R[MUKCA_MAX_ELEMENTS][9], p[MUKCA_MAX_ELEMENTS][3]; /* aligned origins in use */
+    double *x; /* [3][padded] predicted tip */
+    double *w; /* [n_elements][3][padded] tip as seen after the origin of each element */
+    double *Q; /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
+} mukca_sweep;
+
+/* Hand out the arrays for `rows` rows; `displaced` reserves those of displacements. */
+void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows,
+                       bool displaced);
+
+/* Joint angles q[n_rows][n_joints] and displacements[n_rows] (NULL: none; else carved with
+ * `displaced`). */
+void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q,
+                      const mukca_displacement *displacements);
+
+/* Origins from theta[6 * n_elements]. */
+void mukca_sweep_origins(mukca_sweep *sweep, const double *theta);
+
+/* x and w for the origins in use. */
+void mukca_sweep_forward(mukca_sweep *sweep);
+
+/* Q: the tip's orientation in the base, for the origins in use. */
+void mukca_sweep_orientations(mukca_sweep *sweep);
+
+/* What the gradient needs of the rows: per element the sum of the adjoints pulled back to its parent
+ * frame (the derivative by its translation), and the sum of their outer products with w (what any
+ * derivative of its rotation is multiplied with), both in true, not aligned, coordinates. */
+typedef struct {
+    double sum[MUKCA_MAX_ELEMENTS][3], outer[MUKCA_MAX_ELEMENTS][9];
+} mukca_adjoint;
+
+/* Pull back the adjoint h[3][padded] of the predictions (destroyed; zero in padding rows). */
+void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep);
+
+/* dR[3][9]: derivatives of an element's rotation by roll, pitch, yaw: analytic, or by central
+ * differences (which for the translation, linear as it is, are exact). */
+void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_gradient gradient);
+
+/* Derivatives of the tip's position by the parameters index[n] of theta, J[3 * n_rows][ld], and of
+ * its orientation (as a rotation vector in base coordinates), JO[3 * n_rows][ld] or NULL.
+ * Needs mukca_sweep_forward; spoils Q. */
+void mukca_sweep_jacobian(double *J, double *JO, int ld, mukca_sweep *sweep, const double *theta,
+                          const short *index, int n, mukca_gradient gradient);
+
+#endif
