@@ -27,7 +27,7 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     cost->theta = MUKCA_CARVE(&arena, double, all);
     cost->nominal = MUKCA_CARVE(&arena, double, n);
     cost->r = MUKCA_CARVE(&arena, double, m);
-    cost->J = MUKCA_CARVE(&arena, double, m * n);
+    cost->J = MUKCA_CARVE(&arena, double, m *n);
     cost->weight = MUKCA_CARVE(&arena, double, m);
     cost->scratch = MUKCA_CARVE(&arena, double, 3 * n * n + 6 * n);
     if (!memory) return arena.used;

@@ -43,8 +43,9 @@ typedef struct {
     double *scratch;    /* [3][n][n] and [6][n] for solvers */
 } mukca_cost;
 
-/* Carve from `memory`, or with memory = NULL count the bytes.  `theta[6 * n_elements]` (NULL: nominal)
- * gives the frozen parameters their values.  chain and parameters must outlive the cost. */
+/* Carve from `memory`, or with memory = NULL count the bytes.  `theta[6 * n_elements]` (NULL:
+ * nominal) gives the frozen parameters their values.  chain and parameters must outlive the cost.
+ */
 size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain,
                         const mukca_parameters *parameters, const mukca_dataset *data,
                         const mukca_cost_options *options, const double *theta);

@@ -7,15 +7,15 @@
 
 #include "math/dense.h"
 
-/* Rotation that best turns the vectors of sum S = sum a b' from b to a (Horn 1987, unit quaternion). */
+/* Rotation that best turns the vectors of sum S = sum a b' from b to a (Horn 1987, unit
+ * quaternion). */
 static void best_rotation(double R[9], const double S[9])
 {
     const double xx = S[0], xy = S[1], xz = S[2], yx = S[3], yy = S[4], yz = S[5], zx = S[6],
                  zy = S[7], zz = S[8];
-    double N[16] = {xx + yy + zz, zy - yz,      xz - zx,      yx - xy,
-                    zy - yz,      xx - yy - zz, xy + yx,      zx + xz,
-                    xz - zx,      xy + yx,      yy - xx - zz, yz + zy,
-                    yx - xy,      zx + xz,      yz + zy,      zz - xx - yy};
+    double N[16] = {xx + yy + zz, zy - yz, xz - zx, yx - xy,     zy - yz,      xx - yy - zz,
+                    xy + yx,      zx + xz, xz - zx, xy + yx,     yy - xx - zz, yz + zy,
+                    yx - xy,      zx + xz, yz + zy, zz - xx - yy};
     double w[4], V[16], q[4];
     mukca_dense_eigen(w, V, N, 4);
     for (int i = 0; i < 4; i++) q[i] = V[4 * i];
@@ -78,7 +78,8 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     if (!options) options = &none;
     memset(fit, 0, sizeof *fit);
     if (data->n_rows < 1) return mukca_fail(error, MUKCA_INPUT, "there are no rows to fit");
-    status = mukca_chain_with_frames(&fit->chain, chain, options->free_base, options->free_tool, error);
+    status =
+        mukca_chain_with_frames(&fit->chain, chain, options->free_base, options->free_tool, error);
     if (status == MUKCA_OK)
         status = mukca_parameters_select(&fit->parameters, &fit->chain, &options->selection, error);
     if (status != MUKCA_OK) return status;

@@ -8,9 +8,9 @@
 /* Zeroed means the defaults. */
 typedef struct {
     mukca_selection selection;
-    bool free_base, free_tool;   /* fit the frame and the offset of measured poses, too */
+    bool free_base, free_tool; /* fit the frame and the offset of measured poses, too */
     mukca_cost_options cost;
-    const mukca_solver *solver;  /* NULL: Gauss-Newton */
+    const mukca_solver *solver; /* NULL: Gauss-Newton */
     mukca_solver_options limits;
 } mukca_fit_options;
 
@@ -20,12 +20,12 @@ typedef struct {
     double theta[MUKCA_MAX_FREE]; /* [6 * chain.n_elements], calibrated */
     mukca_cost_value nominal, calibrated;
     mukca_solver_outcome outcome;
-    bool converged;       /* our own verdict, at the point returned */
-    double to_gain;       /* decrease of the cost that one more step promises, over the cost */
-    int n_measured;       /* scalar measurements that parameters can use */
+    bool converged; /* our own verdict, at the point returned */
+    double to_gain; /* decrease of the cost that one more step promises, over the cost */
+    int n_measured; /* scalar measurements that parameters can use */
     mukca_identification identification;
-    double *null_space;   /* [n - rank][n] as mukca_identify gives it; NULL without a fit */
-    double *memory;       /* owned */
+    double *null_space; /* [n - rank][n] as mukca_identify gives it; NULL without a fit */
+    double *memory;     /* owned */
 } mukca_fit;
 
 /* Fit `data` from nominal.  Allocates; free with mukca_fit_free.  Errors: MUKCA_USAGE, MUKCA_INPUT,

@@ -23,7 +23,10 @@ double mukca_solver_clock(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-double mukca_solver_goal(double cost) { return 1e-12 * cost + 1e-24; }
+double mukca_solver_goal(double cost)
+{
+    return 1e-11 * cost + 1e-24;
+}
 
 static double largest_diagonal(const double *H, int n)
 {
@@ -53,7 +56,8 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
 {
     const mukca_solver_options none = {0};
     const int n = cost->n;
-    double *H = cost->scratch, *L = H + n * n, *g = H + 3 * n * n, *step = g + n, *trial = step + n;
+    double *H = cost->scratch, *L = H + n * n, *g = H + 3 * n * n, *step = g + n, *trial = step + n,
+           *g_trial = trial + n;
     double damping = 0, value;
     mukca_cost_value parts;
     (void)error;
@@ -84,7 +88,7 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
         }
         mukca_dense_backward(step, 1, L, n);
         for (int i = 0; i < n; i++) trial[i] = x[i] - step[i] / 2;
-        const double next = mukca_cost_evaluate(&parts, NULL, cost, trial);
+        const double next = mukca_cost_evaluate(&parts, g_trial, cost, trial);
         moved = next < value;
         if (!moved) {
             if (promised <= 1e-9 * value) { /* the model is right; rounding is in the way */
@@ -99,7 +103,8 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
         outcome->last_step = sqrt((value - next) / next);
         outcome->iterations++;
         memcpy(x, trial, (size_t)n * sizeof *x);
-        value = mukca_cost_evaluate(&parts, g, cost, x);
+        memcpy(g, g_trial, (size_t)n * sizeof *g);
+        value = next;
         if (options->progress)
             options->progress(options->context, x, &parts, cost->evaluations - before);
     }

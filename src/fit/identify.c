@@ -6,8 +6,9 @@
 
 #include "math/dense.h"
 
-/* B[n][n] = covariance of J'W r for unit noise of every coordinate: each row acts on its own residual
- * and, through its socket's mean, on the distances.  Spoils cost->J (weighted Jacobian). */
+/* B[n][n] = covariance of J'W r for unit noise of every coordinate: each row acts on its own
+ * residual and, through its socket's mean, on the distances.  Spoils cost->J (weighted Jacobian).
+ */
 static void score_covariance(double *B, mukca_cost *cost)
 {
     mukca_observations *o = &cost->observations;
@@ -20,13 +21,50 @@ static void score_covariance(double *B, mukca_cost *cost)
             const int sign = (o->pair[2 * p] == s) - (o->pair[2 * p + 1] == s);
             if (s < 0 || sign == 0) continue;
             for (int a = 0; a < 3; a++) {
-                const double f = sign * cost->pair_weight * o->pair_direction[3 * p + a] / o->count[s];
+                const double f =
+                    sign * cost->pair_weight * o->pair_direction[3 * p + a] / o->count[s];
                 for (int c = 0; c < n; c++)
                     cost->J[(3 * i + a) * n + c] += f * cost->J[(first_pair + p) * n + c];
             }
         }
     memset(B, 0, (size_t)(n * n) * sizeof *B);
     mukca_dense_syrk(B, n, cost->J, first_pair, n);
+}
+
+/* Turning the whole arm turns all residuals and costs nothing: a motion that sockets cannot see,
+ * though to first order it changes their residuals.  Take it out of the weighted Jacobian in
+ * cost->J. Measured poses, and means that are held, do see it. */
+static void project_out_turning(mukca_cost *cost)
+{
+    const mukca_observations *o = &cost->observations;
+    const int n = cost->n, rows = o->n_rows, m = 3 * rows;
+    double *N = cost->r; /* the residuals are not needed after this */
+    double basis[3][3], gram[9], along[3];
+    if (o->target || o->pull) return;
+    memset(gram, 0, sizeof gram);
+    /* N' N of the columns e_c x r, from the second moments of the residuals */
+    for (int i = 0; i < m; i++) N[i] *= cost->weight[i];
+    for (int i = 0; i < rows; i++) {
+        const double *r = N + 3 * i, square = mukca_dot3(r, r);
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++) gram[3 * a + b] += (a == b) * square - r[a] * r[b];
+    }
+    double w[3], V[9];
+    if (mukca_dense_eigen(w, V, gram, 3) != 0) return;
+    for (int c = 0; c < 3; c++)
+        for (int a = 0; a < 3; a++) basis[c][a] = w[c] > 0 ? V[3 * a + c] / sqrt(w[c]) : 0;
+    for (int c = 0; c < 3; c++)
+        for (int column = 0; column < n; column++) {
+            double sum = 0;
+            for (int i = 0; i < rows; i++) {
+                mukca_cross(along, basis[c], N + 3 * i);
+                for (int a = 0; a < 3; a++) sum += along[a] * cost->J[(3 * i + a) * n + column];
+            }
+            for (int i = 0; i < rows; i++) {
+                mukca_cross(along, basis[c], N + 3 * i);
+                for (int a = 0; a < 3; a++) cost->J[(3 * i + a) * n + column] -= sum * along[a];
+            }
+        }
 }
 
 /* Gauss-Jordan with full pivoting: the rows of N[k][n] become 1 in a column of their own. */
@@ -83,21 +121,22 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     const int n = cost->n;
     mukca_observations *o = &cost->observations;
     double *B = work, *R = B + n * n, *V = R + n * n, *G = V + n * n, *s = G + n * n;
+    double log_product = 0, squares = 0;
     memset(id, 0, sizeof *id);
     mukca_cost_normal(R, cost, x, true);
     score_covariance(B, cost);
     mukca_cost_normal(R, cost, x, true); /* the Jacobian once more: it is needed whole */
+    const int pairs = cost->pair_weight > 0 ? o->n_pairs : 0;
+    for (int i = 0; i < o->n_residuals - o->n_pairs + pairs; i++)
+        squares += cost->weight[i] > 0 ? cost->r[i] * cost->r[i] : 0;
+    project_out_turning(cost);
     memset(R, 0, (size_t)(n * n) * sizeof *R);
     mukca_dense_qr_absorb(R, NULL, cost->J, o->n_residuals, n, 0);
     if (mukca_dense_svd(R, s, V, n, n) != 0)
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
-    double log_product = 0, squares = 0;
     while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
         log_product += log(s[id->rank++]);
     id->observability = id->rank > 0 ? exp(log_product / id->rank) : 0;
-    const int pairs = cost->pair_weight > 0 ? o->n_pairs : 0;
-    for (int i = 0; i < o->n_residuals - o->n_pairs + pairs; i++)
-        squares += cost->weight[i] > 0 ? cost->r[i] * cost->r[i] : 0;
     const int spare = o->n_measured - o->n_pairs + pairs - id->rank;
     id->noise = spare > 0 ? sqrt(squares / spare) : HUGE_VAL;
     standard_errors(id, V, s, B, G, R, n);

@@ -1,7 +1,7 @@
 /* What the data can tell about each parameter: rank, null space, standard errors, observability.
  *
- * All of it is of the data alone: the pull to nominal (lambda) hides what is not observable, it does
- * not make it known.
+ * All of it is of the data alone: the pull to nominal (lambda) hides what is not observable, it
+ * does not make it known.
  */
 #ifndef MUKCA_FIT_IDENTIFY_H
 #define MUKCA_FIT_IDENTIFY_H
@@ -11,13 +11,15 @@
 typedef struct {
     int rank;
     double noise;         /* standard deviation of one coordinate of a row, m; from the residuals */
-    double observability; /* (s_1 ... s_rank)^(1/rank) of the weighted Jacobian (index O1 of Borm and
-                             Menq over the observable directions): m per m or rad */
-    double sigma[MUKCA_MAX_FREE]; /* standard error of each free parameter; infinite where unidentifiable */
+    double observability; /* (s_1 ... s_rank)^(1/rank) of the weighted Jacobian (index O1 of Borm
+                             and Menq over the observable directions): m per m or rad */
+    double sigma[MUKCA_MAX_FREE]; /* standard error of each free parameter; infinite where
+                                     unidentifiable */
     unsigned char identifiable[MUKCA_MAX_FREE];
 } mukca_identification;
 
-/* Directions whose effect on the data is below this share of the strongest one count as invisible. */
+/* Directions whose effect on the data is below this share of the strongest one count as invisible.
+ */
 #define MUKCA_RANK_TOLERANCE 1e-7
 
 /* Doubles of `work` for n free parameters. */

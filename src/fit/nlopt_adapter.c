@@ -1,8 +1,10 @@
 /* SLSQP and LBFGS of NLopt in whitened variables.
  *
- * x = x0 + s L^-T y with L L' half the Gauss-Newton Hessian at the start and s = sqrt(J0 / 2), so that
- * f(y) = J / J0 is of order one and its Hessian near the identity: without it LBFGS crawls and stops at
- * its built-in gradient tolerance.
+ * x = x0 + s L^-T y with L L' half the Gauss-Newton Hessian at the start and s = sqrt(J0 / 2), so
+ * that f(y) = J / J0 is of order one and its Hessian near the identity: without it LBFGS crawls and
+ * stops at its built-in gradient tolerance.  Once J has fallen far below J0 the variables are
+ * whitened anew, at the best point so far: the metric fits there better, and f is of order one
+ * again.
  */
 #include "fit/nlopt_adapter.h"
 
@@ -17,13 +19,17 @@ typedef struct {
     const mukca_solver_options *options;
     mukca_solver_outcome *outcome;
     nlopt_opt opt;
-    const double *L, *start; /* [n][n], [n] */
-    double *x, *g;           /* [n] scratch */
-    double *best;            /* [n] best point seen */
+    const double *L; /* [n][n] */
+    double *start;   /* [n] where it was whitened */
+    double *x, *g;   /* [n] scratch */
+    double *best;    /* [n] best point seen */
     double best_value, scale, unit;
     int before;
     bool decided; /* outcome->stop says why it stops */
+    bool anew;    /* stopped to be whitened anew */
 } adapter;
+
+static const double fall = 0.1; /* of the cost, that calls for new whitening */
 
 static void decide(adapter *a, mukca_stop stop)
 {
@@ -66,10 +72,47 @@ static double objective(unsigned n_unsigned, const double *y, double *gradient, 
         a->best_value = value;
         memcpy(a->best, a->x, (size_t)n * sizeof *a->x);
         if (a->options->progress)
-            a->options->progress(a->options->context, a->x, &parts, a->cost->evaluations - a->before);
+            a->options->progress(a->options->context, a->x, &parts,
+                                 a->cost->evaluations - a->before);
     }
-    if (gradient && slope / 2 * a->unit <= mukca_solver_goal(value)) decide(a, MUKCA_STOP_GRADIENT);
+    if (gradient && slope / 2 * a->unit <= mukca_solver_goal(value)) {
+        decide(a, MUKCA_STOP_GRADIENT);
+    } else if (a->best_value < fall * a->unit) {
+        a->anew = true;
+        nlopt_force_stop(a->opt);
+    }
     return value / a->unit;
+}
+
+/* One round: whiten at x, minimise from there. */
+static mukca_status run_round(nlopt_algorithm algorithm, adapter *a, double *L, double *y,
+                              int max_evaluations, double max_seconds, mukca_error *error)
+{
+    const int n = a->cost->n;
+    double value = 0;
+    mukca_cost_normal(L, a->cost, a->best, false);
+    mukca_solver_factorise(L, n);
+    memcpy(a->start, a->best, (size_t)n * sizeof *y);
+    memset(y, 0, (size_t)n * sizeof *y);
+    a->scale = sqrt(a->unit / 2);
+    a->anew = false;
+    a->opt = nlopt_create(algorithm, (unsigned)n);
+    if (!a->opt)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for NLopt, %d parameters", n);
+    nlopt_set_min_objective(a->opt, objective, a);
+    nlopt_set_ftol_abs(a->opt, 1e-30);
+    nlopt_set_maxeval(a->opt, max_evaluations);
+    nlopt_set_maxtime(a->opt, max_seconds);
+    const nlopt_result result = nlopt_optimize(a->opt, y, &value);
+    nlopt_destroy(a->opt);
+    if (result == NLOPT_OUT_OF_MEMORY)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory in NLopt, %d parameters", n);
+    if (!a->decided && !a->anew)
+        a->outcome->stop = result == NLOPT_MAXEVAL_REACHED || result == NLOPT_MAXTIME_REACHED
+                               ? MUKCA_STOP_LIMIT
+                           : result > 0 || result == NLOPT_ROUNDOFF_LIMITED ? MUKCA_STOP_TOLERANCE
+                                                                            : MUKCA_STOP_FAILED;
+    return MUKCA_OK;
 }
 
 static mukca_status run_nlopt(nlopt_algorithm algorithm, double *x, mukca_solver_outcome *outcome,
@@ -78,40 +121,33 @@ static mukca_status run_nlopt(nlopt_algorithm algorithm, double *x, mukca_solver
 {
     const mukca_solver_options none = {0};
     const int n = cost->n;
-    double *L = cost->scratch, *work = L + 3 * n * n, *y = work + 3 * n, value = 0;
+    double *L = cost->scratch, *work = L + 3 * n * n;
+    mukca_status status = MUKCA_OK;
     if (!options) options = &none;
     memset(outcome, 0, sizeof *outcome);
-    mukca_cost_normal(L, cost, x, false);
-    mukca_solver_factorise(L, n);
-    adapter a = {.cost = cost, .options = options, .outcome = outcome, .L = L};
+    const int limit = options->max_evaluations > 0 ? options->max_evaluations : 2000;
+    const double until =
+        mukca_solver_clock() + (options->max_seconds > 0 ? options->max_seconds : 60);
+    adapter a = {.cost = cost, .options = options, .outcome = outcome, .L = L, .best = x};
     a.before = cost->evaluations;
-    a.x = work, a.g = work + n, a.start = work + 2 * n, a.best = x, a.best_value = HUGE_VAL;
-    memcpy(work + 2 * n, x, (size_t)n * sizeof *x);
-    memset(y, 0, (size_t)n * sizeof *y);
+    a.x = work, a.g = work + n, a.start = work + 2 * n;
+    a.best_value = HUGE_VAL;
     a.unit = mukca_cost_evaluate(NULL, NULL, cost, x);
     if (!isfinite(a.unit)) {
         outcome->stop = MUKCA_STOP_NOT_FINITE;
         return MUKCA_OK;
     }
     if (!(a.unit > 0)) a.unit = 1;
-    a.scale = sqrt(a.unit / 2);
-    a.opt = nlopt_create(algorithm, (unsigned)n);
-    if (!a.opt) return mukca_fail(error, MUKCA_MEMORY, "out of memory for NLopt, %d parameters", n);
-    nlopt_set_min_objective(a.opt, objective, &a);
-    nlopt_set_ftol_abs(a.opt, 1e-30);
-    nlopt_set_maxeval(a.opt, options->max_evaluations > 0 ? options->max_evaluations : 2000);
-    nlopt_set_maxtime(a.opt, options->max_seconds > 0 ? options->max_seconds : 60);
-    const nlopt_result result = nlopt_optimize(a.opt, y, &value);
-    nlopt_destroy(a.opt);
-    if (!a.decided)
-        outcome->stop = result == NLOPT_MAXEVAL_REACHED || result == NLOPT_MAXTIME_REACHED
-                            ? MUKCA_STOP_LIMIT
-                        : result > 0 || result == NLOPT_ROUNDOFF_LIMITED ? MUKCA_STOP_TOLERANCE
-                                                                         : MUKCA_STOP_FAILED;
+    do {
+        const int left = limit - (cost->evaluations - a.before);
+        const double seconds = until - mukca_solver_clock();
+        outcome->stop = MUKCA_STOP_LIMIT;
+        if (left <= 0 || seconds <= 0) break;
+        status = run_round(algorithm, &a, L, work + 3 * n, left, seconds, error);
+        a.unit = a.best_value;
+    } while (status == MUKCA_OK && a.anew);
     outcome->evaluations = cost->evaluations - a.before;
-    return result == NLOPT_OUT_OF_MEMORY
-               ? mukca_fail(error, MUKCA_MEMORY, "out of memory in NLopt, %d parameters", n)
-               : MUKCA_OK;
+    return status;
 }
 
 static mukca_status run_slsqp(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
@@ -126,8 +162,8 @@ static mukca_status run_lbfgs(double *x, mukca_solver_outcome *outcome, mukca_co
     return run_nlopt(NLOPT_LD_LBFGS, x, outcome, cost, options, error);
 }
 
-static const mukca_solver slsqp = {
-    "slsqp", "sequential quadratic programming, of NLopt", run_slsqp};
+static const mukca_solver slsqp = {"slsqp", "sequential quadratic programming, of NLopt",
+                                   run_slsqp};
 static const mukca_solver lbfgs = {"lbfgs", "limited-memory BFGS, of NLopt", run_lbfgs};
 
 const mukca_solver *const mukca_solver_table[] = {&slsqp, &lbfgs, &mukca_solver_gauss_newton, NULL};

@@ -1,4 +1,5 @@
-/* Observations to residuals and their Jacobian: one interface for sockets and for measured poses. */
+/* Observations to residuals and their Jacobian: one interface for sockets and for measured poses.
+ */
 #include "fit/observe.h"
 
 #include <math.h>
@@ -194,7 +195,8 @@ double mukca_observe_squares(double *pairs, const mukca_observations *o)
         double row = 0, turn = 0;
         for (int a = 0; a < 3; a++) {
             row += o->residual[a * padded + i] * o->residual[a * padded + i];
-            if (o->oriented) turn += o->turn_residual[a * padded + i] * o->turn_residual[a * padded + i];
+            if (o->oriented)
+                turn += o->turn_residual[a * padded + i] * o->turn_residual[a * padded + i];
         }
         sum += o->share[i] * row;
         if (o->oriented) sum += o->turn_share[i] * turn;
@@ -277,8 +279,9 @@ void mukca_observe_gradient(double *gradient, mukca_observations *o, const doubl
 static void turn_rows_of(double *J, int n, const double w[3], double metres_per_radian)
 {
     const double angle = sqrt(mukca_dot3(w, w));
-    const double f = angle < 1e-3 ? 1.0 / 12 + angle * angle / 720
-                                  : 1 / (angle * angle) - (1 + cos(angle)) / (2 * angle * sin(angle));
+    const double f = angle < 1e-3
+                         ? 1.0 / 12 + angle * angle / 720
+                         : 1 / (angle * angle) - (1 + cos(angle)) / (2 * angle * sin(angle));
     double M[9];
     for (int r = 0; r < 3; r++) /* I - [w]x / 2 + f [w]x^2 */
         for (int c = 0; c < 3; c++)
@@ -305,7 +308,8 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
         for (int c = 0; c < 3 * n; c++) mean[c] += J[3 * i * n + c];
     }
     for (int s = 0; s < o->n_sockets; s++)
-        for (int c = 0; c < 3 * n && o->count[s] > 0; c++) o->mean_rows[3 * s * n + c] /= o->count[s];
+        for (int c = 0; c < 3 * n && o->count[s] > 0; c++)
+            o->mean_rows[3 * s * n + c] /= o->count[s];
     for (int i = 0; i < o->n_rows; i++) {
         double *rows = J + 3 * i * n;
         if (o->socket[i] >= 0 && !o->pull) {

@@ -1,13 +1,12 @@
 /* Observations to residuals and their Jacobian: one interface for sockets and for measured poses.
  *
- * A row of a socket says "the ball was where it was in the socket's other rows": its residual is the
- * prediction minus the mean of the socket's predictions, and each pair of sockets whose distance is
- * known adds one row.  A row of a pose log says where the tip was: its residual is the prediction
- * minus the measurement, in position and, where measured, in orientation (times metres_per_radian).
- * Residuals are laid out as
- *     3 per data row, in the dataset's order; then, if `oriented`, 3 more per data row; then one per
- *     pair of sockets,
- * all in metres; rows that measure nothing are zero with weight zero.
+ * A row of a socket says "the ball was where it was in the socket's other rows": its residual is
+ * the prediction minus the mean of the socket's predictions, and each pair of sockets whose
+ * distance is known adds one row.  A row of a pose log says where the tip was: its residual is the
+ * prediction minus the measurement, in position and, where measured, in orientation (times
+ * metres_per_radian). Residuals are laid out as 3 per data row, in the dataset's order; then, if
+ * `oriented`, 3 more per data row; then one per pair of sockets, all in metres; rows that measure
+ * nothing are zero with weight zero.
  */
 #ifndef MUKCA_FIT_OBSERVE_H
 #define MUKCA_FIT_OBSERVE_H
@@ -19,8 +18,8 @@
 typedef struct {
     const mukca_displacement *displacements; /* [n_rows] what effects do to each row, or NULL */
     double metres_per_radian;                /* of orientation residuals; 0: 0.1 */
-    const double *pull_theta;                /* sockets are pulled to the means of this geometry, the
-                                                older closed-chain method; NULL: to their own means */
+    const double *pull_theta; /* sockets are pulled to the means of this geometry, the
+                                 older closed-chain method; NULL: to their own means */
 } mukca_observe_options;
 
 typedef struct {
@@ -32,15 +31,15 @@ typedef struct {
     int max_free;    /* parameters that the workspace has room for */
     bool oriented;
     double metres_per_radian;
-    int *socket;            /* [n_rows] -1: a pose */
-    double *share;          /* [n_rows] weight of the squared residual: 1 / rows of the group, or 0 */
-    double *turn_share;     /* [n_rows] the same of the orientation, NULL unless oriented */
-    double *count;          /* [n_sockets] rows of each */
-    double *mean;           /* [n_sockets][3] of the predictions in use */
-    double *pull;           /* [n_sockets][3] fixed means, or NULL */
-    double *target;         /* [n_rows][3] measured positions, NULL where all rows are of sockets */
-    double *aim;            /* [n_rows][9] measured orientations, NULL unless oriented */
-    int *pair;              /* [n_pairs][2] */
+    int *socket;        /* [n_rows] -1: a pose */
+    double *share;      /* [n_rows] weight of the squared residual: 1 / rows of the group, or 0 */
+    double *turn_share; /* [n_rows] the same of the orientation, NULL unless oriented */
+    double *count;      /* [n_sockets] rows of each */
+    double *mean;       /* [n_sockets][3] of the predictions in use */
+    double *pull;       /* [n_sockets][3] fixed means, or NULL */
+    double *target;     /* [n_rows][3] measured positions, NULL where all rows are of sockets */
+    double *aim;        /* [n_rows][9] measured orientations, NULL unless oriented */
+    int *pair;          /* [n_pairs][2] */
     double *pair_distance;  /* [n_pairs] known, m */
     double *pair_residual;  /* [n_pairs] */
     double *pair_direction; /* [n_pairs][3] unit, from b to a */
@@ -62,8 +61,8 @@ void mukca_observe_predict(mukca_observations *observations, const double *theta
 /* Sum of the weighted squares: of the rows, and of the pairs (NULL: not wanted), m^2. */
 double mukca_observe_squares(double *pairs, const mukca_observations *observations);
 
-/* gradient[n] of that sum by the free parameters, pairs counted `pair_weight` times; theta must be the
- * one of the last prediction. */
+/* gradient[n] of that sum by the free parameters, pairs counted `pair_weight` times; theta must be
+ * the one of the last prediction. */
 void mukca_observe_gradient(double *gradient, mukca_observations *observations, const double *theta,
                             const mukca_parameters *parameters, mukca_gradient kind,
                             double pair_weight);

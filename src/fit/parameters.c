@@ -12,8 +12,8 @@ int mukca_chain_tip_element(const mukca_chain *chain)
 
 static bool is_added(const mukca_element *element)
 {
-    return element->type == MUKCA_FIXED && (!strcmp(element->name, MUKCA_BASE_FRAME) ||
-                                            !strcmp(element->name, MUKCA_TOOL_FRAME));
+    return element->type == MUKCA_FIXED &&
+           (!strcmp(element->name, MUKCA_BASE_FRAME) || !strcmp(element->name, MUKCA_TOOL_FRAME));
 }
 
 static int find_parameter(const char *name)
@@ -42,15 +42,17 @@ static mukca_status mark_item(unsigned char *mark, const mukca_chain *chain,
         element = mukca_chain_find_element(chain, joint);
         parameter = find_parameter(dot + 1);
         if (element >= 0 && parameter < 0)
-            return mukca_fail(error, MUKCA_USAGE,
-                              "parameter list: '%.40s' of joint %.64s is not one of x y z roll pitch yaw",
-                              dot + 1, joint);
+            return mukca_fail(
+                error, MUKCA_USAGE,
+                "parameter list: '%.40s' of joint %.64s is not one of x y z roll pitch yaw",
+                dot + 1, joint);
     }
     if (element < 0)
-        return mukca_fail(error, MUKCA_USAGE,
-                          "parameter list: '%.64s' is neither a joint between %.64s and %.64s nor a "
-                          "parameter; write joint, parameter or joint.parameter",
-                          item, chain->base, chain->tip);
+        return mukca_fail(
+            error, MUKCA_USAGE,
+            "parameter list: '%.64s' is neither a joint between %.64s and %.64s nor a "
+            "parameter; write joint, parameter or joint.parameter",
+            item, chain->base, chain->tip);
     for (int i = 0; i < MUKCA_PARAMETERS; i++)
         if (parameter < 0 || i == parameter) mark[MUKCA_PARAMETERS * element + i] = value;
     return MUKCA_OK;
@@ -65,8 +67,9 @@ static mukca_status mark_list(unsigned char *mark, const mukca_chain *chain,
         const char *comma = strchr(list, ',');
         const size_t length = comma ? (size_t)(comma - list) : strlen(list);
         if (length == 0 || length >= sizeof item)
-            return mukca_fail(error, MUKCA_USAGE, "parameter list: an empty or overlong item; write "
-                                                  "joint, parameter or joint.parameter, with commas");
+            return mukca_fail(error, MUKCA_USAGE,
+                              "parameter list: an empty or overlong item; write "
+                              "joint, parameter or joint.parameter, with commas");
         memcpy(item, list, length);
         item[length] = '\0';
         mukca_status status = mark_item(mark, chain, standard, item, value, error);
@@ -100,13 +103,13 @@ mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_c
     for (int i = 0; i < MUKCA_PARAMETERS * chain->n_elements; i++) {
         if (!mark[i]) continue;
         const int k = i / MUKCA_PARAMETERS;
-        const bool loose =
-            is_added(&chain->element[k]) || (k == tip && !selection->regularise_tip);
+        const bool loose = is_added(&chain->element[k]) || (k == tip && !selection->regularise_tip);
         parameters->index[parameters->n] = (short)i;
         parameters->regularised[parameters->n++] = !loose;
     }
     if (parameters->n == 0)
-        return mukca_fail(error, MUKCA_USAGE, "no parameter is free: --freeze leaves nothing to fit");
+        return mukca_fail(error, MUKCA_USAGE,
+                          "no parameter is free: --freeze leaves nothing to fit");
     return MUKCA_OK;
 }
 
@@ -136,14 +139,14 @@ static void fixed_element(mukca_element *element, const char *name, const char *
     element->axis[2] = 1;
 }
 
-mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain, bool base, bool tool,
-                                     mukca_error *error)
+mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain, bool base,
+                                     bool tool, mukca_error *error)
 {
     tool = tool && mukca_chain_tip_element(chain) < 0;
     const int n = chain->n_elements + base + tool;
     if (n > MUKCA_MAX_ELEMENTS)
-        return mukca_fail(error, MUKCA_INPUT, "the chain has %d elements, at most %d are supported", n,
-                          (int)MUKCA_MAX_ELEMENTS);
+        return mukca_fail(error, MUKCA_INPUT, "the chain has %d elements, at most %d are supported",
+                          n, (int)MUKCA_MAX_ELEMENTS);
     if (out != chain) *out = *chain;
     if (base) {
         memmove(out->element + 1, out->element, (size_t)out->n_elements * sizeof *out->element);

@@ -16,9 +16,9 @@ enum {
  * Where a joint has the name of a parameter, the joint is meant.  `free` replaces the default set;
  * with a leading + it adds to it.  `freeze` is taken away afterwards. */
 typedef struct {
-    const char *free;     /* NULL: the default set */
-    const char *freeze;   /* NULL: nothing */
-    bool regularise_tip;  /* hold the last fixed joint near nominal, too */
+    const char *free;    /* NULL: the default set */
+    const char *freeze;  /* NULL: nothing */
+    bool regularise_tip; /* hold the last fixed joint near nominal, too */
 } mukca_selection;
 
 typedef struct {
@@ -29,8 +29,8 @@ typedef struct {
 
 /* The default set: the origins of the actuated joints and of the last fixed joint before the tip
  * (not regularised), plus what the selection changes.  Frames that mukca_chain_with_frames added
- * are always in the set unless frozen, never regularised.  Errors: MUKCA_USAGE (unknown name, nothing
- * free). */
+ * are always in the set unless frozen, never regularised.  Errors: MUKCA_USAGE (unknown name,
+ * nothing free). */
 mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_chain *chain,
                                      const mukca_selection *selection, mukca_error *error);
 
@@ -51,7 +51,7 @@ int mukca_chain_tip_element(const mukca_chain *chain);
 /* Copy of `chain` with a fixed element in front (the tracker's frame to the arm's base) and, where
  * the chain does not end in a fixed joint that can take it, one behind (the target on the flange).
  * Errors: MUKCA_INPUT (too many elements). */
-mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain, bool base, bool tool,
-                                     mukca_error *error);
+mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain, bool base,
+                                     bool tool, mukca_error *error);
 
 #endif

@@ -10,17 +10,18 @@ typedef struct {
     double max_seconds;          /* 0: 60 */
     bool (*stop)(void *context); /* asked before each evaluation; NULL: never */
     /* called with each x[n] that is better than all before it; NULL: nobody listens */
-    void (*progress)(void *context, const double *x, const mukca_cost_value *value, int evaluations);
+    void (*progress)(void *context, const double *x, const mukca_cost_value *value,
+                     int evaluations);
     void *context; /* of both */
 } mukca_solver_options;
 
 /* Why it stopped is a result, not an error. */
-#define MUKCA_STOP_LIST(X)                                        \
-    X(GRADIENT, "the gradient vanished")                          \
-    X(TOLERANCE, "no further decrease within rounding")           \
-    X(LIMIT, "out of evaluations or time")                        \
-    X(NOT_FINITE, "the cost is not a finite number")              \
-    X(FAILED, "the solver gave up")                               \
+#define MUKCA_STOP_LIST(X)                              \
+    X(GRADIENT, "the gradient vanished")                \
+    X(TOLERANCE, "no further decrease within rounding") \
+    X(LIMIT, "out of evaluations or time")              \
+    X(NOT_FINITE, "the cost is not a finite number")    \
+    X(FAILED, "the solver gave up")                     \
     X(STOPPED, "interrupted")
 
 typedef enum {
@@ -52,8 +53,8 @@ extern const mukca_solver mukca_solver_gauss_newton;
 /* For solvers: L[n][n] with L L' = H + a ridge that keeps flat directions solvable; H in place. */
 void mukca_solver_factorise(double *H, int n);
 
-/* For solvers: g' H^-1 g / 4, the decrease of the cost that a Gauss-Newton step promises; L as above,
- * work[n]. */
+/* For solvers: g' H^-1 g / 4, the decrease of the cost that a Gauss-Newton step promises; L as
+ * above, work[n]. */
 double mukca_solver_decrement(const double *L, const double *gradient, double *work, int n);
 
 /* The promised decrease below which nothing is left to gain. */

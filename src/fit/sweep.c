@@ -11,7 +11,10 @@ enum { LANES = 8 };
 
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
-static bool turns(int type) { return type == MUKCA_REVOLUTE || type == MUKCA_CONTINUOUS; }
+static bool turns(int type)
+{
+    return type == MUKCA_REVOLUTE || type == MUKCA_CONTINUOUS;
+}
 
 /* A with A e_z = axis; the identity where the axis is z already. */
 static void align_axis(double A[9], const double axis[3])
@@ -40,8 +43,8 @@ void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain
         sweep->joint[k] = (signed char)e->joint;
         align_axis(sweep->align[k + 1], e->type == MUKCA_FIXED ? identity + 6 : e->axis);
     }
-    sweep->sine = MUKCA_CARVE(arena, double, joints * padded);
-    sweep->cosine = MUKCA_CARVE(arena, double, joints * padded);
+    sweep->sine = MUKCA_CARVE(arena, double, joints *padded);
+    sweep->cosine = MUKCA_CARVE(arena, double, joints *padded);
     if (displaced) {
         sweep->turn = MUKCA_CARVE(arena, double, joints * 9 * padded);
         sweep->base = MUKCA_CARVE(arena, double, 9 * padded);
@@ -105,7 +108,8 @@ void mukca_sweep_origins(mukca_sweep *sweep, const double *theta)
 }
 
 /* y[3][padded] = M x (+ p), M and p the same for all rows; y may be x. */
-MUKCA_INLINE void map_rows(double *y, const double M[9], const double *p, const double *x, int padded)
+MUKCA_INLINE void map_rows(double *y, const double M[9], const double *p, const double *x,
+                           int padded)
 {
     const double *xs = x, *ys = x + padded, *zs = x + 2 * padded;
     const double px = p ? p[0] : 0, py = p ? p[1] : 0, pz = p ? p[2] : 0;
@@ -179,7 +183,8 @@ MUKCA_INLINE void frames_times(double *Q, const double R[9], int padded)
     double Rt[9];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) Rt[3 * i + j] = R[3 * j + i];
-    for (int row = 0; row < 3; row++) map_rows(Q + 3 * row * padded, Rt, NULL, Q + 3 * row * padded, padded);
+    for (int row = 0; row < 3; row++)
+        map_rows(Q + 3 * row * padded, Rt, NULL, Q + 3 * row * padded, padded);
 }
 
 /* Q := Q E Rz(q) of element k. */
@@ -191,7 +196,8 @@ MUKCA_INLINE void frames_turn(double *Q, const mukca_sweep *sweep, int k)
         double *q = Q + 3 * row * padded;
         if (sweep->turn) map_each(q, sweep->turn + 9 * j * padded, true, padded);
         if (turns(sweep->type[k]))
-            turn_rows(q, q + padded, sweep->sine + j * padded, sweep->cosine + j * padded, -1, padded);
+            turn_rows(q, q + padded, sweep->sine + j * padded, sweep->cosine + j * padded, -1,
+                      padded);
     }
 }
 
@@ -219,7 +225,8 @@ MUKCA_CLONES void mukca_sweep_orientations(mukca_sweep *sweep)
 #define SUM4(v) (((v)[0] + (v)[1]) + ((v)[2] + (v)[3]))
 
 /* sum[3] of h, and outer[9] of h w', over all rows. */
-MUKCA_INLINE void sum_rows(double sum[3], double outer[9], const double *h, const double *w, int padded)
+MUKCA_INLINE void sum_rows(double sum[3], double outer[9], const double *h, const double *w,
+                           int padded)
 {
     for (int r = 0; r < 3; r++) {
         const double *hr = h + r * padded;
@@ -257,7 +264,8 @@ MUKCA_CLONES void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_
         if (j < 0) continue;
         if (sweep->turn) map_each(h, sweep->turn + 9 * j * padded, true, padded);
         if (turns(sweep->type[k]))
-            turn_rows(h, h + padded, sweep->sine + j * padded, sweep->cosine + j * padded, -1, padded);
+            turn_rows(h, h + padded, sweep->sine + j * padded, sweep->cosine + j * padded, -1,
+                      padded);
     }
 }
 

@@ -1,10 +1,10 @@
 /* Sweeps over many rows at once: predictions, adjoint gradient, Jacobian.
  *
- * All arrays run along the rows (structure of arrays, padded to a multiple of 8).  Each joint frame is
- * first turned so that its axis is z: with A_k e_z = axis_k,
- *     u_k = (A_{k-1}' R_k A_k) E_k Rz(q) u_{k+1} + A_{k-1}' p_k,
- * where u_k is the tip as seen from element k's parent frame.  Sines and cosines of the joint angles
- * are constants of a fit and are computed once.  E_k is a small rotation per row, absent by default.
+ * All arrays run along the rows (structure of arrays, padded to a multiple of 8).  Each joint frame
+ * is first turned so that its axis is z: with A_k e_z = axis_k, u_k = (A_{k-1}' R_k A_k) E_k Rz(q)
+ * u_{k+1} + A_{k-1}' p_k, where u_k is the tip as seen from element k's parent frame.  Sines and
+ * cosines of the joint angles are constants of a fit and are computed once.  E_k is a small
+ * rotation per row, absent by default.
  */
 #ifndef MUKCA_FIT_SWEEP_H
 #define MUKCA_FIT_SWEEP_H
@@ -23,7 +23,7 @@ typedef struct {
     double *base;                            /* [9][padded] rotation of the base, or NULL */
     double *shift;                           /* [3][padded] of the tip in its frame, or NULL */
     double R[MUKCA_MAX_ELEMENTS][9], p[MUKCA_MAX_ELEMENTS][3]; /* aligned origins in use */
-    double *x; /* [3][padded] predicted tip */
+    double *x;                                                 /* [3][padded] predicted tip */
     double *w; /* [n_elements][3][padded] tip as seen after the origin of each element */
     double *Q; /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
 } mukca_sweep;
@@ -46,9 +46,10 @@ void mukca_sweep_forward(mukca_sweep *sweep);
 /* Q: the tip's orientation in the base, for the origins in use. */
 void mukca_sweep_orientations(mukca_sweep *sweep);
 
-/* What the gradient needs of the rows: per element the sum of the adjoints pulled back to its parent
- * frame (the derivative by its translation), and the sum of their outer products with w (what any
- * derivative of its rotation is multiplied with), both in true, not aligned, coordinates. */
+/* What the gradient needs of the rows: per element the sum of the adjoints pulled back to its
+ * parent frame (the derivative by its translation), and the sum of their outer products with w
+ * (what any derivative of its rotation is multiplied with), both in true, not aligned, coordinates.
+ */
 typedef struct {
     double sum[MUKCA_MAX_ELEMENTS][3], outer[MUKCA_MAX_ELEMENTS][9];
 } mukca_adjoint;
