@@ -31,7 +31,7 @@ mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *pat
     mukca_table table;
     int column[5], count = 0;
     mukca_inertial *rows = NULL;
-    mukca_status status = mukca_table_open(&table, path, true, error);
+    mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, error);
     for (int i = 0; i < 5 && status == MUKCA_OK; i++)
         status = mukca_table_require(&column[i], &table, names[i], error);
     while (status == MUKCA_OK) {

@@ -155,7 +155,7 @@ static mukca_status set_shape(mukca_table *t, mukca_error *error)
     return t->cell ? MUKCA_OK : out_of_memory(error);
 }
 
-static mukca_status read_header(mukca_table *t, mukca_error *error)
+static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_error *error)
 {
     bool more;
     mukca_status status = read_content(t, &more, error);
@@ -173,38 +173,46 @@ static mukca_status read_header(mukca_table *t, mukca_error *error)
     for (int i = 0; i < t->n_columns; i++) {
         double value;
         numbers += mukca_number_parse(&value, t->header[i]);
+    }
+    for (int i = 0; i < t->n_columns && numbers < t->n_columns; i++)
         for (int k = 0; k < i && t->header[i][0]; k++)
             if (strcmp(t->header[i], t->header[k]) == 0)
                 return mukca_table_fail(error, t, -1, "column '%.40s' comes twice", t->header[i]);
-    }
-    if (numbers == t->n_columns)
+    if (numbers < t->n_columns) return MUKCA_OK;
+    if (kind == MUKCA_HEADER)
         return mukca_table_fail(
             error, t, -1, "starts with numbers; a header with the columns' names must come first");
+    free(t->header);
+    t->header = NULL;
+    t->pending = true;
     return MUKCA_OK;
 }
 
-mukca_status mukca_table_open(mukca_table *t, const char *path, bool has_header, mukca_error *error)
+mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind kind,
+                              mukca_error *error)
 {
     memset(t, 0, sizeof *t);
     if (strlen(path) >= sizeof t->path)
         return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
     bool standard = strcmp(path, "-") == 0;
     snprintf(t->path, sizeof t->path, "%s", standard ? "standard input" : path);
-    t->has_header = has_header;
     t->stream = standard ? stdin : fopen(path, "r");
     if (!t->stream)
         return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", mukca_table_short_path(path),
                           strerror(errno));
     t->comments = calloc(1, 1);
     mukca_status status = t->comments ? MUKCA_OK : out_of_memory(error);
-    if (status == MUKCA_OK && has_header) status = read_header(t, error);
+    if (status == MUKCA_OK && kind != MUKCA_NO_HEADER) status = read_header(t, kind, error);
     if (status) mukca_table_close(t);
     return status;
 }
 
 mukca_status mukca_table_next(mukca_table *t, bool *more, mukca_error *error)
 {
-    mukca_status status = read_content(t, more, error);
+    mukca_status status = MUKCA_OK;
+    *more = true;
+    if (!t->pending) status = read_content(t, more, error);
+    t->pending = false;
     if (status || !*more) return status;
     if (!t->cell) status = set_shape(t, error);
     if (status) return status;

@@ -16,6 +16,8 @@
 extern "C" {
 #endif
 
+typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
+
 typedef struct {
     char path[512];
     FILE *stream;
@@ -23,16 +25,18 @@ typedef struct {
     int row;       /* data rows read so far */
     int n_columns; /* 0 before the first row of a table without header */
     char delimiter;
-    bool has_header, cut_off; /* cut_off: the file ends without a newline */
-    char **header;            /* [n_columns], or NULL */
-    char **cell;              /* [n_columns] of the current row */
-    char *comments;           /* `#` lines before the header, one a line; "" where none */
+    bool cut_off;   /* the file ends without a newline */
+    bool pending;   /* the first row has been read already */
+    char **header;  /* [n_columns], or NULL */
+    char **cell;    /* [n_columns] of the current row */
+    char *comments; /* `#` lines before the header, one a line; "" where none */
     char *buffer, *header_buffer;
     size_t capacity, comments_length;
 } mukca_table;
 
-/* Open `path` (`-` is standard input) and read the header, where the table has one. */
-mukca_status mukca_table_open(mukca_table *table, const char *path, bool has_header,
+/* Open `path` (`-` is standard input) and read the header, where the table has one; EITHER: it has
+ * none where its first line holds nothing but numbers.  A table with a header may hold no rows. */
+mukca_status mukca_table_open(mukca_table *table, const char *path, mukca_table_kind kind,
                               mukca_error *error);
 
 /* Read one row into table->cell; *more is false at the end of the file.  Rows of another width than

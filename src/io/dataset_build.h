@@ -1,0 +1,34 @@
+/* A dataset that grows row by row. */
+#ifndef MUKCA_IO_DATASET_BUILD_H
+#define MUKCA_IO_DATASET_BUILD_H
+
+#include "io/rows.h"
+#include "mukca/dataset.h"
+
+typedef struct {
+    mukca_dataset *data;
+    const mukca_chain *chain;
+    mukca_note_fn *note; /* may be NULL */
+    void *context;
+    mukca_error *error;
+    int capacity; /* rows allocated */
+} mukca_dataset_builder;
+
+/* All return MUKCA_MEMORY on failure.  Indices of what was added go to *index. */
+mukca_status mukca_build_file(int *index, mukca_dataset_builder *builder, const char *path);
+mukca_status mukca_build_placement(int *index, mukca_dataset_builder *builder, const char *name);
+mukca_status mukca_build_socket(int *index, mukca_dataset_builder *builder, int placement,
+                                const char *label);
+mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, double distance);
+
+/* Append a row; socket -1: of a pose log.  Values that are NaN allocate nothing. */
+mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *row, int socket,
+                             int file, int row_in_file);
+
+/* Pose of a row that is there already; pose[7]: x y z qw qx qy qz. */
+mukca_status mukca_build_pose(mukca_dataset_builder *builder, int row, const double pose[7]);
+
+void mukca_build_note(const mukca_dataset_builder *builder, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+#endif

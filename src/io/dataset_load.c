@@ -1,0 +1,326 @@
+/* Datasets from files: finds out what each path is, reads it, and checks the whole. */
+#include "io/dataset_load.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "io/dataset_build.h"
+#include "io/pose_files.h"
+
+enum { MOST_HOLES = 100, LEAST_ROWS = 2, LEAST_SOCKETS = 2 };
+static const double usual_distance = 0.05, most_distance = 10;
+
+/* The last part of a path without slashes at its end and, where asked, without its ending; `up`
+ * parts above it included. */
+static void base_name(char name[MUKCA_NAME_SIZE], const char *path, int up, bool drop_ending)
+{
+    char whole[1024];
+    size_t end = strlen(path);
+    while (end > 1 && path[end - 1] == '/') end--;
+    size_t start = end;
+    for (int parts = 0; start > 0; start--)
+        if (path[start - 1] == '/' && parts++ == up) break;
+    if (end - start >= sizeof whole) start = end - sizeof whole + 1;
+    memcpy(whole, path + start, end - start);
+    whole[end - start] = '\0';
+    char *dot = drop_ending ? strrchr(whole, '.') : NULL;
+    if (dot && dot != whole) *dot = '\0';
+    size_t length = strlen(whole);
+    snprintf(name, MUKCA_NAME_SIZE, "%s",
+             whole + (length < MUKCA_NAME_SIZE ? 0 : length - MUKCA_NAME_SIZE + 1));
+}
+
+static bool name_taken(const mukca_dataset *d, const char *name)
+{
+    for (int p = 0; p < d->n_placements; p++)
+        if (strcmp(d->placements[p].name, name) == 0) return true;
+    return false;
+}
+
+/* Add a placement under a name that no other has: with the folder above, or a number behind. */
+static mukca_status add_placement(int *index, mukca_dataset_builder *b, const char *wanted,
+                                  const char *qualified)
+{
+    char name[MUKCA_NAME_SIZE];
+    snprintf(name, sizeof name, "%s", wanted);
+    if (name_taken(b->data, name)) snprintf(name, sizeof name, "%s", qualified);
+    for (int k = 2; name_taken(b->data, name); k++)
+        snprintf(name, sizeof name, "%.50s#%d", wanted, k);
+    if (strcmp(name, wanted) != 0)
+        mukca_build_note(b, "there is a placement '%s' already; this one is called '%s'", wanted,
+                         name);
+    return mukca_build_placement(index, b, name);
+}
+
+static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int socket)
+{
+    mukca_rows rows;
+    mukca_row row;
+    int file = 0;
+    mukca_status status =
+        mukca_rows_open(&rows, path, MUKCA_NO_HEADER, b->chain, b->note, b->context, b->error);
+    if (status) return status;
+    status = mukca_build_file(&file, b, path);
+    for (bool more = true; status == MUKCA_OK;) {
+        status = mukca_rows_next(&rows, &row, &more, b->error);
+        if (status || !more) break;
+        status = mukca_build_row(b, &row, socket, file, rows.table.row);
+    }
+    mukca_rows_close(&rows);
+    return status;
+}
+
+static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
+{
+    char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100];
+    int placement, holes = 0;
+    base_name(name, folder, 0, false);
+    base_name(qualified, folder, 1, false);
+    mukca_status status = add_placement(&placement, b, name, qualified);
+    for (int hole = 0; hole < MOST_HOLES && status == MUKCA_OK; hole++) {
+        snprintf(path, sizeof path, "%.1000s/hole_%d.csv", folder, hole);
+        if (access(path, F_OK) != 0) {
+            if (hole < LEAST_SOCKETS)
+                return mukca_fail(b->error, MUKCA_INPUT,
+                                  "%s: no hole_%d.csv; a placement is a folder with hole_0.csv and "
+                                  "hole_1.csv",
+                                  mukca_table_short_path(folder), hole);
+            break;
+        }
+        char label[16];
+        int socket, first = b->data->n_rows;
+        snprintf(label, sizeof label, "%d", hole);
+        status = mukca_build_socket(&socket, b, placement, label);
+        if (status == MUKCA_OK) status = read_hole(b, path, socket);
+        snprintf(path, sizeof path, "%.1000s/hole_%d_pose.csv", folder, hole);
+        if (status == MUKCA_OK && access(path, F_OK) == 0)
+            status = mukca_pose_file_read(b, path, first, b->data->n_rows - first);
+        holes++;
+    }
+    return status;
+}
+
+/* Index of the row's socket, new where it is; placements and sockets of this file only. */
+static mukca_status find_socket(int *socket, mukca_dataset_builder *b, const mukca_rows *rows,
+                                const mukca_row *row, int first_placement, int first_socket)
+{
+    const mukca_dataset *d = b->data;
+    char stem[MUKCA_NAME_SIZE], qualified[2 * MUKCA_NAME_SIZE + 2];
+    base_name(stem, rows->table.path, 0, true);
+    const char *name = row->placement ? row->placement : stem;
+    const char *text[] = {name, row->socket};
+    const int column[] = {rows->placement, rows->socket};
+    for (int i = 0; i < 2; i++) {
+        if (!*text[i]) return mukca_table_fail(b->error, &rows->table, column[i], "is empty");
+        if (strlen(text[i]) >= MUKCA_NAME_SIZE)
+            return mukca_table_fail(b->error, &rows->table, column[i],
+                                    "'%.20s...' is longer than 63 letters", text[i]);
+    }
+    snprintf(qualified, sizeof qualified, "%s:%s", stem, name);
+    qualified[MUKCA_NAME_SIZE - 1] = '\0';
+    int placement = -1;
+    for (int p = first_placement; p < d->n_placements && placement < 0; p++)
+        if (strcmp(d->placements[p].name, name) == 0 ||
+            strcmp(d->placements[p].name, qualified) == 0)
+            placement = p;
+    if (placement < 0) {
+        mukca_status status = add_placement(&placement, b, name, qualified);
+        if (status) return status;
+    }
+    for (int s = first_socket; s < d->n_sockets; s++)
+        if (d->sockets[s].placement == placement && strcmp(d->sockets[s].label, row->socket) == 0) {
+            *socket = s;
+            return MUKCA_OK;
+        }
+    return mukca_build_socket(socket, b, placement, row->socket);
+}
+
+static mukca_status read_table(mukca_dataset_builder *b, const char *path)
+{
+    mukca_rows rows;
+    mukca_row row;
+    const int first_placement = b->data->n_placements, first_socket = b->data->n_sockets;
+    int file = 0;
+    mukca_status status =
+        mukca_rows_open(&rows, path, MUKCA_HEADER, b->chain, b->note, b->context, b->error);
+    if (status) return status;
+    if (rows.socket < 0 && (rows.position[0] < 0 || rows.placement >= 0))
+        status = mukca_table_fail(b->error, &rows.table, -1,
+                                  "neither a session (placement, socket) nor a pose log (x_m, y_m, "
+                                  "z_m): the header lacks such columns");
+    if (status == MUKCA_OK) status = mukca_build_file(&file, b, path);
+    while (status == MUKCA_OK) {
+        bool more;
+        int socket = -1;
+        status = mukca_rows_next(&rows, &row, &more, b->error);
+        if (status || !more) break;
+        if (row.socket)
+            status = find_socket(&socket, b, &rows, &row, first_placement, first_socket);
+        if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, file, rows.table.row);
+    }
+    if (status == MUKCA_OK && rows.table.row == 0)
+        status = mukca_fail(b->error, MUKCA_INPUT, "%s: holds a header but no rows",
+                            mukca_table_short_path(path));
+    mukca_rows_close(&rows);
+    return status;
+}
+
+/* How many sockets has a placement, how many rows a socket. */
+static mukca_status check_counts(const mukca_dataset_builder *b)
+{
+    const mukca_dataset *d = b->data;
+    for (int s = 0; s < d->n_sockets; s++) {
+        int rows = 0;
+        for (int i = 0; i < d->n_rows; i++) rows += d->socket[i] == s;
+        if (rows < LEAST_ROWS)
+            return mukca_fail(
+                b->error, MUKCA_INPUT,
+                "placement '%s', socket '%s': %d row%s; at least %d are needed, 20 or "
+                "more are good",
+                d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows,
+                rows == 1 ? "" : "s", LEAST_ROWS);
+    }
+    for (int p = 0; p < d->n_placements; p++) {
+        int sockets = 0;
+        for (int s = 0; s < d->n_sockets; s++) sockets += d->sockets[s].placement == p;
+        if (sockets < LEAST_SOCKETS)
+            return mukca_fail(b->error, MUKCA_INPUT,
+                              "placement '%s': only one socket; at least two, a known distance "
+                              "apart, are needed",
+                              d->placements[p].name);
+    }
+    return MUKCA_OK;
+}
+
+/* Every pair of a placement's sockets is the same distance apart. */
+static mukca_status set_one_distance(mukca_dataset_builder *b, double distance)
+{
+    const mukca_dataset *d = b->data;
+    for (int p = 0; p < d->n_placements; p++) {
+        int sockets = 0;
+        for (int s = 0; s < d->n_sockets; s++) {
+            if (d->sockets[s].placement != p) continue;
+            sockets++;
+            for (int r = 0; r < s; r++) {
+                if (d->sockets[r].placement != p) continue;
+                mukca_status status = mukca_build_distance(b, r, s, distance);
+                if (status) return status;
+            }
+        }
+        if (sockets > 4)
+            return mukca_fail(b->error, MUKCA_INPUT,
+                              "placement '%s': %d sockets cannot all be the same distance apart; "
+                              "give their distances by --distances",
+                              d->placements[p].name, sockets);
+        if (sockets > 2)
+            mukca_build_note(b,
+                             "placement '%s': its %d sockets are taken to be %g m apart each; "
+                             "--distances tells otherwise",
+                             d->placements[p].name, sockets, distance);
+    }
+    return MUKCA_OK;
+}
+
+static int find_label(const mukca_dataset *d, int placement, const char *label)
+{
+    for (int s = 0; s < d->n_sockets; s++)
+        if (d->sockets[s].placement == placement && strcmp(d->sockets[s].label, label) == 0)
+            return s;
+    return -1;
+}
+
+/* One row of --distances, for all placements that have both sockets. */
+static mukca_status set_distance(mukca_dataset_builder *b, const mukca_table *t,
+                                 const int column[3])
+{
+    const mukca_dataset *d = b->data;
+    double distance;
+    mukca_status status = mukca_table_number(&distance, t, column[2], b->error);
+    if (status) return status;
+    if (!(distance > 0))
+        return mukca_table_fail(b->error, t, column[2], "%g: a distance must be above 0", distance);
+    if (distance > most_distance)
+        return mukca_table_fail(b->error, t, column[2], "%g looks like millimetres; give m",
+                                distance);
+    const char *label[2] = {t->cell[column[0]], t->cell[column[1]]};
+    if (strcmp(label[0], label[1]) == 0)
+        return mukca_table_fail(b->error, t, column[1], "is the same socket as socket_a");
+    bool used = false;
+    for (int p = 0; p < d->n_placements; p++) {
+        int a = find_label(d, p, label[0]), c = find_label(d, p, label[1]);
+        if (a < 0 || c < 0) continue;
+        for (int k = 0; k < d->n_distances; k++)
+            if ((d->distances[k].a == a && d->distances[k].b == c) ||
+                (d->distances[k].a == c && d->distances[k].b == a))
+                return mukca_table_fail(b->error, t, -1, "this pair of sockets comes twice");
+        status = mukca_build_distance(b, a < c ? a : c, a < c ? c : a, distance);
+        if (status) return status;
+        used = true;
+    }
+    if (!used)
+        mukca_build_note(b, "%s:%d: no placement has sockets '%.40s' and '%.40s'",
+                         mukca_table_short_path(t->path), t->line, label[0], label[1]);
+    return MUKCA_OK;
+}
+
+static mukca_status read_distances(mukca_dataset_builder *b, const char *path)
+{
+    static const char *const names[3] = {"socket_a", "socket_b", "distance_m"};
+    mukca_table t;
+    int column[3];
+    mukca_status status = mukca_table_open(&t, path, MUKCA_HEADER, b->error);
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
+        status = mukca_table_require(&column[i], &t, names[i], b->error);
+    while (status == MUKCA_OK) {
+        bool more;
+        status = mukca_table_next(&t, &more, b->error);
+        if (status || !more) break;
+        status = set_distance(b, &t, column);
+    }
+    mukca_table_close(&t);
+    const mukca_dataset *d = b->data;
+    for (int p = 0; p < d->n_placements && status == MUKCA_OK; p++) {
+        int known = 0;
+        for (int k = 0; k < d->n_distances; k++)
+            known += d->sockets[d->distances[k].a].placement == p;
+        if (!known)
+            status = mukca_fail(b->error, MUKCA_INPUT,
+                                "%s: names no pair of the sockets of placement '%s'",
+                                mukca_table_short_path(path), d->placements[p].name);
+    }
+    return status;
+}
+
+static mukca_status read_path(mukca_dataset_builder *b, const char *path)
+{
+    struct stat info;
+    if (strcmp(path, "-") == 0) return read_table(b, path);
+    if (stat(path, &info) != 0)
+        return mukca_fail(b->error, MUKCA_INPUT, "%s: cannot read: %s",
+                          mukca_table_short_path(path), strerror(errno));
+    return S_ISDIR(info.st_mode) ? read_folder(b, path) : read_table(b, path);
+}
+
+mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
+                                const char *const *paths, int n_paths,
+                                const mukca_dataset_options *options, mukca_note_fn *note,
+                                void *context, mukca_error *error)
+{
+    const mukca_dataset_options defaults = {0};
+    if (!options) options = &defaults;
+    mukca_dataset_builder b = {
+        .data = data, .chain = chain, .note = note, .context = context, .error = error};
+    memset(data, 0, sizeof *data);
+    data->n_joints = chain->n_joints;
+    mukca_status status = MUKCA_OK;
+    for (int i = 0; i < n_paths && status == MUKCA_OK; i++) status = read_path(&b, paths[i]);
+    if (status == MUKCA_OK && !options->partial) status = check_counts(&b);
+    if (status == MUKCA_OK && options->distances) status = read_distances(&b, options->distances);
+    if (status == MUKCA_OK && !options->distances)
+        status = set_one_distance(&b, options->distance > 0 ? options->distance : usual_distance);
+    if (status) mukca_dataset_free(data);
+    return status;
+}
