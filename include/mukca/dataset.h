@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "mukca/chain.h"
+#include "mukca/effect.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -61,6 +62,13 @@ void mukca_dataset_free(mukca_dataset *data);
  * (so indices stay valid).  Errors: MUKCA_MEMORY. */
 mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                                   const unsigned char *keep, mukca_error *error);
+
+/* What the effects see of a row (effect.h): angles, the move from the row before (0 in a file's
+ * first row), command, placement, and the time since the file's first row (without times: rows, as
+ * if one took a second).  Torques and moments stay NULL.  `state` points into `data` and at
+ * move[n_joints]. */
+void mukca_dataset_state(mukca_joint_state *state, double *move, const mukca_dataset *data,
+                         int row);
 
 /* Placement of a row, -1 for a row of a pose log. */
 static inline int mukca_dataset_placement(const mukca_dataset *data, int row)

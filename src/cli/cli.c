@@ -104,6 +104,11 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
                 return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be a number",
                                   option->name, text);
             return MUKCA_OK;
+        case CLI_POSITIVE:
+            if (!parse_number((double *)at, text, '\0', &end) || !(*(double *)at > 0))
+                return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be a number above 0",
+                                  option->name, text);
+            return MUKCA_OK;
         case CLI_INTEGER: {
             char *rest;
             errno = 0;
@@ -124,10 +129,11 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
         case CLI_VECTOR: {
             double *v = at;
             if (!parse_number(&v[0], text, ',', &end) || !parse_number(&v[1], end + 1, ',', &end) ||
-                !parse_number(&v[2], end + 1, '\0', &end))
-                return mukca_fail(&call->error, MUKCA_USAGE,
-                                  "--%s %.40s: must be three numbers with commas between",
-                                  option->name, text);
+                !parse_number(&v[2], end + 1, '\0', &end) || (v[0] == 0 && v[1] == 0 && v[2] == 0))
+                return mukca_fail(
+                    &call->error, MUKCA_USAGE,
+                    "--%s %.40s: must be three numbers with commas between, not all 0",
+                    option->name, text);
             return MUKCA_OK;
         }
         case CLI_TEXTS:

@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "io/offsets.h"
 #include "mukca/chain.h"
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
@@ -38,14 +39,15 @@ typedef struct {
 
 /* kind: the type of the member at `offset`, and what the command line must give */
 typedef enum {
-    CLI_FLAG,    /* bool; no argument */
-    CLI_TEXT,    /* const char *; the last one given wins */
-    CLI_NUMBER,  /* double; finite */
-    CLI_INTEGER, /* int */
-    CLI_CHOICE,  /* int; index into `choices` */
-    CLI_VECTOR,  /* double[3]; X,Y,Z, finite */
-    CLI_TEXTS,   /* cli_list; one text each time, repeatable */
-    CLI_REST     /* cli_list; all arguments that follow, up to the next option or `--` */
+    CLI_FLAG,     /* bool; no argument */
+    CLI_TEXT,     /* const char *; the last one given wins */
+    CLI_NUMBER,   /* double; finite */
+    CLI_INTEGER,  /* int */
+    CLI_CHOICE,   /* int; index into `choices` */
+    CLI_POSITIVE, /* double; finite, above 0 (0 means not given) */
+    CLI_VECTOR,   /* double[3]; X,Y,Z, finite, not all 0 (which means not given) */
+    CLI_TEXTS,    /* cli_list; one text each time, repeatable */
+    CLI_REST      /* cli_list; all arguments that follow, up to the next option or `--` */
 } cli_kind;
 
 typedef struct {
@@ -85,9 +87,9 @@ typedef struct {
 #define CLI_OFFSETS_OPTION                   \
     CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", \
                "apply this offsets table; must belong to the URDF, unless --force")
-#define CLI_DISTANCE_OPTIONS                                                                     \
-    CLI_COMMON(distance, 0, CLI_NUMBER, "M", "distance between the sockets, m (default: 0.05)"), \
-        CLI_COMMON(distances, 0, CLI_TEXT, "FILE",                                               \
+#define CLI_DISTANCE_OPTIONS                                                                       \
+    CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)"), \
+        CLI_COMMON(distances, 0, CLI_TEXT, "FILE",                                                 \
                    "distances of pairs of sockets, a TSV of socket_a, socket_b, distance_m")
 #define CLI_JSON_OPTION \
     CLI_COMMON(json, 0, CLI_TEXT, "FILE", "write the result as JSON; - is standard output")
@@ -188,10 +190,8 @@ bool cli_interrupted(void);
 /* The arm from --urdf, --base, --tip, --inertials, --gravity, --offsets. */
 typedef struct {
     mukca_chain chain;
-    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS]; /* calibrated; nominal without --offsets */
-    mukca_geometry geometry;                             /* of theta */
-    int n_effects;
-    mukca_effect effects[MUKCA_MAX_EFFECTS]; /* of --offsets */
+    mukca_offsets offsets;   /* of --offsets; without: theta nominal, no effects */
+    mukca_geometry geometry; /* of offsets.theta */
 } cli_model;
 
 /* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
@@ -202,12 +202,19 @@ mukca_status cli_load_model(cli_call *call, cli_model *model);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
+/* Displacement by the effects of --offsets in one row of `data`; zeroed where there are none. */
+void cli_displacement(mukca_displacement *displacement, const cli_model *model,
+                      const mukca_dataset *data, int row);
+
 /* Check --json and -o before any long work: not both `-`, not existing without --force, folder
  * writable. */
 mukca_status cli_check_outputs(cli_call *call);
 
 /* Write `root` (stolen) to --json, if that was given. */
 mukca_status cli_write_json(cli_call *call, json_t *root);
+
+/* The rows of an offsets table as JSON objects: the contract's `parameters`. */
+json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain);
 
 /* A JSON number; null for NaN and infinity. */
 json_t *cli_json_real(double value);

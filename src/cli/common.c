@@ -2,6 +2,7 @@
 #include "cli/cli.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "io/output.h"
@@ -21,6 +22,23 @@ json_t *cli_json_reals(const double *values, int n)
 json_t *cli_json_text(const char *text)
 {
     return text ? json_string(text) : json_null();
+}
+
+json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
+{
+    json_t *array = json_array();
+    mukca_offset_row *rows = calloc(MUKCA_MAX_OFFSET_ROWS, sizeof *rows);
+    int n = rows ? mukca_offsets_rows(rows, offsets, chain) : 0;
+    for (int i = 0; i < n; i++)
+        json_array_append_new(
+            array, json_pack("{s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:b, s:s}", "joint",
+                             rows[i].joint, "parameter", rows[i].parameter, "unit", rows[i].unit,
+                             "nominal", cli_json_real(rows[i].nominal), "calibrated",
+                             cli_json_real(rows[i].calibrated), "offset",
+                             cli_json_real(rows[i].offset), "sigma", cli_json_real(rows[i].sigma),
+                             "identifiable", (int)rows[i].identifiable, "term", rows[i].term));
+    free(rows);
+    return array;
 }
 
 mukca_status cli_check_outputs(cli_call *call)

@@ -2,7 +2,8 @@
 #include "io/dataset_load.h"
 
 #include <errno.h>
-#include <math.h>
+#include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -77,8 +78,10 @@ static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
 {
     char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100];
     int placement, holes = 0;
-    base_name(name, folder, 0, false);
-    base_name(qualified, folder, 1, false);
+    char whole[PATH_MAX];
+    const char *named = realpath(folder, whole) ? whole : folder; /* `.` has a name, too */
+    base_name(name, named, 0, false);
+    base_name(qualified, named, 1, false);
     mukca_status status = add_placement(&placement, b, name, qualified);
     for (int hole = 0; hole < MOST_HOLES && status == MUKCA_OK; hole++) {
         snprintf(path, sizeof path, "%.1000s/hole_%d.csv", folder, hole);

@@ -1,6 +1,7 @@
 /* Recorded rows: allocation, freeing, subsets. */
 #include "mukca/dataset.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -132,4 +133,31 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
     }
     *out = copy;
     return MUKCA_OK;
+}
+
+void mukca_dataset_state(mukca_joint_state *state, double *move, const mukca_dataset *data, int row)
+{
+    const size_t n = (size_t)data->n_joints;
+    const double *q = data->q + (size_t)row * n;
+    const double *command = data->command ? data->command + (size_t)row * n : NULL;
+    int first = 0, last = row; /* the first row of the file: files come one after the other */
+    while (first < last) {
+        int middle = first + (last - first) / 2;
+        if (data->file[middle] < data->file[row])
+            first = middle + 1;
+        else
+            last = middle;
+    }
+    for (size_t j = 0; j < n; j++) {
+        move[j] = row > first ? q[j] - *(q + j - n) : 0;
+        if (command && isnan(command[j])) command = NULL;
+    }
+    memset(state, 0, sizeof *state);
+    state->q = q;
+    state->move = move;
+    state->command = command;
+    state->placement = mukca_dataset_placement(data, row);
+    state->time = data->row[row] - data->row[first];
+    if (data->time && !isnan(data->time[row]) && !isnan(data->time[first]))
+        state->time = data->time[row] - data->time[first];
 }

@@ -1,0 +1,53 @@
+/* The arm and the data that the common options name. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "io/dataset_load.h"
+#include "io/urdf.h"
+
+mukca_status cli_load_model(cli_call *call, cli_model *model)
+{
+    const cli_common *c = call->common;
+    memset(model, 0, sizeof *model);
+    if (!c->urdf)
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "--urdf FILE is needed: the arm's nominal model");
+    mukca_urdf_options options = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
+    memcpy(options.gravity, c->gravity, sizeof options.gravity);
+    mukca_status status =
+        mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
+    if (status) return status;
+    if (c->offsets)
+        status = mukca_offsets_read(&model->offsets, &model->chain, c->offsets, c->force, cli_note,
+                                    call, &call->error);
+    else
+        mukca_offsets_init(&model->offsets, &model->chain);
+    mukca_geometry_set(&model->geometry, &model->chain, model->offsets.theta);
+    return status;
+}
+
+mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
+                           const cli_list *paths)
+{
+    const cli_common *c = call->common;
+    memset(data, 0, sizeof *data);
+    if (c->distance > 10)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--distance %g looks like millimetres; give m",
+                          c->distance);
+    const mukca_dataset_options options = {.distance = c->distance, .distances = c->distances};
+    return mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, cli_note, call,
+                              &call->error);
+}
+
+void cli_displacement(mukca_displacement *displacement, const cli_model *model,
+                      const mukca_dataset *data, int row)
+{
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    mukca_joint_state state;
+    double move[MUKCA_MAX_JOINTS];
+    mukca_offsets_place_effects(effects, &model->offsets, data);
+    mukca_dataset_state(&state, move, data, row);
+    mukca_effects_displacement(displacement, effects, model->offsets.n_effects, &model->chain,
+                               &model->geometry, state.q, &state);
+}
