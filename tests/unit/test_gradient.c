@@ -1,0 +1,308 @@
+/* Cost, gradients and Jacobian against brute-force differences of the cost's definition. */
+#include <float.h>
+#include <stdlib.h>
+
+#include "close.h"
+#include "fit/cost.h"
+#include "math/random.h"
+#include "reference_cost.h"
+
+enum { JOINTS = 6, ELEMENTS = 9 };
+
+/* An arm of every joint type, with arbitrary axes, fixed joints in between and a fixed tip. */
+static void make_arm(mukca_chain *chain, mukca_random *random, bool upright)
+{
+    static const mukca_joint_type types[ELEMENTS] = {
+        MUKCA_REVOLUTE, MUKCA_CONTINUOUS, MUKCA_FIXED,    MUKCA_PRISMATIC, MUKCA_REVOLUTE,
+        MUKCA_FIXED,    MUKCA_CONTINUOUS, MUKCA_REVOLUTE, MUKCA_FIXED};
+    memset(chain, 0, sizeof *chain);
+    chain->n_elements = ELEMENTS;
+    for (int k = 0; k < ELEMENTS; k++) {
+        mukca_element *e = &chain->element[k];
+        double length = 0;
+        snprintf(e->name, sizeof e->name, "joint_%d", k);
+        e->type = types[k];
+        e->joint = types[k] == MUKCA_FIXED ? -1 : chain->n_joints;
+        if (e->joint >= 0) chain->joint_element[chain->n_joints++] = k;
+        for (int i = 0; i < 3; i++) {
+            e->xyz[i] = 0.2 * mukca_random_normal(random);
+            e->rpy[i] = mukca_random_normal(random);
+            e->axis[i] = upright ? (i == 2) * (k % 2 ? -1 : 1) : mukca_random_normal(random);
+            length += e->axis[i] * e->axis[i];
+        }
+        for (int i = 0; i < 3; i++) e->axis[i] /= sqrt(length);
+    }
+    assert_int_equal(chain->n_joints, JOINTS);
+}
+
+/* Two placements, of three and two sockets with all distances known; `poses` rows of a pose log. */
+static void make_data(mukca_dataset *data, mukca_random *random, const double *special, int rows,
+                      int poses)
+{
+    static const int placement[5] = {0, 0, 0, 1, 1};
+    static const mukca_distance distances[4] = {
+        {0, 1, 0.31}, {1, 2, 0.22}, {0, 2, 0.4}, {4, 3, 0.5}};
+    assert_int_equal(mukca_dataset_create(data, rows + poses, JOINTS, 5, 2, NULL), MUKCA_OK);
+    for (int s = 0; s < 5; s++) data->sockets[s].placement = placement[s];
+    data->distances = malloc(sizeof distances);
+    data->position = malloc((size_t)(3 * (rows + poses)) * sizeof *data->position);
+    data->quaternion = malloc((size_t)(4 * (rows + poses)) * sizeof *data->quaternion);
+    assert_true(data->distances && data->position && data->quaternion);
+    memcpy(data->distances, distances, sizeof distances);
+    data->n_distances = 4;
+    for (int i = 0; i < rows + poses; i++) {
+        double length = 0;
+        data->socket[i] = i < rows ? (i < 5 ? i : mukca_random_below(random, 5)) : -1;
+        for (int j = 0; j < JOINTS; j++)
+            data->q[i * JOINTS + j] = special && i % 3 ? special[(i + j) % 4] + (i % 3 == 2 ? j : 0)
+                                                       : 2 * mukca_random_normal(random);
+        for (int a = 0; a < 3; a++) data->position[3 * i + a] = 0.4 * mukca_random_normal(random);
+        for (int a = 0; a < 4; a++) {
+            data->quaternion[4 * i + a] = mukca_random_normal(random);
+            length += data->quaternion[4 * i + a] * data->quaternion[4 * i + a];
+        }
+        for (int a = 0; a < 4; a++) data->quaternion[4 * i + a] /= sqrt(length);
+        if (i % 4 == 1) data->quaternion[4 * i] = NAN; /* position only */
+        if (i % 4 == 2) data->position[3 * i] = NAN;   /* orientation only */
+    }
+}
+
+/* What is compared: all entries within tolerance of their own size or a thousandth of the largest.
+ */
+static void compare(const double *got, const real *want, int n, double tolerance, const char *what)
+{
+    real largest = 0;
+    for (int i = 0; i < n; i++) largest = fmaxl(largest, fabsl(want[i]));
+    for (int i = 0; i < n; i++) {
+        const real scale = fmaxl(fabsl(want[i]), 1e-3L * largest);
+        if (!(fabsl(got[i] - want[i]) <= tolerance * scale)) {
+            print_error("%s: entry %d is %.17g, expected %.17Lg\n", what, i, got[i], want[i]);
+            fail();
+        }
+    }
+}
+
+/* Fourth-order differences in long double: good to 1e-13 of the gradient. */
+static void differences(real *gradient, const mukca_chain *chain, const mukca_dataset *data,
+                        const double *theta, const mukca_parameters *parameters,
+                        const mukca_cost_options *options)
+{
+    static const real weight[4] = {1.0L / 12, -8.0L / 12, 8.0L / 12, -1.0L / 12};
+    static const int at[4] = {-2, -1, 1, 2};
+    const real h = 1e-4L;
+    real moved[MUKCA_MAX_FREE];
+    for (int i = 0; i < parameters->n; i++) {
+        gradient[i] = 0;
+        for (int s = 0; s < 4; s++) {
+            for (int k = 0; k < 6 * chain->n_elements; k++) moved[k] = theta[k];
+            moved[parameters->index[i]] += at[s] * h;
+            gradient[i] += weight[s] * reference_cost(chain, data, moved, parameters, options) / h;
+        }
+    }
+}
+
+/* All there is to check at one point. */
+static void check_point(const mukca_chain *chain, const mukca_dataset *data, const double *theta,
+                        const mukca_selection *selection, mukca_cost_options options)
+{
+    mukca_parameters parameters;
+    mukca_cost cost;
+    mukca_cost_value parts;
+    mukca_error error;
+    real want[MUKCA_MAX_FREE], wide[MUKCA_MAX_FREE];
+    double got[2][MUKCA_MAX_FREE], x[MUKCA_MAX_FREE];
+    if (mukca_parameters_select(&parameters, chain, selection, &error) != MUKCA_OK) {
+        print_error("%s\n", error.text);
+        fail();
+    }
+    const int n = parameters.n;
+    mukca_parameters_pack(x, &parameters, theta);
+    differences(want, chain, data, theta, &parameters, &options);
+    for (int k = 0; k < 6 * chain->n_elements; k++) wide[k] = theta[k];
+    const real value = reference_cost(chain, data, wide, &parameters, &options);
+    for (int kind = 0; kind < 2; kind++) {
+        options.gradient = kind ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD;
+        void *memory =
+            malloc(mukca_cost_setup(&cost, NULL, chain, &parameters, data, &options, theta));
+        assert_non_null(memory);
+        mukca_cost_setup(&cost, memory, chain, &parameters, data, &options, theta);
+        const double J = mukca_cost_evaluate(&parts, got[kind], &cost, x);
+        assert_close(J, (double)value, 1e-12 * (double)value);
+        assert_close(parts.inconsistency + parts.distortion + parts.regularisation, J, 1e-15 * J);
+        compare(got[kind], want, n, kind ? 1e-10 : 1e-8, kind ? "analytic" : "fd");
+
+        /* the Jacobian: 2 J'W r is the gradient of what is not regularisation */
+        const int m = cost.observations.n_residuals;
+        mukca_observe_residuals(cost.r, cost.J, &cost.observations, theta, &parameters,
+                                (mukca_gradient)kind);
+        for (int c = 0; c < n; c++) {
+            got[kind][c] = 0;
+            for (int i = 0; i < m; i++)
+                got[kind][c] += 2 * cost.weight[i] * cost.weight[i] * cost.r[i] * cost.J[i * n + c];
+            if (parameters.regularised[c])
+                got[kind][c] += 2 * cost.lambda * (x[c] - cost.nominal[c]);
+        }
+        compare(got[kind], want, n, kind ? 1e-10 : 1e-8, "jacobian");
+
+        /* and column by column, against differences of the residuals */
+        double *high = malloc(2 * (size_t)m * sizeof *high), moved[MUKCA_MAX_FREE];
+        assert_non_null(high);
+        for (int c = 0; c < n; c++) {
+            for (int side = 0; side < 2; side++) {
+                memcpy(moved, theta, (size_t)(6 * chain->n_elements) * sizeof *moved);
+                moved[parameters.index[c]] += side ? -1e-5 : 1e-5;
+                mukca_observe_residuals(high + side * m, NULL, &cost.observations, moved,
+                                        &parameters, (mukca_gradient)kind);
+            }
+            for (int i = 0; i < m; i++)
+                assert_close(cost.J[i * n + c], (high[i] - high[m + i]) / 2e-5, 2e-8);
+        }
+        free(high);
+        free(memory);
+    }
+}
+
+static void displace(mukca_displacement *displacements, int rows, mukca_random *random)
+{
+    memset(displacements, 0, (size_t)rows * sizeof *displacements);
+    for (int i = 0; i < rows; i++) {
+        displacements[i].any_rotation = true;
+        for (int j = 0; j < JOINTS; j++) {
+            displacements[i].q[j] = 0.01 * mukca_random_normal(random);
+            for (int a = 0; a < 3; a++)
+                displacements[i].rotation[j][a] = 0.02 * mukca_random_normal(random);
+        }
+        for (int a = 0; a < 3; a++) {
+            displacements[i].base[a] = 0.02 * mukca_random_normal(random);
+            displacements[i].tip[a] = 0.01 * mukca_random_normal(random);
+        }
+    }
+}
+
+static void off_nominal(double *theta, const mukca_chain *chain, mukca_random *random)
+{
+    mukca_chain_theta(theta, chain);
+    for (int i = 0; i < 6 * chain->n_elements; i++) theta[i] += 0.02 * mukca_random_normal(random);
+}
+
+static void test_options(void **state)
+{
+    (void)state;
+    static const mukca_cost_options options[] = {{0},
+                                                 {.lambda = -1},
+                                                 {.lambda = 0.3},
+                                                 {.no_distortion = true},
+                                                 {.nominal_means = true},
+                                                 {.nominal_means = true, .no_distortion = true}};
+    mukca_random random;
+    mukca_random_seed(&random, 1);
+    for (int upright = 0; upright < 2; upright++) {
+        mukca_chain chain;
+        mukca_dataset data;
+        double theta[MUKCA_MAX_FREE];
+        make_arm(&chain, &random, upright);
+        make_data(&data, &random, NULL, 17, 0);
+        off_nominal(theta, &chain, &random);
+        for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+            check_point(&chain, &data, theta, NULL, options[i]);
+        mukca_dataset_free(&data);
+    }
+}
+
+static void test_masks(void **state)
+{
+    (void)state;
+    static const mukca_selection masks[] = {{.regularise_tip = true},
+                                            {.free = "joint_3"},
+                                            {.free = "joint_4.pitch"},
+                                            {.free = "yaw,z"},
+                                            {.freeze = "x,y,z"},
+                                            {.free = "+joint_2,joint_5"},
+                                            {.freeze = "joint_0,joint_8.roll"},
+                                            {.free = "joint_2.roll,joint_8"}};
+    mukca_random random;
+    mukca_chain chain;
+    mukca_dataset data;
+    double theta[MUKCA_MAX_FREE];
+    mukca_random_seed(&random, 2);
+    make_arm(&chain, &random, false);
+    make_data(&data, &random, NULL, 12, 7);
+    off_nominal(theta, &chain, &random);
+    for (size_t i = 0; i < sizeof masks / sizeof *masks; i++)
+        check_point(&chain, &data, theta, &masks[i], (mukca_cost_options){0});
+    mukca_dataset_free(&data);
+}
+
+static void test_angles(void **state)
+{
+    (void)state;
+    static const double special[4] = {0, 1e-12, M_PI - 1e-9, -M_PI_2};
+    mukca_random random;
+    mukca_random_seed(&random, 3);
+    for (int trial = 0; trial < 6; trial++) {
+        mukca_chain chain;
+        mukca_dataset data;
+        double theta[MUKCA_MAX_FREE];
+        make_arm(&chain, &random, trial % 2);
+        make_data(&data, &random, special, 14, 0);
+        off_nominal(theta, &chain, &random);
+        for (int k = 0; k < ELEMENTS; k++) {
+            double *rpy = theta + 6 * k + 3;
+            rpy[1] = k % 2 ? M_PI_2 : -M_PI_2;                /* gimbal lock */
+            if (trial > 1) rpy[0] = special[(k + trial) % 4]; /* and the awkward angles */
+            if (trial > 3) rpy[2] = special[(k + 2 * trial) % 4], rpy[1] = special[k % 4];
+        }
+        check_point(&chain, &data, theta, NULL, (mukca_cost_options){0});
+        mukca_dataset_free(&data);
+    }
+}
+
+static void test_poses_and_frames(void **state)
+{
+    (void)state;
+    mukca_random random;
+    mukca_random_seed(&random, 4);
+    for (int trial = 0; trial < 4; trial++) {
+        mukca_chain chain;
+        mukca_dataset data;
+        mukca_error error;
+        double theta[MUKCA_MAX_FREE];
+        make_arm(&chain, &random, trial % 2);
+        if (trial > 1) chain.n_elements--; /* the last joint turns: the tool gets a frame */
+        const int before = chain.n_elements;
+        assert_int_equal(mukca_chain_with_frames(&chain, &chain, true, true, &error), MUKCA_OK);
+        assert_int_equal(chain.n_elements, before + 1 + (trial > 1));
+        make_data(&data, &random, NULL, trial ? 9 : 5, 13);
+        off_nominal(theta, &chain, &random);
+        check_point(&chain, &data, theta, NULL, (mukca_cost_options){.metres_per_radian = 0.25});
+        mukca_dataset_free(&data);
+    }
+}
+
+static void test_displaced(void **state)
+{
+    (void)state;
+    mukca_random random;
+    mukca_displacement displacements[64];
+    mukca_random_seed(&random, 5);
+    for (int trial = 0; trial < 2; trial++) {
+        mukca_chain chain;
+        mukca_dataset data;
+        double theta[MUKCA_MAX_FREE];
+        make_arm(&chain, &random, trial);
+        make_data(&data, &random, NULL, 13, trial ? 8 : 0);
+        displace(displacements, data.n_rows, &random);
+        off_nominal(theta, &chain, &random);
+        check_point(&chain, &data, theta, NULL,
+                    (mukca_cost_options){.displacements = displacements});
+        mukca_dataset_free(&data);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_options), cmocka_unit_test(test_masks), cmocka_unit_test(test_angles),
+        cmocka_unit_test(test_poses_and_frames), cmocka_unit_test(test_displaced)};
+    return cmocka_run_group_tests_name("gradient", tests, NULL, NULL);
+}

@@ -1,0 +1,116 @@
+/* Kinematics, cost, gradient and Hessian allocate nothing; the linker wraps the allocator. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "close.h"
+#include "fit/cost.h"
+#include "fit/identify.h"
+#include "fit/solver.h"
+#include "math/random.h"
+
+static int calls;
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void __real_free(void *memory);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+void __wrap_free(void *memory);
+
+void *__wrap_malloc(size_t size)
+{
+    calls++;
+    return __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    calls++;
+    return __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+    calls++;
+    return __real_realloc(memory, size);
+}
+
+void __wrap_free(void *memory)
+{
+    calls++;
+    __real_free(memory);
+}
+
+static void make_arm(mukca_chain *chain)
+{
+    memset(chain, 0, sizeof *chain);
+    chain->n_elements = 8;
+    chain->n_joints = 7;
+    for (int k = 0; k < 8; k++) {
+        mukca_element *e = &chain->element[k];
+        e->type = k < 7 ? MUKCA_REVOLUTE : MUKCA_FIXED;
+        e->joint = k < 7 ? k : -1;
+        e->axis[2] = 1;
+        e->xyz[0] = 0.05 * k, e->xyz[2] = 0.2;
+        e->rpy[0] = k % 2 ? M_PI_2 : -M_PI_2;
+        if (k < 7) chain->joint_element[k] = k;
+    }
+}
+
+static void test_nothing_allocated(void **state)
+{
+    (void)state;
+    enum { ROWS = 60 };
+    mukca_chain chain;
+    mukca_dataset data;
+    mukca_parameters parameters;
+    mukca_cost cost;
+    mukca_random random;
+    mukca_identification identification;
+    mukca_solver_outcome outcome;
+    double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE], positions[3 * ROWS], J[6 * 7], sum = 0;
+    make_arm(&chain);
+    mukca_random_seed(&random, 6);
+    assert_int_equal(mukca_dataset_create(&data, ROWS, 7, 2, 1, NULL), MUKCA_OK);
+    data.distances = calloc(1, sizeof *data.distances);
+    assert_non_null(data.distances);
+    data.n_distances = 1;
+    data.distances[0] = (mukca_distance){0, 1, 0.05};
+    for (int i = 0; i < ROWS; i++) data.socket[i] = i % 2;
+    for (int i = 0; i < 7 * ROWS; i++) data.q[i] = mukca_random_normal(&random);
+    assert_int_equal(mukca_parameters_select(&parameters, &chain, NULL, NULL), MUKCA_OK);
+    void *memory = malloc(mukca_cost_setup(&cost, NULL, &chain, &parameters, &data, NULL, NULL));
+    double *work = malloc(MUKCA_IDENTIFY_WORK(parameters.n) * sizeof *work);
+    assert_non_null(memory);
+    assert_non_null(work);
+
+    assert_true(calls > 0); /* the wrapping works */
+    calls = 0;
+    mukca_cost_setup(&cost, memory, &chain, &parameters, &data, NULL, NULL);
+    memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
+    sum += mukca_cost_evaluate(NULL, NULL, &cost, x);
+    sum += mukca_cost_evaluate(NULL, g, &cost, x);
+    cost.gradient = MUKCA_GRADIENT_ANALYTIC;
+    sum += mukca_cost_evaluate(NULL, g, &cost, x);
+    mukca_cost_normal(cost.scratch, &cost, x, false);
+    mukca_solver_gauss_newton.run(x, &outcome, &cost, NULL, NULL);
+    mukca_identify(&identification, NULL, &cost, x, work, NULL);
+    mukca_geometry geometry;
+    mukca_geometry_set(&geometry, &chain, cost.theta);
+    mukca_fk_positions(positions, &geometry, data.q, ROWS);
+    mukca_fk_jacobian(J, NULL, &geometry, data.q, NULL);
+    assert_int_equal(calls, 0);
+    assert_true(isfinite(sum));
+    assert_true(outcome.iterations > 0);
+    free(work);
+    free(memory);
+    mukca_dataset_free(&data);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_nothing_allocated)};
+    return cmocka_run_group_tests_name("noalloc_fit", tests, NULL, NULL);
+}
