@@ -1,0 +1,288 @@
+/* Recording from a stream: still windows, refusals, samples that are due, remarks. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "math/random.h"
+#include "study/capture.h"
+
+static mukca_chain chain;
+static mukca_capture capture;
+static mukca_capture_settings settings;
+static mukca_error error;
+static char text[MUKCA_CAPTURE_TEXT];
+
+/* A planar arm of three links of 0.4 m: easy to place by hand. */
+static int setup(void **state)
+{
+    (void)state;
+    memset(&chain, 0, sizeof chain);
+    chain.n_elements = 4;
+    chain.n_joints = 3;
+    for (int k = 0; k < 4; k++) {
+        mukca_element *e = &chain.element[k];
+        snprintf(e->name, sizeof e->name, "A%d", k + 1);
+        e->type = k < 3 ? MUKCA_REVOLUTE : MUKCA_FIXED;
+        e->joint = k < 3 ? k : -1;
+        e->xyz[0] = k ? 0.4 : 0;
+        e->axis[2] = 1;
+        e->lower = -3;
+        e->upper = 3;
+        if (k < 3) chain.joint_element[k] = k;
+    }
+    memset(&settings, 0, sizeof settings);
+    return mukca_capture_init(&capture, &chain, &settings, &error) ? 1 : 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    mukca_capture_free(&capture);
+    return 0;
+}
+
+static unsigned feed(double time, const double q[3])
+{
+    mukca_capture_reading reading = {.time = time, .q = q};
+    return mukca_capture_feed(&capture, &reading);
+}
+
+static double now = 1000;
+
+/* Stand at q for `seconds` at `rate`, with noise; true when a sample was due meanwhile. */
+static bool stand(const double q[3], double seconds, double rate, bool guided, int *socket)
+{
+    static mukca_random random = {.state = {1, 2, 3, 4}};
+    bool due = false;
+    char said[MUKCA_CAPTURE_TEXT];
+    for (int i = 0; i < (int)(seconds * rate); i++) {
+        double noisy[3], effort[3] = {1, 2, 3};
+        for (int j = 0; j < 3; j++) noisy[j] = q[j] + 2e-5 * mukca_random_normal(&random);
+        now += 1 / rate;
+        mukca_capture_reading reading = {
+            .time = now, .q = noisy, .effort = effort, .guided = guided};
+        mukca_capture_feed(&capture, &reading);
+        int s;
+        if (mukca_capture_due(&s, said, &capture)) {
+            due = true;
+            *socket = s;
+            mukca_capture_sample sample;
+            assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+            capture.socket = s;
+            assert_int_equal(mukca_capture_keep(text, &capture, sample.q, &error), MUKCA_OK);
+        }
+        if (said[0]) memcpy(text, said, sizeof text);
+    }
+    return due;
+}
+
+/* Joint angles that put the tip at (x, y) with the last link at `angle`. */
+static void reach(double q[3], double x, double y, double angle)
+{
+    double wx = x - 0.4 * cos(angle), wy = y - 0.4 * sin(angle), r = hypot(wx, wy);
+    double elbow = acos((r * r - 0.32) / 0.32);
+    q[0] = atan2(wy, wx) - elbow / 2;
+    q[1] = elbow;
+    q[2] = angle - q[0] - q[1];
+}
+
+static void a_sample_is_the_mean_of_the_window(void **state)
+{
+    mukca_capture_sample sample;
+    (void)state;
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+    assert_non_null(strstr(error.text, "no joint state"));
+    /* 1 kHz; the window of 0.2 s holds the last 200 readings, of which the mean is known */
+    for (int i = 0; i < 5000; i++) {
+        double q[3] = {1 + 1e-4 * (i % 2), -2, 3e-4 * (i < 4800 ? i : 4800)};
+        assert_int_equal(feed(0.001 * i, q), 0);
+    }
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+    assert_int_equal(sample.n, 200);
+    assert_true(!(fabs(sample.q[0] - 1.00005) > 1e-12));
+    assert_true(sample.q[1] == -2);
+    assert_true(sample.q[2] == 1.44);
+    assert_true(!(fabs(sample.spread[0] - 0.5e-4 * sqrt(200 / 199.)) > 1e-10));
+    assert_true(sample.spread[1] == 0);
+    assert_true(!(fabs(sample.time - 4.999) > 1e-9));
+}
+
+static void moving_stale_and_thin_streams_are_refused(void **state)
+{
+    mukca_capture_sample sample;
+    (void)state;
+    for (int i = 0; i < 1000; i++) feed(0.001 * i, (const double[]){0, 0.02 * 0.001 * i, 0});
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+    assert_non_null(strstr(error.text, "the arm moves: A2 by 4 mrad"));
+    for (int i = 1000; i < 1300; i++) feed(0.001 * i, (const double[]){0, 0.02, 0});
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0.1, &error), MUKCA_OK);
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0.5, &error), MUKCA_NEGATIVE);
+    assert_non_null(strstr(error.text, "0.5 s old"));
+    /* the same numbers again: the driver does not update any more */
+    assert_int_equal(mukca_capture_select(&capture, "p", "0", &error), MUKCA_OK);
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+    assert_int_equal(mukca_capture_keep(text, &capture, sample.q, &error), MUKCA_OK);
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+    assert_non_null(strstr(error.text, "exactly as in row 1"));
+    /* the stream stops for 3 s and returns: the window must fill anew */
+    assert_int_equal(feed(4.3, (const double[]){1, 1, 1}), MUKCA_CAPTURE_PAUSE);
+    assert_true(!(fabs(capture.pause - 3.001) > 1e-9));
+    feed(4.301, (const double[]){1, 1, 1});
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+    assert_non_null(strstr(error.text, "only 2 joint states"));
+    for (int i = 2; i < 201; i++) feed(4.3 + 0.001 * i, (const double[]){1, 1, 1});
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+}
+
+static void slow_streams_need_three_readings(void **state)
+{
+    mukca_capture_sample sample;
+    (void)state;
+    for (int i = 0; i < 5; i++) feed(0.09 * i, (const double[]){0, 0, 0.1});
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+    assert_int_equal(sample.n, 3);
+    for (int i = 0; i < 5; i++) feed(1 + 0.15 * i, (const double[]){0, 0, 0.1});
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+    assert_non_null(strstr(error.text, "--window"));
+}
+
+/* A window fits the ring at any rate; and any clock can be survived. */
+static void fast_streams_and_mad_clocks(void **state)
+{
+    mukca_capture_sample sample;
+    (void)state;
+    for (int i = 0; i < 400000; i++) feed(2e-6 * i, (const double[]){0.1, 0.2, 0.3});
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+    assert_true(sample.n > 1000);
+    assert_int_equal(feed(-5, (const double[]){0.1, 0.2, 0.3}), MUKCA_CAPTURE_BACKWARDS);
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+    feed(9e12, (const double[]){0.1, 0.2, 0.3});
+    for (int i = 0; i < 300; i++) feed(10 + 0.001 * i, (const double[]){0.1, 0.2, 0.3});
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+    for (int i = 0; i < 300; i++) feed(10.3, (const double[]){0.1, 0.2, 0.3}); /* clock stands */
+    feed(10.6, (const double[]){0.1, 0.2, 0.3});
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+}
+
+static void two_arms_on_one_channel_are_told(void **state)
+{
+    mukca_capture_sample sample;
+    int told = 0, backwards = 0;
+    (void)state;
+    for (int i = 0; i < 1000; i++) {
+        told += feed(0.001 * i, (const double[]){0, 0, 0}) == MUKCA_CAPTURE_TWO_SENDERS;
+        told += feed(0.001 * i + 1e-4, (const double[]){0.5, 0, 0}) == MUKCA_CAPTURE_TWO_SENDERS;
+    }
+    assert_int_equal(told, 1);
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+    assert_non_null(strstr(error.text, "two arms"));
+    for (int i = 0; i < 2000; i++) feed(2 + 0.001 * i, (const double[]){0, 0, 0}); /* one leaves */
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+    for (int i = 0; i < 10; i++) { /* same posture, but clocks 1 h apart */
+        unsigned a = feed(10 + 0.001 * i, (const double[]){0, 0, 0});
+        unsigned b = feed(3610 + 0.001 * i, (const double[]){0, 0, 0});
+        backwards += !!(a & MUKCA_CAPTURE_BACKWARDS);
+        told += (a | b) & MUKCA_CAPTURE_TWO_SENDERS ? 1 : 0;
+    }
+    assert_int_equal(told, 2);
+    assert_int_equal(backwards, 9);
+}
+
+/* Standing still in two sockets by turns records both, each posture once, and no stop elsewhere. */
+static void standing_still_records_by_itself(void **state)
+{
+    double q[3];
+    int socket = -1, due = 0;
+    (void)state;
+    assert_int_equal(mukca_capture_select(&capture, "front", "0", &error), MUKCA_OK);
+    for (int i = 0; i < 5; i++) {
+        reach(q, 0.6, 0.2, 0.2 * i);
+        due += stand(q, 1.5, 200, false, &socket);
+        assert_int_equal(socket, 0);
+        assert_false(stand(q, 3, 200, false, &socket)); /* still the same stop */
+    }
+    assert_int_equal(due, 5);
+    reach(q, 0.6, 0.5, 0.1);
+    text[0] = '\0';
+    assert_false(stand(q, 2, 200, false, &socket)); /* on the way, 300 mm off */
+    assert_non_null(strstr(text, "300 mm from socket 0"));
+    for (int i = 0; i < 5; i++) {
+        reach(q, 0.65, 0.2, 0.2 * i);
+        assert_true(stand(q, 1.5, 200, false, &socket));
+        assert_int_equal(socket, 1);
+    }
+    assert_string_equal(mukca_capture_socket(&capture), "1");
+    reach(q, 0.6, 0.2, 0.2);
+    assert_false(stand(q, 1.5, 200, false, &socket)); /* a posture that is recorded */
+    assert_int_equal(mukca_capture_count(&capture, 0), 5);
+    assert_int_equal(mukca_capture_count(&capture, 1), 5);
+    /* a hand that lets go is in place at once; while it holds, the full time counts */
+    reach(q, 0.6, 0.2, -0.3);
+    assert_false(stand(q, 0.9, 200, true, &socket));
+    assert_true(stand(q, 0.3, 200, false, &socket));
+    assert_int_equal(socket, 0);
+}
+
+static void remarks_name_what_is_odd(void **state)
+{
+    double q[3], rms, last, coverage[3];
+    (void)state;
+    assert_int_equal(mukca_capture_keep(text, &capture, (const double[]){0, 0, 0}, &error),
+                     MUKCA_INPUT);
+    assert_int_equal(mukca_capture_select(&capture, "front", "0", &error), MUKCA_OK);
+    for (int i = 0; i < 6; i++) {
+        reach(q, 0.6 + 1e-4 * (i % 2), 0.2, 0.2 * i);
+        assert_int_equal(mukca_capture_keep(text, &capture, q, &error), MUKCA_OK);
+        assert_string_equal(text, "");
+    }
+    mukca_capture_spread(&rms, &last, &capture, 0);
+    assert_true(!(fabs(rms - 0.5e-4) > 1e-9));
+    assert_true(!(fabs(last - 0.6e-4) > 1e-9));
+    reach(q, 0.602, 0.2, 0.5);
+    mukca_capture_keep(text, &capture, q, &error);
+    assert_non_null(strstr(text, "is the ball seated?"));
+    mukca_capture_drop(&capture, &error);
+    reach(q, 0.6, 0.2, 0.201);
+    mukca_capture_keep(text, &capture, q, &error);
+    assert_non_null(strstr(text, "nearly the posture of row 2"));
+    mukca_capture_drop(&capture, &error);
+    assert_string_equal(mukca_capture_next_label(&capture), "1");
+    assert_int_equal(mukca_capture_select(&capture, "front", "1", &error), MUKCA_OK);
+    assert_string_equal(mukca_capture_next_label(&capture), "0");
+    reach(q, 0.601, 0.2, 0.9);
+    mukca_capture_keep(text, &capture, q, &error);
+    assert_non_null(strstr(text, "is the ball really in socket 1?"));
+    mukca_capture_drop(&capture, &error);
+    reach(q, 0.65, 0.2, 0.9);
+    mukca_capture_keep(text, &capture, q, &error);
+    assert_string_equal(text, "");
+    reach(q, 0.6, 0.2, 0.7);
+    mukca_capture_keep(text, &capture, q, &error);
+    assert_non_null(strstr(text, "looks like socket 0"));
+    assert_int_equal(capture.rows.n_rows, 8);
+    mukca_capture_coverage(coverage, &capture);
+    for (int j = 0; j < 3; j++) assert_true(coverage[j] > 0.01 && coverage[j] < 0.5);
+    while (capture.rows.n_rows) assert_int_equal(mukca_capture_drop(&capture, &error), MUKCA_OK);
+    assert_int_equal(mukca_capture_drop(&capture, &error), MUKCA_INPUT);
+    mukca_capture_spread(&rms, &last, &capture, 0);
+    assert_true(isnan(rms) && isnan(last));
+}
+
+int main(void)
+{
+#define CASE(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
+    const struct CMUnitTest tests[] = {
+        CASE(a_sample_is_the_mean_of_the_window), CASE(moving_stale_and_thin_streams_are_refused),
+        CASE(slow_streams_need_three_readings),   CASE(fast_streams_and_mad_clocks),
+        CASE(two_arms_on_one_channel_are_told),   CASE(standing_still_records_by_itself),
+        CASE(remarks_name_what_is_odd),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
