@@ -14,7 +14,8 @@ static double or_default(double value, double otherwise)
 }
 
 mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain,
-                                const mukca_capture_settings *settings, mukca_error *error)
+                                const double *theta, const mukca_capture_settings *settings,
+                                mukca_error *error)
 {
     static const char *const two_sockets[] = {"0", "1"};
     memset(capture, 0, sizeof *capture);
@@ -30,17 +31,27 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
         s->labels = two_sockets;
     }
     capture->chain = chain;
-    mukca_geometry_set(&capture->geometry, chain, NULL);
+    mukca_selection everything = {.free = NULL};
+    mukca_status status = mukca_parameters_select(&capture->parameters, chain, &everything, error);
+    if (status) return status;
+    if (theta)
+        memcpy(capture->start, theta,
+               (size_t)(MUKCA_PARAMETERS * chain->n_elements) * sizeof *theta);
+    else
+        mukca_chain_theta(capture->start, chain);
+    size_t n_free = (size_t)capture->parameters.n;
+    capture->factor = calloc(n_free * n_free, sizeof *capture->factor);
     size_t n = (size_t)chain->n_joints;
     capture->time = calloc(MUKCA_CAPTURE_RING, sizeof *capture->time);
     capture->values = calloc(MUKCA_CAPTURE_RING * 3 * n, sizeof *capture->values);
-    mukca_status status =
-        mukca_dataset_create(&capture->rows, MUKCA_CAPTURE_MAX_ROWS, chain->n_joints,
-                             MUKCA_CAPTURE_MAX_SOCKETS, MUKCA_CAPTURE_MAX_PLACEMENTS, error);
-    if (!status && (!capture->time || !capture->values))
+    status = mukca_dataset_create(&capture->rows, MUKCA_CAPTURE_MAX_ROWS, chain->n_joints,
+                                  MUKCA_CAPTURE_MAX_SOCKETS, MUKCA_CAPTURE_MAX_PLACEMENTS, error);
+    if (!status && (!capture->time || !capture->values || !capture->factor))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     capture->rows.n_rows = capture->rows.n_sockets = capture->rows.n_placements = 0;
     capture->socket = -1;
+    mukca_capture_advice none;
+    if (!status) status = mukca_capture_advise(&none, capture, error);
     if (status) mukca_capture_free(capture);
     return status;
 }
@@ -49,6 +60,7 @@ void mukca_capture_free(mukca_capture *capture)
 {
     free(capture->time);
     free(capture->values);
+    free(capture->factor);
     mukca_dataset_free(&capture->rows);
     memset(capture, 0, sizeof *capture);
 }

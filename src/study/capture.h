@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "fit/parameters.h"
 #include "mukca/chain.h"
 #include "mukca/dataset.h"
 #include "mukca/status.h"
@@ -53,7 +54,12 @@ typedef struct {
 typedef struct {
     mukca_capture_settings settings;
     const mukca_chain *chain;
-    mukca_geometry geometry; /* the best model so far: nominal until somebody sets it */
+    /* the model so far (capture_advice.c): nominal until there are rows to learn from */
+    mukca_parameters parameters;
+    double start[MUKCA_MAX_FREE], theta[MUKCA_MAX_FREE]; /* [6 * n_elements] without rows, with */
+    mukca_geometry geometry;                             /* of theta */
+    double noise;                                        /* of one coordinate, m */
+    double *factor; /* [n][n] Cholesky factor of the parameters' information, n = parameters.n */
     /* the stream */
     int head, count; /* of the ring: next to be written, filled */
     double *time;    /* [RING] */
@@ -71,10 +77,12 @@ typedef struct {
     int socket;         /* current, index into rows.sockets; -1: none */
 } mukca_capture;
 
-/* `chain`, and settings->labels, must outlive the capture.  Free with mukca_capture_free.  Errors:
- * MUKCA_MEMORY. */
+/* `chain`, and settings->labels, must outlive the capture; theta[6 * n_elements] (NULL: nominal)
+ * is the model to begin with.  Free with mukca_capture_free.  Errors: MUKCA_MEMORY, MUKCA_USAGE (no
+ * joint). */
 mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain,
-                                const mukca_capture_settings *settings, mukca_error *error);
+                                const double *theta, const mukca_capture_settings *settings,
+                                mukca_error *error);
 void mukca_capture_free(mukca_capture *capture);
 
 /* Take in one reading; allocates nothing.  Returns MUKCA_CAPTURE_* bits, each when it begins. */
@@ -121,5 +129,25 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
 /* Share of each joint's range (its limits, at most a turn) between the smallest and the largest
  * reading of all rows, coverage[n_joints]. */
 void mukca_capture_coverage(double *coverage, const mukca_capture *capture);
+
+/* ---- the model so far (capture_advice.c) ---- */
+
+typedef struct {
+    double expected;      /* m: rms error of the calibrated tip over the joints' ranges, its base
+                             placed best; NaN without rows */
+    double expected_more; /* m: the same with ten more rows like those at this socket */
+    bool more_rows_help;  /* those ten would take more than 3 % off */
+} mukca_capture_advice;
+
+/* Learn from the rows: sets theta, geometry, noise.  A geometry that is Gaussian about the start
+ * (3 mm, 3 mrad), the noise from the residuals.  Without rows back to the start.
+ * Errors: MUKCA_MEMORY. */
+mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
+                                  mukca_error *error);
+
+/* How far from the mean of a socket's rows (except `without`, -1: none) a row at q can be expected
+ * to be predicted: root mean square, m, by the noise and what is not known yet. */
+double mukca_capture_expected_offset(const mukca_capture *capture, int socket, const double *q,
+                                     int without);
 
 #endif

@@ -207,22 +207,14 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], const mukca_capture *capture, 
 {
     const mukca_dataset *rows = &capture->rows;
     int latest = rows->n_rows - 1;
-    double x[3], own[3], how_far, rms = (double)NAN;
+    const double *q = rows->q + latest * rows->n_joints;
+    double x[3], own[3], how_far;
     text[0] = '\0';
-    mukca_fk_position(x, &capture->geometry, rows->q + latest * rows->n_joints, NULL);
+    mukca_fk_position(x, &capture->geometry, q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, latest);
     int n = socket_mean(own, capture, capture->socket, latest);
     double off = n ? distance3(x, own) : 0;
-    if (n >= 4) { /* spread of the others */
-        double squares = 0;
-        for (int i = 0; i < latest; i++) {
-            double y[3];
-            if (rows->socket[i] != capture->socket) continue;
-            mukca_fk_position(y, &capture->geometry, rows->q + i * rows->n_joints, NULL);
-            squares += distance3(y, own) * distance3(y, own);
-        }
-        rms = sqrt(squares / n);
-    }
+    double usual = n ? mukca_capture_expected_offset(capture, capture->socket, q, latest) : 0;
     const mukca_socket *sockets = rows->sockets;
     if (n && off > 0.4 * capture->settings.distance && nearest != capture->socket &&
         how_far < 0.4 * off)
@@ -234,11 +226,11 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], const mukca_capture *capture, 
         snprintf(text, MUKCA_CAPTURE_TEXT,
                  "only %.1f mm from socket %s: is the ball really in socket %s?", 1e3 * how_far,
                  sockets[nearest].label, sockets[capture->socket].label);
-    else if (n >= 4 && off > 4 * rms + 3e-4)
-        snprintf(
-            text, MUKCA_CAPTURE_TEXT,
-            "%.2f mm from this socket's other rows, which spread by %.2f mm: is the ball seated?",
-            1e3 * off, 1e3 * rms);
+    else if (off > 3 * usual)
+        snprintf(text, MUKCA_CAPTURE_TEXT,
+                 "%.2f mm from this socket's other rows, where %.2f mm would be usual: is the ball "
+                 "seated?",
+                 1e3 * off, 1e3 * usual);
     else if (twin >= 0)
         snprintf(text, MUKCA_CAPTURE_TEXT,
                  "nearly the posture of row %d: move the elbow further for a row that tells more",

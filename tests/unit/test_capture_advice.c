@@ -1,0 +1,200 @@
+/* What a session is worth so far: a simulated operator with a perturbed 7-axis arm. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "math/random.h"
+#include "study/capture.h"
+#include "study/inverse.h"
+
+static const double noise = 1e-4; /* m, of the ball in its seat */
+
+/* A made-up 7-axis arm with a ball 0.1 m off its flange. */
+static void make_chain(mukca_chain *chain)
+{
+    static const double lift[] = {0.34, 0, 0.4, 0, 0.4, 0, 0.13}, tilt[] = {0, -1, 1, 1, -1, -1, 1};
+    memset(chain, 0, sizeof *chain);
+    chain->n_elements = 8;
+    chain->n_joints = 7;
+    for (int k = 0; k < 8; k++) {
+        mukca_element *e = &chain->element[k];
+        snprintf(e->name, sizeof e->name, "A%d", k + 1);
+        e->type = k < 7 ? MUKCA_REVOLUTE : MUKCA_FIXED;
+        e->joint = k < 7 ? k : -1;
+        e->axis[2] = 1;
+        e->lower = -2.9;
+        e->upper = 2.9;
+        if (k == 7) {
+            e->xyz[0] = 0.1;
+            e->xyz[2] = 0.08;
+            break;
+        }
+        e->rpy[0] = tilt[k] * M_PI / 2;
+        e->xyz[k % 2 ? 2 : k ? 1 : 2] = lift[k];
+        chain->joint_element[k] = k;
+    }
+}
+
+typedef struct {
+    mukca_chain chain;
+    mukca_geometry truth;
+    mukca_random random;
+    double center[3];
+    double q[7];
+} operator_;
+
+static void perturb(operator_ *o, double size)
+{
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    mukca_chain_theta(theta, &o->chain);
+    for (int i = 0; i < 6 * 8; i++) theta[i] += size * mukca_random_normal(&o->random);
+    mukca_geometry_set(&o->truth, &o->chain, theta);
+}
+
+/* Another posture of the true arm with its ball in a seat `along` m beside the placement's centre.
+ */
+static bool seat(operator_ *o, double along, double off)
+{
+    mukca_frame target;
+    double posture[7], position[3];
+    mukca_inverse_options options = {.posture = posture};
+    for (int attempt = 0; attempt < 100; attempt++) {
+        memcpy(target.p, o->center, sizeof target.p);
+        target.p[1] += along;
+        target.p[2] += off;
+        for (int k = 0; k < 3; k++) target.p[k] += noise * mukca_random_normal(&o->random);
+        for (int j = 0; j < 7; j++) {
+            posture[j] = o->q[j] + 0.5 * mukca_random_normal(&o->random);
+            posture[j] = fmax(-2.5, fmin(2.5, posture[j]));
+        }
+        double q[7];
+        memcpy(q, o->q, sizeof q);
+        if (!mukca_inverse_solve(q, &o->chain, &o->truth, &target, false, &options).reached)
+            continue;
+        mukca_fk_position(position, &o->truth, q, NULL);
+        memcpy(o->q, q, sizeof q);
+        return true;
+    }
+    return false;
+}
+
+static void place(operator_ *o, double angle)
+{
+    o->center[0] = 0.55 * cos(angle);
+    o->center[1] = 0.55 * sin(angle);
+    o->center[2] = 0.3 + 0.2 * sin(3 * angle);
+    for (int j = 0; j < 7; j++) o->q[j] = j % 2 ? (j == 3 ? -1.2 : 0.6) : 0.2;
+    o->q[0] = angle;
+}
+
+/* Rms error of the capture's model over random configurations, the base placed best by translation
+ * and small rotation (five rounds of averaging are plenty). */
+static double true_error(operator_ *o, const mukca_capture *capture)
+{
+    enum { N = 400 };
+    static double d[N][3], x[N][3];
+    mukca_random random;
+    mukca_random_seed(&random, 77);
+    for (int i = 0; i < N; i++) {
+        double q[7], y[3];
+        for (int j = 0; j < 7; j++) q[j] = 2.3 * (2 * mukca_random_uniform(&random) - 1);
+        mukca_fk_position(x[i], &o->truth, q, NULL);
+        mukca_fk_position(y, &capture->geometry, q, NULL);
+        for (int k = 0; k < 3; k++) d[i][k] = y[k] - x[i][k];
+    }
+    for (int round = 0; round < 200; round++) { /* Gauss-Seidel on translation and rotation */
+        double shift[3] = {0}, turn[3] = {0}, inertia = 0;
+        for (int i = 0; i < N; i++)
+            for (int k = 0; k < 3; k++) shift[k] += d[i][k] / N;
+        for (int i = 0; i < N; i++) {
+            double t[3];
+            for (int k = 0; k < 3; k++) d[i][k] -= shift[k];
+            mukca_cross(t, x[i], d[i]);
+            for (int k = 0; k < 3; k++) turn[k] += t[k];
+            inertia += mukca_dot3(x[i], x[i]);
+        }
+        for (int i = 0; i < N; i++) {
+            double t[3], w[3] = {turn[0] / inertia, turn[1] / inertia, turn[2] / inertia};
+            mukca_cross(t, w, x[i]);
+            for (int k = 0; k < 3; k++) d[i][k] -= t[k];
+        }
+    }
+    double sum = 0;
+    for (int i = 0; i < N; i++) sum += mukca_dot3(d[i], d[i]);
+    return sqrt(sum / N);
+}
+
+/* Sessions of four placements, 20 rows a socket, arms off by 2 mm and 2 mrad. */
+static void advice_is_what_comes_true(void **state)
+{
+    static operator_ o;
+    static mukca_capture capture;
+    mukca_capture_settings settings = {0};
+    mukca_capture_advice advice;
+    mukca_error error;
+    char text[MUKCA_CAPTURE_TEXT];
+    double ratio = 0;
+    int false_remarks = 0, rows = 0, bad_seats = 0, found = 0, helped_no_more = 0, ends = 0;
+    (void)state;
+    make_chain(&o.chain);
+    enum { ARMS = 6 };
+    for (int arm = 0; arm < ARMS; arm++) {
+        double first = 0;
+        mukca_random_seed(&o.random, (uint64_t)arm + 1);
+        perturb(&o, 2e-3);
+        assert_int_equal(mukca_capture_init(&capture, &o.chain, NULL, &settings, &error), 0);
+        for (int p = 0; p < 4; p++) {
+            place(&o, -0.9 + 0.6 * p);
+            for (int s = 0; s < 2; s++) {
+                char name[8] = {'p', (char)('0' + p), 0};
+                mukca_capture_select(&capture, name, s ? "1" : "0", &error);
+                for (int i = 0; i < 20; i++) {
+                    assert_true(seat(&o, s ? 0.05 : 0, 0));
+                    assert_int_equal(mukca_capture_keep(text, &capture, o.q, &error), 0);
+                    if (text[0]) false_remarks++;
+                    rows++;
+                    assert_int_equal(mukca_capture_advise(&advice, &capture, &error), 0);
+                    assert_true(advice.expected_more <= advice.expected * (1 + 1e-9));
+                    if (p == 0 && s == 1 && i == 5) first = advice.expected;
+                }
+                ends++;
+                helped_no_more += !advice.more_rows_help;
+            }
+        }
+        assert_true(advice.expected < 0.5 * first);
+        ratio += true_error(&o, &capture) / advice.expected / ARMS;
+        double rms;
+        mukca_capture_spread(&rms, NULL, &capture, capture.socket);
+        assert_true(!(fabs(rms / (sqrt(3) * noise) - 1) > 0.4));
+        assert_true(!(fabs(capture.noise / noise - 1) > 0.3));
+        for (int i = 0; i < 10; i++) { /* a ball that lies on the rim */
+            assert_true(seat(&o, 0.05, 1.5e-3));
+            mukca_capture_keep(text, &capture, o.q, &error);
+            bad_seats++;
+            found += strstr(text, "is the ball seated?") != NULL;
+            mukca_capture_drop(&capture, &error);
+        }
+        mukca_capture_free(&capture);
+    }
+    print_message(
+        "true over expected error %.2f; %d of %d good rows remarked; %d of %d bad seats "
+        "found; after 20 rows more of them help no more in %d of %d sockets\n",
+        ratio, false_remarks, rows, found, bad_seats, helped_no_more, ends);
+    assert_true(ratio > 0.6 && ratio < 1.5);
+    assert_true(false_remarks * 100 <= rows);
+    assert_int_equal(found, bad_seats);
+    assert_true(2 * helped_no_more > ends);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(advice_is_what_comes_true)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
