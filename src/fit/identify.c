@@ -31,40 +31,64 @@ static void score_covariance(double *B, mukca_cost *cost)
     mukca_dense_syrk(B, n, cost->J, first_pair, n);
 }
 
-/* Turning the whole arm turns all residuals and costs nothing: a motion that sockets cannot see,
- * though to first order it changes their residuals.  Take it out of the weighted Jacobian in
- * cost->J. Measured poses, and means that are held, do see it. */
-static void project_out_turning(mukca_cost *cost)
+enum { BLOCK = 32 }; /* rows that are absorbed at a time */
+
+/* R[n + 3][n + 3]: triangular factor of the weighted Jacobian in cost->J, and beside it of how
+ * turning the whole arm about x, y, z changes the residuals. */
+static void factorise(double *R, double *block, const mukca_cost *cost)
 {
     const mukca_observations *o = &cost->observations;
-    const int n = cost->n, rows = o->n_rows, m = 3 * rows;
-    double *N = cost->r; /* the residuals are not needed after this */
-    double basis[3][3], gram[9], along[3];
-    if (o->target || o->pull) return;
-    memset(gram, 0, sizeof gram);
-    /* N' N of the columns e_c x r, from the second moments of the residuals */
-    for (int i = 0; i < m; i++) N[i] *= cost->weight[i];
-    for (int i = 0; i < rows; i++) {
-        const double *r = N + 3 * i, square = mukca_dot3(r, r);
-        for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++) gram[3 * a + b] += (a == b) * square - r[a] * r[b];
-    }
-    double w[3], V[9];
-    if (mukca_dense_eigen(w, V, gram, 3) != 0) return;
-    for (int c = 0; c < 3; c++)
-        for (int a = 0; a < 3; a++) basis[c][a] = w[c] > 0 ? V[3 * a + c] / sqrt(w[c]) : 0;
-    for (int c = 0; c < 3; c++)
-        for (int column = 0; column < n; column++) {
-            double sum = 0;
-            for (int i = 0; i < rows; i++) {
-                mukca_cross(along, basis[c], N + 3 * i);
-                for (int a = 0; a < 3; a++) sum += along[a] * cost->J[(3 * i + a) * n + column];
-            }
-            for (int i = 0; i < rows; i++) {
-                mukca_cross(along, basis[c], N + 3 * i);
-                for (int a = 0; a < 3; a++) cost->J[(3 * i + a) * n + column] -= sum * along[a];
-            }
+    const int n = cost->n, wide = n + 3, m = o->n_residuals;
+    memset(R, 0, (size_t)(wide * wide) * sizeof *R);
+    for (int start = 0; start < m; start += BLOCK) {
+        const int rows = m - start < BLOCK ? m - start : BLOCK;
+        for (int i = 0; i < rows; i++) {
+            const int row = start + i, first = row - row % 3, axis = row % 3;
+            double *to = block + i * wide;
+            memcpy(to, cost->J + row * n, (size_t)n * sizeof *to);
+            memset(to + n, 0, 3 * sizeof *to);
+            if (row >= 3 * o->n_rows) continue; /* a distance */
+            to[n + (axis + 1) % 3] = cost->weight[row] * cost->r[first + (axis + 2) % 3];
+            to[n + (axis + 2) % 3] = -cost->weight[row] * cost->r[first + (axis + 1) % 3];
         }
+        mukca_dense_qr_absorb(R, NULL, block, rows, wide, 0);
+    }
+}
+
+/* Turning the whole arm turns all residuals and costs nothing: sockets cannot see it, though to
+ * first order it changes their residuals.  Where the free parameters can turn the arm, take that
+ * out of the factor of the Jacobian, R[n + 3][n + 3]. */
+static void project_out_turning(double *R, int n)
+{
+    const int wide = n + 3;
+    double T[9], s[3], V[9], u[3][MUKCA_MAX_FREE], size = 0;
+    int found = 0;
+    for (int r = 0; r < wide; r++)
+        for (int c = 0; c < 3; c++) size += R[r * wide + n + c] * R[r * wide + n + c];
+    for (int i = 0; i < 9; i++) T[i] = R[(n + i / 3) * wide + n + i % 3];
+    if (mukca_dense_svd(T, s, V, 3, 3) != 0) return;
+    for (int c = 0; c < 3; c++) {
+        double *v = u[found], length = 0;
+        if (!(s[c] <= 1e-6 * sqrt(size))) continue; /* no motion of the parameters does the same */
+        for (int i = 0; i < n; i++) {
+            v[i] = 0;
+            for (int a = 0; a < 3; a++) v[i] += R[i * wide + n + a] * V[3 * a + c];
+        }
+        for (int before = 0; before < found; before++) {
+            double along = 0;
+            for (int i = 0; i < n; i++) along += u[before][i] * v[i];
+            for (int i = 0; i < n; i++) v[i] -= along * u[before][i];
+        }
+        for (int i = 0; i < n; i++) length += v[i] * v[i];
+        if (!(length > 0)) continue;
+        for (int i = 0; i < n; i++) v[i] /= sqrt(length);
+        for (int j = 0; j < n; j++) {
+            double along = 0;
+            for (int i = 0; i < n; i++) along += v[i] * R[i * wide + j];
+            for (int i = 0; i < n; i++) R[i * wide + j] -= along * v[i];
+        }
+        found++;
+    }
 }
 
 /* Gauss-Jordan with full pivoting: the rows of N[k][n] become 1 in a column of their own. */
@@ -120,7 +144,7 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
 {
     const int n = cost->n;
     mukca_observations *o = &cost->observations;
-    double *B = work, *R = B + n * n, *V = R + n * n, *G = V + n * n, *s = G + n * n;
+    double *B = work, *R = B + n * n, *V = R + (n + 3) * (n + 3), *G = V + n * n, *s = G + n * n;
     double log_product = 0, squares = 0;
     memset(id, 0, sizeof *id);
     mukca_cost_normal(R, cost, x, true);
@@ -129,9 +153,9 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     const int pairs = cost->pair_weight > 0 ? o->n_pairs : 0;
     for (int i = 0; i < o->n_residuals - o->n_pairs + pairs; i++)
         squares += cost->weight[i] > 0 ? cost->r[i] * cost->r[i] : 0;
-    project_out_turning(cost);
-    memset(R, 0, (size_t)(n * n) * sizeof *R);
-    mukca_dense_qr_absorb(R, NULL, cost->J, o->n_residuals, n, 0);
+    factorise(R, s, cost);
+    if (!o->target && !o->pull) project_out_turning(R, n); /* those do see it */
+    for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
     if (mukca_dense_svd(R, s, V, n, n) != 0)
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
     while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
