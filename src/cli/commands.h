@@ -2,6 +2,8 @@
 #ifndef MUKCA_CLI_COMMANDS_H
 #define MUKCA_CLI_COMMANDS_H
 
-#define CLI_COMMAND_LIST(X)
+#define CLI_COMMAND_LIST(X) \
+    X(export)               \
+    X(fk)
 
 #endif

@@ -88,7 +88,6 @@ mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
 {
     FILE *stream = output->stream;
     bool regular = output->temporary[0] != '\0';
-    errno = 0;
     bool good = fflush(stream) == 0 && !ferror(stream);
     if (good && regular) good = fsync(fileno(stream)) == 0;
     int reason = errno ? errno : EIO;

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 #include "base/number.h"
@@ -79,26 +80,25 @@ static mukca_urdf_joint *new_joint(scan *s)
     return joint;
 }
 
-/* Bytes [start, end) of the start tag that is being parsed; 0, 0 where the text is no plain UTF-8.
- */
+/* Bytes [start, end) of the start tag that is being parsed; where the parser's count is not that of
+ * the text's bytes, urdf->located becomes false. */
 static void locate_tag(size_t *start, size_t *end, const scan *s, const char *name)
 {
-    size_t at = position(s), length = strlen(name);
-    *start = *end = 0;
-    if (at >= s->urdf->length) return;
     const char *text = s->urdf->text;
-    const char *close = strchr(text + at, '>');
-    while (at && text[at] != '<') at--;
-    if (!close || strncmp(text + at + 1, name, length) != 0) return;
+    size_t at = position(s);
+    const char *close = at < s->urdf->length ? strchr(text + at, '>') : NULL;
+    while (close && at && text[at] != '<') at--;
     *start = at;
-    *end = (size_t)(close - text) + 1;
+    *end = close ? (size_t)(close - text) + 1 : 0;
+    if (!close || strncmp(text + at + 1, name, strlen(name)) != 0) s->urdf->located = false;
 }
 
 static void read_origin(scan *s, const xmlChar **attributes, int n)
 {
     mukca_urdf_joint *joint = s->joint;
     char value[256];
-    if (joint->origin_stop) return; /* urdfdom takes the first */
+    if (joint->has_origin) return; /* urdfdom takes the first */
+    joint->has_origin = true;
     locate_tag(&joint->origin_start, &joint->origin_stop, s, "origin");
     if (attribute(value, sizeof value, "xyz", attributes, n))
         joint->bad_origin |= !mukca_number_parse_list(joint->xyz, 3, value);
@@ -162,7 +162,11 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
     s.parser->sax = &handler;
     s.parser->_private = &s;
     xmlCtxtUseOptions(s.parser, XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
+    urdf->located = true;
     xmlParseDocument(s.parser);
+    const char *encoding = (const char *)s.parser->encoding; /* others are converted on the way */
+    if (encoding && strcasecmp(encoding, "UTF-8") != 0 && strcasecmp(encoding, "US-ASCII") != 0)
+        urdf->located = false;
     if (s.status == MUKCA_OK && !s.parser->wellFormed) {
         const xmlError *e = xmlCtxtGetLastError(s.parser);
         char text[120] = "is broken";

@@ -17,15 +17,17 @@ typedef struct {
     char parent[MUKCA_NAME_SIZE], child[MUKCA_NAME_SIZE];
     int line;
     size_t tag_end;                   /* just behind the joint's start tag */
-    size_t origin_start, origin_stop; /* the origin's start tag, `<` to behind `>`; 0, 0: none */
+    size_t origin_start, origin_stop; /* the origin's start tag, `<` to behind `>` */
     double xyz[3], rpy[3];            /* of the origin, as written; 0 where absent */
-    bool bad_origin;                  /* xyz or rpy are not three numbers */
+    bool has_origin;
+    bool bad_origin; /* xyz or rpy are not three numbers */
 } mukca_urdf_joint;
 
 typedef struct {
     char *text; /* the file's bytes, ended by a zero byte */
     size_t length;
     char sha256[65];
+    bool located; /* byte offsets below can be trusted (not in other encodings than UTF-8) */
     int n_joints;
     mukca_urdf_joint *joints;
 } mukca_urdf_text;

@@ -1,0 +1,67 @@
+/* mukca export: the calibrated model in the formats of others. */
+#include "io/export.h"
+
+#include "cli/cli.h"
+#include "io/output.h"
+
+typedef struct {
+    cli_common common;
+    int format;
+} export_options;
+
+static const char *const formats[] = {
+#define FORMAT_NAME(name, function, what) #name,
+    MUKCA_EXPORT_LIST(FORMAT_NAME)
+#undef FORMAT_NAME
+        NULL};
+
+static const cli_option options[] = {
+    {"format", 'f', CLI_CHOICE, "FORMAT", "what to write (default: urdf)", formats,
+     offsetof(export_options, format)},
+    CLI_OFFSETS_OPTION,
+    CLI_MODEL_OPTIONS,
+    CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+static mukca_status run(cli_call *call)
+{
+    const export_options *o = call->options;
+    const cli_common *c = call->common;
+    const char *path = c->output ? c->output : "-";
+    cli_model model;
+    mukca_output output = {0};
+    mukca_status status = cli_load_model(call, &model);
+    if (status == MUKCA_OK) status = mukca_output_open(&output, path, c->force, &call->error);
+    if (status == MUKCA_OK) {
+        const mukca_export_input input = {.urdf_path = c->urdf,
+                                          .offsets_path = c->offsets,
+                                          .chain = &model.chain,
+                                          .offsets = &model.offsets,
+                                          .note = cli_note,
+                                          .context = call};
+        status = mukca_exporters[o->format].write(output.stream, &input, &call->error);
+    }
+    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
+    mukca_output_abort(&output);
+    return status;
+}
+
+const cli_command cli_command_export = {
+    .name = "export",
+    .group = CLI_USE,
+    .summary = "the calibrated model as URDF, YAML or C header",
+    .synopsis = "",
+    .description =
+        "Writes the model that --urdf and --offsets describe. A URDF is patched in place: the "
+        "origins of the chain's joints get the calibrated values, every other byte stays as it "
+        "was.\n\n"
+        "Calibrated values replace the nominal ones: calibrated = nominal + offset, in the frame "
+        "and with the signs of the URDF's own origin. Nothing is subtracted.",
+    .example =
+        "mukca export --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv --format yaml",
+    .options = options,
+    .options_size = sizeof(export_options),
+    .run = run,
+};

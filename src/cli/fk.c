@@ -1,0 +1,121 @@
+/* mukca fk: forward kinematics of rows of joint angles. */
+#include <math.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "io/output.h"
+#include "io/rows.h"
+
+typedef struct {
+    cli_common common;
+    bool pose;
+} fk_options;
+
+static const cli_option options[] = {
+    {"pose", 0, CLI_FLAG, NULL, "print orientations too, as quaternions qw qx qy qz", NULL,
+     offsetof(fk_options, pose)},
+    CLI_OFFSETS_OPTION,
+    CLI_MODEL_OPTIONS,
+    CLI_OUTPUT_OPTION("where to write the table (default: standard output)"),
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+/* The row before and the start of the file, for effects that need them. */
+typedef struct {
+    double before[MUKCA_MAX_JOINTS];
+    double start;
+} history;
+
+/* What the effects of --offsets do in this row. */
+static void displace(mukca_displacement *displacement, history *h, const cli_model *model,
+                     const mukca_rows *rows, const mukca_row *row)
+{
+    double move[MUKCA_MAX_JOINTS] = {0};
+    mukca_joint_state state = {.q = row->q, .move = move, .placement = -1};
+    const int n = model->chain.n_joints;
+    const bool first = rows->table.row == 1;
+    if (first) h->start = row->time;
+    for (int j = 0; j < n && !first; j++) move[j] = row->q[j] - h->before[j];
+    state.time = isnan(row->time) ? rows->table.row - 1 : row->time - h->start;
+    bool commanded = rows->has_command;
+    for (int j = 0; j < n; j++) commanded &= !isnan(row->command[j]);
+    if (commanded) state.command = row->command;
+    for (int p = 0; row->placement && p < model->offsets.n_placements; p++)
+        if (strcmp(model->offsets.placements[p], row->placement) == 0) state.placement = p;
+    memcpy(h->before, row->q, sizeof h->before);
+    mukca_effects_displacement(displacement, model->offsets.effects, model->offsets.n_effects,
+                               &model->chain, &model->geometry, row->q, &state);
+}
+
+static void print_row(FILE *stream, bool pose, const mukca_frame *T)
+{
+    fprintf(stream, "%.17g\t%.17g\t%.17g", T->p[0], T->p[1], T->p[2]);
+    if (pose) {
+        double q[4];
+        mukca_rotation_to_quaternion(q, T->R);
+        fprintf(stream, "\t%.17g\t%.17g\t%.17g\t%.17g", q[0], q[1], q[2], q[3]);
+    }
+    fputc('\n', stream);
+}
+
+static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model, const char *path,
+                            bool first)
+{
+    const fk_options *o = call->options;
+    mukca_rows rows;
+    mukca_row row;
+    history h = {0};
+    mukca_status status =
+        mukca_rows_open(&rows, path, MUKCA_EITHER, &model->chain, NULL, NULL, &call->error);
+    if (status) return status;
+    if (first) fputs(o->pose ? "x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n" : "x_m\ty_m\tz_m\n", stream);
+    while (!ferror(stream)) {
+        bool more;
+        mukca_displacement displacement;
+        mukca_frame T;
+        status = mukca_rows_next(&rows, &row, &more, &call->error);
+        if (status || !more) break;
+        if (cli_interrupted()) status = MUKCA_INTERRUPTED;
+        if (status) break;
+        if (model->offsets.n_effects) displace(&displacement, &h, model, &rows, &row);
+        mukca_fk_pose(&T, &model->geometry, row.q, model->offsets.n_effects ? &displacement : NULL);
+        print_row(stream, o->pose, &T);
+    }
+    mukca_rows_close(&rows);
+    return status;
+}
+
+static mukca_status run(cli_call *call)
+{
+    const cli_common *c = call->common;
+    static const char *standard[] = {"-"};
+    const cli_list input = call->arguments.n ? call->arguments : (cli_list){standard, 1};
+    cli_model model;
+    mukca_output output = {0};
+    mukca_status status = cli_load_model(call, &model);
+    if (status == MUKCA_OK)
+        status = mukca_output_open(&output, c->output ? c->output : "-", c->force, &call->error);
+    for (int i = 0; i < input.n && status == MUKCA_OK; i++)
+        status = convert(call, output.stream, &model, input.items[i], i == 0);
+    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
+    mukca_output_abort(&output);
+    return status;
+}
+
+const cli_command cli_command_fk = {
+    .name = "fk",
+    .group = CLI_USE,
+    .summary = "where the tip is, for rows of joint angles",
+    .synopsis = "[FILE...]",
+    .max_arguments = -1,
+    .description =
+        "Reads tables with one column per joint, named as in the URDF (or without a header, the "
+        "joints in the chain's order), and prints the tip's position in the base frame, m, one row "
+        "for each, in order. Without FILE it reads standard input. With --offsets it is the "
+        "calibrated arm, its effects included.",
+    .example = "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca fk --urdf data/demo/arm.urdf --pose",
+    .options = options,
+    .options_size = sizeof(fk_options),
+    .run = run,
+};
