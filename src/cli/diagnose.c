@@ -1,0 +1,121 @@
+/* mukca diagnose: where the gap lies, which effect causes it, how far it shrinks. */
+#include "cli/diagnose.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct {
+    cli_common common;
+    cli_list test;
+    const char *without, *expect;
+    bool free_base, free_tool;
+} diagnose_options;
+
+static const cli_option options[] = {
+    {"test", 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported", NULL,
+     offsetof(diagnose_options, test)},
+    {"without", 0, CLI_TEXT, "EFFECTS", "leave these effects out of the catalogue (comma-separated)",
+     NULL, offsetof(diagnose_options, without)},
+    {"expect", 0, CLI_TEXT, "EFFECT", "exit 1 unless this effect is among the causes", NULL,
+     offsetof(diagnose_options, expect)},
+    {"free-base", 0, CLI_FLAG, NULL, "pose logs: fit the tracker's frame", NULL,
+     offsetof(diagnose_options, free_base)},
+    {"free-tool", 0, CLI_FLAG, NULL, "pose logs: fit the target's place on the tool", NULL,
+     offsetof(diagnose_options, free_tool)},
+    CLI_MODEL_OPTIONS,
+    CLI_DISTANCE_OPTIONS,
+    CLI_JSON_OPTION,
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+static mukca_status disable(unsigned char *disabled, const char *list, mukca_error *error)
+{
+    char name[64];
+    while (list && *list) {
+        const size_t length = strcspn(list, ",");
+        if (length < sizeof name) {
+            memcpy(name, list, length);
+            name[length] = '\0';
+            const int kind = mukca_effect_find(name);
+            if (kind >= 0) {
+                disabled[kind] = 1;
+                list += length + (list[length] == ',');
+                continue;
+            }
+        }
+        return mukca_fail(error, MUKCA_USAGE,
+                          "no effect is called '%.*s'; `mukca help effects` lists them",
+                          (int)(length < 60 ? length : 60), list);
+    }
+    return MUKCA_OK;
+}
+
+static bool progress(void *context, double share, const char *doing)
+{
+    cli_progress(context, doing, share, 1);
+    return !cli_interrupted();
+}
+
+static mukca_status run(cli_call *call)
+{
+    const diagnose_options *o = call->options;
+    unsigned char disabled[MUKCA_EFFECT_COUNT] = {0};
+    cli_model model;
+    mukca_dataset data = {0}, test = {0};
+    mukca_diagnosis *d = NULL;
+    mukca_pool pool = {0};
+    mukca_status status = disable(disabled, o->without, &call->error);
+    int expected = -1;
+    if (status == MUKCA_OK && o->expect && (expected = mukca_effect_find(o->expect)) < 0)
+        status = mukca_fail(&call->error, MUKCA_USAGE,
+                            "--expect %s: no such effect; `mukca help effects` lists them", o->expect);
+    if (status == MUKCA_OK) status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = cli_load_model(call, &model);
+    if (status == MUKCA_OK) status = cli_load_data(call, &data, &model, &call->arguments);
+    if (status == MUKCA_OK && o->test.n) status = cli_load_data(call, &test, &model, &o->test);
+    if (status != MUKCA_OK) goto out;
+    d = MUKCA_TAKE(&pool, mukca_diagnosis, 1);
+    if (!d) {
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        goto out;
+    }
+    const mukca_diagnose_options how = {.test = o->test.n ? &test : NULL,
+                                        .disabled = disabled,
+                                        .free_base = o->free_base,
+                                        .free_tool = o->free_tool,
+                                        .progress = progress,
+                                        .progress_context = call};
+    status = mukca_diagnose(d, &model.chain, &data, &how, &call->error);
+    if (status != MUKCA_OK) goto out;
+    if (call->common->json)
+        status = cli_write_json(call,
+                                cli_diagnosis_json(d, &model.chain, &data, o->test.n ? &test : NULL));
+    if (status == MUKCA_OK && expected >= 0) {
+        status = MUKCA_NEGATIVE;
+        for (int i = 0; i < d->n_causes; i++)
+            if ((int)d->causes[i].effect.kind == expected) status = MUKCA_OK;
+    }
+out:
+    if (d) mukca_diagnosis_free(d);
+    mukca_pool_free(&pool);
+    mukca_dataset_free(&data);
+    mukca_dataset_free(&test);
+    return status;
+}
+
+const cli_command cli_command_diagnose = {
+    .name = "diagnose",
+    .group = CLI_UNDERSTAND,
+    .summary = "where the remaining gap lies, which effect causes it, how far it shrinks",
+    .synopsis = "DATA...",
+    .min_arguments = 1,
+    .max_arguments = -1,
+    .description = "Fits the geometry, looks at what is left, and lets every effect of the catalogue "
+                   "(`mukca help effects`) compete with faults of the recording and with unknown "
+                   "functions of the joints' angles.",
+    .example = "mukca diagnose --urdf data/demo/arm.urdf data/demo/front data/demo/left",
+    .options = options,
+    .options_size = sizeof(diagnose_options),
+    .run = run,
+};

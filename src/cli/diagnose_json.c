@@ -1,0 +1,136 @@
+/* The diagnosis as JSON, field by field as the contract has it. */
+#include <math.h>
+
+#include "cli/diagnose.h"
+
+static json_t *joint_name(const mukca_chain *chain, int joint)
+{
+    return joint < 0 ? json_null() : json_string(chain->element[chain->joint_element[joint]].name);
+}
+
+static json_t *placement_name(const mukca_dataset *data, int placement)
+{
+    return placement < 0 ? json_null() : json_string(data->placements[placement].name);
+}
+
+static json_t *socket_label(const mukca_dataset *data, int socket)
+{
+    return socket < 0 ? json_null() : json_string(data->sockets[socket].label);
+}
+
+static json_t *interval(double low, double high)
+{
+    const double both[2] = {low, high};
+    return isfinite(low) && isfinite(high) ? cli_json_reals(both, 2) : json_null();
+}
+
+static json_t *shrink_object(const mukca_shrink *s)
+{
+    if (!isfinite(s->before_m)) return json_null();
+    return json_pack("{s:o, s:o, s:o, s:o, s:i, s:i}", "before_m", cli_json_real(s->before_m),
+                     "after_m", cli_json_real(s->after_m), "shrink_percent",
+                     cli_json_real(s->shrink_percent), "ci95",
+                     interval(s->low_percent, s->high_percent), "folds_better", s->folds_better,
+                     "folds", s->folds);
+}
+
+static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
+                            const mukca_dataset *data)
+{
+    json_t *ties = json_array();
+    for (int i = 0; i < c->n_ties; i++) {
+        const mukca_tie *t = &c->ties[i];
+        json_array_append_new(
+            ties, json_pack("{s:s, s:o, s:o, s:o}", "effect", mukca_effect_table[t->effect].name,
+                            "joint", joint_name(chain, t->joint), "log_bayes_factor",
+                            cli_json_real(t->log_bayes_factor), "correlation",
+                            cli_json_real(t->correlation)));
+    }
+    const mukca_effect_info *info = &mukca_effect_table[c->effect.kind];
+    return json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:o, s:o, s:o}", "effect",
+        info->name, "joint", joint_name(chain, c->effect.joint), "placement",
+        placement_name(data, c->effect.placement), "socket", socket_label(data, c->socket), "row",
+        c->row > 0 ? json_integer(c->row) : json_null(), "order",
+        c->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC ? json_integer(c->effect.variant) : json_null(),
+        "motion",
+        c->effect.kind == MUKCA_EFFECT_TOOL_MOTION ? json_string(c->creep ? "creep" : "step")
+                                                   : json_null(),
+        "amplitude", cli_json_real(c->amplitude), "unit", info->unit, "ci95",
+        interval(c->low, c->high), "log_bayes_factor", cli_json_real(c->log_bayes_factor),
+        "probability", cli_json_real(c->probability), "ties", ties, "held_out",
+        shrink_object(&c->held_out));
+}
+
+static json_t *fault_object(const mukca_data_fault *f, const mukca_dataset *data)
+{
+    return json_pack("{s:s, s:o, s:o, s:i, s:s, s:o}", "kind", mukca_fault_name[f->kind],
+                     "placement", placement_name(data, f->placement), "socket",
+                     socket_label(data, f->socket), "row", f->row, "file", data->files[f->file],
+                     "size_m", cli_json_real(f->size_m));
+}
+
+static json_t *placements_array(const double *mae, int n, const mukca_dataset *data)
+{
+    json_t *array = json_array();
+    for (int p = 0; mae && p < n; p++)
+        json_array_append_new(array,
+                              json_pack("{s:s, s:o}", "placement", data->placements[p].name, "mae_m",
+                                        cli_json_real(mae[p])));
+    return array;
+}
+
+json_t *cli_diagnosis_json(const mukca_diagnosis *d, const mukca_chain *chain,
+                           const mukca_dataset *data, const mukca_dataset *test)
+{
+    json_t *causes = json_array(), *faults = json_array(), *tested = json_array(),
+           *joints = json_array();
+    for (int i = 0; i < d->n_causes; i++)
+        json_array_append_new(causes, cause_object(&d->causes[i], chain, data));
+    for (int i = 0; i < d->n_faults; i++)
+        json_array_append_new(faults, fault_object(&d->faults[i], data));
+    for (int i = 0; i < d->n_where; i++)
+        json_array_append_new(joints,
+                              json_pack("{s:o, s:o, s:o}", "joint", joint_name(chain, d->where[i].joint),
+                                        "share", cli_json_real(d->where[i].share), "range_rad",
+                                        cli_json_reals(d->where[i].range_rad, 2)));
+    for (int i = 0; i < d->n_tested; i++) {
+        const mukca_tested *t = &d->tested[i];
+        json_array_append_new(
+            tested,
+            json_pack("{s:s, s:o, s:o, s:o, s:o, s:b, s:o}", "effect",
+                      mukca_effect_table[t->effect].name, "joint", joint_name(chain, t->joint),
+                      "log_bayes_factor", cli_json_real(t->log_bayes_factor), "log_odds",
+                      cli_json_real(t->log_odds), "detection_limit", cli_json_real(t->limit),
+                      "testable", t->testable, "why", cli_json_text(t->why)));
+    }
+    json_t *root = json_pack(
+        "{s:s, s:s, s:b, s:o, s:o}", "schema", "mukca.diagnose/1", "verdict",
+        mukca_verdict_name[d->verdict], "unexplained", d->unexplained, "causes", causes,
+        "data_faults", faults);
+    json_object_set_new(root, "gap",
+                        json_pack("{s:o, s:o, s:o, s:o, s:o, s:i}", "nominal_m",
+                                  cli_json_real(d->nominal_m), "geometry_m",
+                                  cli_json_real(d->geometry_m), "faults_excused_m",
+                                  cli_json_real(d->faults_excused_m), "explained_m",
+                                  cli_json_real(d->explained_m), "noise_floor_m",
+                                  cli_json_real(d->noise_floor_m), "folds", d->folds));
+    json_object_set_new(
+        root, "test",
+        test ? json_pack("{s:o, s:o, s:o, s:o}", "nominal_m", cli_json_real(d->test_nominal_m),
+                         "geometry_m", cli_json_real(d->test_geometry_m), "explained_m",
+                         cli_json_real(d->test_explained_m), "placements",
+                         placements_array(d->test_placement_mae_m, d->n_test_placements, test))
+             : json_null());
+    json_object_set_new(
+        root, "where",
+        json_pack("{s:o, s:o, s:o}", "joints", joints, "placements",
+                  placements_array(d->placement_mae_m, data->n_placements, data), "axes",
+                  cli_json_reals(d->axis_rms_m, 3)));
+    json_object_set_new(root, "tested", tested);
+    json_object_set_new(root, "noise", json_pack("{s:o, s:o}", "sigma_m", cli_json_real(d->sigma_m),
+                                                 "lag_one_correlation", cli_json_real(d->rho)));
+    json_object_set_new(root, "next_poses", json_array());
+    json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));
+    return root;
+}

@@ -1,0 +1,372 @@
+/* Diagnosis of the gap that geometry leaves: the way from a recording to a verdict. */
+#include "study/diagnose.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+#include "math/dense.h"
+#include "math/stats.h"
+#include "study/competition.h"
+#include "study/held_out.h"
+#include "study/screen.h"
+
+const char *const mukca_verdict_name[] = {
+#define VERDICT_NAME(name, text) text,
+    MUKCA_VERDICT_LIST(VERDICT_NAME)
+#undef VERDICT_NAME
+};
+
+const char *const mukca_fault_name[] = {
+#define FAULT_NAME(name, text) text,
+    MUKCA_FAULT_LIST(FAULT_NAME)
+#undef FAULT_NAME
+};
+
+/* Ties: within this much log odds, or this much canonical correlation. */
+#define TIE_ODDS 3.0
+
+static double now_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Coefficients of the catalogue's effect: elastic causes were fitted with one factor per mass, and
+ * are told as the one coefficient that does the same to the recorded rows. */
+static void effect_coefficients(mukca_effect *effect, const gap_model *m, const gap_cause *cause)
+{
+    const gap_hypothesis *h = &cause->hypothesis;
+    *effect = h->effect;
+    effect->terms = h->kind == GAP_EFFECT ? mukca_effect_terms(effect->kind, effect->variant) : h->terms;
+    if (h->kind != GAP_EFFECT || h->terms <= effect->terms) {
+        for (int t = 0; t < effect->terms && t < MUKCA_MAX_TERMS; t++)
+            effect->coefficient[t] = cause->coefficient[t];
+        return;
+    }
+    double product = 0, square = 0;
+    for (int i = 0; i < m->n; i++) {
+        const float *basis = h->basis + (size_t)m->order[i] * (size_t)(h->terms * h->width);
+        for (int k = 0; k < h->width; k++) {
+            double sum = 0;
+            for (int t = 0; t < h->terms; t++)
+                sum += cause->coefficient[t] * (double)basis[t * h->width + k];
+            product += sum * (double)basis[k];
+            square += (double)basis[k] * (double)basis[k];
+        }
+    }
+    effect->coefficient[0] = square > 0 ? product / square : cause->coefficient[0];
+}
+
+/* Size of a cause and its 95 % interval from the posterior covariance (delta method). */
+static void measure(mukca_cause *out, gap_model *m, int index)
+{
+    const gap_cause *cause = &m->cause[index];
+    const int terms = out->effect.terms, n = m->n_columns;
+    int column = m->n_geometry;
+    double amplitude = 0, variance = 0, direction[GAP_MAX_TERMS] = {0};
+    for (int c = 0; c < index; c++) column += m->cause[c].hypothesis.terms;
+    for (int t = 0; t < terms; t++) {
+        amplitude += out->effect.coefficient[t] * out->effect.coefficient[t];
+    }
+    amplitude = sqrt(amplitude);
+    for (int t = 0; t < terms; t++)
+        direction[t] = terms == 1 ? 1 : amplitude > 0 ? out->effect.coefficient[t] / amplitude : 0;
+    if (terms == 1) amplitude = out->effect.coefficient[0];
+    /* variance = |L^-1 D a|^2 with L the factor that the last fit left */
+    double *x = m->work;
+    memset(x, 0, sizeof *x * (size_t)n);
+    for (int t = 0; t < terms && t < cause->hypothesis.terms; t++)
+        x[column + t] = direction[t] * m->prior[column + t];
+    mukca_dense_forward(x, 1, m->posterior_chol, n);
+    for (int i = 0; i < n; i++) variance += x[i] * x[i];
+    const double half = 1.959963984540054 * sqrt(variance);
+    out->amplitude = amplitude;
+    out->low = amplitude - half;
+    out->high = amplitude + half;
+    if (terms > 1 || mukca_effect_table[out->effect.kind].nonnegative) out->low = fmax(out->low, 0);
+}
+
+static void add_ties(mukca_cause *out, gap_contest *contest, int index)
+{
+    gap_model *m = contest->m;
+    const double best = contest->table[0].log_odds;
+    for (int i = 0; i < contest->n_table && out->n_ties < MUKCA_MAX_TIES; i++) {
+        const gap_candidate *c = &contest->table[i];
+        if (c->log_odds < best - TIE_ODDS) break;
+        if (c->class >= MUKCA_EFFECT_COUNT) continue;
+        if (c->class == (int)out->effect.kind && c->joint == out->effect.joint) continue;
+        bool listed = false;
+        for (int t = 0; t < out->n_ties; t++)
+            listed |= (int)out->ties[t].effect == c->class && out->ties[t].joint == c->joint;
+        if (listed) continue;
+        out->ties[out->n_ties++] = (mukca_tie){
+            .effect = (mukca_effect_kind)c->class,
+            .joint = c->joint,
+            .log_bayes_factor = contest->scan->score[c->best].log_bayes,
+            .correlation = gap_scan_correlation(contest->scan, m, index, &m->cause[index].hypothesis,
+                                                gap_scan_hypothesis(contest->scan, c->best))};
+    }
+}
+
+typedef struct {
+    double log_odds;
+    int index;
+    double unknown_share[MUKCA_MAX_JOINTS];
+} standing;
+
+/* One cause of the final model, told: who else could it be, how probable, how large. */
+static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, standing *place)
+{
+    gap_model *m = contest->m;
+    const gap_hypothesis h = m->cause[index].hypothesis;
+    gap_scan_run(contest->scan, m, index);
+    gap_compete_rank(contest);
+    double total = 0, own = 0;
+    const double best = fmax(contest->n_table ? contest->table[0].log_odds : 0, 0);
+    const int class = gap_hypothesis_class(&h);
+    const gap_candidate *mine = NULL;
+    memset(place, 0, sizeof *place);
+    place->index = -1;
+    for (int i = 0; i < contest->n_table; i++) {
+        const gap_candidate *c = &contest->table[i];
+        const double p = exp(c->log_odds - best);
+        total += p;
+        const gap_hypothesis *member = gap_scan_hypothesis(contest->scan, c->best);
+        if (c->class == GAP_CLASS_UNKNOWN) place->unknown_share[c->joint] += p;
+        if (c->class == class && c->joint == h.effect.joint &&
+            (class != MUKCA_EFFECT_TOOL_MOTION || member->group == h.group)) {
+            own += p;
+            if (!mine) mine = c;
+        }
+    }
+    total += exp(-best);
+    for (int j = 0; j < MUKCA_MAX_JOINTS; j++) place->unknown_share[j] /= total;
+    place->log_odds = mine ? mine->log_odds : -HUGE_VAL;
+    if (class >= MUKCA_EFFECT_COUNT || d->n_causes == MUKCA_MAX_CAUSES) return;
+    mukca_cause *out = &d->causes[d->n_causes];
+    memset(out, 0, sizeof *out);
+    out->socket = -1;
+    effect_coefficients(&out->effect, m, &m->cause[index]);
+    out->log_bayes_factor = mine ? contest->scan->score[mine->best].log_bayes : -HUGE_VAL;
+    out->probability = fmin(own / total, 1);
+    add_ties(out, contest, index);
+    if (h.kind == GAP_STEP || h.kind == GAP_CREEP) {
+        out->socket = m->groups[h.group].socket;
+        out->row = m->data->row[h.row];
+        out->file = m->data->file[h.row];
+        out->creep = h.kind == GAP_CREEP;
+    }
+    place->index = d->n_causes++;
+}
+
+static void tell_spike(mukca_diagnosis *d, const gap_model *m, const gap_cause *cause)
+{
+    double size = 0;
+    for (int c = 0; c < 3; c++) size += cause->coefficient[c] * cause->coefficient[c];
+    if (sqrt(size) > 12 * m->sigma)
+        gap_fault_add(d, m, MUKCA_FAULT_OUTLIER, cause->hypothesis.row, sqrt(size));
+}
+
+/* Where an unknown function of a joint's angle departs from its mean by half its largest. */
+static void unknown_range(double range[2], const gap_model *m, const gap_cause *cause)
+{
+    const gap_hypothesis *h = &cause->hypothesis;
+    const int n_joints = m->chain->n_joints;
+    double mean = 0, largest = 0;
+    for (int pass = 0; pass < 3; pass++)
+        for (int i = 0; i < m->n; i++) {
+            const int row = m->order[i];
+            double value = 0;
+            for (int t = 0; t < h->terms; t++)
+                value += cause->coefficient[t] * (double)h->basis[row * h->terms + t];
+            if (pass == 0) mean += value / m->n;
+            if (pass == 1) largest = fmax(largest, fabs(value - mean));
+            if (pass < 2 || fabs(value - mean) < 0.5 * largest) continue;
+            const double q = m->data->q[row * n_joints + h->driver];
+            range[0] = fmin(range[0], q), range[1] = fmax(range[1], q);
+        }
+}
+
+static void tell_where(mukca_diagnosis *d, const gap_model *m, const standing *place, int n)
+{
+    double share[MUKCA_MAX_JOINTS] = {0}, total = 0;
+    const int n_joints = m->chain->n_joints;
+    bool unknown = false;
+    for (int c = 0; c < n; c++) unknown |= m->cause[c].hypothesis.kind == GAP_BUMPS;
+    for (int c = 0; c < n; c++) {
+        const gap_hypothesis *h = &m->cause[c].hypothesis;
+        if (unknown) {
+            if (h->kind == GAP_BUMPS)
+                for (int j = 0; j < n_joints; j++) share[j] += place[c].unknown_share[j];
+        } else if (h->effect.joint >= 0) {
+            share[h->effect.joint] += fmax(place[c].log_odds, 0);
+        }
+    }
+    for (int j = 0; j < n_joints; j++) total += share[j];
+    for (int j = 0; j < n_joints; j++) {
+        if (!(share[j] > 0)) continue;
+        mukca_where *w = &d->where[d->n_where++];
+        *w = (mukca_where){j, share[j] / total, {HUGE_VAL, -HUGE_VAL}};
+        for (int c = 0; c < n; c++)
+            if (m->cause[c].hypothesis.kind == GAP_BUMPS && m->cause[c].hypothesis.effect.joint == j)
+                unknown_range(w->range_rad, m, &m->cause[c]);
+        if (w->range_rad[0] > w->range_rad[1])
+            for (int i = 0; i < m->n; i++) {
+                const double q = m->data->q[m->order[i] * n_joints + j];
+                w->range_rad[0] = fmin(w->range_rad[0], q);
+                w->range_rad[1] = fmax(w->range_rad[1], q);
+            }
+    }
+    for (int i = 1; i < d->n_where; i++) /* largest share first */
+        for (int k = i; k > 0 && d->where[k].share > d->where[k - 1].share; k--) {
+            const mukca_where swap = d->where[k];
+            d->where[k] = d->where[k - 1];
+            d->where[k - 1] = swap;
+        }
+}
+
+/* What each (effect, joint) scored alone, and what these data could show of it at all. */
+static void tell_tested(mukca_diagnosis *d, const gap_contest *contest)
+{
+    for (int i = 0; i < contest->n_first && d->n_tested < MUKCA_MAX_TESTED; i++) {
+        const gap_candidate *c = &contest->first[i];
+        if (c->class >= MUKCA_EFFECT_COUNT) continue;
+        bool listed = false;
+        for (int t = 0; t < d->n_tested && !listed; t++)
+            listed = (int)d->tested[t].effect == c->class && d->tested[t].joint == c->joint;
+        if (listed) continue;
+        const gap_score *score = &contest->first_score[c->best];
+        /* Log evidence grows as amplitude^2 information / 2 and must beat prior odds, Occam's
+         * factor and the threshold: some 12 in all. */
+        const double limit = sqrt(24 / fmax(score->information, 1e-12));
+        const mukca_effect_site site = mukca_effect_table[c->class].site;
+        const bool length = site == MUKCA_SITE_TIP || site == MUKCA_SITE_SOCKET;
+        const bool testable = limit < (length ? 20e-3 : 10e-3);
+        d->tested[d->n_tested++] =
+            (mukca_tested){(mukca_effect_kind)c->class, c->joint, score->log_bayes, c->log_odds, limit,
+                           testable, testable ? NULL : "hardly moves the ball in these poses"};
+    }
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT && d->n_tested < MUKCA_MAX_TESTED; kind++)
+        if (contest->all->missing[kind])
+            d->tested[d->n_tested++] =
+                (mukca_tested){(mukca_effect_kind)kind, -1, 0, 0, NAN, false,
+                               contest->all->missing[kind]};
+}
+
+static void tell(mukca_diagnosis *d, gap_contest *contest)
+{
+    gap_model *m = contest->m;
+    standing place[GAP_MAX_CAUSES];
+    mukca_cause sorted[MUKCA_MAX_CAUSES];
+    double leading = -HUGE_VAL, unknown = -HUGE_VAL, known = -HUGE_VAL;
+    const int n = m->n_causes;
+    for (int c = 0; c < n; c++) {
+        if (m->cause[c].hypothesis.kind == GAP_SPIKE) {
+            memset(&place[c], 0, sizeof place[c]);
+            place[c].index = -1, place[c].log_odds = -HUGE_VAL;
+            tell_spike(d, m, &m->cause[c]);
+            continue;
+        }
+        tell_cause(d, contest, c, &place[c]);
+        double *of = m->cause[c].hypothesis.kind == GAP_BUMPS ? &unknown : &known;
+        *of = fmax(*of, place[c].log_odds);
+        leading = fmax(leading, place[c].log_odds);
+    }
+    /* Intervals need the factor of the full model. */
+    for (int i = 0; i < GAP_RHOS; i++)
+        if (gap_rho[i] == m->rho) {
+            gap_model_pack(&m->pack[i], m, m->rho);
+            gap_model_prior(m->prior, m, -1);
+            gap_model_evidence(m, &m->pack[i], m->prior, m->sigma, NULL);
+        }
+    for (int c = 0; c < n; c++)
+        if (place[c].index >= 0) measure(&d->causes[place[c].index], m, c);
+
+    int order[MUKCA_MAX_CAUSES], used = 0;
+    for (int c = 0; c < n; c++)
+        if (place[c].index >= 0) order[used++] = c;
+    for (int i = 1; i < used; i++)
+        for (int k = i; k > 0 && place[order[k]].log_odds > place[order[k - 1]].log_odds; k--) {
+            const int swap = order[k];
+            order[k] = order[k - 1], order[k - 1] = swap;
+        }
+    for (int i = 0; i < used; i++) sorted[i] = d->causes[place[order[i]].index];
+    memcpy(d->causes, sorted, sizeof *sorted * (size_t)used);
+    for (int i = 0; i < used; i++)
+        if (d->causes[i].effect.kind == MUKCA_EFFECT_TOOL_MOTION) {
+            const gap_hypothesis *h = &m->cause[order[i]].hypothesis;
+            gap_fault_add(d, m, MUKCA_FAULT_TOOL_MOTION, h->row, d->causes[i].amplitude);
+        }
+    bool ties = false;
+    for (int i = 0; i < used; i++) ties |= d->causes[i].n_ties > 0;
+    const bool any_unknown = unknown > -HUGE_VAL;
+    d->verdict = !(leading > -HUGE_VAL)            ? MUKCA_VERDICT_NONE
+                 : any_unknown && unknown >= known ? MUKCA_VERDICT_UNKNOWN
+                 : ties                            ? MUKCA_VERDICT_TIED
+                                                   : MUKCA_VERDICT_NAMED;
+    d->unexplained = any_unknown && used > 0;
+    tell_where(d, m, place, n);
+    tell_tested(d, contest);
+}
+
+void mukca_diagnosis_free(mukca_diagnosis *diagnosis)
+{
+    mukca_pool_free(&diagnosis->pool);
+    memset(diagnosis, 0, sizeof *diagnosis);
+}
+
+mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain,
+                            const mukca_dataset *data, const mukca_diagnose_options *options,
+                            mukca_error *error)
+{
+    const double started = now_s();
+    gap_model m;
+    gap_hypotheses all;
+    gap_scan scan = {0};
+    gap_contest contest = {&m, &all, &scan, diagnosis, options, NULL, 0, NULL, 0, NULL};
+    const gap_options model_options = {
+        .mass_spread = options->mass_spread > 0 ? options->mass_spread : 0.1,
+        .distance_sigma = 1e-4,
+        .free_base = options->free_base,
+        .free_tool = options->free_tool};
+    memset(diagnosis, 0, sizeof *diagnosis);
+    mukca_status status = gap_model_create(&m, chain, data, &model_options, error);
+    if (status != MUKCA_OK) return status;
+
+    gap_screen(diagnosis, &m);
+    gap_held_out_nothing(diagnosis);
+    if (m.n * m.dim < 3 * m.n_groups + 12) {
+        diagnosis->verdict = MUKCA_VERDICT_UNTESTABLE;
+        goto out;
+    }
+    gap_model_fit(&m, 6, GAP_FREE);
+    status = gap_hypotheses_list(&all, &m.pool, &m, options->disabled, error);
+    if (status != MUKCA_OK) goto out;
+    status = gap_scan_create(&scan, &all, &m, error);
+    if (status != MUKCA_OK) goto out;
+    contest.table = MUKCA_TAKE(&m.pool, gap_candidate, GAP_MAX_CANDIDATES);
+    contest.first = MUKCA_TAKE(&m.pool, gap_candidate, GAP_MAX_CANDIDATES);
+    contest.first_score = MUKCA_TAKE(&m.pool, gap_score, all.count + chain->n_joints * GAP_HARMONICS_KEPT);
+    if (m.pool.failed) {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
+        goto out;
+    }
+    status = gap_compete(&contest, error);
+    if (status != MUKCA_OK) goto out;
+    tell(diagnosis, &contest);
+    diagnosis->sigma_m = m.sigma;
+    diagnosis->rho = m.rho;
+    diagnosis->geometry = m.geometry;
+    diagnosis->tracker = m.tracker;
+    if (!options->no_folds) status = gap_held_out(diagnosis, &m, options, error);
+    if (m.pool.failed || diagnosis->pool.failed)
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+out:
+    gap_scan_free(&scan);
+    gap_model_free(&m);
+    if (status != MUKCA_OK) mukca_diagnosis_free(diagnosis);
+    diagnosis->elapsed_s = now_s() - started;
+    return status;
+}
