@@ -18,7 +18,6 @@ void *mukca_pool_take(mukca_pool *pool, size_t count, size_t size);
 /* Free all pieces; the pool is empty and usable afterwards. */
 void mukca_pool_free(mukca_pool *pool);
 
-#define MUKCA_TAKE(pool, type, count) \
-    mukca_pool_take((pool), (size_t)(count), sizeof(type))
+#define MUKCA_TAKE(pool, type, count) mukca_pool_take((pool), (size_t)(count), sizeof(type))
 
 #endif

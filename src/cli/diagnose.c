@@ -14,8 +14,9 @@ typedef struct {
 static const cli_option options[] = {
     {"test", 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported", NULL,
      offsetof(diagnose_options, test)},
-    {"without", 0, CLI_TEXT, "EFFECTS", "leave these effects out of the catalogue (comma-separated)",
-     NULL, offsetof(diagnose_options, without)},
+    {"without", 0, CLI_TEXT, "EFFECTS",
+     "leave these effects out of the catalogue (comma-separated)", NULL,
+     offsetof(diagnose_options, without)},
     {"expect", 0, CLI_TEXT, "EFFECT", "exit 1 unless this effect is among the causes", NULL,
      offsetof(diagnose_options, expect)},
     {"free-base", 0, CLI_FLAG, NULL, "pose logs: fit the tracker's frame", NULL,
@@ -68,8 +69,9 @@ static mukca_status run(cli_call *call)
     mukca_status status = disable(disabled, o->without, &call->error);
     int expected = -1;
     if (status == MUKCA_OK && o->expect && (expected = mukca_effect_find(o->expect)) < 0)
-        status = mukca_fail(&call->error, MUKCA_USAGE,
-                            "--expect %s: no such effect; `mukca help effects` lists them", o->expect);
+        status =
+            mukca_fail(&call->error, MUKCA_USAGE,
+                       "--expect %s: no such effect; `mukca help effects` lists them", o->expect);
     if (status == MUKCA_OK) status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_load_model(call, &model);
     if (status == MUKCA_OK) status = cli_load_data(call, &data, &model, &call->arguments);
@@ -89,8 +91,8 @@ static mukca_status run(cli_call *call)
     status = mukca_diagnose(d, &model.chain, &data, &how, &call->error);
     if (status != MUKCA_OK) goto out;
     if (call->common->json)
-        status = cli_write_json(call,
-                                cli_diagnosis_json(d, &model.chain, &data, o->test.n ? &test : NULL));
+        status = cli_write_json(
+            call, cli_diagnosis_json(d, &model.chain, &data, o->test.n ? &test : NULL));
     if (status == MUKCA_OK && expected >= 0) {
         status = MUKCA_NEGATIVE;
         for (int i = 0; i < d->n_causes; i++)
@@ -111,9 +113,10 @@ const cli_command cli_command_diagnose = {
     .synopsis = "DATA...",
     .min_arguments = 1,
     .max_arguments = -1,
-    .description = "Fits the geometry, looks at what is left, and lets every effect of the catalogue "
-                   "(`mukca help effects`) compete with faults of the recording and with unknown "
-                   "functions of the joints' angles.",
+    .description =
+        "Fits the geometry, looks at what is left, and lets every effect of the catalogue "
+        "(`mukca help effects`) compete with faults of the recording and with unknown "
+        "functions of the joints' angles.",
     .example = "mukca diagnose --urdf data/demo/arm.urdf data/demo/front data/demo/left",
     .options = options,
     .options_size = sizeof(diagnose_options),

@@ -52,7 +52,8 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
         info->name, "joint", joint_name(chain, c->effect.joint), "placement",
         placement_name(data, c->effect.placement), "socket", socket_label(data, c->socket), "row",
         c->row > 0 ? json_integer(c->row) : json_null(), "order",
-        c->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC ? json_integer(c->effect.variant) : json_null(),
+        c->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC ? json_integer(c->effect.variant)
+                                                     : json_null(),
         "motion",
         c->effect.kind == MUKCA_EFFECT_TOOL_MOTION ? json_string(c->creep ? "creep" : "step")
                                                    : json_null(),
@@ -74,9 +75,8 @@ static json_t *placements_array(const double *mae, int n, const mukca_dataset *d
 {
     json_t *array = json_array();
     for (int p = 0; mae && p < n; p++)
-        json_array_append_new(array,
-                              json_pack("{s:s, s:o}", "placement", data->placements[p].name, "mae_m",
-                                        cli_json_real(mae[p])));
+        json_array_append_new(array, json_pack("{s:s, s:o}", "placement", data->placements[p].name,
+                                               "mae_m", cli_json_real(mae[p])));
     return array;
 }
 
@@ -90,10 +90,10 @@ json_t *cli_diagnosis_json(const mukca_diagnosis *d, const mukca_chain *chain,
     for (int i = 0; i < d->n_faults; i++)
         json_array_append_new(faults, fault_object(&d->faults[i], data));
     for (int i = 0; i < d->n_where; i++)
-        json_array_append_new(joints,
-                              json_pack("{s:o, s:o, s:o}", "joint", joint_name(chain, d->where[i].joint),
-                                        "share", cli_json_real(d->where[i].share), "range_rad",
-                                        cli_json_reals(d->where[i].range_rad, 2)));
+        json_array_append_new(
+            joints, json_pack("{s:o, s:o, s:o}", "joint", joint_name(chain, d->where[i].joint),
+                              "share", cli_json_real(d->where[i].share), "range_rad",
+                              cli_json_reals(d->where[i].range_rad, 2)));
     for (int i = 0; i < d->n_tested; i++) {
         const mukca_tested *t = &d->tested[i];
         json_array_append_new(
@@ -104,17 +104,15 @@ json_t *cli_diagnosis_json(const mukca_diagnosis *d, const mukca_chain *chain,
                       cli_json_real(t->log_odds), "detection_limit", cli_json_real(t->limit),
                       "testable", t->testable, "why", cli_json_text(t->why)));
     }
-    json_t *root = json_pack(
-        "{s:s, s:s, s:b, s:o, s:o}", "schema", "mukca.diagnose/1", "verdict",
-        mukca_verdict_name[d->verdict], "unexplained", d->unexplained, "causes", causes,
-        "data_faults", faults);
-    json_object_set_new(root, "gap",
-                        json_pack("{s:o, s:o, s:o, s:o, s:o, s:i}", "nominal_m",
-                                  cli_json_real(d->nominal_m), "geometry_m",
-                                  cli_json_real(d->geometry_m), "faults_excused_m",
-                                  cli_json_real(d->faults_excused_m), "explained_m",
-                                  cli_json_real(d->explained_m), "noise_floor_m",
-                                  cli_json_real(d->noise_floor_m), "folds", d->folds));
+    json_t *root = json_pack("{s:s, s:s, s:b, s:o, s:o}", "schema", "mukca.diagnose/1", "verdict",
+                             mukca_verdict_name[d->verdict], "unexplained", d->unexplained,
+                             "causes", causes, "data_faults", faults);
+    json_object_set_new(
+        root, "gap",
+        json_pack("{s:o, s:o, s:o, s:o, s:o, s:i}", "nominal_m", cli_json_real(d->nominal_m),
+                  "geometry_m", cli_json_real(d->geometry_m), "faults_excused_m",
+                  cli_json_real(d->faults_excused_m), "explained_m", cli_json_real(d->explained_m),
+                  "noise_floor_m", cli_json_real(d->noise_floor_m), "folds", d->folds));
     json_object_set_new(
         root, "test",
         test ? json_pack("{s:o, s:o, s:o, s:o}", "nominal_m", cli_json_real(d->test_nominal_m),
@@ -122,14 +120,14 @@ json_t *cli_diagnosis_json(const mukca_diagnosis *d, const mukca_chain *chain,
                          cli_json_real(d->test_explained_m), "placements",
                          placements_array(d->test_placement_mae_m, d->n_test_placements, test))
              : json_null());
-    json_object_set_new(
-        root, "where",
-        json_pack("{s:o, s:o, s:o}", "joints", joints, "placements",
-                  placements_array(d->placement_mae_m, data->n_placements, data), "axes",
-                  cli_json_reals(d->axis_rms_m, 3)));
+    json_object_set_new(root, "where",
+                        json_pack("{s:o, s:o, s:o}", "joints", joints, "placements",
+                                  placements_array(d->placement_mae_m, data->n_placements, data),
+                                  "axes", cli_json_reals(d->axis_rms_m, 3)));
     json_object_set_new(root, "tested", tested);
-    json_object_set_new(root, "noise", json_pack("{s:o, s:o}", "sigma_m", cli_json_real(d->sigma_m),
-                                                 "lag_one_correlation", cli_json_real(d->rho)));
+    json_object_set_new(root, "noise",
+                        json_pack("{s:o, s:o}", "sigma_m", cli_json_real(d->sigma_m),
+                                  "lag_one_correlation", cli_json_real(d->rho)));
     json_object_set_new(root, "next_poses", json_array());
     json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));
     return root;

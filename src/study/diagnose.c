@@ -39,7 +39,8 @@ static void effect_coefficients(mukca_effect *effect, const gap_model *m, const 
 {
     const gap_hypothesis *h = &cause->hypothesis;
     *effect = h->effect;
-    effect->terms = h->kind == GAP_EFFECT ? mukca_effect_terms(effect->kind, effect->variant) : h->terms;
+    effect->terms =
+        h->kind == GAP_EFFECT ? mukca_effect_terms(effect->kind, effect->variant) : h->terms;
     if (h->kind != GAP_EFFECT || h->terms <= effect->terms) {
         for (int t = 0; t < effect->terms && t < MUKCA_MAX_TERMS; t++)
             effect->coefficient[t] = cause->coefficient[t];
@@ -101,12 +102,13 @@ static void add_ties(mukca_cause *out, gap_contest *contest, int index)
         for (int t = 0; t < out->n_ties; t++)
             listed |= (int)out->ties[t].effect == c->class && out->ties[t].joint == c->joint;
         if (listed) continue;
-        out->ties[out->n_ties++] = (mukca_tie){
-            .effect = (mukca_effect_kind)c->class,
-            .joint = c->joint,
-            .log_bayes_factor = contest->scan->score[c->best].log_bayes,
-            .correlation = gap_scan_correlation(contest->scan, m, index, &m->cause[index].hypothesis,
-                                                gap_scan_hypothesis(contest->scan, c->best))};
+        out->ties[out->n_ties++] =
+            (mukca_tie){.effect = (mukca_effect_kind)c->class,
+                        .joint = c->joint,
+                        .log_bayes_factor = contest->scan->score[c->best].log_bayes,
+                        .correlation = gap_scan_correlation(
+                            contest->scan, m, index, &m->cause[index].hypothesis,
+                            gap_scan_hypothesis(contest->scan, c->best))};
     }
 }
 
@@ -210,7 +212,8 @@ static void tell_where(mukca_diagnosis *d, const gap_model *m, const standing *p
         mukca_where *w = &d->where[d->n_where++];
         *w = (mukca_where){j, share[j] / total, {HUGE_VAL, -HUGE_VAL}};
         for (int c = 0; c < n; c++)
-            if (m->cause[c].hypothesis.kind == GAP_BUMPS && m->cause[c].hypothesis.effect.joint == j)
+            if (m->cause[c].hypothesis.kind == GAP_BUMPS &&
+                m->cause[c].hypothesis.effect.joint == j)
                 unknown_range(w->range_rad, m, &m->cause[c]);
         if (w->range_rad[0] > w->range_rad[1])
             for (int i = 0; i < m->n; i++) {
@@ -245,14 +248,18 @@ static void tell_tested(mukca_diagnosis *d, const gap_contest *contest)
         const bool length = site == MUKCA_SITE_TIP || site == MUKCA_SITE_SOCKET;
         const bool testable = limit < (length ? 20e-3 : 10e-3);
         d->tested[d->n_tested++] =
-            (mukca_tested){(mukca_effect_kind)c->class, c->joint, score->log_bayes, c->log_odds, limit,
-                           testable, testable ? NULL : "hardly moves the ball in these poses"};
+            (mukca_tested){(mukca_effect_kind)c->class,
+                           c->joint,
+                           score->log_bayes,
+                           c->log_odds,
+                           limit,
+                           testable,
+                           testable ? NULL : "hardly moves the ball in these poses"};
     }
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT && d->n_tested < MUKCA_MAX_TESTED; kind++)
         if (contest->all->missing[kind])
-            d->tested[d->n_tested++] =
-                (mukca_tested){(mukca_effect_kind)kind, -1, 0, 0, NAN, false,
-                               contest->all->missing[kind]};
+            d->tested[d->n_tested++] = (mukca_tested){
+                (mukca_effect_kind)kind, -1, 0, 0, NAN, false, contest->all->missing[kind]};
 }
 
 static void tell(mukca_diagnosis *d, gap_contest *contest)
@@ -348,7 +355,8 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     if (status != MUKCA_OK) goto out;
     contest.table = MUKCA_TAKE(&m.pool, gap_candidate, GAP_MAX_CANDIDATES);
     contest.first = MUKCA_TAKE(&m.pool, gap_candidate, GAP_MAX_CANDIDATES);
-    contest.first_score = MUKCA_TAKE(&m.pool, gap_score, all.count + chain->n_joints * GAP_HARMONICS_KEPT);
+    contest.first_score =
+        MUKCA_TAKE(&m.pool, gap_score, all.count + chain->n_joints * GAP_HARMONICS_KEPT);
     if (m.pool.failed) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
         goto out;

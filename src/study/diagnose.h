@@ -10,11 +10,11 @@
 #include "mukca/effect.h"
 
 /* verdict, name in the JSON */
-#define MUKCA_VERDICT_LIST(X)     \
-    X(NONE, "none")               \
-    X(NAMED, "named")             \
-    X(TIED, "tied")               \
-    X(UNKNOWN, "unknown")         \
+#define MUKCA_VERDICT_LIST(X) \
+    X(NONE, "none")           \
+    X(NAMED, "named")         \
+    X(TIED, "tied")           \
+    X(UNKNOWN, "unknown")     \
     X(UNTESTABLE, "untestable")
 
 typedef enum {
@@ -25,10 +25,10 @@ typedef enum {
 
 extern const char *const mukca_verdict_name[];
 
-#define MUKCA_FAULT_LIST(X)                \
-    X(TOOL_MOTION, "tool_motion")          \
-    X(WRONG_SOCKET, "wrong_socket")        \
-    X(OUTLIER, "outlier")                  \
+#define MUKCA_FAULT_LIST(X)         \
+    X(TOOL_MOTION, "tool_motion")   \
+    X(WRONG_SOCKET, "wrong_socket") \
+    X(OUTLIER, "outlier")           \
     X(DUPLICATE, "duplicate")
 
 typedef enum {
@@ -54,10 +54,10 @@ typedef struct {
 } mukca_shrink;
 
 typedef struct {
-    mukca_effect effect; /* kind, joint, placement, variant and coefficients, SI */
-    int socket;          /* index into the dataset's sockets, -1: none */
-    int row, file;       /* 1-based data row of the file (tool_motion), 0: none */
-    bool creep;          /* tool_motion: crept rather than moved once */
+    mukca_effect effect;         /* kind, joint, placement, variant and coefficients, SI */
+    int socket;                  /* index into the dataset's sockets, -1: none */
+    int row, file;               /* 1-based data row of the file (tool_motion), 0: none */
+    bool creep;                  /* tool_motion: crept rather than moved once */
     double amplitude, low, high; /* size and 95 % interval in the effect's unit */
     double log_bayes_factor;
     double probability;
@@ -103,7 +103,7 @@ typedef struct {
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
     double noise_shrink_percent; /* what the best of the catalogue gains on pure noise */
     int folds;
-    double *placement_mae_m;       /* [n_placements] explained, in the pool */
+    double *placement_mae_m; /* [n_placements] explained, in the pool */
     /* held-out data (--test), m; NaN without */
     double test_nominal_m, test_geometry_m, test_explained_m;
     double *test_placement_mae_m; /* [test placements] explained */
@@ -121,11 +121,11 @@ typedef struct {
 typedef bool mukca_progress_fn(void *context, double share, const char *doing);
 
 typedef struct {
-    const mukca_dataset *test;    /* held-out data, or NULL */
+    const mukca_dataset *test;     /* held-out data, or NULL */
     const unsigned char *disabled; /* [MUKCA_EFFECT_COUNT] effects left out, or NULL */
     bool free_base, free_tool;
-    double mass_spread;           /* relative sigma of each mass; 0: 0.1 */
-    bool no_folds;                /* skip the held-out measurement */
+    double mass_spread; /* relative sigma of each mass; 0: 0.1 */
+    bool no_folds;      /* skip the held-out measurement */
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;

@@ -20,14 +20,14 @@ static const double ball_scales[] = {0.05e-3, 0.2e-3, 1e-3};
 int gap_scales(const double **scales, const gap_hypothesis *h)
 {
     switch (h->kind) {
-    case GAP_STEP:
-    case GAP_CREEP:
-    case GAP_SPIKE:
-    case GAP_DISTANCE:
-        *scales = socket_scales;
-        return (int)(sizeof socket_scales / sizeof *socket_scales);
-    default:
-        break;
+        case GAP_STEP:
+        case GAP_CREEP:
+        case GAP_SPIKE:
+        case GAP_DISTANCE:
+            *scales = socket_scales;
+            return (int)(sizeof socket_scales / sizeof *socket_scales);
+        default:
+            break;
     }
     if (h->kind == GAP_EFFECT && h->effect.kind == MUKCA_EFFECT_BALL_SHIFT) {
         *scales = ball_scales;
@@ -250,8 +250,7 @@ static void weigh_rotations(gap_model *m, const double *mean)
             angle += residual * residual;
     }
     if (angle > 0 && length > 0)
-        m->rotation_weight =
-            fmin(fmax(m->rotation_weight * sqrt(length / angle), 1e-2), 1e2);
+        m->rotation_weight = fmin(fmax(m->rotation_weight * sqrt(length / angle), 1e-2), 1e2);
 }
 
 void gap_model_fit(gap_model *m, int iterations, gap_freedom freedom)

@@ -62,16 +62,16 @@ static double fault_share(const gap_model *m, const gap_hypothesis *h, int row)
     const gap_group *g = &m->groups[h->group];
     if (m->data->socket[row] != g->socket) return 0;
     switch (h->kind) {
-    case GAP_STEP:
-        return row >= h->row;
-    case GAP_SPIKE:
-        return row == h->row;
-    case GAP_CREEP: { /* from 0 at the socket's first kept row to 1 at its last */
-        const int first = m->order[g->start], last = m->order[g->start + g->count - 1];
-        return last > first ? (double)(row - first) / (last - first) : 0;
-    }
-    default:
-        return 0;
+        case GAP_STEP:
+            return row >= h->row;
+        case GAP_SPIKE:
+            return row == h->row;
+        case GAP_CREEP: { /* from 0 at the socket's first kept row to 1 at its last */
+            const int first = m->order[g->start], last = m->order[g->start + g->count - 1];
+            return last > first ? (double)(row - first) / (last - first) : 0;
+        }
+        default:
+            return 0;
     }
 }
 
@@ -150,7 +150,8 @@ static void pose_residual(double *y, const gap_model *m, int row, const double *
     mukca_rotation_from_quaternion(measured, quaternion);
     for (int a = 0; a < 3; a++) /* base := tracker' measured */
         for (int b = 0; b < 3; b++)
-            base[3 * a + b] = m->tracker.R[a] * measured[b] + m->tracker.R[3 + a] * measured[3 + b] +
+            base[3 * a + b] = m->tracker.R[a] * measured[b] +
+                              m->tracker.R[3 + a] * measured[3 + b] +
                               m->tracker.R[6 + a] * measured[6 + b];
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) turned[3 * a + b] = R[3 * b + a];
@@ -319,13 +320,14 @@ static void scale_masses(gap_model *m)
             const double effort = m->data->effort[row * n_joints + j];
             if (!isfinite(effort)) continue;
             for (int a = 0; a < k; a++) {
-                const double ta = m->torque[((size_t)row * (size_t)k + (size_t)a) * (size_t)n_joints +
-                                            (size_t)j];
+                const double ta =
+                    m->torque[((size_t)row * (size_t)k + (size_t)a) * (size_t)n_joints + (size_t)j];
                 right[a] += weight * ta * effort;
                 for (int b = 0; b <= a; b++)
                     normal[a][b] +=
                         weight * ta *
-                        m->torque[((size_t)row * (size_t)k + (size_t)b) * (size_t)n_joints + (size_t)j];
+                        m->torque[((size_t)row * (size_t)k + (size_t)b) * (size_t)n_joints +
+                                  (size_t)j];
             }
         }
     for (int a = 0; a < k; a++) right[a] += prior, normal[a][a] += prior;
@@ -477,12 +479,12 @@ mukca_status gap_model_create(gap_model *m, const mukca_chain *chain, const mukc
     const int lumps = m->n_lumps ? m->n_lumps : 1;
     m->capacity = capacity;
     m->moment = MUKCA_TAKE(&m->pool, double, 3 * rows * lumps * n_joints);
-    m->torque = MUKCA_TAKE(&m->pool, double, rows * lumps * n_joints);
+    m->torque = MUKCA_TAKE(&m->pool, double, rows *lumps *n_joints);
     m->base_moment = MUKCA_TAKE(&m->pool, double, 3 * rows * lumps);
     m->total_moment = MUKCA_TAKE(&m->pool, double, 3 * rows * n_joints);
-    m->total_torque = MUKCA_TAKE(&m->pool, double, rows * n_joints);
+    m->total_torque = MUKCA_TAKE(&m->pool, double, rows *n_joints);
     m->total_base = MUKCA_TAKE(&m->pool, double, 3 * rows);
-    m->move = MUKCA_TAKE(&m->pool, double, rows * n_joints);
+    m->move = MUKCA_TAKE(&m->pool, double, rows *n_joints);
     m->time = MUKCA_TAKE(&m->pool, double, rows);
     m->placement = MUKCA_TAKE(&m->pool, int, rows);
     m->keep = MUKCA_TAKE(&m->pool, unsigned char, rows);
@@ -494,16 +496,18 @@ mukca_status gap_model_create(gap_model *m, const mukca_chain *chain, const mukc
     m->cause = MUKCA_TAKE(&m->pool, gap_cause, GAP_MAX_CAUSES);
     m->tip = MUKCA_TAKE(&m->pool, double, 3 * rows);
     m->tip_frame = MUKCA_TAKE(&m->pool, double, 9 * rows);
-    m->lever = MUKCA_TAKE(&m->pool, double, rows * n_joints * d);
+    m->lever = MUKCA_TAKE(&m->pool, double, rows *n_joints *d);
     m->rotation_lever = MUKCA_TAKE(&m->pool, double, 3 * rows * n_joints * d);
     m->base_lever = MUKCA_TAKE(&m->pool, double, 3 * rows * d);
     m->columns = MUKCA_TAKE(&m->pool, double, (size_t)(rows * d) * (size_t)(capacity + 1));
     m->direct = MUKCA_TAKE(&m->pool, double, (data->n_distances + 1) * (capacity + 1));
     for (int i = 0; i < GAP_RHOS; i++) {
         m->pack[i].gram = MUKCA_TAKE(&m->pool, double, (capacity + 1) * (capacity + 1));
-        m->pack[i].distance = MUKCA_TAKE(&m->pool, double, (data->n_distances + 1) * (capacity + 1));
+        m->pack[i].distance =
+            MUKCA_TAKE(&m->pool, double, (data->n_distances + 1) * (capacity + 1));
         m->pack[i].variance = MUKCA_TAKE(&m->pool, double, data->n_distances + 1);
-        m->pack[i].white = MUKCA_TAKE(&m->pool, double, (size_t)(rows * d) * (size_t)(capacity + 1));
+        m->pack[i].white =
+            MUKCA_TAKE(&m->pool, double, (size_t)(rows * d) * (size_t)(capacity + 1));
     }
     m->work = MUKCA_TAKE(&m->pool, double, (capacity + 1) * (capacity + 1));
     m->posterior_chol = MUKCA_TAKE(&m->pool, double, (capacity + 1) * (capacity + 1));

@@ -1,10 +1,10 @@
 /* The linearised model of a recording: geometry and causes as columns, rows grouped by socket.
  *
  * This is what the diagnosis reasons with.  All unknowns are zero-mean Gaussians: six local offsets
- * of each joint's origin and of the last one before the tip, and the coefficients of the causes that
- * were accepted so far.  Sockets' means are free, so rows and columns are centred per socket (after
- * whitening with an AR(1) coefficient) and one row per known distance is added; rows of a pose log
- * are compared with their measured tip instead.
+ * of each joint's origin and of the last one before the tip, and the coefficients of the causes
+ * that were accepted so far.  Sockets' means are free, so rows and columns are centred per socket
+ * (after whitening with an AR(1) coefficient) and one row per known distance is added; rows of a
+ * pose log are compared with their measured tip instead.
  */
 #ifndef MUKCA_STUDY_GAP_MODEL_H
 #define MUKCA_STUDY_GAP_MODEL_H
@@ -20,22 +20,22 @@ enum { GAP_RHOS = 3, GAP_MAX_CAUSES = 24, GAP_MAX_TERMS = 64, GAP_MAX_LUMPS = MU
 /* What a candidate cause is: an effect of the catalogue, or a rival that explains structure by
  * something else (a flexible function of a joint's angle, a single bad row). */
 typedef enum {
-    GAP_EFFECT,  /* of the catalogue, acting on the arm */
-    GAP_STEP,    /* tool_motion: the socket moved once, at a row */
-    GAP_CREEP,   /* tool_motion: the socket crept through all its rows */
-    GAP_SPIKE,   /* outlier: one row is off */
+    GAP_EFFECT,   /* of the catalogue, acting on the arm */
+    GAP_STEP,     /* tool_motion: the socket moved once, at a row */
+    GAP_CREEP,    /* tool_motion: the socket crept through all its rows */
+    GAP_SPIKE,    /* outlier: one row is off */
     GAP_DISTANCE, /* socket_distance */
-    GAP_BUMPS    /* unknown: a smooth function of a joint's angle */
+    GAP_BUMPS     /* unknown: a smooth function of a joint's angle */
 } gap_kind;
 
-/* One candidate.  `basis` is the forward model, computed once: [n_rows][terms][width], width 1 for a
- * joint's angle, 3 for rotations, n_joints for all angles. */
+/* One candidate.  `basis` is the forward model, computed once: [n_rows][terms][width], width 1 for
+ * a joint's angle, 3 for rotations, n_joints for all angles. */
 typedef struct {
     gap_kind kind;
     mukca_effect effect; /* kind, joint, placement, variant; GAP_BUMPS uses joint only */
     int driver;          /* GAP_BUMPS: the joint whose angle is the argument, and its range, rad */
     double lo, hi;
-    int group, row;      /* GAP_STEP, GAP_CREEP, GAP_SPIKE: group, and first row of the step (data) */
+    int group, row; /* GAP_STEP, GAP_CREEP, GAP_SPIKE: group, and first row of the step (data) */
     int terms, width;
     float *basis;
     double unit[GAP_MAX_TERMS]; /* coefficient size that moves the joint by 1 rad rms (m: 1) */
@@ -63,7 +63,7 @@ typedef struct {
     double mass_spread;    /* relative prior sigma of each mass when it loads an effect; 0: exact */
     double distance_sigma; /* how well the sockets' distance is known, m */
     bool free_base, free_tool; /* pose logs: frame of the tracker, offset of the target */
-    const double *lump_scale; /* mass factors to use instead of estimating them, or NULL */
+    const double *lump_scale;  /* mass factors to use instead of estimating them, or NULL */
 } gap_options;
 
 /* Normal equations of one AR(1) coefficient; size = columns + 1, the last column being y. */
@@ -81,7 +81,7 @@ typedef struct {
     const mukca_dataset *data;
     gap_options options;
     mukca_pool pool;
-    int dim; /* observed per row: 3, or 6 with orientations (pose logs) */
+    int dim;                /* observed per row: 3, or 6 with orientations (pose logs) */
     double rotation_weight; /* m per rad: orientation rows in units of position noise */
 
     /* state of each row of the dataset (not linearised) */
@@ -110,7 +110,7 @@ typedef struct {
     int slot_width;
     mukca_frame tracker; /* pose logs: T_measured_base */
     int slot_element[MUKCA_MAX_JOINTS + 1];
-    double *theta;  /* [n_geometry] offsets about the nominal geometry (local frame) */
+    double *theta;       /* [n_geometry] offsets about the nominal geometry (local frame) */
     double *theta_sigma; /* [n_geometry] prior */
     double sigma_length, sigma_angle; /* hyperparameters of the geometry's prior, m and rad */
     int n_causes;
@@ -119,14 +119,14 @@ typedef struct {
 
     /* linearisation */
     mukca_geometry geometry;
-    int n_columns, capacity;     /* columns in use (without y), columns allocated */
-    double *tip;                 /* [n][3] predicted position */
-    double *tip_frame;           /* [n][9] orientation of the tip */
-    double *lever;               /* [n][n_joints][dim] tip per joint angle */
-    double *rotation_lever;      /* [n][n_joints][dim][3] tip per rotation vector of the joint frame */
-    double *base_lever;          /* [n][dim][3] */
-    double *columns;             /* [n][dim][n_columns + 1] */
-    double *direct;              /* [n_pairs][n_columns + 1] parts of the distance rows beside means */
+    int n_columns, capacity; /* columns in use (without y), columns allocated */
+    double *tip;             /* [n][3] predicted position */
+    double *tip_frame;       /* [n][9] orientation of the tip */
+    double *lever;           /* [n][n_joints][dim] tip per joint angle */
+    double *rotation_lever;  /* [n][n_joints][dim][3] tip per rotation vector of the joint frame */
+    double *base_lever;      /* [n][dim][3] */
+    double *columns;         /* [n][dim][n_columns + 1] */
+    double *direct;          /* [n_pairs][n_columns + 1] parts of the distance rows beside means */
     gap_pack pack[GAP_RHOS];
     double *work, *posterior_chol; /* [capacity + 1]^2 each */
     double *prior, *mean;          /* [capacity]: of the last fit */

@@ -37,8 +37,8 @@ void gap_held_out_nothing(mukca_diagnosis *d)
         d->causes[i].held_out = (mukca_shrink){NAN, NAN, NAN, NAN, NAN, 0, 0};
 }
 
-/* Distance of each row's prediction from its socket's mean (of the rows that `of` marks), about each
- * segment or the creep line where a fault of the tool is known; or from its measurement. */
+/* Distance of each row's prediction from its socket's mean (of the rows that `of` marks), about
+ * each segment or the creep line where a fault of the tool is known; or from its measurement. */
 static void row_errors(double *error, const gap_model *m, const double *position,
                        const unsigned char *of, bool excuse)
 {
@@ -95,7 +95,7 @@ static double mean_error(const double *error, int n, int *used)
     for (int i = 0; i < n; i++)
         if (isfinite(error[i])) sum += error[i], count++;
     if (used) *used = count;
-    return count ? sum / count : NAN;
+    return count ? sum / count : (double)NAN;
 }
 
 /* Prior sigmas with only the causes that `use` marks (and the faults of the tool). */
@@ -133,8 +133,8 @@ static void cross_predict(bench *b, gap_pack *pack, const unsigned char *use)
             if (b->fold[m->order[i]] == f) {
                 int count = 1;
                 while (i + count < m->n && b->fold[m->order[i + count]] == f) count++;
-                mukca_dense_syrk(b->gram, size,
-                                 pack->white + (size_t)(i * d) * (size_t)size, count * d, size);
+                mukca_dense_syrk(b->gram, size, pack->white + (size_t)(i * d) * (size_t)size,
+                                 count * d, size);
                 i += count;
             }
         for (int i = 0; i < size * size; i++) pack->gram[i] -= b->gram[i];
@@ -178,7 +178,8 @@ static void bootstrap(mukca_shrink *shrink, const mukca_dataset *data, const dou
     for (int s = 0; s < groups; s++) {
         start[s] = n;
         for (int row = 0; row < data->n_rows; row++)
-            if (data->socket[row] == (poses ? -1 : s) && isfinite(before[row]) && isfinite(after[row]))
+            if (data->socket[row] == (poses ? -1 : s) && isfinite(before[row]) &&
+                isfinite(after[row]))
                 rows[n++] = row;
     }
     start[groups] = n;
@@ -280,7 +281,7 @@ static mukca_status measure_test(mukca_diagnosis *d, const gap_model *m,
         int n = 0;
         for (int row = 0; row < rows; row++)
             if (t.placement[row] == p && isfinite(errors[row])) sum += errors[row], n++;
-        d->test_placement_mae_m[p] = n ? sum / n : NAN;
+        d->test_placement_mae_m[p] = n ? sum / n : (double)NAN;
     }
 out:
     if (t.pool.failed || d->pool.failed)
@@ -291,8 +292,8 @@ out:
 
 static bool tied_to_placement(const gap_hypothesis *h)
 {
-    return h->kind == GAP_EFFECT && (h->effect.kind == MUKCA_EFFECT_ZERO_JUMP ||
-                                     h->effect.kind == MUKCA_EFFECT_BALL_SHIFT);
+    return h->kind == GAP_EFFECT &&
+           (h->effect.kind == MUKCA_EFFECT_ZERO_JUMP || h->effect.kind == MUKCA_EFFECT_BALL_SHIFT);
 }
 
 /* Which cause of the model stands behind a told one. */
@@ -355,7 +356,7 @@ mukca_status gap_held_out(mukca_diagnosis *d, gap_model *m, const mukca_diagnose
             int n = 0;
             for (int row = 0; row < rows; row++)
                 if (m->placement[row] == p && isfinite(b.error[row])) sum += b.error[row], n++;
-            d->placement_mae_m[p] = n ? sum / n : NAN;
+            d->placement_mae_m[p] = n ? sum / n : (double)NAN;
         }
         for (int i = 0; i < d->n_causes; i++) {
             const int c = model_cause(m, &d->causes[i]);
@@ -403,7 +404,8 @@ mukca_status gap_held_out(mukca_diagnosis *d, gap_model *m, const mukca_diagnose
         if (!g || g->socket < 0) continue;
         for (int c = 0; c < 3; c++) {
             double mean = 0;
-            for (int k = g->start; k < g->start + g->count; k++) mean += m->tip[3 * k + c] / g->count;
+            for (int k = g->start; k < g->start + g->count; k++)
+                mean += m->tip[3 * k + c] / g->count;
             axis[c] += (m->tip[3 * i + c] - mean) * (m->tip[3 * i + c] - mean) / m->n;
         }
     }

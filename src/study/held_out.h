@@ -9,8 +9,8 @@
 void gap_held_out_nothing(mukca_diagnosis *diagnosis);
 
 /* Leave one placement out (one socket, where there is one placement; a fifth of the rows of a pose
- * log): nominal, geometry, faults excused, explained, and each cause alone; and the held-out data of
- * options->test.  The model is left as it was.  Errors: MUKCA_INTERRUPTED, MUKCA_MEMORY. */
+ * log): nominal, geometry, faults excused, explained, and each cause alone; and the held-out data
+ * of options->test.  The model is left as it was.  Errors: MUKCA_INTERRUPTED, MUKCA_MEMORY. */
 mukca_status gap_held_out(mukca_diagnosis *diagnosis, gap_model *m,
                           const mukca_diagnose_options *options, mukca_error *error);
 

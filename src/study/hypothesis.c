@@ -105,7 +105,7 @@ bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model
         if (uses_masses(h) && m->options.mass_spread > 0 && m->n_lumps > 0)
             h->terms = 1 + m->n_lumps;
     }
-    h->basis = MUKCA_TAKE(pool, float, (size_t)rows * (size_t)(h->terms * h->width));
+    h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width));
     if (!h->basis) return false;
     if (h->kind == GAP_BUMPS) {
         fill_bumps(h->basis, h, m);
@@ -143,9 +143,8 @@ bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model
             used = 0;
             for (int row = 0; row < rows; row++) {
                 if (!m->keep[row]) continue;
-                const double x =
-                    (double)h->basis[(size_t)row * (size_t)(h->terms * h->width) +
-                                     (size_t)(t * h->width + i)];
+                const double x = (double)h->basis[(size_t)row * (size_t)(h->terms * h->width) +
+                                                  (size_t)(t * h->width + i)];
                 sum += x, sum2 += x * x, used++;
             }
             if (used) square += sum2 / used - (sum / used) * (sum / used);
@@ -168,7 +167,8 @@ typedef struct {
 static gap_hypothesis *append(lister *l, gap_hypothesis h)
 {
     gap_hypotheses *all = l->all;
-    if (!l->ok || (l->disabled && l->disabled[gap_hypothesis_class(&h)])) return NULL;
+    const int class = gap_hypothesis_class(&h);
+    if (!l->ok || (class < MUKCA_EFFECT_COUNT && l->disabled && l->disabled[class])) return NULL;
     if (all->count == all->capacity) {
         const int capacity = all->capacity ? 2 * all->capacity : 512;
         gap_hypothesis *bigger = MUKCA_TAKE(l->pool, gap_hypothesis, capacity);
@@ -187,11 +187,10 @@ static gap_hypothesis *append(lister *l, gap_hypothesis h)
 
 static void append_effect(lister *l, mukca_effect_kind kind, int joint, int variant, int placement)
 {
-    append(l, (gap_hypothesis){.kind = GAP_EFFECT,
-                               .effect = {.kind = kind,
-                                          .joint = joint,
-                                          .variant = variant,
-                                          .placement = placement}});
+    append(l, (gap_hypothesis){
+                  .kind = GAP_EFFECT,
+                  .effect = {
+                      .kind = kind, .joint = joint, .variant = variant, .placement = placement}});
 }
 
 static void append_bumps(lister *l, int joint, int driver, int width, const double (*span)[2])
@@ -242,7 +241,8 @@ static void list_joint(lister *l, int j, const double (*span)[2], bool moved)
         }
     }
     if (m->have_moments && turns) append_effect(l, MUKCA_EFFECT_LINK_BENDING, j, 0, -1);
-    for (int i = 0; i < 4; i++) append_effect(l, MUKCA_EFFECT_JOINT_DRIFT, j, time_constants[i], -1);
+    for (int i = 0; i < 4; i++)
+        append_effect(l, MUKCA_EFFECT_JOINT_DRIFT, j, time_constants[i], -1);
     for (int p = 0; m->data->n_placements > 1 && p < m->data->n_placements; p++)
         append_effect(l, MUKCA_EFFECT_ZERO_JUMP, j, 0, p);
     for (int side = -1; side <= 1; side += 2)
@@ -278,12 +278,12 @@ static void list_faults(lister *l)
             append(l, h);
         }
         if (group->socket >= 0 && group->count >= 6) {
-            gap_hypothesis h = {.kind = GAP_CREEP,
-                                .group = g,
-                                .row = m->order[group->start],
-                                .effect = {.kind = MUKCA_EFFECT_TOOL_MOTION,
-                                           .joint = -1,
-                                           .placement = group->placement}};
+            gap_hypothesis h = {
+                .kind = GAP_CREEP,
+                .group = g,
+                .row = m->order[group->start],
+                .effect = {
+                    .kind = MUKCA_EFFECT_TOOL_MOTION, .joint = -1, .placement = group->placement}};
             append(l, h);
         }
     }
@@ -316,7 +316,8 @@ static void set_priors(gap_hypotheses *all)
         double share = 1.0 / joints[class]; /* of the class */
         if (h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE) {
             share = 1.0 / kinds[h->kind];
-            if (kinds[GAP_CREEP] && h->kind != GAP_SPIKE) share *= h->kind == GAP_CREEP ? 0.25 : 0.75;
+            if (kinds[GAP_CREEP] && h->kind != GAP_SPIKE)
+                share *= h->kind == GAP_CREEP ? 0.25 : 0.75;
         } else if (class == GAP_CLASS_UNKNOWN && crossed[slot] && variants[class][slot]) {
             share *= 0.5 / (h->driver == h->effect.joint ? variants[class][slot] : crossed[slot]);
         } else {
@@ -348,10 +349,10 @@ mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const ga
     for (int p = 0; m->data->n_placements > 1 && p < m->data->n_placements; p++)
         append_effect(&l, MUKCA_EFFECT_BALL_SHIFT, -1, 0, p);
     if (m->n_pairs > 1)
-        append(&l, (gap_hypothesis){.kind = GAP_DISTANCE,
-                                    .effect = {.kind = MUKCA_EFFECT_SOCKET_DISTANCE,
-                                               .joint = -1,
-                                               .placement = -1}});
+        append(&l,
+               (gap_hypothesis){
+                   .kind = GAP_DISTANCE,
+                   .effect = {.kind = MUKCA_EFFECT_SOCKET_DISTANCE, .joint = -1, .placement = -1}});
     list_faults(&l);
     if (!l.ok)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows", rows);
@@ -361,12 +362,12 @@ mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const ga
         const int needs = mukca_effect_table[kind].needs;
         if (all->enabled[kind] || kind == MUKCA_EFFECT_GEAR_HARMONIC) continue;
         all->missing[kind] =
-            disabled && disabled[kind]           ? "left out on request"
-            : (needs & MUKCA_NEEDS_MASSES)       ? "no masses: give --inertials FILE"
-            : (needs & MUKCA_NEEDS_PLACEMENTS)   ? "one placement only: record a second one"
-            : (needs & MUKCA_NEEDS_SOCKETS)      ? "no two sockets with a known distance"
-            : (needs & MUKCA_NEEDS_ORDER)        ? "no moves between rows"
-                                                 : "no joint moved enough";
+            disabled && disabled[kind]         ? "left out on request"
+            : (needs & MUKCA_NEEDS_MASSES)     ? "no masses: give --inertials FILE"
+            : (needs & MUKCA_NEEDS_PLACEMENTS) ? "one placement only: record a second one"
+            : (needs & MUKCA_NEEDS_SOCKETS)    ? "no two sockets with a known distance"
+            : (needs & MUKCA_NEEDS_ORDER)      ? "no moves between rows"
+                                               : "no joint moved enough";
     }
     return MUKCA_OK;
 }

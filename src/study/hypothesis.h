@@ -19,7 +19,7 @@ typedef struct {
 /* Class of a hypothesis. */
 int gap_hypothesis_class(const gap_hypothesis *h);
 
-/* All candidates for the model's recording, except classes with disabled[class] != 0 (NULL: none).
+/* All candidates for the model's recording, except effects with disabled[effect] != 0 (NULL: none).
  * Memory comes from `pool`.  Errors: MUKCA_MEMORY. */
 mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const gap_model *m,
                                  const unsigned char *disabled, mukca_error *error);

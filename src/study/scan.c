@@ -16,18 +16,18 @@
 typedef struct {
     gap_model *m;
     const gap_pack *pack;
-    int n, rows;       /* columns; observation rows d * m->n */
-    double precision;  /* 1 / sigma^2 */
-    double *inverse;   /* [n_pairs] 1 / variance of the distance rows */
-    double *z;         /* [n] */
-    double *Q;         /* [rows][n + 1]: W X and W y */
-    double *Zt;        /* [rows][n] */
-    double *u;         /* [rows] */
+    int n, rows;         /* columns; observation rows d * m->n */
+    double precision;    /* 1 / sigma^2 */
+    double *inverse;     /* [n_pairs] 1 / variance of the distance rows */
+    double *z;           /* [n] */
+    double *Q;           /* [rows][n + 1]: W X and W y */
+    double *Zt;          /* [rows][n] */
+    double *u;           /* [rows] */
     double *mean_weight; /* [m->n] weight of each kept row in its socket's whitened mean */
-    double *weights;   /* [n_groups] o'o */
-    double residual;   /* quadratic form that the present model leaves */
-    double *E, *white; /* [rows][GAP_MAX_TERMS] */
-    double *T;         /* [n][2 * chunk] */
+    double *weights;     /* [n_groups] o'o */
+    double residual;     /* quadratic form that the present model leaves */
+    double *E, *white;   /* [rows][GAP_MAX_TERMS] */
+    double *T;           /* [n][2 * chunk] */
 } projector;
 
 enum { CHUNK = 32 }; /* harmonics scanned together */
@@ -47,8 +47,7 @@ static void prepare(projector *p)
     const double rho = p->pack->rho, sigma2 = 1 / p->precision;
     const double *L = m->posterior_chol;
     const double sd2 = m->options.distance_sigma * m->options.distance_sigma;
-    for (int k = 0; k < m->n_pairs; k++)
-        p->inverse[k] = 1 / (sd2 + sigma2 * p->pack->variance[k]);
+    for (int k = 0; k < m->n_pairs; k++) p->inverse[k] = 1 / (sd2 + sigma2 * p->pack->variance[k]);
     for (int g = 0; g < m->n_groups; g++) {
         const gap_group *group = &m->groups[g];
         double sum = 0;
@@ -86,8 +85,8 @@ static void prepare(projector *p)
             const gap_group *group = &m->groups[side ? pair->b : pair->a];
             for (int i = group->start; i < group->start + group->count; i++)
                 for (int c = 0; c < 3; c++) {
-                    const double w = (side ? -1 : 1) * p->inverse[k] * pair->direction[c] *
-                                     p->mean_weight[i];
+                    const double w =
+                        (side ? -1 : 1) * p->inverse[k] * pair->direction[c] * p->mean_weight[i];
                     double *q = p->Q + (size_t)(i * d + c) * (size_t)size;
                     for (int e = 0; e < size; e++) q[e] += w * row[e];
                 }
@@ -194,8 +193,7 @@ static void project(double *G, double *g, projector *p, const double *E, int k,
         for (int c = 0; c < 3; c++) {
             memset(mean, 0, sizeof mean);
             for (int i = group->start; i < group->start + group->count; i++)
-                for (int t = 0; t < k; t++)
-                    mean[t] += p->mean_weight[i] * E[(i * d + c) * k + t];
+                for (int t = 0; t < k; t++) mean[t] += p->mean_weight[i] * E[(i * d + c) * k + t];
             const double w = p->precision * p->weights[e];
             for (int a = 0; a < k; a++)
                 for (int b = 0; b < k; b++) G[a * k + b] -= w * mean[a] * mean[b];
@@ -208,12 +206,12 @@ static void project(double *G, double *g, projector *p, const double *E, int k,
             const gap_group *group = &m->groups[side ? pair->b : pair->a];
             for (int i = group->start; i < group->start + group->count; i++)
                 for (int c = 0; c < 3; c++) {
-                    const double w =
-                        (side ? -1 : 1) * p->mean_weight[i] * pair->direction[c];
+                    const double w = (side ? -1 : 1) * p->mean_weight[i] * pair->direction[c];
                     for (int t = 0; t < k; t++) along[t] += w * E[(i * d + c) * k + t];
                 }
         }
-        if (h->kind == GAP_DISTANCE) { /* acts on the distance rows alone: what prepare() left out */
+        if (h->kind ==
+            GAP_DISTANCE) { /* acts on the distance rows alone: what prepare() left out */
             const double *row = p->pack->distance + r * (n + 1);
             along[0] = -1;
             g[0] -= p->inverse[r] * row[n];
@@ -359,11 +357,13 @@ static void harmonic_scan(double *value, projector *p, int joint, double *Zj, do
                     for (int k = 0; k < width; k++)
                         square[k] += f[k] * (diagonal * f[k] + off * fb[k]);
                     for (int o = 0; o < count; o++)
-                        product[o] += diagonal * f[2 * o] * f[2 * o + 1] +
-                                      0.5 * off * (f[2 * o] * fb[2 * o + 1] + f[2 * o + 1] * fb[2 * o]);
+                        product[o] +=
+                            diagonal * f[2 * o] * f[2 * o + 1] +
+                            0.5 * off * (f[2 * o] * fb[2 * o + 1] + f[2 * o + 1] * fb[2 * o]);
                 } else {
                     for (int k = 0; k < width; k++) square[k] += diagonal * f[k] * f[k];
-                    for (int o = 0; o < count; o++) product[o] += diagonal * f[2 * o] * f[2 * o + 1];
+                    for (int o = 0; o < count; o++)
+                        product[o] += diagonal * f[2 * o] * f[2 * o + 1];
                 }
                 for (int k = 0; k < width; k++) g[k] += uj[at] * f[k];
                 for (int c = 0; c < 3; c++) {
@@ -433,14 +433,14 @@ static void pick_harmonics(gap_scan *scan, projector *p)
                                   .terms = 2,
                                   .width = 1,
                                   .unit = {0.70710678118654752440, 0.70710678118654752440}};
-            h->basis = scan->harmonic_basis + (size_t)scan->n_harmonic * (size_t)m->data->n_rows * 2;
+            h->basis =
+                scan->harmonic_basis + (size_t)scan->n_harmonic * (size_t)m->data->n_rows * 2;
             for (int row = 0; row < m->data->n_rows; row++) {
                 const double q = m->data->q[row * n_joints + j];
                 h->basis[2 * row] = (float)sin(best * q);
                 h->basis[2 * row + 1] = (float)cos(best * q);
             }
-            h->log_prior =
-                gap_order_log_prior(best) - log(n_joints) - log(scan->all->classes);
+            h->log_prior = gap_order_log_prior(best) - log(n_joints) - log(scan->all->classes);
             value[best] = -HUGE_VAL;
             scan->n_harmonic++;
         }
@@ -523,8 +523,7 @@ void gap_scan_run(gap_scan *scan, gap_model *m, int without)
         }
         for (int k = 0; k < scan->n_scores; k++) {
             const gap_hypothesis *h = gap_scan_hypothesis(scan, k);
-            const bool fault =
-                h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE;
+            const bool fault = h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE;
             const bool gone = fault && (!m->groups[h->group].count || !m->keep[h->row]);
             double information = 0;
             const double log_bayes = gone    ? -HUGE_VAL
@@ -545,7 +544,8 @@ void gap_scan_run(gap_scan *scan, gap_model *m, int without)
             scan->score[k].log_bayes + gap_scan_hypothesis(scan, k)->log_prior;
 }
 
-/* Columns that stand for a hypothesis when two are compared: elastic ones by their sum of masses. */
+/* Columns that stand for a hypothesis when two are compared: elastic ones by their sum of masses.
+ */
 static int own_terms(const gap_hypothesis *h)
 {
     return h->kind == GAP_EFFECT && h->basis ? mukca_effect_terms(h->effect.kind, h->effect.variant)
@@ -569,15 +569,15 @@ double gap_scan_correlation(gap_scan *scan, gap_model *m, int without, const gap
     for (int i = 0; i < ka; i++)
         for (int j = 0; j < ka; j++) block[0][i * ka + j] = G[i * k + j];
     for (int i = 0; i < kb; i++)
-        for (int j = 0; j < kb; j++)
-            block[1][i * kb + j] = G[(a->terms + i) * k + a->terms + j];
+        for (int j = 0; j < kb; j++) block[1][i * kb + j] = G[(a->terms + i) * k + a->terms + j];
     for (int i = 0; i < ka; i++) block[0][i * ka + i] *= 1 + 1e-9;
     for (int i = 0; i < kb; i++) block[1][i * kb + i] *= 1 + 1e-9;
     if (mukca_dense_cholesky(block[0], ka) || mukca_dense_cholesky(block[1], kb)) return NAN;
     for (int i = 0; i < ka; i++)
         for (int j = 0; j < kb; j++) block[2][i * kb + j] = G[i * k + a->terms + j];
     mukca_dense_forward(block[2], kb, block[0], ka);
-    for (int i = 0; i < kb; i++) /* G as scratch: the transposed block, solved from the other side */
+    for (int i = 0; i < kb;
+         i++) /* G as scratch: the transposed block, solved from the other side */
         for (int j = 0; j < ka; j++) G[i * ka + j] = block[2][j * kb + i];
     mukca_dense_forward(G, ka, block[1], kb);
     if (ka > kb) { /* the singular values of the transpose are the same */
@@ -600,13 +600,14 @@ mukca_status gap_scan_create(gap_scan *scan, gap_hypotheses *all, const gap_mode
     scan->harmonic_basis =
         MUKCA_TAKE(&scan->pool, float, (size_t)harmonics * 2 * (size_t)m->data->n_rows);
     scan->score = MUKCA_TAKE(&scan->pool, gap_score, all->count + harmonics);
-    scan->memory = MUKCA_TAKE(&scan->pool, double,
-                              (size_t)m->data->n_distances + (size_t)m->data->n_sockets + 8 + n +
-                                  2 * rows + rows * (2 * n + 1) + 2 * rows * GAP_MAX_TERMS +
-                                  n * 2 * GAP_MAX_TERMS);
+    scan->memory =
+        MUKCA_TAKE(&scan->pool, double,
+                   (size_t)m->data->n_distances + (size_t)m->data->n_sockets + 8 + n + 2 * rows +
+                       rows * (2 * n + 1) + 2 * rows * GAP_MAX_TERMS + n * 2 * GAP_MAX_TERMS);
     if (!scan->pool.failed) return MUKCA_OK;
     gap_scan_free(scan);
-    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates", all->count);
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",
+                      all->count);
 }
 
 void gap_scan_free(gap_scan *scan)

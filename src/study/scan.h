@@ -5,10 +5,11 @@
 #include "study/hypothesis.h"
 
 typedef struct {
-    int index;          /* of the hypothesis in the list; harmonics found by the scan follow it */
-    double log_bayes;   /* against the present model (or that without the cause left out) */
-    double log_odds;    /* with its prior */
-    double information; /* largest eigenvalue of its projected Gram matrix in units (bound), 1/rad^2 */
+    int index;        /* of the hypothesis in the list; harmonics found by the scan follow it */
+    double log_bayes; /* against the present model (or that without the cause left out) */
+    double log_odds;  /* with its prior */
+    double
+        information; /* largest eigenvalue of its projected Gram matrix in units (bound), 1/rad^2 */
 } gap_score;
 
 enum { GAP_HARMONICS_KEPT = 8 }; /* best orders per joint that are scored in full */
@@ -20,7 +21,7 @@ typedef struct {
     int n_harmonic;
     gap_score *score; /* [all->count + harmonics], unsorted */
     int n_scores;
-    int rho;      /* the best one's index in the last run, and the noise there */
+    int rho; /* the best one's index in the last run, and the noise there */
     double sigma;
     double *memory;
     mukca_pool pool;
@@ -38,8 +39,9 @@ const gap_hypothesis *gap_scan_hypothesis(const gap_scan *scan, int index);
  * first, so that its score is what the data say of it. */
 void gap_scan_run(gap_scan *scan, gap_model *m, int without);
 
-/* Largest canonical correlation of two hypotheses, after geometry and the other causes are projected
- * out, in the state of the last run with the same `without`; NaN where it cannot be told. */
+/* Largest canonical correlation of two hypotheses, after geometry and the other causes are
+ * projected out, in the state of the last run with the same `without`; NaN where it cannot be told.
+ */
 double gap_scan_correlation(gap_scan *scan, gap_model *m, int without, const gap_hypothesis *a,
                             const gap_hypothesis *b);
 
