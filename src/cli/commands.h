@@ -3,6 +3,8 @@
 #define MUKCA_CLI_COMMANDS_H
 
 #define CLI_COMMAND_LIST(X) \
+    X(calibrate)            \
+    X(evaluate)             \
     X(diagnose)             \
     X(export)               \
     X(fk)

@@ -134,7 +134,7 @@ static void standard_errors(mukca_identification *id, const double *V, const dou
         double hidden = 0, variance = 0;
         for (int r = id->rank; r < n; r++) hidden += V[i * n + r] * V[i * n + r];
         for (int j = 0; j < n; j++) variance += G[i * n + j] * T[j * n + i];
-        id->identifiable[i] = hidden < 1e-8;
+        id->identifiable[i] = hidden < MUKCA_HIDDEN_SHARE * MUKCA_HIDDEN_SHARE;
         id->sigma[i] = id->identifiable[i] ? id->noise * sqrt(fmax(variance, 0)) : HUGE_VAL;
     }
 }

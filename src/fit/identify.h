@@ -22,6 +22,10 @@ typedef struct {
  */
 #define MUKCA_RANK_TOLERANCE 1e-7
 
+/* A parameter is identifiable where invisible motions of the arm, of unit size, change it by less
+ * than this: a motion of 10 mm or mrad then leaves it within 10 um or urad. */
+#define MUKCA_HIDDEN_SHARE 1e-3
+
 /* Doubles of `work` for n free parameters. */
 #define MUKCA_IDENTIFY_WORK(n) (4 * (size_t)((n) + 3) * (size_t)((n) + 3) + 32 * (size_t)((n) + 3))
 

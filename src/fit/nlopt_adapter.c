@@ -72,7 +72,7 @@ static double objective(unsigned n_unsigned, const double *y, double *gradient, 
         a->best_value = value;
         memcpy(a->best, a->x, (size_t)n * sizeof *a->x);
         if (a->options->progress)
-            a->options->progress(a->options->context, a->x, &parts,
+            a->options->progress(a->options->context, a->cost->theta, &parts,
                                  a->cost->evaluations - a->before);
     }
     if (gradient && slope / 2 * a->unit <= mukca_solver_goal(value)) {

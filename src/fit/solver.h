@@ -9,8 +9,9 @@ typedef struct {
     int max_evaluations;         /* 0: 2000 */
     double max_seconds;          /* 0: 60 */
     bool (*stop)(void *context); /* asked before each evaluation; NULL: never */
-    /* called with each x[n] that is better than all before it; NULL: nobody listens */
-    void (*progress)(void *context, const double *x, const mukca_cost_value *value,
+    /* called with each theta[6 * n_elements] that is better than all before; NULL: nobody listens
+     */
+    void (*progress)(void *context, const double *theta, const mukca_cost_value *value,
                      int evaluations);
     void *context; /* of both */
 } mukca_solver_options;

@@ -1,0 +1,35 @@
+/* Scores of a model on data, nominal beside calibrated, as calibrate and evaluate show them. */
+#ifndef MUKCA_CLI_SCORES_H
+#define MUKCA_CLI_SCORES_H
+
+#include "cli/cli.h"
+#include "study/evaluate.h"
+
+typedef struct {
+    int n; /* placements with rows, and one more for poses */
+    mukca_score *nominal, *calibrated;
+    mukca_score nominal_mean, calibrated_mean;
+} cli_scores;
+
+/* Score `data` at the chain's nominal parameters and at theta with the effects of `model` (NULL:
+ * none).  Free with cli_scores_free.  Errors: MUKCA_MEMORY. */
+mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
+                             const double *theta, const cli_model *model,
+                             const mukca_dataset *data);
+void cli_scores_free(cli_scores *scores); /* harmless on a zeroed one */
+
+/* The contract's objects, one per placement. */
+json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data);
+
+/* "panda/front", or "poses" for the rows of pose logs. */
+const char *cli_scores_name(const mukca_score *score, const mukca_dataset *data);
+
+/* Lines for people: "  error, train  8.278 mm  0.168 mm  -97.97 %", and the distances' where there
+ * are any; without `calibrated` the nominal column alone. */
+void cli_scores_say_header(cli_call *call, bool calibrated);
+void cli_scores_say(cli_call *call, const cli_scores *scores, const char *what, bool calibrated);
+
+/* A length for people, "0.168 mm". */
+void cli_millimetres(char text[24], double metres);
+
+#endif
