@@ -65,7 +65,7 @@ static void check_rows(const int *expected, int n)
     mukca_table table;
     mukca_error error;
     bool more;
-    if (mukca_table_open(&table, path, true, &error)) fail_msg("%s", error.text);
+    if (mukca_table_open(&table, path, MUKCA_HEADER, &error)) fail_msg("%s", error.text);
     int column = mukca_table_find(&table, "A1"), count = 0;
     assert_int_equal(column, 3);
     assert_int_equal(table.n_columns, 3 + 9);
