@@ -11,7 +11,7 @@
 #include "io/dataset_build.h"
 #include "io/pose_files.h"
 
-enum { MOST_HOLES = 100, LEAST_ROWS = 2, LEAST_SOCKETS = 2 };
+enum { MOST_HOLES = 100, LEAST_ROWS = 2, LEAST_SOCKETS = 2, MOST_SOCKETS = 1000 };
 static const double usual_distance = 0.05, most_distance = 10;
 
 /* The last part of a path without slashes at its end and, where asked, without its ending; `up`
@@ -106,68 +106,92 @@ static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
     return status;
 }
 
-/* Index of the row's socket, new where it is; placements and sockets of this file only. */
-static mukca_status find_socket(int *socket, mukca_dataset_builder *b, const mukca_rows *rows,
-                                const mukca_row *row, int first_placement, int first_socket)
+/* A session file in reading: the placements and sockets that it has brought so far. */
+typedef struct {
+    mukca_rows rows;
+    char stem[MUKCA_NAME_SIZE]; /* of the file's name */
+    int first_placement, first_socket;
+    char (*written)[MUKCA_NAME_SIZE]; /* names as they stand in the file, from first_placement */
+} session;
+
+/* A name of 1 to 63 letters in a cell. */
+static mukca_status check_name(const mukca_dataset_builder *b, const session *s, const char *name,
+                               int column)
 {
-    const mukca_dataset *d = b->data;
-    char stem[MUKCA_NAME_SIZE], qualified[2 * MUKCA_NAME_SIZE + 2];
-    base_name(stem, rows->table.path, 0, true);
-    const char *name = row->placement ? row->placement : stem;
-    const char *text[] = {name, row->socket};
-    const int column[] = {rows->placement, rows->socket};
-    for (int i = 0; i < 2; i++) {
-        if (!*text[i]) return mukca_table_fail(b->error, &rows->table, column[i], "is empty");
-        if (strlen(text[i]) >= MUKCA_NAME_SIZE)
-            return mukca_table_fail(b->error, &rows->table, column[i],
-                                    "'%.20s...' is longer than 63 letters", text[i]);
-    }
-    snprintf(qualified, sizeof qualified, "%s:%s", stem, name);
-    qualified[MUKCA_NAME_SIZE - 1] = '\0';
-    int placement = -1;
-    for (int p = first_placement; p < d->n_placements && placement < 0; p++)
-        if (strcmp(d->placements[p].name, name) == 0 ||
-            strcmp(d->placements[p].name, qualified) == 0)
-            placement = p;
-    if (placement < 0) {
-        mukca_status status = add_placement(&placement, b, name, qualified);
-        if (status) return status;
-    }
-    for (int s = first_socket; s < d->n_sockets; s++)
-        if (d->sockets[s].placement == placement && strcmp(d->sockets[s].label, row->socket) == 0) {
-            *socket = s;
+    if (!*name) return mukca_table_fail(b->error, &s->rows.table, column, "is empty");
+    if (strlen(name) < MUKCA_NAME_SIZE) return MUKCA_OK;
+    return mukca_table_fail(b->error, &s->rows.table, column,
+                            "'%.20s...' is longer than 63 letters", name);
+}
+
+static mukca_status find_placement(int *placement, mukca_dataset_builder *b, session *s,
+                                   const char *name)
+{
+    const int n = b->data->n_placements - s->first_placement;
+    for (int p = 0; p < n; p++)
+        if (strcmp(s->written[p], name) == 0) {
+            *placement = s->first_placement + p;
             return MUKCA_OK;
         }
+    char qualified[2 * MUKCA_NAME_SIZE + 2];
+    void *grown = realloc(s->written, ((size_t)n + 1) * sizeof *s->written);
+    if (!grown) return mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
+    s->written = grown;
+    snprintf(s->written[n], sizeof s->written[n], "%s", name);
+    snprintf(qualified, sizeof qualified, "%s:%s", s->stem, name);
+    qualified[MUKCA_NAME_SIZE - 1] = '\0';
+    return add_placement(placement, b, name, qualified);
+}
+
+/* Index of the row's socket, new where it is; of this file only. */
+static mukca_status find_socket(int *socket, mukca_dataset_builder *b, session *s,
+                                const mukca_row *row)
+{
+    const mukca_dataset *d = b->data;
+    const char *name = row->placement ? row->placement : s->stem;
+    int placement = 0;
+    mukca_status status = check_name(b, s, name, s->rows.placement);
+    if (status == MUKCA_OK) status = check_name(b, s, row->socket, s->rows.socket);
+    if (status == MUKCA_OK) status = find_placement(&placement, b, s, name);
+    if (status) return status;
+    for (int k = s->first_socket; k < d->n_sockets; k++)
+        if (d->sockets[k].placement == placement && strcmp(d->sockets[k].label, row->socket) == 0) {
+            *socket = k;
+            return MUKCA_OK;
+        }
+    if (d->n_sockets == MOST_SOCKETS)
+        return mukca_table_fail(b->error, &s->rows.table, s->rows.socket,
+                                "there are more than %d sockets", (int)MOST_SOCKETS);
     return mukca_build_socket(socket, b, placement, row->socket);
 }
 
 static mukca_status read_table(mukca_dataset_builder *b, const char *path)
 {
-    mukca_rows rows;
+    session s = {.first_placement = b->data->n_placements, .first_socket = b->data->n_sockets};
     mukca_row row;
-    const int first_placement = b->data->n_placements, first_socket = b->data->n_sockets;
     int file = 0;
     mukca_status status =
-        mukca_rows_open(&rows, path, MUKCA_HEADER, b->chain, b->note, b->context, b->error);
+        mukca_rows_open(&s.rows, path, MUKCA_HEADER, b->chain, b->note, b->context, b->error);
     if (status) return status;
-    if (rows.socket < 0 && (rows.position[0] < 0 || rows.placement >= 0))
-        status = mukca_table_fail(b->error, &rows.table, -1,
+    base_name(s.stem, path, 0, true);
+    if (s.rows.socket < 0 && (s.rows.position[0] < 0 || s.rows.placement >= 0))
+        status = mukca_table_fail(b->error, &s.rows.table, -1,
                                   "neither a session (placement, socket) nor a pose log (x_m, y_m, "
                                   "z_m): the header lacks such columns");
     if (status == MUKCA_OK) status = mukca_build_file(&file, b, path);
     while (status == MUKCA_OK) {
         bool more;
         int socket = -1;
-        status = mukca_rows_next(&rows, &row, &more, b->error);
+        status = mukca_rows_next(&s.rows, &row, &more, b->error);
         if (status || !more) break;
-        if (row.socket)
-            status = find_socket(&socket, b, &rows, &row, first_placement, first_socket);
-        if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, file, rows.table.row);
+        if (row.socket) status = find_socket(&socket, b, &s, &row);
+        if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, file, s.rows.table.row);
     }
-    if (status == MUKCA_OK && rows.table.row == 0)
+    if (status == MUKCA_OK && s.rows.table.row == 0)
         status = mukca_fail(b->error, MUKCA_INPUT, "%s: holds a header but no rows",
                             mukca_table_short_path(path));
-    mukca_rows_close(&rows);
+    mukca_rows_close(&s.rows);
+    free(s.written);
     return status;
 }
 

@@ -59,6 +59,16 @@ static mukca_status find_group(int *columns, const char *const *names, int n,
     return mukca_table_fail(error, &rows->table, -1, "no column '%s' beside its fellows", absent);
 }
 
+/* "<joint>.spread", which `mukca capture` writes, is known and not needed. */
+static bool is_spread(const mukca_rows *rows, int c)
+{
+    char name[MUKCA_NAME_SIZE];
+    const char *dot = strrchr(name_of(rows, c), '.');
+    if (!dot || strcmp(dot, ".spread") != 0) return false;
+    snprintf(name, sizeof name, "%.*s", (int)(dot - name_of(rows, c)), name_of(rows, c));
+    return mukca_chain_find_joint(rows->chain, name) >= 0;
+}
+
 static bool is_known(const mukca_rows *rows, int c)
 {
     const int single[] = {rows->placement, rows->socket, rows->time, rows->temperature,
@@ -69,6 +79,7 @@ static bool is_known(const mukca_rows *rows, int c)
         if (rows->joint[j] == c || rows->effort[j] == c || rows->command[j] == c ||
             rows->velocity[j] == c)
             return true;
+    if (is_spread(rows, c)) return true;
     for (int i = 0; i < 4; i++)
         if (rows->quaternion[i] == c || (i < 3 && rows->position[i] == c)) return true;
     return false;
@@ -93,6 +104,17 @@ static void note_extra_columns(const mukca_rows *rows)
     rows->note(rows->context, text);
 }
 
+/* Angles that a driver corrected before it published them (`mukca capture --stream corrected`). */
+static void note_corrected(const mukca_rows *rows)
+{
+    char text[256];
+    if (!rows->note || !strstr(rows->table.comments, "# stream: corrected\n")) return;
+    snprintf(text, sizeof text,
+             "%s: the stream was corrected by its driver already; what is found here comes on top",
+             mukca_table_short_path(rows->table.path));
+    rows->note(rows->context, text);
+}
+
 static mukca_status map_header(mukca_rows *rows, mukca_error *error)
 {
     static const char *const position[] = {"x_m", "y_m", "z_m"};
@@ -114,6 +136,7 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
     mukca_status status = find_group(rows->position, position, 3, rows, error);
     if (status == MUKCA_OK) status = find_group(rows->quaternion, quaternion, 4, rows, error);
     if (status == MUKCA_OK) note_extra_columns(rows);
+    if (status == MUKCA_OK) note_corrected(rows);
     return status;
 }
 

@@ -1,0 +1,92 @@
+/* Files that a test writes: a folder of its own, removed at the end; errors as text. */
+#ifndef MUKCA_TESTS_SCRATCH_H
+#define MUKCA_TESTS_SCRATCH_H
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "close.h"
+#include "mukca/status.h"
+
+static char scratch_folder[64];
+
+static inline int scratch_setup(void **state)
+{
+    (void)state;
+    snprintf(scratch_folder, sizeof scratch_folder, "/tmp/mukca_test_XXXXXX");
+    return mkdtemp(scratch_folder) ? 0 : 1;
+}
+
+static inline int scratch_remove(const char *folder)
+{
+    DIR *dir = opendir(folder);
+    if (!dir) return 1;
+    for (struct dirent *e; (e = readdir(dir));) {
+        char path[512];
+        if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0) continue;
+        snprintf(path, sizeof path, "%.200s/%.255s", folder, e->d_name);
+        if (unlink(path) != 0) scratch_remove(path);
+    }
+    closedir(dir);
+    return rmdir(folder);
+}
+
+static inline int scratch_teardown(void **state)
+{
+    (void)state;
+    return scratch_remove(scratch_folder);
+}
+
+/* Write bytes to a file of that name in the folder (made where the name has one); its path. */
+static inline const char *scratch_bytes(const char *name, const char *bytes, size_t length)
+{
+    static char path[8][256];
+    static int next;
+    char *p = path[next++ % 8];
+    snprintf(p, sizeof path[0], "%s/%s", scratch_folder, name);
+    char *slash = strrchr(p, '/');
+    *slash = '\0';
+    mkdir(p, 0777);
+    *slash = '/';
+    FILE *file = fopen(p, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, length, file), length);
+    assert_int_equal(fclose(file), 0);
+    return p;
+}
+
+static inline const char *scratch_file(const char *name, const char *text)
+{
+    return scratch_bytes(name, text, strlen(text));
+}
+
+/* The whole of a file, ended by a zero byte; free it. */
+static inline char *scratch_read(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    long size = ftell(file);
+    rewind(file);
+    char *text = calloc((size_t)size + 1, 1);
+    assert_non_null(text);
+    assert_int_equal(fread(text, 1, (size_t)size, file), size);
+    fclose(file);
+    return text;
+}
+
+/* An error of that status whose line holds `part` and is one line. */
+#define assert_error(status, wanted, error, part)                          \
+    do {                                                                   \
+        assert_int_equal((status), (wanted));                              \
+        if (!strstr((error).text, (part)) || strchr((error).text, '\n')) { \
+            print_error("'%s' lacks '%s'\n", (error).text, (part));        \
+            fail();                                                        \
+        }                                                                  \
+    } while (0)
+
+#endif

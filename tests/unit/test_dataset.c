@@ -1,0 +1,378 @@
+/* Datasets: folders, sessions and pose logs, in any mixture, and what is wrong with them. */
+#include "io/dataset_load.h"
+
+#include "mukca/dataset.h"
+#include "scratch.h"
+
+static mukca_chain chain;
+static mukca_dataset data;
+static mukca_error error;
+static char notes[2048];
+
+static void note(void *context, const char *text)
+{
+    (void)context;
+    strncat(notes, text, sizeof notes - strlen(notes) - 2);
+    strcat(notes, "\n");
+}
+
+/* Two revolute joints, z and y, links of 0.3 and 0.2 m. */
+static void make_chain(void)
+{
+    memset(&chain, 0, sizeof chain);
+    chain.n_elements = 3;
+    chain.n_joints = 2;
+    for (int k = 0; k < 3; k++) {
+        mukca_element *e = &chain.element[k];
+        snprintf(e->name, sizeof e->name, "%s", k == 0 ? "j1" : k == 1 ? "j2" : "tool");
+        e->type = k < 2 ? MUKCA_REVOLUTE : MUKCA_FIXED;
+        e->joint = k < 2 ? k : -1;
+        e->axis[k == 0 ? 2 : 1] = 1;
+        e->xyz[0] = k == 0 ? 0 : k == 1 ? 0.3 : 0.2;
+        e->lower = -3;
+        e->upper = 3;
+    }
+    chain.joint_element[1] = 1;
+}
+
+static mukca_status load(const char *const *paths, int n, const mukca_dataset_options *options)
+{
+    notes[0] = error.text[0] = '\0';
+    mukca_dataset_free(&data);
+    return mukca_dataset_load(&data, &chain, paths, n, options, note, NULL, &error);
+}
+
+static mukca_status load_one(const char *path, const mukca_dataset_options *options)
+{
+    return load(&path, 1, options);
+}
+
+/* A folder of the published kind; its path. */
+static const char *folder(const char *name, const char *hole_0, const char *hole_1)
+{
+    static char path[4][128];
+    static int next;
+    char file[128];
+    snprintf(path[next % 4], sizeof path[0], "%s/%s", scratch_folder, name);
+    snprintf(file, sizeof file, "%s/hole_0.csv", name);
+    scratch_file(file, hole_0);
+    snprintf(file, sizeof file, "%s/hole_1.csv", name);
+    if (hole_1) scratch_file(file, hole_1);
+    return path[next++ % 4];
+}
+
+static int setup(void **state)
+{
+    make_chain();
+    return scratch_setup(state);
+}
+
+static int teardown(void **state)
+{
+    mukca_dataset_free(&data);
+    return scratch_teardown(state);
+}
+
+static void folders_and_sessions_mix(void **state)
+{
+    (void)state;
+    const char *paths[] = {
+        folder("front", "0.1,0.2\n0.3,0.4\n0.5,0.6\n", "-1,2\n1,-2\n"),
+        scratch_file("s.tsv",
+                     "# robot: x\nplacement\tsocket\ttime_s\tj2\tj1\tj1.effort\tj2.effort\n"
+                     "low\tA\t10\t0.2\t0.1\t5\t6\nlow\tB\t11\t0.4\t0.3\t7\t8\n"
+                     "low\tA\t12\t0.6\t0.5\t\t9\nlow\tB\t13\t0.8\t0.7\t1\tnan\n"),
+        scratch_file("log.csv", "j1,j2,x_m,y_m,z_m\n1,2,0.1,0.2,0.3\n1,2,,,\n")};
+    assert_int_equal(load(paths, 3, NULL), MUKCA_OK);
+    assert_string_equal(notes, "");
+    assert_int_equal(data.n_rows, 11);
+    assert_int_equal(data.n_placements, 2);
+    assert_int_equal(data.n_sockets, 4);
+    assert_int_equal(data.n_files, 4);
+    assert_int_equal(data.n_distances, 2);
+    assert_string_equal(data.placements[0].name, "front");
+    assert_string_equal(data.placements[1].name, "low");
+    assert_string_equal(data.sockets[1].label, "1");
+    assert_string_equal(data.sockets[2].label, "A");
+    assert_close(data.distances[1].distance, 0.05, 0);
+    assert_int_equal(data.distances[1].a, 2);
+    assert_int_equal(data.distances[1].b, 3);
+    /* recording order, the chain's joint order */
+    static const int socket[] = {0, 0, 0, 1, 1, 2, 3, 2, 3, -1, -1};
+    static const int row[] = {1, 2, 3, 1, 2, 1, 2, 3, 4, 1, 2};
+    for (int i = 0; i < 11; i++) {
+        assert_int_equal(data.socket[i], socket[i]);
+        assert_int_equal(data.row[i], row[i]);
+    }
+    assert_true(data.q[2 * 7] == 0.5 && data.q[2 * 7 + 1] == 0.6);
+    assert_true(isnan(data.time[0]) && data.time[8] == 13);
+    assert_true(isnan(data.effort[2 * 4]) && data.effort[2 * 5] == 5);
+    assert_true(isnan(data.effort[2 * 7]) && data.effort[2 * 7 + 1] == 9);
+    assert_true(isnan(data.effort[2 * 8 + 1]));
+    assert_true(isnan(data.position[0]) && data.position[3 * 9 + 2] == 0.3);
+    assert_true(isnan(data.position[3 * 10]));
+    assert_null(data.quaternion);
+    assert_null(data.payload);
+    assert_int_equal(mukca_dataset_placement(&data, 5), 1);
+    assert_int_equal(mukca_dataset_placement(&data, 10), -1);
+}
+
+static void equal_names_stay_apart(void **state)
+{
+    (void)state;
+    const char *rows =
+        "placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t1\t0\t0\np\t0\t1\t1\np\t1\t1\t1\n";
+    const char *paths[] = {folder("p", "0,0\n1,1\n", "0,0\n1,1\n"), scratch_file("a.tsv", rows),
+                           scratch_file("b.tsv", rows), scratch_file("c/b.tsv", rows)};
+    assert_int_equal(load(paths, 4, NULL), MUKCA_OK);
+    assert_int_equal(data.n_placements, 4);
+    assert_int_equal(data.n_rows, 16);
+    assert_string_equal(data.placements[0].name, "p");
+    assert_string_equal(data.placements[1].name, "a:p");
+    assert_string_equal(data.placements[2].name, "b:p");
+    assert_string_equal(data.placements[3].name, "p#2");
+    assert_non_null(strstr(notes, "already"));
+    for (int s = 0; s < 8; s++) assert_int_equal(data.sockets[s].placement, s / 2);
+}
+
+static void a_session_without_placements_is_one(void **state)
+{
+    (void)state;
+    assert_int_equal(load_one(scratch_file("lab.tsv",
+                                           "socket\tj1\tj2\na\t0\t0\nb\t1\t1\na\t0\t0\n"
+                                           "b\t1\t1\n"),
+                              NULL),
+                     MUKCA_OK);
+    assert_int_equal(data.n_placements, 1);
+    assert_string_equal(data.placements[0].name, "lab");
+}
+
+static const char *three_sockets(void)
+{
+    return scratch_file("three.tsv",
+                        "placement\tsocket\tj1\tj2\np\ta\t0\t0\np\tb\t1\t0\np\tc\t0\t1\n"
+                        "p\ta\t0\t0\np\tb\t1\t0\np\tc\t0\t1\n");
+}
+
+static void distances_are_as_told(void **state)
+{
+    (void)state;
+    mukca_dataset_options options = {.distance = 0.08};
+    assert_int_equal(load_one(three_sockets(), &options), MUKCA_OK);
+    assert_int_equal(data.n_distances, 3);
+    assert_close(data.distances[2].distance, 0.08, 0);
+    assert_non_null(strstr(notes, "3 sockets"));
+    options.distances =
+        scratch_file("d.tsv", "socket_a\tsocket_b\tdistance_m\nc\ta\t0.1\nb\tc\t0.07\n");
+    assert_int_equal(load_one(three_sockets(), &options), MUKCA_OK);
+    assert_int_equal(data.n_distances, 2);
+    assert_int_equal(data.distances[0].a, 0);
+    assert_int_equal(data.distances[0].b, 2);
+    assert_close(data.distances[0].distance, 0.1, 0);
+    static const struct {
+        const char *rows, *part;
+    } bad[] = {{"a\tb\t0\n", "d.tsv:2: column 'distance_m': 0: a distance must be above 0"},
+               {"a\tb\t-1\n", "must be above 0"},
+               {"a\tb\t50\n", "looks like millimetres"},
+               {"a\ta\t0.1\n", "same socket"},
+               {"a\tb\t0.1\nb\ta\t0.1\n", "d.tsv:3: this pair of sockets comes twice"},
+               {"a\tx\t0.1\n", "names no pair of the sockets of placement 'p'"},
+               {"a\tb\tfar\n", "not a finite number"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char text[128];
+        snprintf(text, sizeof text, "socket_a\tsocket_b\tdistance_m\n%s", bad[i].rows);
+        options.distances = scratch_file("d.tsv", text);
+        assert_error(load_one(three_sockets(), &options), MUKCA_INPUT, error, bad[i].part);
+    }
+}
+
+static void bad_folders_get_one_clear_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *hole_0, *hole_1, *part;
+    } cases[] = {
+        {"0,0\n1,1\n", NULL, "no hole_1.csv"},
+        {"0,0\n1,1\n", "", "socket '1': 0 rows; at least 2 are needed"},
+        {"0,0\n", "0,0\n1,1\n", "socket '0': 1 row; at least 2"},
+        {"0,0\n1\n", "0,0\n1,1\n", "hole_0.csv:2: 1 columns, but 2"},
+        {"0,0,0\n1,1,1\n", "0,0\n1,1\n", "3 columns, but the chain has 2 joints"},
+        {"0,0\n1,x\n", "0,0\n1,1\n", "hole_0.csv:2: column 2: 'x' is not a finite number"},
+        {"0,nan\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 2: 'nan'"},
+        {"0,inf\n1,1\n", "0,0\n1,1\n", "'inf'"},
+        {"0;0\n1;1\n", "0,0\n1,1\n", "parted by ';'"},
+        {"0,0\n45,90\n", "0,0\n1,1\n", "hole_0.csv:2: column 1: 45 is more than two turns"},
+        {"j1,j2\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 1: 'j1' is not"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "bad%zu", i);
+        assert_error(load_one(folder(name, cases[i].hole_0, cases[i].hole_1), NULL), MUKCA_INPUT,
+                     error, cases[i].part);
+    }
+    assert_error(load_one(scratch_folder, NULL), MUKCA_INPUT, error, "no hole_0.csv");
+    assert_error(load_one("/nowhere", NULL), MUKCA_INPUT, error, "No such file");
+}
+
+static void bad_sessions_get_one_clear_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *part;
+    } cases[] = {
+        {"placement\tsocket\tj1\nx\t0\t0\n",
+         "s.tsv:1: no column for joint 'j2' of the chain; is it"},
+        {"placement\tsocket\tj1\tJ_2\n", "is it 'J_2'?"},
+        {"j1\tj2\n0\t0\n", "neither a session (placement, socket) nor a pose log"},
+        {"placement\tj1\tj2\n0\t0\t0\n", "neither a session"},
+        {"j1\tj2\tx_m\ty_m\n0\t0\t0\t0\n", "no column 'z_m' beside its fellows"},
+        {"placement\tsocket\tj1\tj2\n", "holds a header but no rows"},
+        {"placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t0\t1\t1\n",
+         "'p': only one socket; at least two"},
+        {"placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t0\t0\t0\np\t1\t0\t0\n", "socket '1': 1 row"},
+        {"placement\tsocket\tj1\tj2\np\t0\t0\t\n", "s.tsv:2: column 'j2': is empty"},
+        {"placement\tsocket\tj1\tj2\np\t\t0\t0\n", "column 'socket': is empty"},
+        {"placement\tsocket\tj1\tj2\np\t0\t0,5\t0\n", "decimal comma"},
+        {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t300\t0\t10\n", "300 looks like millimetres"},
+        {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t1\t\t0\n", "a position needs x_m, y_m and z_m"},
+        {"j1\tj2\tx_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n0\t0\t1\t0\t0\t1\t1\t0\t0\n",
+         "quaternion's length is not 1"},
+        {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t1\t0\t0\n0\t0\t1", "the last line is cut off"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_error(load_one(scratch_file("s.tsv", cases[i].text), NULL), MUKCA_INPUT, error,
+                     cases[i].part);
+    char text[300] = "placement\tsocket\tj1\tj2\n";
+    memset(text + strlen(text), 'x', 70);
+    strcat(text, "\t0\t0\t0\n");
+    assert_error(load_one(scratch_file("s.tsv", text), NULL), MUKCA_INPUT, error,
+                 "longer than 63 letters");
+}
+
+static void doubtful_data_are_read_with_a_note(void **state)
+{
+    (void)state;
+    const char *path =
+        scratch_file("odd.tsv",
+                     "# stream: corrected\nplacement\tsocket\tj1\tj2\tcolour\tj9\tj1.spread\n"
+                     "p\t0\t3.2\t0\tred\t1\t0\np\t1\t3."
+                     "3\t0\tred\t1\t0\np\t0\t0\t0\tred\t1\t0\np\t1\t0\t0\tred\t1\t0\n");
+    assert_int_equal(load_one(path, NULL), MUKCA_OK);
+    assert_non_null(strstr(notes, "2 columns are unknown and ignored: colour, j9\n"));
+    assert_non_null(strstr(notes, "odd.tsv:3: joint 'j1' is 0.2 rad beyond its limits"));
+    assert_null(strstr(notes, "odd.tsv:4"));
+    assert_non_null(strstr(notes, "corrected by its driver already"));
+    const mukca_dataset_options partial = {.partial = true};
+    assert_int_equal(
+        load_one(scratch_file("s.tsv", "placement\tsocket\tj1\tj2\np\t0\t0\t0\n"), &partial),
+        MUKCA_OK);
+    assert_int_equal(data.n_rows, 1);
+}
+
+/* x y z and the quaternion of the tip moved by `lever` in its frame. */
+static size_t print_pose(char *text, const double q[2], const double lever[3])
+{
+    mukca_geometry geometry;
+    mukca_frame tip;
+    double p[3], w[4];
+    mukca_geometry_set(&geometry, &chain, NULL);
+    mukca_fk_pose(&tip, &geometry, q, NULL);
+    mukca_mat3_vec(p, tip.R, lever);
+    mukca_rotation_to_quaternion(w, tip.R);
+    return (size_t)sprintf(text, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", p[0] + tip.p[0],
+                           p[1] + tip.p[1], p[2] + tip.p[2], w[0], w[1], w[2], w[3]);
+}
+
+/* Poses are measured 30 mm beside the tip; the operator's rows lie close to each other. */
+static void poses_are_paired_with_their_rows(void **state)
+{
+    (void)state;
+    enum { N = 12 };
+    static const double lever[3] = {0.01, -0.02, 0.02};
+    char rows[2000] = "", poses[8000] = "", shorter[8000] = "";
+    size_t a = 0, b = 0, c = 0;
+    for (int i = 0; i < N; i++) {
+        const double q[2] = {0.05 * i, 0.4 * sin(i)};
+        a += (size_t)sprintf(rows + a, "%.17g,%.17g\n", q[0], q[1]);
+        b += print_pose(poses + b, q, lever);
+        if (i != 4) c += print_pose(shorter + c, q, lever);
+        const double extra[2] = {0.05 * i + 0.02, 0.4 * cos(i)};
+        if (i % 5 == 1) b += print_pose(poses + b, extra, lever);
+    }
+    const char *path = folder("posed", rows, rows);
+    scratch_file("posed/hole_0_pose.csv", poses);
+    scratch_file("posed/hole_1_pose.csv", shorter);
+    assert_int_equal(load_one(path, NULL), MUKCA_OK);
+    assert_non_null(strstr(notes, "hole_0_pose.csv: 15 poses for 12 rows; 3 dropped"));
+    assert_non_null(strstr(notes, "hole_1_pose.csv: 11 poses for 12 rows; 1 rows go without"));
+    mukca_geometry geometry;
+    mukca_geometry_set(&geometry, &chain, NULL);
+    for (int i = 0; i < 2 * N; i++) {
+        mukca_frame tip;
+        double p[3], w[4];
+        if (i == N + 4) {
+            assert_true(isnan(data.position[3 * i]) && isnan(data.quaternion[4 * i]));
+            continue;
+        }
+        mukca_fk_pose(&tip, &geometry, data.q + 2 * i, NULL);
+        mukca_mat3_vec(p, tip.R, lever);
+        mukca_rotation_to_quaternion(w, tip.R);
+        for (int k = 0; k < 3; k++) assert_close(data.position[3 * i + k], p[k] + tip.p[k], 1e-12);
+        for (int k = 0; k < 4; k++) assert_close(data.quaternion[4 * i + k], w[k], 1e-12);
+    }
+    scratch_file("posed/hole_0_pose.csv", "0,0,0,1,0,0\n");
+    assert_error(load_one(path, NULL), MUKCA_INPUT, error, "6 columns; a pose has 7");
+    scratch_file("posed/hole_0_pose.csv", "0,0,0,1,1,0,0\n");
+    assert_error(load_one(path, NULL), MUKCA_INPUT, error, "length is not 1");
+    scratch_file("posed/hole_0_pose.csv", "0,0,300,1,0,0,0\n");
+    assert_error(load_one(path, NULL), MUKCA_INPUT, error, "millimetres");
+}
+
+static void subsets_keep_what_belongs_to_their_rows(void **state)
+{
+    (void)state;
+    const char *path =
+        scratch_file("sub.tsv",
+                     "placement\tsocket\ttime_s\tj1\tj2\tj1.command\tj2.command\tx_m\ty_m\tz_m\n"
+                     "p\t0\t5\t0\t1\t10e-1\t1\t0\t0\t1\np\t1\t6\t.2\t1\t.3\t1\t0\t0\t2\n"
+                     "p\t0\t8\t.4\t1\t.5\t1\t0\t0\t3\np\t1\t9\t.6\t2\t\t\t0\t0\t4\n");
+    assert_int_equal(load_one(path, NULL), MUKCA_OK);
+    mukca_joint_state joints;
+    double move[2];
+    mukca_dataset_state(&joints, move, &data, 0);
+    assert_true(move[0] == 0 && joints.time == 0 && joints.command[0] == 1);
+    mukca_dataset_state(&joints, move, &data, 3);
+    assert_close(move[0], 0.2, 1e-15);
+    assert_close(move[1], 1, 0);
+    assert_close(joints.time, 4, 0);
+    assert_null(joints.command);
+    assert_int_equal(joints.placement, 0);
+    const unsigned char keep[] = {0, 1, 0, 1};
+    mukca_dataset part;
+    assert_int_equal(mukca_dataset_subset(&part, &data, keep, &error), MUKCA_OK);
+    assert_int_equal(part.n_rows, 2);
+    assert_int_equal(part.n_sockets, 2);
+    assert_int_equal(part.n_distances, 1);
+    assert_int_equal(part.row[1], 4);
+    assert_int_equal(part.socket[0], 1);
+    assert_true(part.q[2] == 0.6 && part.time[1] == 9 && part.position[5] == 4);
+    assert_true(part.command[0] == 0.3 && isnan(part.command[2]));
+    assert_null(part.effort);
+    assert_string_equal(part.files[0], path);
+    mukca_dataset_free(&part);
+    mukca_dataset_free(&part);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(folders_and_sessions_mix),
+                                       cmocka_unit_test(equal_names_stay_apart),
+                                       cmocka_unit_test(a_session_without_placements_is_one),
+                                       cmocka_unit_test(distances_are_as_told),
+                                       cmocka_unit_test(bad_folders_get_one_clear_line),
+                                       cmocka_unit_test(bad_sessions_get_one_clear_line),
+                                       cmocka_unit_test(doubtful_data_are_read_with_a_note),
+                                       cmocka_unit_test(poses_are_paired_with_their_rows),
+                                       cmocka_unit_test(subsets_keep_what_belongs_to_their_rows)};
+    return cmocka_run_group_tests(tests, setup, teardown);
+}

@@ -1,0 +1,109 @@
+/* Numbers from text: the same bits as the C library's, and nothing else taken for one. */
+#include "base/number.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/suggest.h"
+#include "close.h"
+#include "math/random.h"
+
+static void check_same(const char *text)
+{
+    double ours = 1, theirs = strtod(text, NULL);
+    assert_true(mukca_number_parse(&ours, text));
+    if (memcmp(&ours, &theirs, sizeof ours) != 0) {
+        print_error("%s: %a, not %a\n", text, ours, theirs);
+        fail();
+    }
+}
+
+static void numbers_are_the_c_librarys(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"0",
+                                        "-0",
+                                        "+1",
+                                        "1.",
+                                        ".5",
+                                        "-1.5e-3",
+                                        "1e22",
+                                        "1e23",
+                                        "1e-22",
+                                        "9007199254740993",
+                                        "18446744073709551615",
+                                        "18446744073709551616",
+                                        "123456789012345678901234567890",
+                                        "4.9e-324",
+                                        "2.2250738585072011e-308",
+                                        "1e308",
+                                        "1e-400",
+                                        "0e99999",
+                                        "007",
+                                        "1E+5"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) check_same(texts[i]);
+    mukca_random random;
+    mukca_random_seed(&random, 7);
+    static const int digits[] = {17, 18, 9, 6, 3, 15};
+    for (int i = 0; i < 60000; i++) {
+        char text[64];
+        double scale = pow(10, mukca_random_below(&random, 40) - 20);
+        double value = scale * mukca_random_normal(&random);
+        if (i % 2)
+            snprintf(text, sizeof text, "%.*g", digits[i % 6], value);
+        else
+            snprintf(text, sizeof text, "%.*f", digits[i % 6], value);
+        check_same(text);
+    }
+}
+
+static void other_texts_are_no_numbers(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"",   " 1",  "1 ",    "0x10",   "nan",   "inf", "-inf",
+                                        "1e", "1e+", "1,5",   "--1",    "1.2.3", "e5",  ".",
+                                        "-",  "1f",  "1e999", "-1e999", "1_000", "１"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        double value;
+        if (mukca_number_parse(&value, texts[i])) {
+            print_error("'%s' was taken for %g\n", texts[i], value);
+            fail();
+        }
+    }
+}
+
+static void lists_have_exactly_n(void **state)
+{
+    (void)state;
+    double v[3];
+    assert_true(mukca_number_parse_list(v, 3, " 1\t-2.5\n 3e1 "));
+    assert_true(v[0] == 1 && v[1] == -2.5 && v[2] == 30);
+    assert_false(mukca_number_parse_list(v, 3, "1 2"));
+    assert_false(mukca_number_parse_list(v, 3, "1 2 3 4"));
+    assert_false(mukca_number_parse_list(v, 3, "1 2 x"));
+    assert_false(mukca_number_parse_list(v, 3, ""));
+}
+
+static void near_names_are_suggested(void **state)
+{
+    (void)state;
+    assert_int_equal(mukca_suggest_distance("", ""), 0);
+    assert_int_equal(mukca_suggest_distance("kitten", "sitting"), 3);
+    assert_int_equal(mukca_suggest_distance("clibrate", "calibrate"), 1);
+    assert_int_equal(mukca_suggest_distance("calirbate", "calibrate"), 1);
+    assert_int_equal(mukca_suggest_distance("Tip", "tip"), 0);
+    int best = 99;
+    assert_true(mukca_suggest_better(&best, "diagose", "diagnose"));
+    assert_false(mukca_suggest_better(&best, "diagose", "report"));
+    assert_int_equal(best, 1);
+    best = 99;
+    assert_false(mukca_suggest_better(&best, "x", "calibrate"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_are_the_c_librarys), cmocka_unit_test(other_texts_are_no_numbers),
+        cmocka_unit_test(lists_have_exactly_n), cmocka_unit_test(near_names_are_suggested)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,114 @@
+/* Output files: whole or not at all. */
+#include "io/output.h"
+
+#include <fcntl.h>
+
+#include "scratch.h"
+
+static mukca_error error;
+static mukca_output output;
+
+static const char *in_folder(const char *name)
+{
+    static char path[128];
+    snprintf(path, sizeof path, "%s/%s", scratch_folder, name);
+    return path;
+}
+
+static int count_files(void)
+{
+    int n = 0;
+    DIR *dir = opendir(scratch_folder);
+    for (struct dirent *e; (e = readdir(dir));) n += e->d_name[0] != '.' || e->d_name[1] == 'o';
+    closedir(dir);
+    return n;
+}
+
+static void check_content(const char *path, const char *wanted)
+{
+    char *text = scratch_read(path);
+    assert_string_equal(text, wanted);
+    free(text);
+}
+
+static void files_appear_when_they_are_whole(void **state)
+{
+    (void)state;
+    const char *path = in_folder("out");
+    assert_int_equal(mukca_output_check(path, false, &error), MUKCA_OK);
+    assert_int_equal(count_files(), 0);
+    assert_int_equal(mukca_output_open(&output, path, false, &error), MUKCA_OK);
+    fputs("hello", output.stream);
+    assert_true(access(path, F_OK) != 0);
+    assert_int_equal(mukca_output_close(&output, &error), MUKCA_OK);
+    check_content(path, "hello");
+    assert_int_equal(count_files(), 1);
+    /* a second one needs force; given up half-way it leaves the old one */
+    assert_error(mukca_output_open(&output, path, false, &error), MUKCA_INPUT, error,
+                 "exists already; --force overwrites it");
+    chmod(path, 0640);
+    assert_int_equal(mukca_output_open(&output, path, true, &error), MUKCA_OK);
+    fputs("half", output.stream);
+    mukca_output_abort(&output);
+    mukca_output_abort(&output);
+    check_content(path, "hello");
+    assert_int_equal(count_files(), 1);
+    assert_int_equal(mukca_output_open(&output, path, true, &error), MUKCA_OK);
+    fputs("new", output.stream);
+    assert_int_equal(mukca_output_close(&output, &error), MUKCA_OK);
+    check_content(path, "new");
+    struct stat info;
+    assert_int_equal(stat(path, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0640);
+    unlink(path);
+}
+
+static void links_stay_links(void **state)
+{
+    (void)state;
+    char real[128];
+    snprintf(real, sizeof real, "%s", scratch_file("real", "old"));
+    const char *link = in_folder("link");
+    assert_int_equal(symlink(real, link), 0);
+    assert_int_equal(mukca_output_open(&output, link, true, &error), MUKCA_OK);
+    fputs("new", output.stream);
+    assert_int_equal(mukca_output_close(&output, &error), MUKCA_OK);
+    check_content(real, "new");
+    struct stat info;
+    assert_int_equal(lstat(link, &info), 0);
+    assert_true(S_ISLNK(info.st_mode));
+    unlink(link);
+    unlink(real);
+}
+
+static void failures_are_told_in_one_line(void **state)
+{
+    (void)state;
+    assert_int_equal(mukca_output_open(&output, "/dev/full", false, &error), MUKCA_OK);
+    fputs("x", output.stream);
+    assert_error(mukca_output_close(&output, &error), MUKCA_INPUT, error,
+                 "/dev/full: cannot write: No space left");
+    for (int i = 0; i < 2; i++) { /* found by the buffer's own flush, too */
+        assert_int_equal(mukca_output_open(&output, "/dev/full", true, &error), MUKCA_OK);
+        for (int k = 0; k < 100000; k++) fputs("xxxxxxxx", output.stream);
+        assert_error(mukca_output_close(&output, &error), MUKCA_INPUT, error, "No space left");
+    }
+    assert_error(mukca_output_check("/nowhere/x", false, &error), MUKCA_INPUT, error,
+                 "/nowhere/x: cannot write: No such file");
+    assert_error(mukca_output_check(scratch_folder, true, &error), MUKCA_INPUT, error,
+                 "is a folder");
+    char name[1200];
+    memset(name, 'x', sizeof name - 1);
+    name[sizeof name - 1] = '\0';
+    assert_error(mukca_output_check(name, true, &error), MUKCA_INPUT, error, "too long");
+    assert_int_equal(mukca_output_check("-", false, &error), MUKCA_OK);
+    assert_int_equal(mukca_output_check("/dev/null", false, &error), MUKCA_OK);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(files_appear_when_they_are_whole),
+                                       cmocka_unit_test(links_stay_links),
+                                       cmocka_unit_test(failures_are_told_in_one_line)};
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
+}

@@ -1,0 +1,161 @@
+/* Tables: every dialect that people save, and a clear line for what is none. */
+#include "io/table.h"
+
+#include "scratch.h"
+
+static mukca_table table;
+static mukca_error error;
+
+/* Read all of a table; status of the first failure. */
+static mukca_status read_all(const char *path, mukca_table_kind kind)
+{
+    bool more = true;
+    mukca_status status = mukca_table_open(&table, path, kind, &error);
+    while (status == MUKCA_OK && more) status = mukca_table_next(&table, &more, &error);
+    return status;
+}
+
+static void dialects_are_read_alike(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "a\tb c\n1\t2\n\n3\t4\n",
+        "# one\n#two\na\tb c\n1\t2\n# three\n3\t4",
+        "\xEF\xBB\xBF"
+        "a,b c\r\n1,2\r\n3,4\r\n",
+        "\"a\" ,  \"b c\"\n 1 , 2 \n\"3\",\"4\"\n\n\n",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        bool more;
+        double v[4];
+        const char *path = scratch_file("t", texts[i]);
+        assert_int_equal(mukca_table_open(&table, path, MUKCA_HEADER, &error), MUKCA_OK);
+        assert_int_equal(table.n_columns, 2);
+        assert_int_equal(mukca_table_find(&table, "b c"), 1);
+        assert_int_equal(mukca_table_find(&table, "b"), -1);
+        for (int r = 0; r < 2; r++) {
+            assert_int_equal(mukca_table_next(&table, &more, &error), MUKCA_OK);
+            assert_true(more);
+            for (int c = 0; c < 2; c++)
+                assert_int_equal(mukca_table_number(&v[2 * r + c], &table, c, &error), MUKCA_OK);
+        }
+        assert_int_equal(mukca_table_next(&table, &more, &error), MUKCA_OK);
+        assert_false(more);
+        assert_int_equal(table.row, 2);
+        for (int k = 0; k < 4; k++) assert_true(v[k] == k + 1);
+        if (i == 1) assert_string_equal(table.comments, "# one\n#two\n");
+        mukca_table_close(&table);
+    }
+}
+
+static void tables_may_lack_a_header(void **state)
+{
+    (void)state;
+    const char *path = scratch_file("t.csv", "1.5,2\n3,4\n");
+    bool more;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(mukca_table_open(&table, path, i ? MUKCA_EITHER : MUKCA_NO_HEADER, &error),
+                         MUKCA_OK);
+        assert_null(table.header);
+        assert_int_equal(mukca_table_next(&table, &more, &error), MUKCA_OK);
+        assert_string_equal(table.cell[0], "1.5");
+        assert_int_equal(table.line, 1);
+        assert_int_equal(mukca_table_next(&table, &more, &error), MUKCA_OK);
+        assert_string_equal(table.cell[1], "4");
+        mukca_table_close(&table);
+    }
+    path = scratch_file("t.csv", "q1,2\n3,4\n");
+    assert_int_equal(mukca_table_open(&table, path, MUKCA_EITHER, &error), MUKCA_OK);
+    assert_non_null(table.header);
+    mukca_table_close(&table);
+}
+
+static void bad_tables_name_their_place(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *part;
+    } cases[] = {
+        {"", "t: is empty"},
+        {"# only\n", "t: is empty"},
+        {"1\t2\n", "t:1: starts with numbers"},
+        {"a\tb\na\n", "t:2: 1 columns, but 2 in the header"},
+        {"a\tb\n1\t2\n1\t2\t3\n", "t:3: 3 columns, but 2 in the header"},
+        {"a\tb\n1\t2\n1", "the last line is cut off"},
+        {"a\ta\n", "column 'a' comes twice"},
+        {"a;b\n1,5;2\n", "parted by ';'"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *path = scratch_file("t", cases[i].text);
+        assert_error(read_all(path, MUKCA_HEADER), MUKCA_INPUT, error, cases[i].part);
+        mukca_table_close(&table);
+    }
+    assert_error(read_all("/nowhere/t", MUKCA_HEADER), MUKCA_INPUT, error, "No such file");
+    assert_error(read_all(scratch_folder, MUKCA_HEADER), MUKCA_INPUT, error, "directory");
+    assert_error(read_all(scratch_bytes("t", "a\tb\n1\0\t2\n", 9), MUKCA_HEADER), MUKCA_INPUT,
+                 error, "t:2: holds a zero byte");
+    mukca_table_close(&table);
+    assert_error(read_all(scratch_bytes("t", "\0\n", 2), MUKCA_HEADER), MUKCA_INPUT, error,
+                 "zero byte");
+    mukca_table_close(&table);
+    assert_error(read_all("/dev/zero", MUKCA_HEADER), MUKCA_INPUT, error, "/dev/zero:1:");
+    mukca_table_close(&table);
+}
+
+static void bad_cells_name_their_column(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *cell, *part;
+    } cases[] = {{"", "t:2: column 'b': is empty"},
+                 {"x", "'x' is not a finite number"},
+                 {"nan", "'nan' is not a finite number"},
+                 {"inf", "'inf' is not a finite number"},
+                 {"1e999", "not a finite number"},
+                 {"0x1", "not a finite number"},
+                 {"1,5", "has a decimal comma; write a point"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[64];
+        double value;
+        bool more;
+        snprintf(text, sizeof text, "a\tb\n1\t%s\n", cases[i].cell);
+        const char *path = scratch_file("t", text);
+        assert_int_equal(mukca_table_open(&table, path, MUKCA_HEADER, &error), MUKCA_OK);
+        assert_int_equal(mukca_table_next(&table, &more, &error), MUKCA_OK);
+        assert_error(mukca_table_number(&value, &table, 1, &error), MUKCA_INPUT, error,
+                     cases[i].part);
+        mukca_table_close(&table);
+    }
+}
+
+static void long_lines_are_read_whole(void **state)
+{
+    (void)state;
+    enum { N = 3000 };
+    char *text = malloc(N * 16 + 2);
+    size_t length = 0;
+    for (int row = 0; row < 2; row++) {
+        for (int c = 0; c < N; c++)
+            length += (size_t)sprintf(text + length, row ? "%s%d" : "%sc%d", c ? "\t" : "", c);
+        text[length++] = '\n';
+        if (row == 0) assert_true(length < N * 8);
+    }
+    const char *path = scratch_bytes("long", text, length);
+    bool more;
+    assert_int_equal(mukca_table_open(&table, path, MUKCA_HEADER, &error), MUKCA_OK);
+    assert_int_equal(table.n_columns, N);
+    assert_int_equal(mukca_table_next(&table, &more, &error), MUKCA_OK);
+    assert_string_equal(table.cell[N - 1], "2999");
+    assert_string_equal(table.header[N - 1], "c2999");
+    mukca_table_close(&table);
+    free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(dialects_are_read_alike), cmocka_unit_test(tables_may_lack_a_header),
+        cmocka_unit_test(bad_tables_name_their_place),
+        cmocka_unit_test(bad_cells_name_their_column), cmocka_unit_test(long_lines_are_read_whole)};
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
+}

@@ -1,0 +1,252 @@
+/* URDF: chains, masses of side branches, gravity, and a clear line for every trap. */
+#include "io/urdf.h"
+
+#include "scratch.h"
+
+static mukca_chain chain;
+static mukca_error error;
+static char notes[1024];
+
+static void note(void *context, const char *text)
+{
+    (void)context;
+    strncat(notes, text, sizeof notes - strlen(notes) - 1);
+}
+
+static mukca_status load(const char *text, const mukca_urdf_options *options)
+{
+    notes[0] = '\0';
+    error.text[0] = '\0';
+    return mukca_urdf_load(&chain, scratch_file("r.urdf", text), options, note, NULL, &error);
+}
+
+#define LIMIT "<limit lower='-1' upper='2' effort='1' velocity='1'/>"
+#define JOINT(name, type, parent, child, inside)                                            \
+    "<joint name='" name "' type='" type "'><parent link='" parent "'/><child link='" child \
+    "'/>" inside "</joint>"
+#define MASS(kg, xyz)                                   \
+    "<inertial><origin xyz='" xyz "'/><mass value='" kg \
+    "'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>"
+
+/* base -a-> l1 -f-> l2 (prismatic p) -> l3 -tool-> ball; a gripper hangs on l2. */
+static const char arm[] =
+    "<?xml version='1.0'?>\n<robot name='arm'>\n"
+    "<link name='base'>" MASS("9", "0 0 0") "</link><link name='l1'>" MASS("2", "0.1 0 0") "</link>"
+    "<link name='l2'>" MASS("1", "0 0 0") "</link><link name='l3'/><link name='ball'/>"
+    "<link name='grip'>" MASS("0.5", "0 0 0.2") "</link><link name='finger'>" MASS("0.5", "0 1 0") "</link>\n"
+    JOINT("a", "revolute", "base", "l1",
+          "<origin xyz='0 0 0.3' rpy='0.1 1.5707963267948966 -0.2'/><axis xyz='0 0 3'/>" LIMIT)
+    JOINT("f", "fixed", "l1", "l2", "<origin xyz='1e-3 0\t-2'/>")
+    JOINT("p", "prismatic", "l2", "l3", "<axis xyz='0 -1 0'/>" LIMIT)
+    JOINT("c", "continuous", "l3", "ball", "<origin rpy='0 0 1'/>")
+    JOINT("g", "fixed", "l2", "grip", "<origin xyz='0 0 1' rpy='0 0 1.5707963267948966'/>")
+    JOINT("m", "prismatic", "grip", "finger", "<mimic joint='p'/><origin xyz='0.25 0 0'/>" LIMIT)
+    "</robot>\n";
+
+static void a_chain_is_read_exactly(void **state)
+{
+    (void)state;
+    assert_int_equal(load(arm, NULL), MUKCA_OK);
+    assert_string_equal(chain.robot, "arm");
+    assert_string_equal(chain.base, "base");
+    assert_string_equal(chain.tip, "ball");
+    assert_int_equal(chain.n_elements, 4);
+    assert_int_equal(chain.n_joints, 3);
+    static const mukca_joint_type types[] = {MUKCA_REVOLUTE, MUKCA_FIXED, MUKCA_PRISMATIC,
+                                             MUKCA_CONTINUOUS};
+    static const int joint[] = {0, -1, 1, 2};
+    for (int k = 0; k < 4; k++) {
+        assert_int_equal(chain.element[k].type, types[k]);
+        assert_int_equal(chain.element[k].joint, joint[k]);
+    }
+    /* what is written, to the last bit, at gimbal lock too */
+    assert_true(chain.element[0].rpy[0] == 0.1);
+    assert_true(chain.element[0].rpy[1] == 1.5707963267948966);
+    assert_true(chain.element[0].rpy[2] == -0.2);
+    assert_true(chain.element[1].xyz[0] == 1e-3 && chain.element[1].xyz[2] == -2);
+    assert_true(chain.element[0].axis[2] == 1);
+    assert_non_null(strstr(notes, "joint 'a': its axis has length 3"));
+    assert_true(chain.element[2].axis[1] == -1);
+    assert_true(chain.element[3].axis[0] == 1); /* URDF's default */
+    assert_true(chain.element[0].lower == -1 && chain.element[0].upper == 2);
+    assert_true(chain.element[3].upper == HUGE_VAL);
+    assert_int_equal(mukca_chain_find_joint(&chain, "c"), 2);
+}
+
+static void side_branches_are_folded_onto_the_chain(void **state)
+{
+    (void)state;
+    assert_int_equal(load(arm, NULL), MUKCA_OK);
+    assert_int_equal(chain.n_masses, 2); /* the base's own does not move */
+    assert_int_equal(chain.mass[0].element, 0);
+    assert_close(chain.mass[0].kg, 2, 0);
+    assert_close(chain.mass[0].com[0], 0.1, 1e-15);
+    /* l2: 1 kg at 0; grip: 0.5 kg at (0, 0, 1.2); finger, turned by 90 degrees about z:
+     * 0.5 kg at (0, 0.25, 1) + Rz(90) (0, 1, 0) = (-1, 0.25, 1) */
+    assert_int_equal(chain.mass[1].element, 1);
+    assert_close(chain.mass[1].kg, 2, 1e-15);
+    assert_close(chain.mass[1].com[0], -0.5 / 2, 1e-15);
+    assert_close(chain.mass[1].com[1], 0.125 / 2, 1e-15);
+    assert_close(chain.mass[1].com[2], 1.1 / 2, 1e-15);
+    const mukca_urdf_options options = {
+        .inertials = scratch_file("i.tsv",
+                                  "link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\n"
+                                  "l1\t7\t0\t0\t1\nball\t0.25\t0\t0\t0\n")};
+    assert_int_equal(load(arm, &options), MUKCA_OK);
+    assert_int_equal(chain.n_masses, 3);
+    assert_close(chain.mass[0].kg, 7, 0);
+    assert_close(chain.mass[0].com[2], 1, 0);
+    assert_close(chain.mass[2].kg, 0.25, 0);
+    assert_int_equal(chain.mass[2].element, 3);
+}
+
+static void any_two_links_make_a_chain(void **state)
+{
+    (void)state;
+    mukca_urdf_options options = {.base = "l1", .tip = "l3"};
+    assert_int_equal(load(arm, &options), MUKCA_OK);
+    assert_int_equal(chain.n_elements, 2);
+    assert_int_equal(chain.n_joints, 1);
+    /* gravity of an upright root, in l1's frame: z of the base is -x of l1 at pitch 90, yaw and
+     * roll cancel to a turn about it */
+    assert_close(mukca_dot3(chain.gravity, chain.gravity), 9.80665 * 9.80665, 1e-12);
+    assert_close(chain.gravity[0], 9.80665, 1e-12);
+    assert_non_null(strstr(notes, "--gravity"));
+    options.gravity[1] = 1;
+    assert_int_equal(load(arm, &options), MUKCA_OK);
+    assert_true(chain.gravity[0] == 0 && chain.gravity[1] == 1);
+    options.base = NULL;
+    options.tip = "grip";
+    assert_int_equal(load(arm, &options), MUKCA_OK);
+    assert_string_equal(chain.tip, "grip");
+}
+
+static void sha256_is_the_files(void **state)
+{
+    (void)state;
+    /* sha256sum of this very text */
+    assert_int_equal(load("<robot name='x'><link name='a'/><link name='b'/>"
+                          "<joint name='j' type='continuous'><parent link='a'/><child link='b'/>"
+                          "</joint></robot>",
+                          NULL),
+                     MUKCA_OK);
+    assert_string_equal(chain.urdf_sha256,
+                        "76e4a9aab1d412a8953aa7b8f946b19c35978dc063dee071541c60360a52b5df");
+}
+
+#define TWO(inside) \
+    "<robot name='r'>\n<link name='a'/><link name='b'/><link name='c'/>\n" inside "</robot>"
+#define AB JOINT("j", "revolute", "a", "b", LIMIT)
+#define BC JOINT("k", "fixed", "b", "c", "")
+
+static void traps_get_one_clear_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *part;
+    } cases[] = {
+        {"", "is empty"},
+        {"<robot name='r'><link></robot>", "r.urdf:1: broken XML: "},
+        {"hello", "broken XML"},
+        {"<html/>", "not <robot>"},
+        {"<robot name='r'/>", "urdfdom refuses it"},
+        {TWO("<xacro:macro name='m'/>" AB BC), "r.urdf:3: holds xacro macros"},
+        {TWO(JOINT("j", "revolute", "a", "b", "<origin xyz='${l} 0 0'/>" LIMIT) BC),
+         "r.urdf:3: holds a xacro expression"},
+        {TWO(JOINT("j", "revolute", "a", "b", "<origin xyz='0 0'/>" LIMIT) BC),
+         "r.urdf:3: joint 'j': origin xyz and rpy must be three numbers"},
+        {TWO(JOINT("j", "revolute", "a", "b", "<origin rpy='0 nan 0'/>" LIMIT) BC), "joint 'j'"},
+        {TWO(JOINT("j", "revolute", "a", "b", "<axis xyz='0 0 0'/>" LIMIT) BC),
+         "r.urdf:3: joint 'j': its axis is 0 0 0"},
+        {TWO(JOINT("j", "revolute", "a", "b", "<mimic joint='k'/>" LIMIT) BC), "it mimics 'k'"},
+        {TWO(JOINT("j", "planar", "a", "b", "") BC), "planar or floating"},
+        {TWO(JOINT("j", "floating", "a", "b", "") BC), "planar or floating"},
+        {TWO(JOINT("j", "hinge", "a", "b", "") BC), "no known type [hinge]"},
+        {TWO(JOINT("j", "revolute", "a", "b", "") BC), "urdfdom refuses it"}, /* no limit */
+        {TWO(AB), "Two root links found"},
+        {TWO(AB BC JOINT("l", "fixed", "a", "c", "")), "is the child of another joint too"},
+        {TWO(AB JOINT("k", "fixed", "b", "a", "")),
+         "r.urdf:3: joint 'k': link 'a' is part of a cycle"},
+        {TWO(AB BC "<link name='x'/><link name='y'/>" JOINT("m", "fixed", "x", "y", "")
+                 JOINT("n", "fixed", "y", "x", "")),
+         "cycle that the root does not reach"},
+        {TWO(AB JOINT("k", "fixed", "b", "z", "")), "child link [z] of joint [k] not found"},
+        {TWO(AB JOINT("j", "fixed", "b", "c", "")), "joint 'j' is not unique"},
+        {TWO(JOINT("j", "fixed", "a", "b", "") BC), "no joint moves between 'a' and 'c'"},
+        {TWO(AB JOINT("k", "fixed", "a", "c", "")), "several ends, choose one by --tip: b, c"},
+        {TWO(AB BC "<link name='"
+                   "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
+                   "'/>" JOINT(
+                       "l", "fixed", "c",
+                       "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx", "")),
+         "is longer than 63 letters"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_error(load(cases[i].text, NULL), MUKCA_INPUT, error, cases[i].part);
+}
+
+static void links_that_are_not_there_are_suggested(void **state)
+{
+    (void)state;
+    mukca_urdf_options options = {.tip = "bal"};
+    assert_error(load(arm, &options), MUKCA_INPUT, error, "did you mean ball?");
+    options.tip = "wrist";
+    assert_error(load(arm, &options), MUKCA_INPUT, error, "links: ball, base, finger");
+    options.tip = "l1";
+    options.base = "l2";
+    assert_error(load(arm, &options), MUKCA_INPUT, error,
+                 "is not below 'l2' (--base); below it end");
+    options.base = "nix";
+    assert_error(load(arm, &options), MUKCA_INPUT, error, "(--base)");
+    static const struct {
+        const char *rows, *part;
+    } inertials[] = {
+        {"l9\t1\t0\t0\t0\n", "did you mean l"},
+        {"l1\t-1\t0\t0\t0\n", "i.tsv:2: column 'mass_kg': a mass cannot be negative"},
+        {"l1\t1\t0\t0\t0\nl1\t1\t0\t0\t0\n", "i.tsv:3: column 'link': link 'l1' comes twice"},
+        {"l1\t1\t0\t0\n", "i.tsv:2: 4 columns"}};
+    for (size_t i = 0; i < sizeof inertials / sizeof *inertials; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\n%s",
+                 inertials[i].rows);
+        const mukca_urdf_options with = {.inertials = scratch_file("i.tsv", text)};
+        assert_error(load(arm, &with), MUKCA_INPUT, error, inertials[i].part);
+    }
+    const mukca_urdf_options lacking = {.inertials = scratch_file("i.tsv", "link\tkg\n")};
+    assert_error(load(arm, &lacking), MUKCA_INPUT, error, "no column 'mass_kg'");
+}
+
+static void hostile_files_are_refused_before_urdfdom_sees_them(void **state)
+{
+    (void)state;
+    enum { DEPTH = 50000 };
+    char *text = malloc(DEPTH * 8 + 64);
+    size_t n = (size_t)sprintf(text, "<robot name='r'>");
+    for (int i = 0; i < DEPTH; i++) n += (size_t)sprintf(text + n, "<a>");
+    for (int i = 0; i < DEPTH; i++) n += (size_t)sprintf(text + n, "</a>");
+    sprintf(text + n, "</robot>");
+    assert_error(load(text, NULL), MUKCA_INPUT, error, "nested more than");
+    free(text);
+    assert_error(mukca_urdf_load(&chain, "/dev/zero", NULL, NULL, NULL, &error), MUKCA_INPUT, error,
+                 "larger than");
+    assert_error(mukca_urdf_load(&chain, scratch_folder, NULL, NULL, NULL, &error), MUKCA_INPUT,
+                 error, "directory");
+    assert_error(mukca_urdf_load(&chain, "/nowhere/x", NULL, NULL, NULL, NULL), MUKCA_INPUT,
+                 (mukca_error){0}, "");
+    assert_error(
+        mukca_urdf_load(&chain, scratch_bytes("r.urdf", "<robot\0>", 8), NULL, NULL, NULL, &error),
+        MUKCA_INPUT, error, "zero byte");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_chain_is_read_exactly),
+        cmocka_unit_test(side_branches_are_folded_onto_the_chain),
+        cmocka_unit_test(any_two_links_make_a_chain),
+        cmocka_unit_test(sha256_is_the_files),
+        cmocka_unit_test(traps_get_one_clear_line),
+        cmocka_unit_test(links_that_are_not_there_are_suggested),
+        cmocka_unit_test(hostile_files_are_refused_before_urdfdom_sees_them)};
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
+}
