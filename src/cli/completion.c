@@ -59,7 +59,8 @@ static void print_zsh_option(const cli_option *o)
         for (int i = 0; o->choices[i]; i++) printf("%s%s", i ? " " : "", o->choices[i]);
         putchar(')');
     } else if (o->kind != CLI_FLAG) {
-        printf(":%s:%s", o->argument, o->kind == CLI_TEXT || o->kind == CLI_REST ? "_files" : " ");
+        bool file = strcmp(o->argument, "FILE") == 0 || strncmp(o->argument, "DATA", 4) == 0;
+        printf(":%s:%s", o->argument, file ? "_files" : " ");
     }
     puts("' \\");
 }

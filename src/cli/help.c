@@ -156,8 +156,10 @@ void cli_print_effects(FILE *stream)
                  {MUKCA_NEEDS_TIME, "the time_s column"},
                  {MUKCA_NEEDS_PLACEMENTS, "two placements or more"},
                  {MUKCA_NEEDS_SOCKETS, "socket data"}};
-    fputs("The effects that `mukca diagnose` can name and `mukca simulate --effect` can make:\n\n",
-          stream);
+    cli_print_wrapped(
+        stream, 0,
+        "The effects that `mukca diagnose` can name and `mukca simulate --effect` can "
+        "make, with the unit of their coefficients:\n\n");
     for (size_t i = 0; i < sizeof effects / sizeof *effects; i++) {
         fprintf(stream, "%s%s%s (%s)\n    ", cli_bold(stream), effects[i].name, cli_plain(stream),
                 effects[i].unit);

@@ -1,0 +1,208 @@
+/* Command lines: parsed by the option tables, told in one line where they are wrong. */
+#include "cli/cli.h"
+
+#include "scratch.h"
+
+typedef struct {
+    cli_common common;
+    bool flag;
+    const char *text;
+    double number;
+    int integer, choice;
+    cli_list texts, rest;
+} test_options;
+
+static const char *const colours[] = {"red", "green", "blue", NULL};
+
+#define AT(member) offsetof(test_options, member)
+static const cli_option options[] = {
+    {"flag", 'f', CLI_FLAG, NULL, "a flag", NULL, AT(flag)},
+    {"text", 't', CLI_TEXT, "TEXT", "a text", NULL, AT(text)},
+    {"number", 0, CLI_NUMBER, "N", "a number", NULL, AT(number)},
+    {"integer", 'i', CLI_INTEGER, "N", "a whole number", NULL, AT(integer)},
+    {"colour", 0, CLI_CHOICE, "COLOUR", "a colour", colours, AT(choice)},
+    {"each", 'e', CLI_TEXTS, "TEXT", "texts", NULL, AT(texts)},
+    {"test", 0, CLI_REST, "DATA...", "data", NULL, AT(rest)},
+    CLI_DISTANCE_OPTIONS,
+    CLI_MODEL_OPTIONS,
+    CLI_OUTPUT_OPTION("output"),
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+static const test_options defaults = {.number = 7, .choice = 1};
+
+static const cli_command command = {.name = "try",
+                                    .synopsis = "DATA...",
+                                    .min_arguments = 1,
+                                    .max_arguments = 3,
+                                    .options = options,
+                                    .options_size = sizeof(test_options),
+                                    .defaults = &defaults};
+
+static cli_call call;
+static bool help;
+
+/* Parse words parted by spaces. */
+static mukca_status parse(const char *line)
+{
+    static char buffer[512];
+    static char *words[32];
+    int n = 0;
+    snprintf(buffer, sizeof buffer, "%s", line);
+    for (char *word = strtok(buffer, " "); word; word = strtok(NULL, " ")) words[n++] = word;
+    call = (cli_call){.command = &command};
+    return cli_parse(&call, &help, n, words);
+}
+
+static void good_lines_are_understood(void **state)
+{
+    (void)state;
+    assert_int_equal(parse("a --flag -t hello --number=-1.5 -i12 --colour blue b -e x --each=y"),
+                     MUKCA_OK);
+    const test_options *o = call.options;
+    assert_true(o->flag);
+    assert_string_equal(o->text, "hello");
+    assert_true(o->number == -1.5 && o->integer == 12 && o->choice == 2);
+    assert_int_equal(o->texts.n, 2);
+    assert_string_equal(o->texts.items[1], "y");
+    assert_int_equal(call.arguments.n, 2);
+    assert_string_equal(call.arguments.items[1], "b");
+    assert_false(help);
+    cli_call_free(&call);
+
+    assert_int_equal(parse("a"), MUKCA_OK);
+    o = call.options;
+    assert_true(o->number == 7 && o->choice == 1 && !o->flag && !o->text);
+    cli_call_free(&call);
+
+    assert_int_equal(parse("a --test b c - --flag d --test e"), MUKCA_OK);
+    o = call.options;
+    assert_int_equal(o->rest.n, 4);
+    assert_string_equal(o->rest.items[2], "-");
+    assert_string_equal(o->rest.items[3], "e");
+    assert_int_equal(call.arguments.n, 2);
+    cli_call_free(&call);
+
+    assert_int_equal(parse("--test b -- -x --flag"), MUKCA_OK);
+    o = call.options;
+    assert_int_equal(o->rest.n, 1);
+    assert_string_equal(call.arguments.items[1], "--flag");
+    assert_false(o->flag);
+    cli_call_free(&call);
+
+    assert_int_equal(parse("a -qvf --gravity 0,9.8,-1e-3 --distance 0.08 -o -"), MUKCA_OK);
+    o = call.options;
+    assert_true(o->common.quiet && o->common.verbose && o->flag);
+    assert_true(o->common.gravity[1] == 9.8 && o->common.gravity[2] == -1e-3);
+    assert_true(call.common->distance == 0.08);
+    assert_string_equal(call.common->output, "-");
+    cli_call_free(&call);
+
+    assert_int_equal(parse("--help"), MUKCA_OK);
+    assert_true(help);
+    cli_call_free(&call);
+    assert_int_equal(parse("-h"), MUKCA_OK);
+    assert_true(help);
+    cli_call_free(&call);
+}
+
+static void bad_lines_get_one_clear_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line, *part;
+    } cases[] = {
+        {"", "needs DATA...; see `mukca help try`"},
+        {"a b c d", "unexpected argument 'd'"},
+        {"a --flags", "unknown option --flags; did you mean --flag?"},
+        {"a --numbre 3", "did you mean --number?"},
+        {"a --zzz=3", "unknown option --zzz; see `mukca help try`"},
+        {"a -z", "unknown option -z"},
+        {"a -fz", "unknown option -fz"},
+        {"a --flag=1", "--flag takes no value"},
+        {"a --text", "--text needs TEXT"},
+        {"a -t", "--text needs TEXT"},
+        {"a --number x", "--number x: must be a number"},
+        {"a --number 1,5", "must be a number"},
+        {"a --number nan", "must be a number"},
+        {"a --number inf", "must be a number"},
+        {"a --number 1e999", "must be a number"},
+        {"a --integer 1.5", "must be a whole number"},
+        {"a --integer 99999999999", "must be a whole number"},
+        {"a --colour pink", "--colour pink: must be one of red, green, blue"},
+        {"a --test --flag", "--test needs DATA..."},
+        {"a --distance 0", "--distance 0: must be a number above 0"},
+        {"a --distance -0.1", "must be a number above 0"},
+        {"a --gravity 1,2", "must be three numbers"},
+        {"a --gravity 0,0,0", "not all 0"},
+        {"a --gravity 1,2,3,4", "must be three numbers"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        mukca_status status = parse(cases[i].line);
+        assert_error(status, MUKCA_USAGE, call.error, cases[i].part);
+        cli_call_free(&call);
+    }
+}
+
+static void help_wraps_and_names_everything(void **state)
+{
+    (void)state;
+    char path[128];
+    snprintf(path, sizeof path, "%s/help", scratch_folder);
+    FILE *file = fopen(path, "w");
+    cli_print_overview(file);
+    cli_print_effects(file);
+    cli_print_start(file);
+    for (const cli_command *const *c = cli_commands; *c; c++) cli_print_command_help(file, *c);
+    fclose(file);
+    char *text = scratch_read(path);
+    for (const cli_command *const *c = cli_commands; *c; c++) {
+        assert_non_null(strstr(text, (*c)->example));
+        assert_null(strchr((*c)->summary, '\n'));
+        assert_true((*c)->summary[strlen((*c)->summary) - 1] != '.');
+        assert_non_null(strstr((*c)->example, "mukca "));
+        assert_ptr_equal(cli_find_command((*c)->name), *c);
+        assert_true((*c)->options_size >= sizeof(cli_common));
+        for (const cli_option *o = (*c)->options; o->name; o++) {
+            char option[80];
+            cli_format_option(option, sizeof option, o);
+            assert_non_null(strstr(text, option));
+            assert_true((o->argument == NULL) == (o->kind == CLI_FLAG));
+            assert_true((o->choices != NULL) == (o->kind == CLI_CHOICE));
+            assert_true(o->offset < (*c)->options_size);
+            for (const cli_option *p = (*c)->options; p < o; p++) {
+                assert_string_not_equal(p->name, o->name);
+                assert_true(!o->letter || o->letter != p->letter);
+            }
+        }
+    }
+    bool example = false;
+    for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) {
+        example = line[0] == ' ' && example;
+        if (strcmp(line, "Example:") == 0) example = true;
+        if (!example && strlen(line) > 79) print_error("too wide: %s\n", line);
+        assert_true(example || strlen(line) <= 79);
+    }
+    free(text);
+}
+
+static void json_has_no_nan(void **state)
+{
+    (void)state;
+    const double values[] = {1 / 3., (double)NAN, HUGE_VAL, -HUGE_VAL, 0};
+    json_t *root = json_pack("{s:o, s:o, s:o}", "v", cli_json_reals(values, 5), "t",
+                             cli_json_text("a"), "n", cli_json_text(NULL));
+    char *text = json_dumps(root, JSON_REAL_PRECISION(17) | JSON_COMPACT | JSON_SORT_KEYS);
+    assert_string_equal(text,
+                        "{\"n\":null,\"t\":\"a\",\"v\":[0.33333333333333331,null,null,null,0.0]}");
+    free(text);
+    json_decref(root);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(good_lines_are_understood), cmocka_unit_test(bad_lines_get_one_clear_line),
+        cmocka_unit_test(help_wraps_and_names_everything), cmocka_unit_test(json_has_no_nan)};
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
+}

@@ -1,0 +1,332 @@
+/* The offsets table: what is written is read back to the last bit, and never for another arm. */
+#include "io/offsets.h"
+
+#include "io/export.h"
+#include "io/urdf.h"
+#include "math/random.h"
+#include "scratch.h"
+
+static mukca_chain chain;
+static mukca_offsets offsets, back;
+static mukca_error error;
+static char notes[1024];
+
+static void note(void *context, const char *text)
+{
+    (void)context;
+    strncat(notes, text, sizeof notes - strlen(notes) - 1);
+}
+
+/* Odd on purpose: CR LF, single quotes, comments that look like joints, a joint without origin, a
+ * transmission that names one, attributes in another order, a tab inside. */
+static const char urdf[] =
+    "<?xml version='1.0'?>\r\n<!-- <joint name='a'><origin xyz='9 9 9'/></joint> -->\r\n"
+    "<robot name='odd &amp; arm'>\r\n"
+    "<link name='base'/><link name='l1'/><link name='l2'/><link name='ball'/><link "
+    "name='side'/>\r\n"
+    "<joint  type='revolute'  name='a' >\r\n\t<origin rpy='0 1.5 0'\txyz = '0.1 -0.2 0.3' "
+    "></origin>"
+    "<parent link='base'/><child link='l1'/><limit lower='-3' upper='3' effort='1' velocity='1'/>"
+    "</joint>\r\n"
+    "<joint name='b' type='continuous'>\r\n    <parent link='l1'/><child link='l2'/>"
+    "<axis xyz='0 1 0'/></joint>\r\n"
+    "<joint name=\"t\" type=\"fixed\"><origin xyz=\"0 0 0.5\" />"
+    "<parent link=\"l2\"/><child link=\"ball\"/></joint>\r\n"
+    "<joint name='s' type='fixed'><origin xyz='0 0 1'/><parent link='l2'/><child "
+    "link='side'/></joint>\r\n"
+    "<transmission name='x'><joint name='a'><origin xyz='7 7 7'/></joint></transmission>\r\n"
+    "</robot>\r\n<!-- the end, no newline -->";
+
+static const char *urdf_path(void)
+{
+    return scratch_file("odd.urdf", urdf);
+}
+
+static int setup(void **state)
+{
+    if (scratch_setup(state)) return 1;
+    if (mukca_urdf_load(&chain, urdf_path(), NULL, NULL, NULL, &error)) return 1;
+    mukca_random random;
+    mukca_random_seed(&random, 3);
+    mukca_offsets_init(&offsets, &chain);
+    for (int i = 0; i < 18; i++) {
+        offsets.theta[i] += 1e-3 * mukca_random_normal(&random);
+        offsets.sigma[i] = i == 4 ? HUGE_VAL : 1e-5 * (i + 1);
+        offsets.identifiable[i] = i != 4;
+        offsets.listed[i] = 1;
+    }
+    return 0;
+}
+
+static void add_effect(mukca_effect_kind kind, int joint, int placement, int variant)
+{
+    mukca_effect *e = &offsets.effects[offsets.n_effects];
+    *e = (mukca_effect){.kind = kind, .joint = joint, .placement = placement, .variant = variant};
+    e->terms = mukca_effect_terms(kind, variant);
+    for (int t = 0; t < e->terms; t++) {
+        e->coefficient[t] = 1e-3 / 3 * (t + 1 + offsets.n_effects);
+        offsets.effect_sigma[offsets.n_effects][t] = 1e-6 * (t + 1);
+    }
+    offsets.n_effects++;
+}
+
+static void add_effects(void)
+{
+    offsets.n_effects = 0;
+    add_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 1, -1, 0);
+    add_effect(MUKCA_EFFECT_BASE_COMPLIANCE, -1, -1, 0);
+    add_effect(MUKCA_EFFECT_GEAR_HARMONIC, 0, -1, 240);
+    add_effect(MUKCA_EFFECT_GEAR_HARMONIC, 0, -1, 120);
+    add_effect(MUKCA_EFFECT_AXIS_WOBBLE, 1, -1, 12);
+    add_effect(MUKCA_EFFECT_BACKLASH, 0, -1, 300);
+    add_effect(MUKCA_EFFECT_JOINT_DRIFT, 0, -1, 1000);
+    add_effect(MUKCA_EFFECT_READBACK_LAG, -1, -1, 1);
+    add_effect(MUKCA_EFFECT_ZERO_JUMP, 1, 2, 0);
+    add_effect(MUKCA_EFFECT_BALL_SHIFT, -1, 0, 0);
+    static const char *const names[] = {"front", "back left", "high"};
+    offsets.n_placements = 3;
+    for (int p = 0; p < 3; p++) snprintf(offsets.placements[p], MUKCA_NAME_SIZE, "%s", names[p]);
+}
+
+/* Write the table; its path. */
+static const char *write_table(void)
+{
+    static char path[128];
+    snprintf(path, sizeof path, "%s/offsets.tsv", scratch_folder);
+    FILE *file = fopen(path, "w");
+    assert_int_equal(mukca_offsets_write(file, &offsets, &chain, NULL, "one\ntwo", &error),
+                     MUKCA_OK);
+    fclose(file);
+    return path;
+}
+
+static mukca_status read_table(const char *path, bool force)
+{
+    notes[0] = error.text[0] = '\0';
+    return mukca_offsets_read(&back, &chain, path, force, note, NULL, &error);
+}
+
+static void tables_come_back_to_the_last_bit(void **state)
+{
+    (void)state;
+    add_effects();
+    assert_int_equal(read_table(write_table(), false), MUKCA_OK);
+    assert_string_equal(notes, "");
+    assert_memory_equal(back.theta, offsets.theta, sizeof back.theta);
+    assert_memory_equal(back.sigma, offsets.sigma, sizeof back.sigma);
+    assert_memory_equal(back.listed, offsets.listed, sizeof back.listed);
+    assert_memory_equal(back.identifiable, offsets.identifiable, sizeof back.identifiable);
+    assert_int_equal(back.n_effects, offsets.n_effects);
+    for (int e = 0; e < back.n_effects; e++) {
+        const mukca_effect *a = &back.effects[e], *b = &offsets.effects[e];
+        assert_int_equal(a->kind, b->kind);
+        assert_int_equal(a->joint, b->joint);
+        assert_int_equal(a->placement, b->placement);
+        assert_int_equal(a->variant, b->variant);
+        assert_int_equal(a->terms, b->terms);
+        for (int t = 0; t < a->terms; t++) {
+            assert_true(a->coefficient[t] == b->coefficient[t]);
+            assert_true(back.effect_sigma[e][t] == offsets.effect_sigma[e][t]);
+        }
+    }
+    assert_string_equal(back.placements[1], "back left");
+    /* in another dataset the placements have other numbers */
+    mukca_placement named[2] = {{"high"}, {"front"}};
+    const mukca_dataset data = {.n_placements = 2, .placements = named};
+    mukca_effect placed[MUKCA_MAX_EFFECTS];
+    mukca_offsets_place_effects(placed, &back, &data);
+    assert_int_equal(placed[8].placement, 0);
+    assert_int_equal(placed[9].placement, 1);
+    named[0].name[0] = 'x';
+    mukca_offsets_place_effects(placed, &back, &data);
+    assert_int_equal(placed[8].placement, -1);
+}
+
+static void tables_tell_where_they_come_from(void **state)
+{
+    (void)state;
+    setenv("SOURCE_DATE_EPOCH", "86400", 1);
+    offsets.n_effects = 0;
+    char *text = scratch_read(write_table());
+    unsetenv("SOURCE_DATE_EPOCH");
+    static const char *const parts[] = {
+        "# mukca ",
+        " offsets table\n",
+        "# robot: odd & arm\n",
+        "# urdf_sha256: ",
+        "# base: base\n",
+        "# tip: ball\n",
+        "# created: 1970-01-02T00:00:00Z\n",
+        "# one\n# two\n",
+        "# formula: calibrated = nominal + offset;",
+        "\njoint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\tterm\n",
+        "\na\tpitch\trad\t1.5\t",
+        "\tinf\t0\t-\n"};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        if (!strstr(text, parts[i])) print_error("%s\nlacks %s\n", text, parts[i]);
+        assert_non_null(strstr(text, parts[i]));
+    }
+    free(text);
+}
+
+static void another_arms_table_is_refused(void **state)
+{
+    (void)state;
+    const char *path = write_table();
+    char *text = scratch_read(path);
+    strstr(text, "# urdf_sha256: ")[20] ^= 1;
+    path = scratch_file("other.tsv", text);
+    free(text);
+    assert_error(read_table(path, false), MUKCA_INPUT, error, "was made for another URDF");
+    assert_int_equal(read_table(path, true), MUKCA_OK);
+    assert_non_null(strstr(notes, "made for another URDF"));
+    /* forced onto another nominal model it is the offsets that count */
+    const double was = chain.element[0].xyz[0];
+    chain.element[0].xyz[0] = 5;
+    assert_int_equal(read_table(path, true), MUKCA_OK);
+    chain.element[0].xyz[0] = was;
+    assert_close(back.theta[0], 5 + offsets.theta[0] - was, 1e-15);
+    assert_true(back.theta[1] == offsets.theta[1]);
+}
+
+static void broken_tables_get_one_clear_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *row, *part;
+    } cases[] = {
+        {"a\tx\tm\t0\t0\t1\t0\t1\t-", "column 'calibrated': is not nominal + offset"},
+        {"a\tx\tm\t0\tnan\t1\t0\t1\t-", "'nan' is not a finite number"},
+        {"a\tx\tm\t0\t1\t1\tbig\t1\t-", "column 'sigma': 'big'"},
+        {"a\tx\tm\t0.1\t1.1\t1\t0\t1\t-\na\tx\tm\t0.1\t1.1\t1\t0\t1\t-", "comes twice"},
+        {"a\twidth\tm\t0\t1\t1\t0\t1\t-", "neither a parameter nor an effect"},
+        {"q\tbacklash\trad\t0\t1\t1\t0\t1\ttorque_scale=300mNm", "no such joint"},
+        {"a\tbacklash\trad\t0\t1\t1\t0\t1\tplacement=0", "column 'term': does not fit"},
+        {"a\tgear_harmonic\trad\t0\t1\t1\t0\t1\torder=900 sin", "does not fit"},
+        {"a\tzero_jump\trad\t0\t1\t1\t0\t1\tplacement=64", "does not fit"},
+        {"-\ttool_motion\tm\t0\t1\t1\t0\t1\t-", "fault of recording"},
+        {"a\tx\tm\t0", "4 columns, but 9"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[600];
+        snprintf(text, sizeof text,
+                 "# urdf_sha256: %s\njoint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\t"
+                 "identifiable\tterm\n%s\n",
+                 chain.urdf_sha256, cases[i].row);
+        assert_error(read_table(scratch_file("b.tsv", text), false), MUKCA_INPUT, error,
+                     cases[i].part);
+    }
+    assert_error(read_table(scratch_file("b.tsv", "joint\tparameter\n"), false), MUKCA_INPUT, error,
+                 "`# urdf_sha256:` is missing");
+    char text[200];
+    snprintf(text, sizeof text, "# urdf_sha256: %s\njoint\tparameter\n", chain.urdf_sha256);
+    assert_error(read_table(scratch_file("b.tsv", text), false), MUKCA_INPUT, error,
+                 "no column 'nominal'");
+}
+
+/* Export to a file; its content, to be freed. */
+static char *export(mukca_export_fn *exporter, mukca_status wanted)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/export", scratch_folder);
+    FILE *file = fopen(path, "w");
+    const mukca_export_input input = {
+        .urdf_path = urdf_path(), .chain = &chain, .offsets = &offsets, .note = note};
+    notes[0] = '\0';
+    assert_int_equal(exporter(file, &input, &error), wanted);
+    fclose(file);
+    return scratch_read(path);
+}
+
+/* Text without the origins of joints a, b and t. */
+static void drop_origins(char *text)
+{
+    for (char *at = text; (at = strstr(at, "<origin"));) {
+        if (strncmp(at, "<origin xyz='9", 14) == 0 || strncmp(at, "<origin xyz='7", 14) == 0 ||
+            strncmp(at, "<origin xyz='0 0 1'", 19) == 0) {
+            at++;
+            continue;
+        }
+        char *end = strchr(at, '>') + 1;
+        memmove(at, end, strlen(end) + 1);
+    }
+}
+
+static void urdf_keeps_every_other_byte(void **state)
+{
+    (void)state;
+    add_effects();
+    char *text = export(mukca_export_urdf, MUKCA_OK);
+    assert_non_null(strstr(notes, "no place for effects"));
+    const char *path = scratch_file("patched.urdf", text);
+    mukca_chain patched;
+    assert_int_equal(mukca_urdf_load(&patched, path, NULL, NULL, NULL, &error), MUKCA_OK);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++) {
+            assert_true(patched.element[k].xyz[i] == offsets.theta[6 * k + i]);
+            assert_true(patched.element[k].rpy[i] == offsets.theta[6 * k + 3 + i]);
+        }
+    /* the joint without an origin got one, on a line of its own */
+    assert_non_null(strstr(text, "<joint name='b' type='continuous'>\r\n    <origin xyz=\""));
+    assert_non_null(strstr(text, "\r\n    <parent link='l1'/>"));
+    char whole[sizeof urdf];
+    memcpy(whole, urdf, sizeof urdf);
+    drop_origins(whole);
+    drop_origins(text);
+    char *added = strstr(text, "'continuous'>\r\n    \r\n");
+    assert_non_null(added);
+    memmove(added + 13, added + 13 + 6, strlen(added + 13 + 6) + 1);
+    assert_string_equal(text, whole);
+    free(text);
+    /* nothing to change: nothing changed */
+    mukca_offsets calibrated = offsets;
+    mukca_offsets_init(&offsets, &chain);
+    text = export(mukca_export_urdf, MUKCA_OK);
+    assert_string_equal(text, urdf);
+    free(text);
+    offsets = calibrated;
+}
+
+static void urdf_that_changed_meanwhile_is_refused(void **state)
+{
+    (void)state;
+    const char was = chain.urdf_sha256[0];
+    chain.urdf_sha256[0] = 'x';
+    free(export(mukca_export_urdf, MUKCA_INPUT));
+    assert_non_null(strstr(error.text, "changed while it was in use"));
+    chain.urdf_sha256[0] = was;
+}
+
+static void yaml_and_c_hold_every_number(void **state)
+{
+    (void)state;
+    add_effects();
+    char *yaml = export(mukca_export_yaml, MUKCA_OK), *c = export(mukca_export_c, MUKCA_OK);
+    for (int i = 0; i < 18; i++) {
+        char number[32];
+        snprintf(number, sizeof number, "%.17g", offsets.theta[i]);
+        assert_non_null(strstr(yaml, number));
+        assert_non_null(strstr(c, number));
+    }
+    for (int e = 0; e < offsets.n_effects; e++) {
+        const char *name = mukca_effect_table[offsets.effects[e].kind].name;
+        assert_non_null(strstr(yaml, name));
+        assert_non_null(strstr(c, name));
+    }
+    assert_non_null(strstr(yaml, "robot: \"odd & arm\"\n"));
+    assert_non_null(strstr(c, "enum { odd___arm_elements = 3, odd___arm_joints = 2 };"));
+    free(yaml);
+    free(c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(tables_come_back_to_the_last_bit),
+                                       cmocka_unit_test(tables_tell_where_they_come_from),
+                                       cmocka_unit_test(another_arms_table_is_refused),
+                                       cmocka_unit_test(broken_tables_get_one_clear_line),
+                                       cmocka_unit_test(urdf_keeps_every_other_byte),
+                                       cmocka_unit_test(urdf_that_changed_meanwhile_is_refused),
+                                       cmocka_unit_test(yaml_and_c_hold_every_number)};
+    return cmocka_run_group_tests(tests, setup, scratch_teardown);
+}
