@@ -73,7 +73,10 @@ static void print_option(FILE *stream, const cli_option *option)
 void cli_print_command_help(FILE *stream, const cli_command *command)
 {
     const char *bold = cli_bold(stream), *plain = cli_plain(stream);
-    fprintf(stream, "%smukca %s%s: %s\n\n", bold, command->name, plain, command->summary);
+    fprintf(stream, "%smukca %s%s: ", bold, command->name, plain);
+    print_words(stream, 0, (int)strlen(command->name) + 8, command->summary,
+                strlen(command->summary));
+    fputc('\n', stream);
     fprintf(stream, "%sUsage:%s mukca %s [options]%s%s\n\n", bold, plain, command->name,
             *command->synopsis ? " " : "", command->synopsis);
     cli_print_wrapped(stream, 0, command->description);
