@@ -7,6 +7,7 @@
     X(evaluate)             \
     X(diagnose)             \
     X(export)               \
-    X(fk)
+    X(fk)                   \
+    X(recalibrate)
 
 #endif

@@ -1,0 +1,329 @@
+/* mukca recalibrate: joint zeros and link offsets from logged poses. */
+#include "cli/recalibrate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "io/output.h"
+#include "io/pose_stream.h"
+
+typedef struct {
+    cli_common common;
+    cli_list test, target;
+    bool iterate, joint, robust, tilts, free_base, free_tool;
+} recalibrate_options;
+
+#define OPTION(name, flag, help)                                                 \
+    {                                                                            \
+        flag, 0, CLI_FLAG, NULL, help, NULL, offsetof(recalibrate_options, name) \
+    }
+
+static const cli_option options[] = {
+    {"test", 0, CLI_REST, "DATA...", "poses that are never fitted, always reported", NULL,
+     offsetof(recalibrate_options, test)},
+    {"target", 0, CLI_REST, "DATA...",
+     "poses of a work volume: a second model is fitted with these, a quarter of the weight", NULL,
+     offsetof(recalibrate_options, target)},
+    OPTION(iterate, "iterate", "repeat the linearisation until it stands"),
+    OPTION(joint, "joint", "solve for angles and lengths together, not one after the other"),
+    OPTION(robust, "robust", "give outliers less weight (Huber)"),
+    OPTION(tilts, "tilts",
+           "let the joints' axes lean, too (default where no pose has an orientation)"),
+    OPTION(free_base, "free-base", "fit the frame in which the poses were measured"),
+    OPTION(free_tool, "free-tool", "fit the measured frame's turn against the tip"),
+    CLI_MODEL_OPTIONS,
+    CLI_JSON_OPTION,
+    CLI_OUTPUT_OPTION("write the offsets table"),
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+/* Folders (and standard input) are held in memory, pose logs are read as a stream. */
+typedef struct {
+    const char *files[256], *folders[256];
+    int n_files, n_folders, n_logs;
+    mukca_dataset data;
+    mukca_pose_cursor cursor;
+    mukca_pose_stream stream;
+    mukca_pose_log logs[2];
+} pose_input;
+
+static mukca_status open_input(cli_call *call, pose_input *in, const cli_model *model,
+                               const cli_list *paths)
+{
+    struct stat info;
+    const int most = (int)(sizeof in->files / sizeof *in->files);
+    if (paths->n > most)
+        return mukca_fail(&call->error, MUKCA_USAGE, "more than %d data arguments", most);
+    for (int i = 0; i < paths->n; i++) {
+        const char *path = paths->items[i];
+        const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+        if (folder || strcmp(path, "-") == 0)
+            in->folders[in->n_folders++] = path;
+        else
+            in->files[in->n_files++] = path;
+    }
+    if (in->n_folders > 0) {
+        const cli_list list = {in->folders, in->n_folders};
+        mukca_status status = cli_load_data(call, &in->data, model, &list);
+        if (status) return status;
+        mukca_pose_log_from_dataset(&in->logs[in->n_logs++], &in->cursor, &in->data);
+    }
+    if (in->n_files > 0)
+        mukca_pose_stream_start(&in->logs[in->n_logs++], &in->stream, in->files, in->n_files,
+                                &model->chain, cli_note, call);
+    return MUKCA_OK;
+}
+
+static void close_input(pose_input *in)
+{
+    mukca_pose_stream_close(&in->stream);
+    mukca_dataset_free(&in->data);
+}
+
+/* Say what the first rows told, and cut the arm after the link that the poses are of. */
+static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_options *o,
+                      const mukca_chain *chain)
+{
+    const mukca_pose_check *c = &r->check;
+    r->arm = *chain;
+    r->arm.n_elements = c->position_element + 1;
+    const char *link = chain->element[c->position_element].child;
+    snprintf(r->arm.tip, sizeof r->arm.tip, "%s", link);
+    if (c->position_element != chain->n_elements - 1)
+        cli_say(call, "the poses are those of link '%s', not of the tip '%s': taken as such\n",
+                link, chain->tip);
+    if (c->rotations && c->rotation_element != c->position_element)
+        cli_say(call,
+                "rotation and position are in different frames: orientations are those of '%s'\n",
+                chain->element[c->rotation_element].child);
+    if (c->order == MUKCA_QUATERNION_W_LAST)
+        cli_say(call, "the quaternions fit only when read as x y z w: taken as such\n");
+    o->order = c->order;
+    o->base = c->base;
+    o->tool = c->tool;
+}
+
+/* A quarter of all weight for the work volume. */
+static mukca_status weigh_target(pose_input *target, long rows, mukca_error *error)
+{
+    long n = 0;
+    for (int l = 0; l < target->n_logs; l++) {
+        mukca_pose_log *log = &target->logs[l];
+        mukca_pose_row row;
+        bool more = true;
+        mukca_status status = log->rewind(log->context, error);
+        for (; status == MUKCA_OK && more; n += more)
+            status = log->next(log->context, &row, &more, error);
+        if (status) return status;
+    }
+    for (int l = 0; l < target->n_logs; l++)
+        target->logs[l].weight = n > 0 ? (double)rows / (3.0 * (double)n) : 1;
+    return MUKCA_OK;
+}
+
+static mukca_status fit_models(cli_call *call, cli_recalibrated *r, pose_input *train,
+                               pose_input *test, pose_input *target,
+                               const mukca_recalibrate_options *o)
+{
+    mukca_pose_log both[4];
+    int n = train->n_logs;
+    mukca_status status = mukca_recalibrate(&r->fit[0], &r->arm, train->logs, n, o, &call->error);
+    if (status == MUKCA_OK && r->n_models > 1) {
+        status = weigh_target(target, r->fit[0].rows, &call->error);
+        memcpy(both, train->logs, (size_t)n * sizeof *both);
+        memcpy(both + n, target->logs, (size_t)target->n_logs * sizeof *both);
+        n += target->n_logs;
+        if (status == MUKCA_OK)
+            status = mukca_recalibrate(&r->fit[1], &r->arm, both, n, o, &call->error);
+    }
+    for (int m = 0; m < r->n_models && r->test && status == MUKCA_OK; m++)
+        status = mukca_recalibrate_test(r->test[m], &r->fit[m], &r->arm, test->logs, test->n_logs,
+                                        o, &call->error);
+    return status;
+}
+
+/* The verdict on the log; outliers must not decide it. */
+static mukca_status judge(cli_call *call, cli_recalibrated *r, pose_input *train,
+                          const mukca_recalibrate_options *o)
+{
+    mukca_status status = MUKCA_OK;
+    mukca_recalibrate_options robust = *o;
+    robust.robust = true;
+    r->robust = r->fit;
+    if (r->fit[0].tail > 1.5 && !o->robust) {
+        r->robust = calloc(1, sizeof *r->robust);
+        if (!r->robust) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        status = mukca_recalibrate(r->robust, &r->arm, train->logs, train->n_logs, &robust,
+                                   &call->error);
+    }
+    if (status) return status;
+    mukca_recalibrate_oracle(&r->oracle, r->robust);
+    if (!r->oracle.calibrated) return MUKCA_OK;
+    return mukca_recalibrate_constants(&r->constants, r->robust, &r->arm, train->logs,
+                                       train->n_logs, o, &call->error);
+}
+
+/* Sigma of a joint's roll, pitch, yaw for a turn by `sigma` about `axis` in its frame. */
+static void add_turn_sigma(double sigma2[3], const mukca_geometry *geometry,
+                           const mukca_chain *chain, int k, const double axis[3], double sigma)
+{
+    const double h = 1e-6;
+    double w[3], E[9], R[9], rpy[2][3];
+    for (int i = 0; i < 3; i++) w[i] = h * axis[i];
+    mukca_rotation_exp(E, w);
+    mukca_mat3_mul(R, geometry->origin[k].R, E);
+    mukca_rotation_to_rpy(rpy[0], geometry->origin[k].R, chain->element[k].rpy);
+    mukca_rotation_to_rpy(rpy[1], R, chain->element[k].rpy);
+    for (int i = 0; i < 3; i++) {
+        const double d = (rpy[1][i] - rpy[0][i]) / h * sigma;
+        sigma2[i] += d * d;
+    }
+}
+
+static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
+                         const mukca_chain *chain, const mukca_chain *arm)
+{
+    const mukca_geometry *geometry = &fit->stage[MUKCA_WITH_BOTH].geometry;
+    mukca_offsets_init(out, chain);
+    mukca_pose_model_theta(out->theta, &fit->stage[MUKCA_WITH_BOTH], arm);
+    for (int u = 0; u < fit->n; u++) {
+        const mukca_unknown *x = &fit->unknown[u];
+        const int k = x->element, at = MUKCA_PARAMETERS * k;
+        double sigma2[3] = {0, 0, 0}, e[2][3];
+        if (x->kind == MUKCA_UNKNOWN_SHIFT) {
+            out->listed[at + x->axis] = 1;
+            out->identifiable[at + x->axis] = fit->identifiable[u];
+            out->sigma[at + x->axis] = fit->identifiable[u] ? fit->sigma[u] : HUGE_VAL;
+        }
+        if (x->kind != MUKCA_UNKNOWN_ZERO && x->kind != MUKCA_UNKNOWN_TILT) continue;
+        mukca_rotation_transverse(e[0], e[1], geometry->axis[k]);
+        add_turn_sigma(sigma2, geometry, chain, k,
+                       x->kind == MUKCA_UNKNOWN_ZERO ? geometry->axis[k] : e[x->axis],
+                       fit->sigma[u]);
+        for (int i = 3; i < 6; i++) {
+            const bool known =
+                fit->identifiable[u] && (!out->listed[at + i] || out->identifiable[at + i]);
+            const double before = out->listed[at + i] ? out->sigma[at + i] : 0;
+            out->sigma[at + i] = known ? sqrt(before * before + sigma2[i - 3]) : HUGE_VAL;
+            out->identifiable[at + i] = known;
+            out->listed[at + i] = 1;
+        }
+    }
+}
+
+static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets,
+                                  const mukca_chain *chain)
+{
+    const cli_common *c = call->common;
+    mukca_output output = {0};
+    mukca_dataset names = {0};
+    if (!c->output) return MUKCA_OK;
+    names.files = calloc((size_t)call->arguments.n + 1, sizeof *names.files);
+    if (!names.files) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    for (int i = 0; i < call->arguments.n; i++)
+        snprintf(names.files[names.n_files++], sizeof *names.files, "%s", call->arguments.items[i]);
+    mukca_status status = mukca_output_open(&output, c->output, c->force, &call->error);
+    if (status == MUKCA_OK)
+        status = mukca_offsets_write(output.stream, offsets, chain, &names,
+                                     "method: recalibrate (poses)", &call->error);
+    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
+    mukca_output_abort(&output);
+    free(names.files);
+    return status;
+}
+
+/* The line for people where there was nothing to learn. */
+static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
+{
+    const mukca_oracle *o = &r->oracle;
+    return mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE,
+                      "no factory calibration in these poses: they equal the nominal model within "
+                      "their own noise (median %.4f mm nominal, %.4f mm after a fit); nothing was "
+                      "written; measure with something else, or calibrate from sockets",
+                      1e3 * o->position_nominal, 1e3 * o->position_left);
+}
+
+static bool interrupted(void)
+{
+    return cli_interrupted();
+}
+
+static mukca_status run(cli_call *call)
+{
+    const recalibrate_options *o = call->options;
+    cli_model *model = calloc(1, sizeof *model);
+    pose_input *in = calloc(3, sizeof *in);
+    cli_recalibrated *r = calloc(1, sizeof *r);
+    mukca_offsets *offsets = calloc(1, sizeof *offsets);
+    mukca_status status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    mukca_recalibrate_options fit = {.iterate = o->iterate,
+                                     .joint = o->joint,
+                                     .robust = o->robust,
+                                     .tilts = o->tilts,
+                                     .free_base = o->free_base,
+                                     .free_tool = o->free_tool,
+                                     .stop = interrupted};
+    if (!model || !in || !r || !offsets) goto out;
+    r->n_models = o->target.n > 0 ? 2 : 1;
+    r->fit = calloc((size_t)r->n_models, sizeof *r->fit);
+    if (o->test.n > 0) r->test = calloc((size_t)r->n_models, sizeof *r->test);
+    if (!r->fit || (o->test.n > 0 && !r->test)) goto out;
+    status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = cli_load_model(call, model);
+    const cli_list *const lists[3] = {&call->arguments, &o->test, &o->target};
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
+        status = open_input(call, &in[i], model, lists[i]);
+    if (status == MUKCA_OK)
+        status = mukca_pose_check_run(&r->check, &model->chain, in[0].logs, in[0].n_logs,
+                                      o->free_base, o->free_tool, &call->error);
+    if (status) goto out;
+    use_check(call, r, &fit, &model->chain);
+    fit.tilts |= r->check.rotations == 0;
+    status = fit_models(call, r, &in[0], &in[1], &in[2], &fit);
+    if (status == MUKCA_OK) status = judge(call, r, &in[0], &fit);
+    if (status) goto out;
+    cli_recalibrate_show(call, r);
+    const mukca_recalibration *last = &r->fit[r->n_models - 1];
+    fill_offsets(offsets, last, &model->chain, &r->arm);
+    if (r->oracle.calibrated) status = write_offsets(call, offsets, &model->chain);
+    if (status == MUKCA_OK && call->common->json)
+        status = cli_write_json(call, cli_recalibrate_json(call, r, offsets, &model->chain));
+    if (status == MUKCA_OK && !r->oracle.calibrated) status = refuse(call, r);
+out:
+    for (int i = 0; in && i < 3; i++) close_input(&in[i]);
+    if (r && r->robust != r->fit) free(r->robust);
+    if (r) free(r->fit);
+    if (r) free(r->test);
+    free(r);
+    free(in);
+    free(model);
+    free(offsets);
+    return status;
+}
+
+const cli_command cli_command_recalibrate = {
+    .name = "recalibrate",
+    .group = CLI_CALIBRATE,
+    .summary = "joint zeros and link offsets from logged poses of a controller or tracker",
+    .synopsis = "DATA...",
+    .min_arguments = 1,
+    .max_arguments = -1,
+    .description =
+        "DATA are pose logs (tables with the joints and x_m y_m z_m, qw qx qy qz) or folders with "
+        "hole_*_pose.csv. Step one fits the joints' zeros to the orientations, step two the links' "
+        "offsets to the positions, each by one linear regression of least norm; what the log "
+        "cannot tell is listed. Logs are read row by row, memory does not grow with them. Poses "
+        "without orientation are solved together, axes included.\n\n"
+        "Where the poses only repeat the nominal model, that is said and the exit code is 5. Where "
+        "a few constants explain the difference, they are named. A lag between angles and poses is "
+        "found, told and taken into account.",
+    .example =
+        "mukca simulate --urdf data/gen3.urdf --recipe sweeps -o build/demo/sweeps.tsv\n"
+        "mukca recalibrate --urdf data/gen3.urdf build/demo/sweeps.tsv --iterate",
+    .options = options,
+    .options_size = sizeof(recalibrate_options),
+    .run = run,
+};

@@ -1,0 +1,33 @@
+/* What `mukca recalibrate` found, shown to people and written as JSON. */
+#ifndef MUKCA_CLI_RECALIBRATE_H
+#define MUKCA_CLI_RECALIBRATE_H
+
+#include "cli/cli.h"
+#include "study/pose_check.h"
+#include "study/recalibrate.h"
+
+enum { CLI_MODELS = 2 }; /* of the log, and of the log with the work volume */
+
+typedef struct {
+    mukca_chain arm; /* up to the link that the poses are of */
+    mukca_pose_check check;
+    int n_models;
+    mukca_recalibration *fit;                /* [n_models] */
+    mukca_pose_errors (*test)[MUKCA_STAGES]; /* [n_models], or NULL without --test */
+    mukca_recalibration
+        *robust; /* what the verdict rests on; fit[0], or a fit with Huber weights */
+    mukca_oracle oracle;
+    mukca_constants constants;
+} cli_recalibrated;
+
+void cli_recalibrate_show(cli_call *call, const cli_recalibrated *r);
+
+/* `offsets`: of the last model. */
+json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
+                             const mukca_offsets *offsets, const mukca_chain *chain);
+
+/* "joint_3 d" of a constant. */
+void cli_constant_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_constants *constants, int i,
+                       const mukca_chain *chain);
+
+#endif

@@ -1,0 +1,75 @@
+/* Pose logs from files, row by row. */
+#include "io/pose_stream.h"
+
+#include <math.h>
+#include <string.h>
+
+static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
+{
+    mukca_status status = mukca_rows_open(&s->rows, s->paths[s->at], MUKCA_HEADER, s->chain,
+                                          s->noted ? NULL : s->note, s->context, error);
+    if (status) return status;
+    s->open = true;
+    if (s->rows.position[0] < 0)
+        return mukca_table_fail(error, &s->rows.table, -1,
+                                "no measured positions: the header needs x_m, y_m, z_m");
+    return MUKCA_OK;
+}
+
+static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
+{
+    mukca_pose_stream *s = context;
+    mukca_row read;
+    for (*more = true;;) {
+        mukca_status status = MUKCA_OK;
+        bool found = false;
+        if (!s->open) {
+            if (s->at >= s->n_paths) {
+                *more = false;
+                s->noted = true;
+                return MUKCA_OK;
+            }
+            status = open_file(s, error);
+        }
+        if (status == MUKCA_OK) status = mukca_rows_next(&s->rows, &read, &found, error);
+        if (status) return status;
+        if (!found) {
+            mukca_rows_close(&s->rows);
+            s->open = false;
+            s->at++;
+        } else if (isfinite(read.position[0])) {
+            break;
+        }
+    }
+    memcpy(row->q, read.q, sizeof row->q);
+    memcpy(row->velocity, read.velocity, sizeof row->velocity);
+    memcpy(row->position, read.position, sizeof row->position);
+    memcpy(row->quaternion, read.quaternion, sizeof row->quaternion);
+    row->time = read.time;
+    row->file = s->at;
+    return MUKCA_OK;
+}
+
+static mukca_status rewind_stream(void *context, mukca_error *error)
+{
+    mukca_pose_stream *s = context;
+    (void)error;
+    mukca_pose_stream_close(s);
+    s->at = 0;
+    return MUKCA_OK;
+}
+
+void mukca_pose_stream_start(mukca_pose_log *log, mukca_pose_stream *stream,
+                             const char *const *paths, int n_paths, const mukca_chain *chain,
+                             mukca_note_fn *note, void *context)
+{
+    *stream = (mukca_pose_stream){
+        .paths = paths, .n_paths = n_paths, .chain = chain, .note = note, .context = context};
+    *log = (mukca_pose_log){.next = next, .rewind = rewind_stream, .context = stream};
+}
+
+void mukca_pose_stream_close(mukca_pose_stream *stream)
+{
+    if (stream->open) mukca_rows_close(&stream->rows);
+    stream->open = false;
+}

@@ -1,0 +1,424 @@
+/* Re-calibration: the paper's arm and offsets, streams, faults of recording. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "close.h"
+#include "gen3.h"
+#include "math/random.h"
+#include "study/pose_check.h"
+#include "study/recalibrate.h"
+#include "study/recipe.h"
+
+enum { MAX_ROWS = 2000 };
+
+/* A log in memory. */
+typedef struct {
+    mukca_pose_row row[MAX_ROWS];
+    int n, at;
+} memory_log;
+
+static mukca_status memory_next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
+{
+    memory_log *log = context;
+    (void)error;
+    *more = log->at < log->n;
+    if (*more) *row = log->row[log->at++];
+    return MUKCA_OK;
+}
+
+static mukca_status memory_rewind(void *context, mukca_error *error)
+{
+    (void)error;
+    ((memory_log *)context)->at = 0;
+    return MUKCA_OK;
+}
+
+static mukca_pose_log as_log(memory_log *log)
+{
+    return (mukca_pose_log){.next = memory_next, .rewind = memory_rewind, .context = log};
+}
+
+static memory_log train, test;
+static mukca_recalibration result;
+static mukca_pose_errors errors[MUKCA_STAGES];
+static mukca_chain nominal, truth; /* truth: origins with the offsets */
+static double zeros[MUKCA_MAX_JOINTS];
+
+/* The true arm, by the definition T_n = [R(q + dq), p + dp] and not through the pose model. */
+static void build_truth(double scale)
+{
+    gen3_chain(&nominal);
+    truth = nominal;
+    for (int k = 0; k < 8; k++)
+        for (int i = 0; i < 3; i++) truth.element[k].xyz[i] += scale * gen3_dp[k][i];
+    for (int j = 0; j < 7; j++) zeros[j] = scale * gen3_dq[j];
+}
+
+static void record(memory_log *log, mukca_recipe_kind kind)
+{
+    static double q[MAX_ROWS * 7];
+    mukca_error error;
+    mukca_geometry geometry;
+    mukca_geometry_set(&geometry, &truth, NULL);
+    assert_int_equal(mukca_recipe_rows(q, kind, &nominal, &error), MUKCA_OK);
+    log->n = mukca_recipe_table[kind].rows;
+    for (int i = 0; i < log->n; i++) {
+        mukca_pose_row *row = &log->row[i];
+        double moved[7];
+        mukca_frame tip;
+        *row = (mukca_pose_row){.time = (double)NAN};
+        for (int j = 0; j < 7; j++) {
+            row->q[j] = q[i * 7 + j];
+            row->velocity[j] = (double)NAN;
+            moved[j] = row->q[j] + zeros[j];
+        }
+        mukca_fk_pose(&tip, &geometry, moved, NULL);
+        memcpy(row->position, tip.p, sizeof tip.p);
+        mukca_rotation_to_quaternion(row->quaternion, tip.R);
+    }
+}
+
+static mukca_status run(const mukca_recalibrate_options *options, mukca_error *error)
+{
+    mukca_pose_log log = as_log(&train), check = as_log(&test);
+    const mukca_recalibrate_options none = {0};
+    if (!options) options = &none;
+    mukca_status status = mukca_recalibrate(&result, &nominal, &log, 1, options, error);
+    if (status == MUKCA_OK && test.n > 0)
+        status = mukca_recalibrate_test(errors, &result, &nominal, &check, 1, options, error);
+    return status;
+}
+
+static double zero_of(int joint)
+{
+    for (int u = 0; u < result.n; u++)
+        if (result.unknown[u].kind == MUKCA_UNKNOWN_ZERO && result.unknown[u].element == joint)
+            return result.value[u];
+    return (double)NAN;
+}
+
+/* The acceptance of the paper's Table 3 without noise: logs that were not seen. */
+static void test_paper(void **state)
+{
+    (void)state;
+    mukca_error error;
+    build_truth(1);
+    record(&train, MUKCA_RECIPE_SWEEPS);
+    record(&test, MUKCA_RECIPE_RASTER);
+    assert_int_equal(run(NULL, &error), MUKCA_OK);
+    /* The paper: 9.1 +- 2.7 mm, at most 19.4 */
+    assert_close(result.errors[MUKCA_BEFORE].position.mean, 9.1e-3, 0.5e-3);
+    assert_close(result.errors[MUKCA_BEFORE].position.max, 19.4e-3, 2e-3);
+    assert_true(result.errors[MUKCA_WITH_ANGLES].position.mean <
+                result.errors[MUKCA_BEFORE].position.mean);
+    assert_true(result.errors[MUKCA_WITH_BOTH].position.max < 1e-6); /* one pass */
+    assert_int_equal(result.n, 31);
+    assert_int_equal(result.rank, 7 + 17);
+    assert_int_equal(result.n_null, 7);
+    assert_false(result.lag_found);
+    const mukca_recalibrate_options options = {.iterate = true};
+    assert_int_equal(run(&options, &error), MUKCA_OK);
+    for (int j = 0; j < 7; j++) assert_close(zero_of(j), gen3_dq[j], 1e-12);
+    assert_close(errors[MUKCA_WITH_BOTH].position.max, 0, 2e-9);
+    assert_close(errors[MUKCA_WITH_BOTH].rotation.max, 0, 2e-9);
+    assert_int_equal(errors[MUKCA_WITH_BOTH].position.n, 165);
+
+    /* Shifts that cannot be told are along the joints' own axes; adding any leaves poses alone. */
+    mukca_pose_model moved = result.stage[MUKCA_WITH_BOTH];
+    for (int k = 0; k < result.n_null; k++)
+        for (int u = 0; u < result.n; u++)
+            mukca_pose_model_add(&moved, &result.unknown[u], 1e-3 * (k + 1) * result.null[k][u]);
+    mukca_pose_look a, b;
+    mukca_pose_look_at(&a, &moved, &test.row[7], MUKCA_QUATERNION_W_FIRST);
+    mukca_pose_look_at(&b, &result.stage[MUKCA_WITH_BOTH], &test.row[7], MUKCA_QUATERNION_W_FIRST);
+    for (int i = 0; i < 3; i++) assert_close(a.tip.p[i], b.tip.p[i], 1e-9);
+}
+
+static void test_joint_solution(void **state)
+{
+    (void)state;
+    mukca_error error;
+    const mukca_recalibrate_options options = {.iterate = true, .joint = true};
+    build_truth(1);
+    record(&train, MUKCA_RECIPE_SWEEPS);
+    record(&test, MUKCA_RECIPE_RASTER);
+    assert_int_equal(run(&options, &error), MUKCA_OK);
+    assert_close(errors[MUKCA_WITH_BOTH].position.max, 0, 2e-9);
+    assert_close(errors[MUKCA_WITH_BOTH].rotation.max, 0, 2e-9);
+    /* Positions alone, axes free to lean. */
+    for (int i = 0; i < train.n; i++) train.row[i].quaternion[0] = (double)NAN;
+    const mukca_recalibrate_options tilts = {.tilts = true};
+    assert_int_equal(run(&tilts, &error), MUKCA_OK);
+    assert_close(result.errors[MUKCA_WITH_BOTH].position.max, 0, 1e-7);
+}
+
+static void add_noise(memory_log *log, double metres, double radians, uint64_t seed)
+{
+    mukca_random random;
+    mukca_random_seed(&random, seed);
+    for (int i = 0; i < log->n; i++) {
+        double w[3], R[9], E[9], turned[9];
+        for (int a = 0; a < 3; a++) {
+            log->row[i].position[a] += metres * mukca_random_normal(&random);
+            w[a] = radians * mukca_random_normal(&random);
+        }
+        mukca_rotation_from_quaternion(R, log->row[i].quaternion);
+        mukca_rotation_exp(E, w);
+        mukca_mat3_mul(turned, R, E);
+        mukca_rotation_to_quaternion(log->row[i].quaternion, turned);
+    }
+}
+
+static void test_noise(void **state)
+{
+    (void)state;
+    mukca_error error;
+    mukca_oracle oracle;
+    build_truth(1);
+    record(&train, MUKCA_RECIPE_SWEEPS);
+    add_noise(&train, 1e-4, 2e-4, 3);
+    test.n = 0;
+    const mukca_recalibrate_options options = {.iterate = true};
+    assert_int_equal(run(&options, &error), MUKCA_OK);
+    for (int j = 0; j < 7; j++) {
+        assert_true(result.sigma[j] > 1e-6 && result.sigma[j] < 5e-5);
+        assert_close(zero_of(j), gen3_dq[j], 4 * result.sigma[j]);
+    }
+    assert_close(result.tail, 1, 0.1);
+    mukca_recalibrate_oracle(&oracle, &result);
+    assert_true(oracle.calibrated);
+
+    /* Huber against one row in twenty that is centimetres off. */
+    for (int i = 0; i < train.n; i += 20) train.row[i].position[i % 3] += 0.03;
+    const mukca_recalibrate_options robust = {.robust = true};
+    assert_int_equal(run(NULL, &error), MUKCA_OK);
+    const double plain = mukca_histogram_median(&result.errors[MUKCA_WITH_BOTH].position_histogram);
+    assert_true(result.tail > 2);
+    assert_int_equal(run(&robust, &error), MUKCA_OK);
+    assert_close(mukca_histogram_median(&result.errors[MUKCA_WITH_BOTH].position_histogram),
+                 1.538e-4, 0.1e-4);
+    assert_true(plain > 2e-4);
+
+    build_truth(0); /* poses that only repeat the nominal model */
+    record(&train, MUKCA_RECIPE_SWEEPS);
+    add_noise(&train, 1e-4, 2e-4, 4);
+    assert_int_equal(run(NULL, &error), MUKCA_OK);
+    mukca_recalibrate_oracle(&oracle, &result);
+    assert_false(oracle.calibrated);
+}
+
+static void test_constants(void **state)
+{
+    (void)state;
+    mukca_error error;
+    mukca_constants constants;
+    const mukca_recalibrate_options options = {0};
+    mukca_pose_log log = as_log(&train);
+    build_truth(0);
+    truth.element[2].xyz[1] -= 2e-4; /* joint 3's own axis is y of its parent */
+    truth.element[5].xyz[0] += 3e-4;
+    record(&train, MUKCA_RECIPE_SWEEPS);
+    add_noise(&train, 1e-5, 1e-5, 5);
+    test.n = 0;
+    assert_int_equal(run(&options, &error), MUKCA_OK);
+    assert_int_equal(
+        mukca_recalibrate_constants(&constants, &result, &nominal, &log, 1, &options, &error),
+        MUKCA_OK);
+    assert_int_equal(constants.n, 2);
+    for (int c = 0; c < 2; c++) {
+        const bool d3 = constants.unknown[c].element == 2;
+        assert_int_equal(constants.unknown[c].element, d3 ? 2 : 5);
+        assert_int_equal(constants.along_axis[c], d3);
+        assert_close(constants.value[c], d3 ? -2e-4 : 3e-4, 5e-6);
+    }
+    /* Offsets everywhere are not a few constants. */
+    build_truth(1);
+    record(&train, MUKCA_RECIPE_SWEEPS);
+    assert_int_equal(run(&options, &error), MUKCA_OK);
+    assert_int_equal(
+        mukca_recalibrate_constants(&constants, &result, &nominal, &log, 1, &options, &error),
+        MUKCA_OK);
+    assert_int_equal(constants.n, 0);
+}
+
+/* Rows while all joints swing; poses taken 30 ms after the angles, 100 rows per second. */
+static void record_swing(double lag)
+{
+    mukca_geometry geometry;
+    mukca_geometry_set(&geometry, &truth, NULL);
+    train.n = MAX_ROWS;
+    for (int i = 0; i < train.n; i++) {
+        mukca_pose_row *row = &train.row[i];
+        const double t = 0.01 * i;
+        double q[7];
+        mukca_frame tip;
+        *row = (mukca_pose_row){.time = t};
+        for (int j = 0; j < 7; j++) {
+            row->velocity[j] = (double)NAN;
+            row->q[j] = 1.2 * sin((0.7 + 0.13 * j) * t + j);
+            q[j] = 1.2 * sin((0.7 + 0.13 * j) * (t + lag) + j) + zeros[j];
+        }
+        mukca_fk_pose(&tip, &geometry, q, NULL);
+        memcpy(row->position, tip.p, sizeof tip.p);
+        mukca_rotation_to_quaternion(row->quaternion, tip.R);
+    }
+    add_noise(&train, 2e-5, 2e-5, 6);
+}
+
+static void test_lag(void **state)
+{
+    (void)state;
+    mukca_error error;
+    test.n = 0;
+    build_truth(1);
+    record_swing(0);
+    assert_int_equal(run(NULL, &error), MUKCA_OK);
+    assert_false(result.lag_found);
+    record_swing(0.03);
+    assert_int_equal(run(NULL, &error), MUKCA_OK);
+    assert_true(result.lag_found);
+    assert_false(result.in_rows);
+    assert_close(result.lag, 0.03, 3e-4);
+    for (int j = 0; j < 7; j++) assert_close(zero_of(j), gen3_dq[j], 5e-4);
+    for (int i = 0; i < train.n; i++) train.row[i].time = (double)NAN;
+    assert_int_equal(run(NULL, &error), MUKCA_OK);
+    assert_true(result.in_rows);
+    assert_close(result.lag, 3, 0.03);
+    for (int i = 0; i < train.n; i++) train.row[i].quaternion[0] = (double)NAN;
+    const mukca_recalibrate_options tilts = {.tilts = true};
+    assert_int_equal(run(&tilts, &error), MUKCA_OK);
+    assert_close(result.lag, 3, 0.03);
+}
+
+static void test_frames(void **state)
+{
+    (void)state;
+    mukca_error error;
+    mukca_pose_check check;
+    mukca_pose_log log = as_log(&train);
+    mukca_frame base, tool = {{0}, {0, 0, 0}}, T, M;
+    const double w[3] = {0.2, -0.4, 2.0}, v[3] = {0.1, 0.2, 0.3};
+    build_truth(1);
+    record(&train, MUKCA_RECIPE_RASTER);
+    test.n = 0;
+    mukca_rotation_exp(base.R, w);
+    mukca_rotation_exp(tool.R, v);
+    base.p[0] = 1, base.p[1] = -2, base.p[2] = 0.5;
+    for (int i = 0; i < train.n; i++) {
+        mukca_rotation_from_quaternion(T.R, train.row[i].quaternion);
+        memcpy(T.p, train.row[i].position, sizeof T.p);
+        mukca_frame_multiply(&M, &base, &T);
+        mukca_frame_multiply(&M, &M, &tool);
+        mukca_rotation_to_quaternion(train.row[i].quaternion, M.R);
+        memcpy(train.row[i].position, M.p, sizeof M.p);
+    }
+    assert_int_equal(mukca_pose_check_run(&check, &nominal, &log, 1, false, false, &error),
+                     MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "--free-base"));
+    assert_int_equal(mukca_pose_check_run(&check, &nominal, &log, 1, true, true, &error), MUKCA_OK);
+    const mukca_recalibrate_options options = {.iterate = true,
+                                               .joint = true,
+                                               .free_base = true,
+                                               .free_tool = true,
+                                               .base = check.base,
+                                               .tool = check.tool};
+    assert_int_equal(run(&options, &error), MUKCA_OK);
+    assert_close(result.errors[MUKCA_WITH_BOTH].position.max, 0, 1e-8);
+    assert_close(result.errors[MUKCA_WITH_BOTH].rotation.max, 0, 1e-8);
+
+    /* Positions of the tip, orientations of a link before it. */
+    record(&train, MUKCA_RECIPE_RASTER);
+    for (int i = 0; i < train.n; i++) {
+        const double half_turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1}; /* the tip's fixed turn */
+        mukca_rotation_from_quaternion(T.R, train.row[i].quaternion);
+        mukca_mat3_mul(M.R, T.R, half_turn);
+        mukca_rotation_to_quaternion(train.row[i].quaternion, M.R);
+    }
+    assert_int_equal(mukca_pose_check_run(&check, &nominal, &log, 1, false, false, &error),
+                     MUKCA_OK);
+    assert_int_equal(check.position_element, 7);
+    assert_int_equal(check.rotation_element, 6);
+    const mukca_recalibrate_options known = {.tool = check.tool};
+    assert_int_equal(run(&known, &error), MUKCA_OK);
+    assert_close(result.errors[MUKCA_WITH_BOTH].rotation.max, 0, 1e-6);
+}
+
+static mukca_status check_train(mukca_pose_check *check, mukca_error *error)
+{
+    mukca_pose_log log = as_log(&train);
+    return mukca_pose_check_run(check, &nominal, &log, 1, false, false, error);
+}
+
+static void test_bad_input(void **state)
+{
+    (void)state;
+    mukca_error error;
+    mukca_pose_check check;
+    build_truth(1);
+    record(&train, MUKCA_RECIPE_RASTER);
+    test.n = 0;
+    assert_int_equal(run(NULL, &error), MUKCA_OK);
+    const double plain = zero_of(3);
+
+    for (int i = 0; i < train.n; i++)
+        for (int a = 0; a < 4; a++) train.row[i].quaternion[a] *= i % 2 ? -3 : 1; /* sign, length */
+    assert_int_equal(check_train(&check, &error), MUKCA_OK);
+    assert_int_equal(check.order, MUKCA_QUATERNION_W_FIRST);
+    assert_int_equal(run(NULL, &error), MUKCA_OK);
+    assert_close(zero_of(3), plain, 1e-12);
+
+    record(&train, MUKCA_RECIPE_SWEEPS);
+    assert_int_equal(run(NULL, &error), MUKCA_OK);
+    const double swept = zero_of(3);
+    for (int i = 0; i < train.n; i++) {
+        const double w = train.row[i].quaternion[0];
+        memmove(train.row[i].quaternion, train.row[i].quaternion + 1, 3 * sizeof(double));
+        train.row[i].quaternion[3] = w;
+    }
+    assert_int_equal(check_train(&check, &error), MUKCA_OK);
+    assert_int_equal(check.order, MUKCA_QUATERNION_W_LAST);
+    const mukca_recalibrate_options last = {.order = check.order};
+    assert_int_equal(run(&last, &error), MUKCA_OK);
+    assert_close(zero_of(3), swept, 1e-12);
+
+    record(&train, MUKCA_RECIPE_RASTER);
+    for (int i = 0; i < train.n; i++)
+        for (int a = 0; a < 3; a++) train.row[i].position[a] *= 1000;
+    assert_int_equal(check_train(&check, &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "millimetres"));
+
+    record(&train, MUKCA_RECIPE_RASTER);
+    for (int i = 0; i < train.n; i++)
+        for (int j = 0; j < 7; j++) train.row[i].q[j] *= 180 / 3.14159265358979;
+    assert_int_equal(check_train(&check, &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "degrees"));
+
+    record(&train, MUKCA_RECIPE_RASTER);
+    for (int i = 0; i < train.n; i++) /* poses of other rows */
+        memcpy(train.row[i].position,
+               (i * 2 < train.n ? &train.row[train.n - 1 - i] : &train.row[i])->position,
+               sizeof train.row[i].position);
+    train.n /= 2;
+    assert_int_equal(check_train(&check, &error), MUKCA_INPUT);
+
+    record(&train, MUKCA_RECIPE_RASTER);
+    train.n = 5;
+    assert_int_equal(run(NULL, &error), MUKCA_UNIDENTIFIABLE);
+    assert_non_null(strstr(error.text, "5 poses"));
+    train.n = 0;
+    assert_int_equal(check_train(&check, &error), MUKCA_INPUT);
+
+    record(&train, MUKCA_RECIPE_RASTER);
+    train.row[9].q[2] = (double)NAN;
+    assert_int_equal(run(NULL, &error), MUKCA_INPUT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_paper),    cmocka_unit_test(test_joint_solution),
+        cmocka_unit_test(test_noise),    cmocka_unit_test(test_constants),
+        cmocka_unit_test(test_lag),      cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_bad_input)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
