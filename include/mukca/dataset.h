@@ -64,8 +64,8 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                                   const unsigned char *keep, mukca_error *error);
 
 /* What the effects see of a row (effect.h): angles, the move from the row before (0 in a file's
- * first row), command, placement, and the time since the file's first row (without times: rows, as
- * if one took a second).  Torques and moments stay NULL.  `state` points into `data` and at
+ * first row), command, placement, payload, and the time since the file's first row (without times:
+ * MUKCA_SECONDS_PER_ROW each).  Torques and moments stay NULL.  `state` points into `data` and at
  * move[n_joints]. */
 void mukca_dataset_state(mukca_joint_state *state, double *move, const mukca_dataset *data,
                          int row);

@@ -89,6 +89,9 @@ typedef struct {
 
 extern const mukca_effect_info mukca_effect_table[MUKCA_EFFECT_COUNT];
 
+/* A row for which no time is known stands for this long, s: people take some 8 s per sample. */
+#define MUKCA_SECONDS_PER_ROW 8.0
+
 enum { MUKCA_MAX_TERMS = 4, MUKCA_MAX_EFFECTS = 48 };
 
 /* One effect at work.  `variant` by kind:
@@ -119,6 +122,7 @@ typedef struct {
     const double *base_moment;  /* [3] */
     const double *command;      /* [n_joints] commanded angles, or NULL */
     double time;                /* s since the session's start */
+    double payload_kg;          /* at the tip, beyond the model */
     int placement;              /* index, -1 where unknown */
 } mukca_joint_state;
 
@@ -142,7 +146,7 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
                         const mukca_chain *chain, const mukca_joint_state *state);
 
 /* Displacement of `n` effects at a bare configuration q: computes the moments it needs itself.
- * `state` supplies move, time, placement, command (may be NULL: all zero). */
+ * `state` supplies move, time, placement, command, payload_kg (may be NULL: all zero). */
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects, int n,
                                 const mukca_chain *chain, const mukca_geometry *geometry,
                                 const double *q, const mukca_joint_state *state);

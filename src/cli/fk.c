@@ -37,7 +37,9 @@ static void displace(mukca_displacement *displacement, history *h, const cli_mod
     const bool first = rows->table.row == 1;
     if (first) h->start = row->time;
     for (int j = 0; j < n && !first; j++) move[j] = row->q[j] - h->before[j];
-    state.time = isnan(row->time) ? rows->table.row - 1 : row->time - h->start;
+    state.time =
+        isnan(row->time) ? MUKCA_SECONDS_PER_ROW * (rows->table.row - 1) : row->time - h->start;
+    state.payload_kg = isnan(row->payload) ? 0 : row->payload;
     bool commanded = rows->has_command;
     for (int j = 0; j < n; j++) commanded &= !isnan(row->command[j]);
     if (commanded) state.command = row->command;

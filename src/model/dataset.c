@@ -157,7 +157,8 @@ void mukca_dataset_state(mukca_joint_state *state, double *move, const mukca_dat
     state->move = move;
     state->command = command;
     state->placement = mukca_dataset_placement(data, row);
-    state->time = data->row[row] - data->row[first];
+    state->payload_kg = data->payload && !isnan(data->payload[row]) ? data->payload[row] : 0;
+    state->time = MUKCA_SECONDS_PER_ROW * (data->row[row] - data->row[first]);
     if (data->time && !isnan(data->time[row]) && !isnan(data->time[first]))
         state->time = data->time[row] - data->time[first];
 }

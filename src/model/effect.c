@@ -182,7 +182,7 @@ void mukca_effects_displacement(mukca_displacement *displacement, const mukca_ef
     full.q = q;
     for (int i = 0; i < n; i++) needs |= mukca_effect_table[effects[i].kind].needs;
     if ((needs & MUKCA_NEEDS_MASSES) && !full.torque) {
-        mukca_chain_moments(moment, torque, base, chain, geometry, q, NULL, 0);
+        mukca_chain_moments(moment, torque, base, chain, geometry, q, NULL, full.payload_kg);
         full.torque = torque;
         full.moment = (const double(*)[3])moment;
         full.base_moment = base;

@@ -4,9 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Where time_s is missing a row stands for this long, s (people take some 8 s per sample). */
-#define SECONDS_PER_ROW 8.0
-
 mukca_joint_state gap_model_state(const gap_model *m, int row)
 {
     const size_t r = (size_t)row, n = (size_t)m->chain->n_joints;
@@ -429,7 +426,7 @@ static void fill_state(gap_model *m)
             m->move[row * n_joints + j] =
                 same ? data->q[row * n_joints + j] - data->q[(row - 1) * n_joints + j] : 0;
         const bool timed = data->time && isfinite(data->time[row]) && isfinite(data->time[first]);
-        m->time[row] = timed ? data->time[row] : SECONDS_PER_ROW * (row - first);
+        m->time[row] = timed ? data->time[row] : MUKCA_SECONDS_PER_ROW * (data->row[row] - data->row[first]);
         m->placement[row] = mukca_dataset_placement(data, row);
     }
     fill_moments(m);
