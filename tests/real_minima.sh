@@ -1,0 +1,17 @@
+#!/bin/sh
+# Table I and the minima of the cost on the published robots' data, where those are at hand.
+cd "$(dirname "$0")/.." || exit 1
+if ! command -v python3 >/dev/null 2>&1; then
+    echo "SKIPPED real_minima: no python3"
+    exit 77
+fi
+out=$(python3 tools/verify_real.py) && status=0 || status=1
+case $out in SKIPPED*)
+    echo "$out"
+    exit 77
+    ;;
+esac
+[ $status = 0 ] && echo "ok real_minima" && exit 0
+echo "$out"
+echo "not ok real_minima"
+exit 1
