@@ -1,0 +1,61 @@
+/* Run a command REPEATS times, its output thrown away: prints the median wall time, s, and the
+ * largest peak memory, KiB.  A small program of its own, because a child's peak counts what its
+ * parent held when it was forked.
+ *
+ * usage: bench_process REPEATS COMMAND [ARGUMENT...]
+ */
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { MAX_REPEATS = 1000 };
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+int main(int argc, char **argv)
+{
+    static double times[MAX_REPEATS];
+    const int repeats = argc > 2 ? atoi(argv[1]) : 0;
+    long peak = 0;
+    if (repeats < 1 || repeats > MAX_REPEATS) {
+        fputs("usage: bench_process REPEATS COMMAND [ARGUMENT...]\n", stderr);
+        return 2;
+    }
+    for (int i = 0; i < repeats; i++) {
+        struct rusage usage;
+        int status = 0;
+        const double start = now();
+        const pid_t child = fork();
+        if (child == 0) {
+            const int null = open("/dev/null", O_WRONLY);
+            dup2(null, 1);
+            dup2(null, 2);
+            execv(argv[2], argv + 2);
+            _exit(127);
+        }
+        if (child < 0 || wait4(child, &status, 0, &usage) != child || status != 0) {
+            fprintf(stderr, "bench_process: %s failed (status %d)\n", argv[2], status);
+            return 1;
+        }
+        times[i] = now() - start;
+        if (usage.ru_maxrss > peak) peak = usage.ru_maxrss;
+    }
+    qsort(times, (size_t)repeats, sizeof *times, ascending);
+    printf("%.6g %ld\n", times[repeats / 2], peak);
+    return 0;
+}
