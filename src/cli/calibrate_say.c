@@ -146,14 +146,27 @@ static void say_next(cli_call *call, const calibrate_result *r)
                 c->urdf, c->output);
 }
 
+/* "60 rows of 1 placement", "1000 measured poses". */
+static void say_rows(cli_call *call, const mukca_dataset *data)
+{
+    if (data->n_sockets == 0)
+        cli_say(call, "%d measured poses", data->n_rows);
+    else
+        cli_say(call, "%d rows of %d placement%s", data->n_rows, data->n_placements,
+                data->n_placements == 1 ? "" : "s");
+}
+
 void calibrate_say(cli_call *call, const calibrate_result *r)
 {
     const mukca_fit *fit = r->fit;
     char noise[24];
-    cli_say(call, "%s: %d rows of %d placement%s fitted", fit->chain.robot, r->train->n_rows,
-            r->train_scores.n, r->train_scores.n == 1 ? "" : "s");
-    if (r->test_scores.n > 0)
-        cli_say(call, ", tested on %d rows of %d more", r->test->n_rows, r->test_scores.n);
+    cli_say(call, "%s: ", fit->chain.robot);
+    say_rows(call, r->train);
+    cli_say(call, " fitted");
+    if (r->test_scores.n > 0) {
+        cli_say(call, ", tested on ");
+        say_rows(call, r->test);
+    }
     cli_say(call, "\n");
     cli_scores_say_header(call, true);
     cli_scores_say(call, &r->train_scores, "train", true);

@@ -237,6 +237,31 @@ static mukca_status write_results(cli_call *call, const cli_model *model, const 
     return status;
 }
 
+/* The arm with its offsets, on a chain that can take the frames that a fit of measured poses adds
+ * (zero where the table has none). */
+static mukca_status load_model(cli_call *call, cli_model *model)
+{
+    cli_common *c = call->common;
+    const char *offsets = c->offsets;
+    double turn[9], gravity[3];
+    c->offsets = NULL;
+    mukca_status status = cli_load_model(call, model);
+    c->offsets = offsets;
+    if (status != MUKCA_OK || !offsets) return status;
+    mukca_chain *chain = &model->chain;
+    status = mukca_chain_with_frames(chain, chain, true, true, &call->error);
+    if (status == MUKCA_OK)
+        status = mukca_offsets_read(&model->offsets, chain, offsets, c->force, cli_note, call,
+                                    &call->error);
+    if (status != MUKCA_OK) return status;
+    mukca_rotation_from_rpy(turn,
+                            model->offsets.theta + 3); /* of the base in the tracker's frame */
+    memcpy(gravity, chain->gravity, sizeof gravity);
+    mukca_mat3_vec(chain->gravity, turn, gravity);
+    mukca_geometry_set(&model->geometry, chain, model->offsets.theta);
+    return MUKCA_OK;
+}
+
 static mukca_status run(cli_call *call)
 {
     const evaluate_options *o = call->options;
@@ -246,8 +271,11 @@ static mukca_status run(cli_call *call)
     mukca_status status = MUKCA_OK;
     if (!model) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     cli_catch_interrupts();
-    status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_load_model(call, model);
+    if (o->matrix && call->common->offsets)
+        status = mukca_fail(&call->error, MUKCA_USAGE,
+                            "--matrix trains from the nominal model: leave out --offsets");
+    if (status == MUKCA_OK) status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = load_model(call, model);
     if (status == MUKCA_OK) status = cli_load_data(call, &data, model, &call->arguments);
     if (status == MUKCA_OK && o->test.n > 0) status = cli_load_data(call, &test, model, &o->test);
     if (status == MUKCA_OK)
