@@ -33,59 +33,95 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Coefficients of the catalogue's effect: elastic causes were fitted with one factor per mass, and
- * are told as the one coefficient that does the same to the recorded rows. */
-static void effect_coefficients(mukca_effect *effect, const gap_model *m, const gap_cause *cause)
+/* Elastic causes were fitted with one factor per mass, and are told as the one coefficient that
+ * does most nearly the same to the recorded rows: sum of weight[t] coefficient[t].  Returns how
+ * many times the load of the named masses the fit's load was (measured efforts scale it). */
+static double load_weights(double *weight, const gap_model *m, const gap_hypothesis *h)
 {
-    const gap_hypothesis *h = &cause->hypothesis;
-    *effect = h->effect;
-    effect->terms =
-        h->kind == GAP_EFFECT ? mukca_effect_terms(effect->kind, effect->variant) : h->terms;
-    if (h->kind != GAP_EFFECT || h->terms <= effect->terms) {
-        for (int t = 0; t < effect->terms && t < MUKCA_MAX_TERMS; t++)
-            effect->coefficient[t] = cause->coefficient[t];
-        return;
-    }
-    double product = 0, square = 0;
+    double named_square = 0, named_product = 0;
+    memset(weight, 0, sizeof *weight * GAP_MAX_TERMS);
     for (int i = 0; i < m->n; i++) {
         const float *basis = h->basis + (size_t)m->order[i] * (size_t)(h->terms * h->width);
         for (int k = 0; k < h->width; k++) {
-            double sum = 0;
-            for (int t = 0; t < h->terms; t++)
-                sum += cause->coefficient[t] * (double)basis[t * h->width + k];
-            product += sum * (double)basis[k];
-            square += (double)basis[k] * (double)basis[k];
+            double named = 0;
+            for (int t = 0; t < h->terms; t++) {
+                weight[t] += (double)basis[t * h->width + k] * (double)basis[k];
+                if (t > 0) named += (double)basis[t * h->width + k] / m->lump_scale[t - 1];
+            }
+            named_product += (double)basis[k] * named;
+            named_square += named * named;
         }
     }
-    effect->coefficient[0] = square > 0 ? product / square : cause->coefficient[0];
+    const double square = weight[0];
+    for (int t = 0; t < h->terms; t++) weight[t] = square > 0 ? weight[t] / square : t == 0;
+    return named_square > 0 ? named_product / named_square : 1;
+}
+
+static bool by_mass(const gap_hypothesis *h)
+{
+    return h->kind == GAP_EFFECT &&
+           h->terms > mukca_effect_terms(h->effect.kind, h->effect.variant);
+}
+
+static void effect_coefficients(mukca_cause *out, const gap_model *m, const gap_cause *cause)
+{
+    const gap_hypothesis *h = &cause->hypothesis;
+    mukca_effect *effect = &out->effect;
+    *effect = h->effect;
+    effect->terms =
+        h->kind == GAP_EFFECT ? mukca_effect_terms(effect->kind, effect->variant) : h->terms;
+    out->load_scale = 1;
+    if (by_mass(h)) {
+        double weight[GAP_MAX_TERMS];
+        out->load_scale = load_weights(weight, m, h);
+        for (int t = 0; t < h->terms; t++)
+            effect->coefficient[0] += weight[t] * cause->coefficient[t];
+        return;
+    }
+    for (int t = 0; t < effect->terms && t < MUKCA_MAX_TERMS; t++)
+        effect->coefficient[t] = cause->coefficient[t];
+}
+
+/* Standard error of the sum of direction[t] coefficient[t] over a cause's terms: |L^-1 D a| with L
+ * the factor that the last evidence left. */
+static double standard_error(gap_model *m, int column, const double *direction, int terms)
+{
+    const int n = m->n_columns;
+    double *x = m->work, variance = 0;
+    memset(x, 0, sizeof *x * (size_t)n);
+    for (int t = 0; t < terms; t++) x[column + t] = direction[t] * m->prior[column + t];
+    mukca_dense_forward(x, 1, m->posterior_chol, n);
+    for (int i = 0; i < n; i++) variance += x[i] * x[i];
+    return sqrt(variance);
 }
 
 /* Size of a cause and its 95 % interval from the posterior covariance (delta method). */
 static void measure(mukca_cause *out, gap_model *m, int index)
 {
-    const gap_cause *cause = &m->cause[index];
-    const int terms = out->effect.terms, n = m->n_columns;
+    const gap_hypothesis *h = &m->cause[index].hypothesis;
+    const int terms = out->effect.terms;
     int column = m->n_geometry;
-    double amplitude = 0, variance = 0, direction[GAP_MAX_TERMS] = {0};
+    double direction[GAP_MAX_TERMS] = {1};
     for (int c = 0; c < index; c++) column += m->cause[c].hypothesis.terms;
-    for (int t = 0; t < terms; t++) {
-        amplitude += out->effect.coefficient[t] * out->effect.coefficient[t];
+    out->amplitude = out->effect.coefficient[0];
+    if (terms > 1) {
+        double square = 0;
+        for (int t = 0; t < terms; t++)
+            square += out->effect.coefficient[t] * out->effect.coefficient[t];
+        out->amplitude = sqrt(square);
+        for (int t = 0; t < terms; t++) {
+            const double one = 1;
+            direction[t] = square > 0 ? out->effect.coefficient[t] / out->amplitude : 0;
+            out->sigma[t] = standard_error(m, column + t, &one, 1);
+        }
+    } else if (by_mass(h)) {
+        load_weights(direction, m, h);
     }
-    amplitude = sqrt(amplitude);
-    for (int t = 0; t < terms; t++)
-        direction[t] = terms == 1 ? 1 : amplitude > 0 ? out->effect.coefficient[t] / amplitude : 0;
-    if (terms == 1) amplitude = out->effect.coefficient[0];
-    /* variance = |L^-1 D a|^2 with L the factor that the last fit left */
-    double *x = m->work;
-    memset(x, 0, sizeof *x * (size_t)n);
-    for (int t = 0; t < terms && t < cause->hypothesis.terms; t++)
-        x[column + t] = direction[t] * m->prior[column + t];
-    mukca_dense_forward(x, 1, m->posterior_chol, n);
-    for (int i = 0; i < n; i++) variance += x[i] * x[i];
-    const double half = 1.959963984540054 * sqrt(variance);
-    out->amplitude = amplitude;
-    out->low = amplitude - half;
-    out->high = amplitude + half;
+    const double sigma = standard_error(m, column, direction, h->terms);
+    const double half = 1.959963984540054 * sigma;
+    if (terms == 1) out->sigma[0] = sigma;
+    out->low = out->amplitude - half;
+    out->high = out->amplitude + half;
     if (terms > 1 || mukca_effect_table[out->effect.kind].nonnegative) out->low = fmax(out->low, 0);
 }
 
@@ -150,7 +186,7 @@ static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, stan
     mukca_cause *out = &d->causes[d->n_causes];
     memset(out, 0, sizeof *out);
     out->socket = -1;
-    effect_coefficients(&out->effect, m, &m->cause[index]);
+    effect_coefficients(out, m, &m->cause[index]);
     out->log_bayes_factor = mine ? contest->scan->score[mine->best].log_bayes : -HUGE_VAL;
     out->probability = fmin(own / total, 1);
     add_ties(out, contest, index);
@@ -344,6 +380,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
 
     gap_screen(diagnosis, &m);
     gap_held_out_nothing(diagnosis);
+    diagnosis->efforts_correlation = m.efforts_correlation;
     if (m.n * m.dim < 3 * m.n_groups + 12) {
         diagnosis->verdict = MUKCA_VERDICT_UNTESTABLE;
         goto out;

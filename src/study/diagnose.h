@@ -54,17 +54,19 @@ typedef struct {
 } mukca_shrink;
 
 typedef struct {
-    mukca_effect effect;         /* kind, joint, placement, variant and coefficients, SI */
-    int socket;                  /* index into the dataset's sockets, -1: none */
-    int row, file;               /* 1-based data row of the file (tool_motion), 0: none */
-    bool creep;                  /* tool_motion: crept rather than moved once */
-    double amplitude, low, high; /* size and 95 % interval in the effect's unit */
+    mukca_effect effect;           /* kind, joint, placement, variant and coefficients, SI */
+    int socket;                    /* index into the dataset's sockets, -1: none */
+    int row, file;                 /* 1-based data row of the file (tool_motion), 0: none */
+    bool creep;                    /* tool_motion: crept rather than moved once */
+    double amplitude, low, high;   /* size and 95 % interval in the effect's unit */
+    double sigma[MUKCA_MAX_TERMS]; /* of the coefficients */
     double log_bayes_factor;
     double probability;
     int n_ties;
     mukca_tie ties[MUKCA_MAX_TIES];
     mukca_shrink held_out;
-    double masses_scale; /* of the elastic effects: share of the named load that the fit used */
+    double load_scale; /* elastic effects: measured efforts say that the load is this times the one
+                          that the named masses make; else 1 */
 } mukca_cause;
 
 typedef struct {
@@ -101,6 +103,7 @@ typedef struct {
     double axis_rms_m[3]; /* what geometry leaves, by base axis */
     /* held-out mean errors, leave one placement out, m; NaN: not measurable */
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
+    mukca_shrink held_out;       /* from faults_excused_m to explained_m */
     double noise_shrink_percent; /* what the best of the catalogue gains on pure noise */
     int folds;
     double *placement_mae_m; /* [n_placements] explained, in the pool */
@@ -109,7 +112,7 @@ typedef struct {
     double *test_placement_mae_m; /* [test placements] explained */
     int n_test_placements;
     double sigma_m, rho;
-    double efforts_correlation; /* of measured with modelled holding torques; NaN without */
+    double efforts_correlation; /* cosine of measured and modelled holding torques; NaN without */
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base */
     double elapsed_s;

@@ -354,9 +354,10 @@ static void fill_moments(gap_model *m)
 {
     const mukca_chain *chain = m->chain;
     const int n_joints = chain->n_joints, k = m->n_lumps;
-    double efforts_agree = 0;
+    double agree = 0, efforts = 0, torques = 0;
     mukca_geometry nominal;
     mukca_geometry_set(&nominal, chain, NULL);
+    m->efforts_correlation = NAN;
     for (int row = 0; row < m->data->n_rows; row++) {
         const double *q = m->data->q + (size_t)row * (size_t)n_joints;
         for (int a = 0; a < k; a++) {
@@ -384,9 +385,13 @@ static void fill_moments(gap_model *m)
                     torque += m->torque[((size_t)row * (size_t)k + (size_t)a) * (size_t)n_joints +
                                         (size_t)j];
                 const double effort = m->data->effort[row * n_joints + j];
-                if (isfinite(effort)) efforts_agree += torque * effort;
+                if (!isfinite(effort)) continue;
+                agree += torque * effort;
+                efforts += effort * effort;
+                torques += torque * torque;
             }
-        if (efforts_agree > 0) scale_masses(m);
+        if (efforts > 0 && torques > 0) m->efforts_correlation = agree / sqrt(efforts * torques);
+        if (agree > 0) scale_masses(m);
     }
     m->have_moments = m->have_torques = k > 0;
     for (int row = 0; row < m->data->n_rows; row++)

@@ -88,6 +88,7 @@ typedef struct {
     int n_lumps; /* masses, one per element that carries any */
     int lump_element[GAP_MAX_LUMPS];
     double lump_scale[GAP_MAX_LUMPS]; /* from measured efforts, else 1 */
+    double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
     bool have_moments, have_torques;
     double *moment; /* [n_rows][n_lumps][n_joints][3], torque [n_rows][n_lumps][n_joints] */
     double *torque, *base_moment, *total_moment, *total_torque, *total_base;

@@ -32,9 +32,8 @@ void gap_held_out_nothing(mukca_diagnosis *d)
     d->nominal_m = d->geometry_m = d->faults_excused_m = d->explained_m = NAN;
     d->noise_floor_m = d->noise_shrink_percent = NAN;
     d->test_nominal_m = d->test_geometry_m = d->test_explained_m = NAN;
-    d->efforts_correlation = NAN;
-    for (int i = 0; i < d->n_causes; i++)
-        d->causes[i].held_out = (mukca_shrink){NAN, NAN, NAN, NAN, NAN, 0, 0};
+    d->held_out = (mukca_shrink){NAN, NAN, NAN, NAN, NAN, 0, 0};
+    for (int i = 0; i < d->n_causes; i++) d->causes[i].held_out = d->held_out;
 }
 
 /* Distance of each row's prediction from its socket's mean (of the rows that `of` marks), about
@@ -351,6 +350,7 @@ mukca_status gap_held_out(mukca_diagnosis *d, gap_model *m, const mukca_diagnose
         cross_predict(&b, pack, use);
         row_errors(b.error, m, b.position, kept, true);
         d->explained_m = mean_error(b.error, rows, NULL);
+        compare(&d->held_out, &b, excused, b.error);
         for (int p = 0; p < m->data->n_placements; p++) {
             double sum = 0;
             int n = 0;
