@@ -10,6 +10,7 @@
 #include "study/competition.h"
 #include "study/held_out.h"
 #include "study/screen.h"
+#include "study/untested.h"
 
 const char *const mukca_verdict_name[] = {
 #define VERDICT_NAME(name, text) text,
@@ -290,12 +291,9 @@ static void tell_tested(mukca_diagnosis *d, const gap_contest *contest)
                            c->log_odds,
                            limit,
                            testable,
-                           testable ? NULL : "hardly moves the ball in these poses"};
+                           testable ? NULL : gap_untested_faint(c->class, c->joint)};
     }
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT && d->n_tested < MUKCA_MAX_TESTED; kind++)
-        if (contest->all->missing[kind])
-            d->tested[d->n_tested++] = (mukca_tested){
-                (mukca_effect_kind)kind, -1, 0, 0, NAN, false, contest->all->missing[kind]};
+    gap_untested_add(d, contest->m, contest->all);
 }
 
 static void tell(mukca_diagnosis *d, gap_contest *contest)
@@ -383,6 +381,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     diagnosis->efforts_correlation = m.efforts_correlation;
     if (m.n * m.dim < 3 * m.n_groups + 12) {
         diagnosis->verdict = MUKCA_VERDICT_UNTESTABLE;
+        gap_untested_all(diagnosis, "too few rows: record 20 or more for each socket");
         goto out;
     }
     gap_model_fit(&m, 6, GAP_FREE);

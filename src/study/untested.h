@@ -1,0 +1,18 @@
+/* What a recording cannot test at all, and why. */
+#ifndef MUKCA_STUDY_UNTESTED_H
+#define MUKCA_STUDY_UNTESTED_H
+
+#include "study/diagnose.h"
+#include "study/hypothesis.h"
+
+/* Add the effects that have no candidate, as a whole or at a joint, to diagnosis->tested with what
+ * is missing. */
+void gap_untested_add(mukca_diagnosis *diagnosis, const gap_model *m, const gap_hypotheses *all);
+
+/* The same where there are too few rows to test anything. */
+void gap_untested_all(mukca_diagnosis *diagnosis, const char *why);
+
+/* Why a candidate that was scored cannot be seen. */
+const char *gap_untested_faint(int kind, int joint);
+
+#endif
