@@ -141,7 +141,7 @@ static mukca_status fit_data(cli_call *call, mukca_fit *fit, const cli_model *mo
         t.scores = calloc((size_t)room + 1, sizeof *t.scores);
         status = t.scores ? mukca_output_open(&output, o->trace, call->common->force, &call->error)
                           : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-        if (status != MUKCA_OK) goto out;
+        if (status != MUKCA_OK || !output.stream) goto out;
         t.stream = output.stream;
         fputs(
             "iteration\tevaluations\tcost_m2\ttrain_mae_m\ttrain_std_m\ttrain_distance_error_m\t"

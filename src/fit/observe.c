@@ -45,6 +45,7 @@ static void load_rows(mukca_observations *o, const mukca_dataset *data)
 {
     const int n = data->n_rows;
     o->n_groups = o->n_measured = 0;
+    for (int i = 0; i < n; i++) o->socket[i] = data->socket[i];
     for (int group = 0; group <= data->n_placements; group++) {
         const int rows = rows_of_group(data, group);
         o->n_groups += rows > 0;
@@ -53,7 +54,6 @@ static void load_rows(mukca_observations *o, const mukca_dataset *data)
             if ((placement < 0 ? data->n_placements : placement) != group) continue;
             const bool position = placement >= 0 || has_position(data, i);
             const bool orientation = has_orientation(data, i);
-            o->socket[i] = data->socket[i];
             o->share[i] = position ? 1.0 / rows : 0;
             if (o->oriented) o->turn_share[i] = orientation ? 1.0 / rows : 0;
             o->n_measured += 3 * (position + orientation);
@@ -121,7 +121,6 @@ size_t mukca_observe_setup(mukca_observations *o, void *memory, const mukca_chai
     if (!memory) return arena.used;
 
     memset(memory, 0, arena.used);
-    for (int i = 0; i < n; i++) o->socket[i] = -1;
     load_rows(o, data);
     mukca_sweep_load(&o->sweep, chain, data->q, options->displacements);
     if (options->pull_theta) {

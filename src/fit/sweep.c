@@ -38,8 +38,8 @@ void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain
     memcpy(sweep->align[0], identity, sizeof identity);
     for (int k = 0; k < n; k++) {
         const mukca_element *e = &chain->element[k];
-        sweep->type[k] = (signed char)e->type;
-        sweep->joint[k] = (signed char)e->joint;
+        sweep->type[k] = (int)e->type;
+        sweep->joint[k] = e->joint;
         align_axis(sweep->align[k + 1], e->type == MUKCA_FIXED ? identity + 6 : e->axis);
     }
     sweep->sine = MUKCA_CARVE(arena, double, joints *padded);

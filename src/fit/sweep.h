@@ -16,7 +16,7 @@ typedef enum { MUKCA_GRADIENT_FD, MUKCA_GRADIENT_ANALYTIC } mukca_gradient;
 
 typedef struct {
     int n_elements, n_joints, n_rows, padded;
-    signed char type[MUKCA_MAX_ELEMENTS], joint[MUKCA_MAX_ELEMENTS];
+    int type[MUKCA_MAX_ELEMENTS], joint[MUKCA_MAX_ELEMENTS];
     double align[MUKCA_MAX_ELEMENTS + 1][9]; /* A_{k-1} at k; align[0] = I */
     double *sine, *cosine;                   /* [n_joints][padded]; prismatic: sine holds q */
     double *turn;                            /* [n_joints][9][padded] E of each joint, or NULL */
