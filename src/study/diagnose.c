@@ -9,6 +9,7 @@
 #include "math/stats.h"
 #include "study/competition.h"
 #include "study/held_out.h"
+#include "study/offset_sigma.h"
 #include "study/screen.h"
 #include "study/untested.h"
 
@@ -83,19 +84,6 @@ static void effect_coefficients(mukca_cause *out, const gap_model *m, const gap_
         effect->coefficient[t] = cause->coefficient[t];
 }
 
-/* Standard error of the sum of direction[t] coefficient[t] over a cause's terms: |L^-1 D a| with L
- * the factor that the last evidence left. */
-static double standard_error(gap_model *m, int column, const double *direction, int terms)
-{
-    const int n = m->n_columns;
-    double *x = m->work, variance = 0;
-    memset(x, 0, sizeof *x * (size_t)n);
-    for (int t = 0; t < terms; t++) x[column + t] = direction[t] * m->prior[column + t];
-    mukca_dense_forward(x, 1, m->posterior_chol, n);
-    for (int i = 0; i < n; i++) variance += x[i] * x[i];
-    return sqrt(variance);
-}
-
 /* Size of a cause and its 95 % interval from the posterior covariance (delta method). */
 static void measure(mukca_cause *out, gap_model *m, int index)
 {
@@ -113,12 +101,12 @@ static void measure(mukca_cause *out, gap_model *m, int index)
         for (int t = 0; t < terms; t++) {
             const double one = 1;
             direction[t] = square > 0 ? out->effect.coefficient[t] / out->amplitude : 0;
-            out->sigma[t] = standard_error(m, column + t, &one, 1);
+            out->sigma[t] = gap_model_standard_error(m, column + t, &one, 1);
         }
     } else if (by_mass(h)) {
         load_weights(direction, m, h);
     }
-    const double sigma = standard_error(m, column, direction, h->terms);
+    const double sigma = gap_model_standard_error(m, column, direction, h->terms);
     const double half = 1.959963984540054 * sigma;
     if (terms == 1) out->sigma[0] = sigma;
     out->low = out->amplitude - half;
@@ -324,6 +312,7 @@ static void tell(mukca_diagnosis *d, gap_contest *contest)
         }
     for (int c = 0; c < n; c++)
         if (place[c].index >= 0) measure(&d->causes[place[c].index], m, c);
+    gap_offset_sigmas(d, m);
 
     int order[MUKCA_MAX_CAUSES], used = 0;
     for (int c = 0; c < n; c++)

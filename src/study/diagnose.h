@@ -115,6 +115,9 @@ typedef struct {
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN without */
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base */
+    /* [6 * n_elements] standard error of each parameter, and that of what was believed before the
+     * rows; NaN: not fitted; NULL where nothing was (in the pool) */
+    double *theta_sigma, *theta_prior;
     double elapsed_s;
     mukca_pool pool;
 } mukca_diagnosis;

@@ -149,6 +149,17 @@ double gap_model_evidence(gap_model *m, const gap_pack *pack, const double *prio
            pack->log_det;
 }
 
+double gap_model_standard_error(gap_model *m, int column, const double *direction, int terms)
+{
+    const int n = m->n_columns;
+    double *x = m->work, variance = 0;
+    memset(x, 0, sizeof *x * (size_t)n);
+    for (int t = 0; t < terms; t++) x[column + t] = direction[t] * m->prior[column + t];
+    mukca_dense_forward(x, 1, m->posterior_chol, n);
+    for (int i = 0; i < n; i++) variance += x[i] * x[i];
+    return sqrt(variance);
+}
+
 typedef struct {
     gap_model *m;
     const gap_pack *pack;

@@ -159,6 +159,10 @@ void gap_model_pack(gap_pack *pack, const gap_model *m, double rho);
 double gap_model_evidence(gap_model *m, const gap_pack *pack, const double *prior, double sigma,
                           double *mean);
 
+/* Standard error of the sum of direction[t] x[column + t], t < terms, in the posterior whose factor
+ * the last evidence left: |L^-1 D a| with the priors D that it used, m->prior. */
+double gap_model_standard_error(gap_model *m, int column, const double *direction, int terms);
+
 /* Noise sigma that maximises the evidence; *value gets it. */
 double gap_model_best_sigma(gap_model *m, const gap_pack *pack, const double *prior, double *value);
 
