@@ -34,38 +34,39 @@ typedef enum {
 
 /* kind, name, site, terms, unit, display factor, display unit, signed (1: coefficient >= 0), needs,
  * sentence for people */
-#define MUKCA_EFFECT_LIST(X)                                                                       \
-    X(JOINT_COMPLIANCE, "joint_compliance", ANGLE, 1, "rad/(N*m)", 1e6, "urad/(N*m)", 1,           \
-      MUKCA_NEEDS_MASSES, "the joint's gear and bearing give way under gravity's torque about its axis") \
-    X(LINK_BENDING, "link_bending", ROTATION, 1, "rad/(N*m)", 1e6, "urad/(N*m)", 1,                \
-      MUKCA_NEEDS_MASSES, "the link before the joint bends across the joint's axis under load")      \
-    X(BASE_COMPLIANCE, "base_compliance", BASE, 1, "rad/(N*m)", 1e6, "urad/(N*m)", 1,              \
-      MUKCA_NEEDS_MASSES, "the base or its table tilts under the arm's weight")                     \
-    X(BACKLASH, "backlash", ANGLE, 1, "rad", 1e3, "mrad", 1, MUKCA_NEEDS_MASSES,                   \
-      "play in the gear: gravity decides on which side the joint rests")                            \
-    X(APPROACH_HYSTERESIS, "approach_hysteresis", ANGLE, 1, "rad", 1e3, "mrad", 0,                 \
-      MUKCA_NEEDS_ORDER, "the joint rests differently after moving up than after moving down")      \
-    X(JOINT_SCALE, "joint_scale", ANGLE, 1, "rad/rad", 1e3, "mrad/rad", 0, 0,                      \
-      "the encoder counts a little too much or too little per turn")                                \
-    X(JOINT_COUPLING, "joint_coupling", ANGLE, 1, "rad/rad", 1e3, "mrad/rad", 0, 0,                \
-      "a neighbour's motion leaks into this joint (belt, differential or cable drive)")             \
-    X(ENCODER_ECCENTRICITY, "encoder_eccentricity", ANGLE, 2, "rad", 1e3, "mrad", 0, 0,            \
-      "the encoder disk sits off centre: an error once per turn")                                   \
-    X(GEAR_HARMONIC, "gear_harmonic", ANGLE, 2, "rad", 1e3, "mrad", 0, 0,                          \
-      "gear ripple: an error that repeats `order` times per turn")                                  \
-    X(AXIS_WOBBLE, "axis_wobble", ROTATION, 4, "rad", 1e3, "mrad", 0, 0,                           \
-      "the joint's axis tumbles as it turns (bearing run-out)")                                     \
-    X(JOINT_DRIFT, "joint_drift", ANGLE, 1, "rad", 1e3, "mrad", 0, MUKCA_NEEDS_ORDER,              \
-      "the joint's zero wanders during the session, as a warming gear does")                        \
-    X(READBACK_LAG, "readback_lag", ANGLES, 1, "rad", 1e3, "mrad", 0, MUKCA_NEEDS_ORDER,           \
-      "the recorded angles are stale: they lag along the last move")                                \
-    X(TOOL_MOTION, "tool_motion", SOCKET, 3, "m", 1e3, "mm", 0, MUKCA_NEEDS_SOCKETS,               \
-      "the tool was pushed or crept while it was being recorded")                                   \
-    X(ZERO_JUMP, "zero_jump", ANGLE, 1, "rad", 1e3, "mrad", 0, MUKCA_NEEDS_PLACEMENTS,             \
-      "the joint's zero differs in one placement from the others (slipped or re-homed)")            \
-    X(BALL_SHIFT, "ball_shift", TIP, 3, "m", 1e3, "mm", 0, MUKCA_NEEDS_PLACEMENTS,                 \
-      "the ball sat differently on the arm in one placement (loose or re-mounted)")                 \
-    X(SOCKET_DISTANCE, "socket_distance", SOCKET, 1, "m", 1e3, "mm", 0, MUKCA_NEEDS_SOCKETS,       \
+#define MUKCA_EFFECT_LIST(X)                                                                    \
+    X(JOINT_COMPLIANCE, "joint_compliance", ANGLE, 1, "rad/(N*m)", 1e6, "urad/(N*m)", 1,        \
+      MUKCA_NEEDS_MASSES,                                                                       \
+      "the joint's gear and bearing give way under gravity's torque about its axis")            \
+    X(LINK_BENDING, "link_bending", ROTATION, 1, "rad/(N*m)", 1e6, "urad/(N*m)", 1,             \
+      MUKCA_NEEDS_MASSES, "the link before the joint bends across the joint's axis under load") \
+    X(BASE_COMPLIANCE, "base_compliance", BASE, 1, "rad/(N*m)", 1e6, "urad/(N*m)", 1,           \
+      MUKCA_NEEDS_MASSES, "the base or its table tilts under the arm's weight")                 \
+    X(BACKLASH, "backlash", ANGLE, 1, "rad", 1e3, "mrad", 1, MUKCA_NEEDS_MASSES,                \
+      "play in the gear: gravity decides on which side the joint rests")                        \
+    X(APPROACH_HYSTERESIS, "approach_hysteresis", ANGLE, 1, "rad", 1e3, "mrad", 0,              \
+      MUKCA_NEEDS_ORDER, "the joint rests differently after moving up than after moving down")  \
+    X(JOINT_SCALE, "joint_scale", ANGLE, 1, "rad/rad", 1e3, "mrad/rad", 0, 0,                   \
+      "the encoder counts a little too much or too little per turn")                            \
+    X(JOINT_COUPLING, "joint_coupling", ANGLE, 1, "rad/rad", 1e3, "mrad/rad", 0, 0,             \
+      "a neighbour's motion leaks into this joint (belt, differential or cable drive)")         \
+    X(ENCODER_ECCENTRICITY, "encoder_eccentricity", ANGLE, 2, "rad", 1e3, "mrad", 0, 0,         \
+      "the encoder disk sits off centre: an error once per turn")                               \
+    X(GEAR_HARMONIC, "gear_harmonic", ANGLE, 2, "rad", 1e3, "mrad", 0, 0,                       \
+      "gear ripple: an error that repeats `order` times per turn")                              \
+    X(AXIS_WOBBLE, "axis_wobble", ROTATION, 4, "rad", 1e3, "mrad", 0, 0,                        \
+      "the joint's axis tumbles as it turns (bearing run-out)")                                 \
+    X(JOINT_DRIFT, "joint_drift", ANGLE, 1, "rad", 1e3, "mrad", 0, MUKCA_NEEDS_ORDER,           \
+      "the joint's zero wanders during the session, as a warming gear does")                    \
+    X(READBACK_LAG, "readback_lag", ANGLES, 1, "rad", 1e3, "mrad", 0, MUKCA_NEEDS_ORDER,        \
+      "the recorded angles are stale: they lag along the last move")                            \
+    X(TOOL_MOTION, "tool_motion", SOCKET, 3, "m", 1e3, "mm", 0, MUKCA_NEEDS_SOCKETS,            \
+      "the tool was pushed or crept while it was being recorded")                               \
+    X(ZERO_JUMP, "zero_jump", ANGLE, 1, "rad", 1e3, "mrad", 0, MUKCA_NEEDS_PLACEMENTS,          \
+      "the joint's zero differs in one placement from the others (slipped or re-homed)")        \
+    X(BALL_SHIFT, "ball_shift", TIP, 3, "m", 1e3, "mm", 0, MUKCA_NEEDS_PLACEMENTS,              \
+      "the ball sat differently on the arm in one placement (loose or re-mounted)")             \
+    X(SOCKET_DISTANCE, "socket_distance", SOCKET, 1, "m", 1e3, "mm", 0, MUKCA_NEEDS_SOCKETS,    \
       "the sockets are not as far apart as --distance says")
 
 typedef enum {
@@ -78,12 +79,12 @@ typedef enum {
 typedef struct {
     const char *name; /* as in the contract, the JSON and the offsets table */
     mukca_effect_site site;
-    int terms;              /* coefficients of one variant */
-    const char *unit;       /* of the coefficients, SI */
-    double display_factor;  /* times this ... */
+    int terms;                /* coefficients of one variant */
+    const char *unit;         /* of the coefficients, SI */
+    double display_factor;    /* times this ... */
     const char *display_unit; /* ... is what people are shown */
-    int nonnegative;        /* 1: physics wants coefficient[0] >= 0 */
-    int needs;              /* MUKCA_NEEDS_* */
+    int nonnegative;          /* 1: physics wants coefficient[0] >= 0 */
+    int needs;                /* MUKCA_NEEDS_* */
     const char *sentence;
 } mukca_effect_info;
 
@@ -115,15 +116,15 @@ typedef struct {
 /* What the forward models see of one configuration.  Pointers may be NULL where no effect in use
  * needs them (then that effect does nothing). */
 typedef struct {
-    const double *q;            /* [n_joints] encoder angles */
-    const double *move;         /* [n_joints] q minus q of the row before; 0 in a session's first row */
-    const double *torque;       /* [n_joints] holding torque, N m */
-    const double (*moment)[3];  /* [n_joints] holding moment in the joint frames, N m */
-    const double *base_moment;  /* [3] */
-    const double *command;      /* [n_joints] commanded angles, or NULL */
-    double time;                /* s since the session's start */
-    double payload_kg;          /* at the tip, beyond the model */
-    int placement;              /* index, -1 where unknown */
+    const double *q;      /* [n_joints] encoder angles */
+    const double *move;   /* [n_joints] q minus q of the row before; 0 in a session's first row */
+    const double *torque; /* [n_joints] holding torque, N m */
+    const double (*moment)[3]; /* [n_joints] holding moment in the joint frames, N m */
+    const double *base_moment; /* [3] */
+    const double *command;     /* [n_joints] commanded angles, or NULL */
+    double time;               /* s since the session's start */
+    double payload_kg;         /* at the tip, beyond the model */
+    int placement;             /* index, -1 where unknown */
 } mukca_joint_state;
 
 /* Kind by its name, -1 (as int) where unknown. */
@@ -145,10 +146,11 @@ void mukca_effect_lag_direction(double *direction, int n_joints, int variant,
 void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *effect,
                         const mukca_chain *chain, const mukca_joint_state *state);
 
-/* Displacement of `n` effects at a bare configuration q: computes the moments it needs itself.
+/* Displacement of `n` effects at a bare configuration q: computes the moments it needs itself, at
+ * the place where the arm comes to rest under them (a fixed point to 1e-12 rad).
  * `state` supplies move, time, placement, command, payload_kg (may be NULL: all zero). */
-void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects, int n,
-                                const mukca_chain *chain, const mukca_geometry *geometry,
+void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
+                                int n, const mukca_chain *chain, const mukca_geometry *geometry,
                                 const double *q, const mukca_joint_state *state);
 
 /* Text of one term of an effect for the offsets table's `term` column ("order=240 sin"), and back.
