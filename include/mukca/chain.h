@@ -32,10 +32,10 @@ typedef struct {
     char name[MUKCA_NAME_SIZE];  /* of the URDF joint */
     char child[MUKCA_NAME_SIZE]; /* its child link */
     mukca_joint_type type;
-    int joint;          /* index among the actuated joints, -1 where fixed */
-    double xyz[3];      /* nominal origin, m */
-    double rpy[3];      /* nominal origin, rad */
-    double axis[3];     /* unit, in the joint frame */
+    int joint;           /* index among the actuated joints, -1 where fixed */
+    double xyz[3];       /* nominal origin, m */
+    double rpy[3];       /* nominal origin, rad */
+    double axis[3];      /* unit, in the joint frame */
     double lower, upper; /* rad or m; -HUGE_VAL, HUGE_VAL where unlimited */
 } mukca_element;
 
@@ -107,7 +107,8 @@ void mukca_fk_frames(mukca_frame *before, mukca_frame *tip, const mukca_geometry
 
 /* Positions of `rows` configurations q[rows][n_joints] -> positions[rows][3]; blocks of 8 rows,
  * vectorised; agrees with mukca_fk_position to 1e-14 m per metre of arm. */
-void mukca_fk_positions(double *positions, const mukca_geometry *geometry, const double *q, int rows);
+void mukca_fk_positions(double *positions, const mukca_geometry *geometry, const double *q,
+                        int rows);
 
 /* Geometric Jacobian of the tip in base coordinates, J[6][n_joints] row-major: linear velocity
  * (m/rad or m/m) first, then angular.  `T_base_tip` (may be NULL) is the pose it belongs to. */

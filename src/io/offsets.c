@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "mukca/corrected.h"
 #include "mukca/version.h"
 
 void mukca_offsets_init(mukca_offsets *offsets, const mukca_chain *chain)
@@ -98,6 +99,7 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
     print_line(stream, "tip: ", chain->tip);
     for (int i = 0; data && i < data->n_files; i++) print_line(stream, "data: ", data->files[i]);
     print_line(stream, "created: ", when);
+    mukca_chain_write_comments(stream, chain);
     for (int p = 0; p < offsets->n_placements; p++)
         print_line(stream, "placement: ", offsets->placements[p]);
     for (const char *line = comments; line && *line;) {

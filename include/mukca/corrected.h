@@ -1,0 +1,54 @@
+/* The corrected arm for controllers: load an offsets table once, then ask for positions, poses and
+ * Jacobians with everything that was found.
+ *
+ * An offsets table holds the whole chain in its comment lines, so that neither the URDF nor an XML
+ * parser is needed.  Loading uses libc; what comes after does not allocate, lock, or read or write
+ * anything but its arguments: a model may be used by many threads at once.
+ */
+#ifndef MUKCA_CORRECTED_H
+#define MUKCA_CORRECTED_H
+
+#include <stdio.h>
+
+#include "mukca/effect.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Caller's memory; some 30 kB. */
+typedef struct {
+    mukca_chain chain;
+    mukca_geometry geometry; /* calibrated */
+    int n_effects;
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+} mukca_corrected;
+
+/* Fill `model` from the text of an offsets table (as `mukca calibrate -o` writes it).
+ * Errors: MUKCA_INPUT, with the line. */
+mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, mukca_error *error);
+
+/* The same from a file.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
+mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error);
+
+/* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state` tells what some
+ * effects need beside q (the last move, time since the start, the command) and may be NULL. */
+void mukca_corrected_position(double position[3], const mukca_corrected *model, const double *q,
+                              const mukca_joint_state *state);
+
+void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model, const double *q,
+                          const mukca_joint_state *state);
+
+/* Derivative of the pose by q, J[6][n_joints] row-major: linear (m/rad, m/m), then angular, in base
+ * coordinates.  What the effects change with q is included (central differences of the small
+ * displacement alone, good to 1e-9).  `T_base_tip` may be NULL. */
+void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,
+                              const double *q, const mukca_joint_state *state);
+
+/* The chain as comment lines of an offsets table. */
+void mukca_chain_write_comments(FILE *stream, const mukca_chain *chain);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

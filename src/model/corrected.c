@@ -1,0 +1,59 @@
+/* Kinematics of the corrected arm, effects included. */
+#include "mukca/corrected.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What the effects do at q, and NULL where there are none. */
+static const mukca_displacement *displace(mukca_displacement *d, const mukca_corrected *model,
+                                          const double *q, const mukca_joint_state *state)
+{
+    if (model->n_effects == 0) return NULL;
+    mukca_effects_displacement(d, model->effects, model->n_effects, &model->chain, &model->geometry,
+                               q, state);
+    return d;
+}
+
+void mukca_corrected_position(double position[3], const mukca_corrected *model, const double *q,
+                              const mukca_joint_state *state)
+{
+    mukca_displacement d;
+    mukca_fk_position(position, &model->geometry, q, displace(&d, model, q, state));
+}
+
+void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model, const double *q,
+                          const mukca_joint_state *state)
+{
+    mukca_displacement d;
+    mukca_fk_pose(T_base_tip, &model->geometry, q, displace(&d, model, q, state));
+}
+
+void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,
+                              const double *q, const mukca_joint_state *state)
+{
+    const int n = model->chain.n_joints;
+    const double h = 1e-5;
+    mukca_displacement d;
+    double moved[MUKCA_MAX_JOINTS];
+    mukca_fk_jacobian(J, T_base_tip, &model->geometry, q, displace(&d, model, q, state));
+    if (model->n_effects == 0) return;
+    memcpy(moved, q, (size_t)n * sizeof *q);
+    for (int j = 0; j < n; j++) { /* the arm held at q, its displacement as at q +- h */
+        mukca_frame side[2];
+        double back[9], off[9], w[3];
+        for (int k = 0; k < 2; k++) {
+            moved[j] = q[j] + (k ? h : -h);
+            displace(&d, model, moved, state);
+            mukca_fk_pose(&side[k], &model->geometry, q, &d);
+        }
+        moved[j] = q[j];
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++) back[3 * a + b] = side[0].R[3 * b + a];
+        mukca_mat3_mul(off, side[1].R, back);
+        mukca_rotation_log(w, off);
+        for (int i = 0; i < 3; i++) {
+            J[i * n + j] += (side[1].p[i] - side[0].p[i]) / (2 * h);
+            J[(3 + i) * n + j] += w[i] / (2 * h);
+        }
+    }
+}

@@ -1,0 +1,226 @@
+/* The controllers' interface: equal to the program's own kinematics, right Jacobians, bad tables
+ * refused, and a million calls without allocation (the linker wraps the allocator). */
+#include <stdlib.h>
+#include <string.h>
+
+#include "close.h"
+#include "gen3.h"
+#include "io/offsets.h"
+#include "math/random.h"
+#include "mukca/corrected.h"
+
+static int calls;
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void __real_free(void *memory);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+void __wrap_free(void *memory);
+
+void *__wrap_malloc(size_t size)
+{
+    calls++;
+    return __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    calls++;
+    return __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+    calls++;
+    return __real_realloc(memory, size);
+}
+
+void __wrap_free(void *memory)
+{
+    calls++;
+    __real_free(memory);
+}
+
+static mukca_chain chain;
+static mukca_offsets offsets;
+static mukca_corrected model;
+static mukca_geometry geometry;
+static char text[1 << 17];
+static mukca_error error;
+
+static void add_effect(mukca_effect_kind kind, int joint, int variant, double a, double b)
+{
+    offsets.effects[offsets.n_effects++] =
+        (mukca_effect){.kind = kind,
+                       .joint = joint,
+                       .placement = -1,
+                       .variant = variant,
+                       .terms = mukca_effect_terms(kind, variant),
+                       .coefficient = {a, b}};
+}
+
+/* A table of the Gen3 with offsets, masses and effects, as the program writes it. */
+static int setup(void **state)
+{
+    (void)state;
+    mukca_random random;
+    mukca_random_seed(&random, 11);
+    gen3_chain(&chain);
+    snprintf(chain.robot, sizeof chain.robot, "gen3");
+    snprintf(chain.tip, sizeof chain.tip, "tip");
+    for (int k = 0; k < 7; k++)
+        chain.mass[chain.n_masses++] = (mukca_mass){k, 1.0 + 0.1 * k, {0.01, -0.02, -0.06}};
+    mukca_offsets_init(&offsets, &chain);
+    for (int i = 0; i < 6 * chain.n_elements; i++) {
+        offsets.theta[i] += 1e-3 * mukca_random_normal(&random);
+        offsets.listed[i] = offsets.identifiable[i] = 1;
+    }
+    add_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 1, 0, 5e-5, 0);
+    add_effect(MUKCA_EFFECT_LINK_BENDING, 3, 0, 4e-5, 0);
+    add_effect(MUKCA_EFFECT_BASE_COMPLIANCE, -1, 0, 6e-5, 0);
+    add_effect(MUKCA_EFFECT_BACKLASH, 5, 1000, 1e-3, 0);
+    add_effect(MUKCA_EFFECT_GEAR_HARMONIC, 3, 240, 1e-4, -2e-4);
+    add_effect(MUKCA_EFFECT_JOINT_COUPLING, 2, -1, 3e-4, 0);
+    mukca_geometry_set(&geometry, &chain, offsets.theta);
+    FILE *file = tmpfile();
+    if (!file || mukca_offsets_write(file, &offsets, &chain, NULL, "a comment", &error)) return 1;
+    rewind(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    fclose(file);
+    return mukca_corrected_parse(&model, text, &error) != MUKCA_OK;
+}
+
+static void random_angles(double *q, mukca_random *random)
+{
+    for (int j = 0; j < 7; j++) q[j] = 4 * mukca_random_uniform(random) - 2;
+}
+
+static void equals_the_program(void **state)
+{
+    (void)state;
+    mukca_random random;
+    mukca_random_seed(&random, 12);
+    assert_int_equal(model.chain.n_joints, 7);
+    assert_int_equal(model.n_effects, 6);
+    assert_string_equal(model.chain.robot, "gen3");
+    for (int i = 0; i < 200; i++) {
+        double q[7], p[3];
+        mukca_displacement d;
+        mukca_frame T, expected;
+        random_angles(q, &random);
+        mukca_effects_displacement(&d, offsets.effects, offsets.n_effects, &chain, &geometry, q,
+                                   NULL);
+        mukca_fk_pose(&expected, &geometry, q, &d);
+        mukca_corrected_pose(&T, &model, q, NULL);
+        mukca_corrected_position(p, &model, q, NULL);
+        for (int a = 0; a < 3; a++) assert_close(T.p[a], expected.p[a], 1e-15);
+        for (int a = 0; a < 9; a++) assert_close(T.R[a], expected.R[a], 1e-15);
+        for (int a = 0; a < 3; a++) assert_close(p[a], T.p[a], 1e-13);
+    }
+}
+
+/* Against differences of poses; the harmonic of order 240 turns the derivative by 5 %. */
+static void jacobian_is_the_derivative(void **state)
+{
+    (void)state;
+    const double h = 1e-6;
+    mukca_random random;
+    mukca_random_seed(&random, 13);
+    double harmonic = 0;
+    for (int i = 0; i < 50; i++) {
+        double q[7], J[6 * 7], bare[6 * 7];
+        mukca_frame side[2];
+        random_angles(q, &random);
+        mukca_corrected_jacobian(J, NULL, &model, q, NULL);
+        mukca_fk_jacobian(bare, NULL, &geometry, q, NULL);
+        for (int j = 0; j < 7; j++) {
+            const double at = q[j];
+            for (int k = 0; k < 2; k++) {
+                q[j] = at + (k ? h : -h);
+                mukca_corrected_pose(&side[k], &model, q, NULL);
+            }
+            q[j] = at;
+            double back[9], off[9], w[3];
+            for (int a = 0; a < 3; a++)
+                for (int b = 0; b < 3; b++) back[3 * a + b] = side[0].R[3 * b + a];
+            mukca_mat3_mul(off, side[1].R, back);
+            mukca_rotation_log(w, off);
+            for (int a = 0; a < 3; a++) {
+                assert_close(J[a * 7 + j], (side[1].p[a] - side[0].p[a]) / (2 * h), 2e-7);
+                assert_close(J[(3 + a) * 7 + j], w[a] / (2 * h), 2e-7);
+            }
+        }
+        for (int a = 0; a < 3; a++) harmonic = fmax(harmonic, fabs(J[a * 7 + 3] - bare[a * 7 + 3]));
+    }
+    assert_true(harmonic > 0.01);
+}
+
+static void bad_tables_are_refused(void **state)
+{
+    (void)state;
+    static mukca_corrected other;
+    static char broken[1 << 17];
+    static const char *const spoil[][2] = {
+        {"# element:", "# alement:"},       {"revolute", "revolving"},
+        {"\tx\tm\t", "\tq\tm\t"},           {"joint_3\ty", "joint_9\ty"},
+        {"order=240", "order=900"},         {"neighbour=-1", "neighbour=-7"},
+        {"joint\tparameter", "joint\tpar"}, {"# mass:\t0", "# mass:\t99"},
+        {"# gravity:\t0", "# gravity:\tx"}};
+    assert_int_equal(mukca_corrected_parse(&other, text, &error), MUKCA_OK);
+    for (size_t i = 0; i < sizeof spoil / sizeof *spoil; i++) {
+        const char *at = strstr(text, spoil[i][0]);
+        assert_non_null(at);
+        const size_t before = (size_t)(at - text);
+        snprintf(broken, sizeof broken, "%.*s%s%s", (int)before, text, spoil[i][1],
+                 at + strlen(spoil[i][0]));
+        if (i == 0) /* all of them */
+            while ((at = strstr(broken, "# element:"))) broken[at - broken + 2] = 'a';
+        assert_int_equal(mukca_corrected_parse(&other, broken, &error), MUKCA_INPUT);
+        assert_non_null(strstr(error.text, "line"));
+    }
+    assert_int_equal(mukca_corrected_parse(&other, "", &error), MUKCA_INPUT);
+    assert_int_equal(mukca_corrected_load(&other, "/nonexistent/table", &error), MUKCA_INPUT);
+    for (size_t length = 0; length < strlen(text); length += 97) { /* cut anywhere: no crash */
+        memcpy(broken, text, length);
+        broken[length] = '\0';
+        mukca_corrected_parse(&other, broken, &error);
+    }
+}
+
+static void a_million_calls_allocate_nothing(void **state)
+{
+    (void)state;
+    double q[7], p[3], J[42], sum = 0;
+    mukca_frame T;
+    static mukca_corrected bare;
+    mukca_random random;
+    mukca_random_seed(&random, 14);
+    bare = model;
+    bare.n_effects = 0;
+    calls = 0;
+    for (int i = 0; i < 1000000; i++) {
+        const mukca_corrected *m = i % 8 ? &bare : &model;
+        random_angles(q, &random);
+        if (i % 3 == 0) mukca_corrected_position(p, m, q, NULL);
+        if (i % 3 == 1) mukca_corrected_pose(&T, m, q, NULL);
+        if (i % 3 == 2) mukca_corrected_jacobian(J, &T, i % 64 ? &bare : &model, q, NULL);
+        sum += p[0];
+    }
+    assert_int_equal(calls, 0);
+    assert_true(isfinite(sum));
+    void *volatile memory = malloc(1); /* the count counts */
+    free(memory);
+    assert_int_equal(calls, 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(equals_the_program),
+                                       cmocka_unit_test(jacobian_is_the_derivative),
+                                       cmocka_unit_test(bad_tables_are_refused),
+                                       cmocka_unit_test(a_million_calls_allocate_nothing)};
+    return cmocka_run_group_tests(tests, setup, NULL);
+}
