@@ -82,7 +82,13 @@ class Loader
         mukca_status status = mukca_urdf_text_read(&text_, path, error);
         if (status) throw Failure{status};
     }
-    ~Loader() { mukca_urdf_text_free(&text_); }
+    ~Loader()
+    {
+        mukca_urdf_text_free(&text_);
+        if (!model_) return;
+        /* links in a cycle own each other and would never go */
+        for (const auto &entry : model_->links_) entry.second->child_links.clear();
+    }
     Loader(const Loader &) = delete;
     Loader &operator=(const Loader &) = delete;
 

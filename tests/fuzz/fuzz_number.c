@@ -1,0 +1,20 @@
+/* Numbers: what is taken for one is what the C library reads, to the last bit. */
+#include <math.h>
+#include <string.h>
+
+#include "base/number.h"
+#include "memory_file.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    char text[128], *end;
+    double ours, list[3];
+    if (size >= sizeof text) return 0;
+    memcpy(text, bytes, size);
+    text[size] = '\0';
+    mukca_number_parse_list(list, 3, text);
+    if (!mukca_number_parse(&ours, text)) return 0;
+    double theirs = strtod(text, &end);
+    if (*end || !isfinite(ours) || memcmp(&ours, &theirs, sizeof ours) != 0) abort();
+    return 0;
+}

@@ -1,0 +1,44 @@
+/* Offsets tables: what is read can be written and read again without a change. */
+#include <string.h>
+
+#include "io/offsets.h"
+#include "memory_file.h"
+
+static mukca_chain chain;
+
+static void check_round(const mukca_offsets *offsets)
+{
+    static mukca_offsets again;
+    mukca_error error;
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
+    if (mukca_offsets_write(stream, offsets, &chain, NULL, NULL, &error) != MUKCA_OK) abort();
+    fclose(stream);
+    const char *path = memory_file((const uint8_t *)text, length);
+    if (mukca_offsets_read(&again, &chain, path, false, NULL, NULL, &error) != MUKCA_OK) abort();
+    if (again.n_effects != offsets->n_effects ||
+        memcmp(again.theta, offsets->theta, sizeof again.theta) != 0 ||
+        memcmp(again.listed, offsets->listed, sizeof again.listed) != 0)
+        abort();
+    free(text);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    static mukca_offsets offsets;
+    mukca_error error = {MUKCA_OK, ""};
+    memcpy(chain.urdf_sha256, "abc", 4);
+    chain.n_elements = chain.n_joints = 2;
+    for (int j = 0; j < 2; j++) {
+        snprintf(chain.element[j].name, sizeof chain.element[j].name, "j%d", j + 1);
+        chain.element[j].type = MUKCA_REVOLUTE;
+        chain.element[j].joint = chain.joint_element[j] = j;
+        chain.element[j].axis[2] = 1;
+    }
+    const char *path = memory_file(bytes, size);
+    mukca_status status = mukca_offsets_read(&offsets, &chain, path, size % 2, NULL, NULL, &error);
+    if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
+    if (status == MUKCA_OK) check_round(&offsets);
+    return 0;
+}

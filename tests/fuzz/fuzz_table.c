@@ -1,0 +1,24 @@
+/* Tables in all three kinds: read to the end or to an error of one line. */
+#include <string.h>
+
+#include "io/table.h"
+#include "memory_file.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    const char *path = memory_file(bytes, size);
+    for (int kind = MUKCA_HEADER; kind <= MUKCA_EITHER; kind++) {
+        mukca_table table;
+        mukca_error error = {MUKCA_OK, ""};
+        mukca_status status = mukca_table_open(&table, path, (mukca_table_kind)kind, &error);
+        for (bool more = true; status == MUKCA_OK;) {
+            double value;
+            status = mukca_table_next(&table, &more, &error);
+            if (status || !more) break;
+            for (int c = 0; c < table.n_columns; c++) mukca_table_number(&value, &table, c, &error);
+        }
+        if (status && !error.text[0]) abort();
+        mukca_table_close(&table);
+    }
+    return 0;
+}
