@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/suggest.h"
 
 /* Beyond two turns an angle is in degrees, beyond these lengths (m) one is in millimetres. */
@@ -21,10 +22,16 @@ static mukca_status missing_joint(const mukca_rows *rows, const char *joint, muk
 {
     const char *meant = NULL;
     int best = 99;
-    for (int c = 0; c < rows->table.n_columns; c++)
+    for (int c = 0; c < rows->table.n_columns; c++) {
+        double value;
+        if (mukca_number_parse(&value, name_of(rows, c)))
+            return mukca_table_fail(
+                error, &rows->table, -1,
+                "no column for joint '%s'; the first line must be a header of names", joint);
         if (mukca_chain_find_joint(rows->chain, name_of(rows, c)) < 0 &&
             mukca_suggest_better(&best, joint, name_of(rows, c)))
             meant = name_of(rows, c);
+    }
     if (meant)
         return mukca_table_fail(error, &rows->table, -1,
                                 "no column for joint '%s' of the chain; is it '%.40s'?", joint,

@@ -1,0 +1,41 @@
+# Help and misspelt words.
+golden help_fk help fk
+golden help_export help export
+golden help_effects help effects
+refuse 2 "unknown command 'calibarte'; did you mean calibrate?" calibarte
+refuse 2 "unknown command 'zzz'; .mukca help. lists them" zzz
+refuse 2 "unknown command 'zzz'" help zzz
+refuse 2 "mukca fk: unknown option --urfd; did you mean --urdf?" fk --urfd x
+refuse 2 "mukca fk: --urdf needs FILE" fk --urdf
+refuse 2 "mukca fk: --urdf FILE is needed" fk
+refuse 2 "must be one of urdf, yaml, c" export --format ymal
+refuse 2 "completion needs one of" completion fish
+run
+if [ $code -eq 2 ] && grep -q 'Start with' "$scratch/err" && [ ! -s "$scratch/out" ]; then
+    pass "mukca alone says where to start"
+else
+    fail "mukca alone says where to start" "exit $code"
+fi
+run --version
+expect "--version prints one line" test "$(wc -l <"$scratch/out")" -eq 1
+for command in $("$MUKCA" completion options | cut -f 1 | tail -n +2 | sort -u); do
+    run "$command" --help
+    expect "$command --help is help $command" sh -c "'$MUKCA' help $command | cmp - '$scratch/out'"
+    expect "help of $command ends in an example" \
+        sh -c "tail -n 1 '$scratch/out' | grep -q '^  .*mukca'"
+done
+"$MUKCA" completion bash >completion.bash
+expect "bash reads its completion" bash -n completion.bash
+cat >try.bash <<'BASH'
+. ./completion.bash
+COMP_WORDS=(mukca export --for) COMP_CWORD=2
+_mukca
+[ "${COMPREPLY[*]}" = "--format --force" ] || exit 1
+COMP_WORDS=(mukca export --format y) COMP_CWORD=3
+_mukca
+[ "${COMPREPLY[*]}" = yaml ] || exit 1
+COMP_WORDS=(mukca ex) COMP_CWORD=1
+_mukca
+[ "${COMPREPLY[*]}" = export ]
+BASH
+expect "bash completes commands, options and choices" bash try.bash

@@ -1,0 +1,73 @@
+# Forward kinematics and exports.
+. "$here/fixture.sh"
+printf '0,0,0\n0,0,0\n' >zero.csv
+printf '# a comment\nj3\tj1\tj2\tcolour\n0\t0\t0\tred\n' >named.tsv
+golden fk_plain fk --urdf arm.urdf zero.csv
+golden fk_pose fk --urdf arm.urdf --pose --tip hand named.tsv zero.csv
+{
+    echo '# mukca 0.0.0 offsets table'
+    echo '# robot: small'
+    echo "# urdf_sha256: $(sha256sum arm.urdf | cut -d ' ' -f 1)"
+    printf 'joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\tterm\n'
+    printf 'j1\tz\tm\t0.25\t0.375\t0.125\t1e-5\t1\t-\n'
+    printf 'j2\tx\tm\t0\t-0.125\t-0.125\tinf\t0\t-\n'
+    printf 'tool\tz\tm\t0.125\t0.25\t0.125\t1e-5\t1\t-\n'
+} >offsets.tsv
+golden fk_offsets fk --urdf arm.urdf --offsets offsets.tsv zero.csv
+golden export_urdf export --urdf arm.urdf --offsets offsets.tsv
+golden export_yaml export --urdf arm.urdf --offsets offsets.tsv --format yaml
+golden export_c export --urdf arm.urdf --offsets offsets.tsv --format c
+run export --urdf arm.urdf
+expect "an export without offsets changes no byte" cmp "$scratch/out" arm.urdf
+
+"$MUKCA" export --urdf arm.urdf --offsets offsets.tsv -o calibrated.urdf
+rows 1 50 >fifty.csv
+"$MUKCA" fk --urdf arm.urdf --offsets offsets.tsv --pose fifty.csv >with_table.tsv
+"$MUKCA" fk --urdf calibrated.urdf --pose fifty.csv >with_urdf.tsv
+expect "the exported URDF is the calibrated arm" cmp with_table.tsv with_urdf.tsv
+
+# the header as its own comment says to use it, compiled by the user's compiler
+"$MUKCA" export --urdf arm.urdf --offsets offsets.tsv --format c -o small.h
+cat >use.c <<'C'
+#include <math.h>
+#include <stdio.h>
+#include "small.h"
+
+static void rotate(double v[3], const double w[4]) /* v by the quaternion w */
+{
+    double t[3] = {2 * (w[2] * v[2] - w[3] * v[1]), 2 * (w[3] * v[0] - w[1] * v[2]),
+                   2 * (w[1] * v[1] - w[2] * v[0])};
+    double u[3] = {w[2] * t[2] - w[3] * t[1], w[3] * t[0] - w[1] * t[2], w[1] * t[1] - w[2] * t[0]};
+    for (int i = 0; i < 3; i++) v[i] += w[0] * t[i] + u[i];
+}
+
+int main(void)
+{
+    double q[3];
+    puts("x_m\ty_m\tz_m");
+    while (scanf("%lf,%lf,%lf", &q[0], &q[1], &q[2]) == 3) {
+        double p[3] = {0, 0, 0};
+        for (int k = small_elements - 1; k >= 0; k--) {
+            if (small_joint[k] >= 0) {
+                double half = q[small_joint[k]] / 2, s = sin(half);
+                const double *a = small_axis[k];
+                const double turn[4] = {cos(half), s * a[0], s * a[1], s * a[2]};
+                rotate(p, turn);
+            }
+            rotate(p, small_quaternion[k]);
+            for (int i = 0; i < 3; i++) p[i] += small_xyz[k][i];
+        }
+        printf("%.12f\t%.12f\t%.12f\n", p[0], p[1], p[2]);
+    }
+    return 0;
+}
+C
+if ${CC:-cc} -std=c99 -Wall -Wextra -Werror -o use use.c -lm 2>compile.log; then
+    ./use <fifty.csv | tail -n +2 >from_header.tsv
+    cut -f 1-3 with_table.tsv | tail -n +2 | paste - from_header.tsv >both.tsv
+    expect "a program with the exported C header computes the same positions" awk '
+        { for (i = 1; i <= 3; i++) { d = $i - $(i + 3); if (!(d * d <= 1e-22)) exit 1 } }
+        END { if (NR != 50) exit 1 }' both.tsv
+else
+    fail "the exported C header compiles" "$(cat compile.log)"
+fi

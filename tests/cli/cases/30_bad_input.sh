@@ -1,0 +1,175 @@
+# Bad input: one clear line, the right exit code, nothing half-written.
+. "$here/fixture.sh"
+a='--urdf arm.urdf'
+
+# good data are taken, so that what follows is refused for its own fault
+run calibrate $a good -o offsets.tsv
+expect "good data are taken" test -s offsets.tsv
+
+# files that are not there or cannot be read
+refuse 3 'nix.urdf: cannot read: No such file' calibrate --urdf nix.urdf good -o new.tsv
+refuse 3 'nowhere: cannot read: No such file' calibrate $a nowhere -o new.tsv
+refuse 3 'good: cannot read: Is a directory' fk $a good
+if [ "$(id -u)" -ne 0 ]; then # root may read everything
+    cp arm.urdf secret.urdf && chmod 000 secret.urdf
+    refuse 3 'secret.urdf: cannot read: Permission denied' calibrate --urdf secret.urdf good
+    chmod 600 secret.urdf
+fi
+
+# URDFs
+edit() { sed "$1" arm.urdf >bad.urdf; }
+edit '/<link name="hand"/d'
+refuse 3 'bad.urdf: urdfdom refuses it: .*hand' calibrate --urdf bad.urdf good -o new.tsv
+edit 's/<\/robot>//'
+refuse 3 'bad.urdf:[0-9]*: broken XML' calibrate --urdf bad.urdf good -o new.tsv
+awk 'BEGIN { printf "<robot name=\"x\">"; for (i = 0; i < 50000; i++) printf "<a>"
+    for (i = 0; i < 50000; i++) printf "</a>"; print "</robot>" }' >bad.urdf
+refuse 3 'bad.urdf:1: elements are nested more than' calibrate --urdf bad.urdf good -o new.tsv
+head -c 40000000 /dev/zero | tr '\0' ' ' >bad.urdf
+refuse 3 'bad.urdf: is larger than' calibrate --urdf bad.urdf good -o new.tsv
+edit 's/0 0 0.25/0 0 ${height}/'
+refuse 3 'bad.urdf:10: holds a xacro expression.*expand it first' calibrate --urdf bad.urdf good
+edit 's/<robot name="small">/<robot name="small" xmlns:xacro="http:\/\/x"><xacro:arg name="y"\/>/'
+refuse 3 'bad.urdf:2: holds xacro macros; expand them first' calibrate --urdf bad.urdf good
+edit 's/name="j2" type="revolute"/name="j2" type="floating"/'
+refuse 3 "bad.urdf:15: joint 'j2': joints that are planar or floating" calibrate --urdf bad.urdf good
+edit 's/<child link="upper"/<child link="base"/'
+refuse 3 'bad.urdf:' calibrate --urdf bad.urdf good
+edit 's/<\/robot>/<link name="x"\/><link name="y"\/><joint name="m" type="fixed"><parent link="x"\/><child link="y"\/><\/joint><joint name="n" type="fixed"><parent link="y"\/><child link="x"\/><\/joint><\/robot>/'
+refuse 3 "joint 'n': link 'x' is part of a cycle" calibrate --urdf bad.urdf good
+edit 's/<axis xyz="0 0 1"/<axis xyz="0 0 0"/'
+refuse 3 "bad.urdf:9: joint 'j1': its axis is 0 0 0" calibrate --urdf bad.urdf good
+edit 's/<axis xyz="0 0 1"\/>/<axis xyz="0 0 1"\/><mimic joint="j2"\/>/'
+refuse 3 "bad.urdf:9: joint 'j1': it mimics 'j2'" calibrate --urdf bad.urdf good
+refuse 3 "has no link 'bal' (--tip); did you mean ball?" calibrate $a --tip bal good
+refuse 3 "has no link 'wrist' (--base); links: ball, base, fore, hand, upper" calibrate $a --base wrist good
+refuse 3 "link 'upper' (--tip) is not below 'fore' (--base); below it end: ball" calibrate $a --tip upper --base fore good
+edit 's/name="ball"/name="stub"/; s/link="ball"/link="stub"/; s/<\/robot>/<link name="left"\/><joint name="l" type="fixed"><parent link="hand"\/><child link="left"\/><\/joint><\/robot>/'
+refuse 3 'has several ends, choose one by --tip: left, stub' calibrate --urdf bad.urdf good
+
+# session files
+head_line() { printf 'placement\tsocket\tj1\tj2\tj3\n'; }
+session() { # session SED: session.tsv with one thing wrong
+    sed "$1" session.tsv >bad.tsv
+}
+session '1s/j3/q3/'
+refuse 3 "bad.tsv:1: no column for joint 'j3' of the chain; is it 'q3'?" calibrate $a bad.tsv -o new.tsv
+session '1s/$/\tmood/; 2,$s/$/\tgood/'
+accept 'bad.tsv: 1 column is unknown and ignored: mood' calibrate $a bad.tsv
+session '4s/\t[^\t]*$/\tfive/'
+refuse 3 "bad.tsv:4: column 'j3': 'five' is not a finite number" calibrate $a bad.tsv -o new.tsv
+session '4s/\t[^\t]*$/\tnan/'
+refuse 3 "bad.tsv:4: column 'j3': 'nan' is not a finite number" calibrate $a bad.tsv
+session '4s/\t[^\t]*$/\tinf/'
+refuse 3 "bad.tsv:4: column 'j3': 'inf' is not a finite number" calibrate $a bad.tsv
+session '4s/\t[^\t]*$/\t/'
+refuse 3 "bad.tsv:4: column 'j3': is empty" calibrate $a bad.tsv
+session '4s/\t[^\t]*$//'
+refuse 3 'bad.tsv:4: 4 columns, but 5 in the header' calibrate $a bad.tsv
+printf '%s' "$(cat session.tsv)" | sed '$s/\t[^\t]*\t[^\t]*$//' >cut.tsv
+refuse 3 'cut.tsv:13: 3 columns, but 5 in the header; the last line is cut off' calibrate $a cut.tsv
+session '5s/\t[^\t]*$/\t0,75/'
+refuse 3 "bad.tsv:5: column 'j3': '0,75' has a decimal comma; write a point" calibrate $a bad.tsv
+session '5s/\t[^\t]*$/\t57.3/'
+refuse 3 "bad.tsv:5: column 'j3': 57.3 is more than two turns and looks like degrees" calibrate $a bad.tsv
+session '2,$s/^p\t0/p\t1/'
+refuse 3 "placement 'p': only one socket; at least two" calibrate $a bad.tsv
+head -n 3 session.tsv >bad.tsv
+refuse 3 "socket '[01]': 1 row; at least 2 are needed" calibrate $a bad.tsv
+head_line >bad.tsv
+refuse 3 'bad.tsv: holds a header but no rows' calibrate $a bad.tsv
+tail -n +2 session.tsv >bad.tsv
+refuse 3 "bad.tsv:1: no column for joint 'j1'; the first line must be a header of names" calibrate $a bad.tsv
+tail -n +2 session.tsv | cut -f 3- >bad.tsv
+refuse 3 'bad.tsv:1: starts with numbers; a header' calibrate $a bad.tsv
+: >bad.tsv
+refuse 3 'bad.tsv: is empty' calibrate $a bad.tsv
+head -c 5000 /dev/zero >bad.tsv
+refuse 3 'bad.tsv:1: holds a zero byte' calibrate $a bad.tsv
+
+# folders
+mkdir bad
+rows 1 5 >bad/hole_0.csv
+refuse 3 'bad: no hole_1.csv' calibrate $a bad -o new.tsv
+: >bad/hole_1.csv
+refuse 3 "placement 'bad', socket '1': 0 rows; at least 2 are needed" calibrate $a bad
+rows 1 1 >bad/hole_1.csv
+refuse 3 "socket '1': 1 row; at least 2 are needed" calibrate $a bad
+printf '0,0,0\n0,0\n' >bad/hole_1.csv
+refuse 3 'bad/hole_1.csv:2: 2 columns, but 3 in the first row' calibrate $a bad
+printf '0,0\n0,0\n' >bad/hole_1.csv
+refuse 3 'bad/hole_1.csv:1: 2 columns, but the chain has 3 joints' calibrate $a bad
+printf '0,0,0\n10,90,45\n' >bad/hole_1.csv
+refuse 3 'bad/hole_1.csv:2: column 2: 90 is more than two turns' calibrate $a bad
+printf '0;0;0\n0;0;0\n' >bad/hole_1.csv
+refuse 3 "bad/hole_1.csv:1: columns are parted by ';'" calibrate $a bad
+
+# fewer rows than parameters
+rows 1 2 >bad/hole_0.csv
+rows 9 2 >bad/hole_1.csv
+run calibrate $a bad
+if [ $code -le 1 ] || [ $code -eq 5 ]; then
+    expect "few rows are told, with the rank" grep -qi 'rank\|tell apart\|identif' "$scratch/err"
+else
+    fail "few rows are told, with the rank" "exit $code: $(cat "$scratch/err")"
+fi
+
+# distances
+refuse 2 'distance 0: must be a number above 0' calibrate $a --distance 0 good -o new.tsv
+refuse 2 'distance -0.05: must be a number above 0' calibrate $a --distance -0.05 good
+refuse 2 'distance 50 looks like millimetres' calibrate $a --distance 50 good
+printf 'socket_a\tsocket_b\tdistance_m\n0\t1\t0\n' >distances.tsv
+refuse 3 "distances.tsv:2: column 'distance_m': 0: a distance must be above 0" calibrate $a --distances distances.tsv good
+refuse 3 'nix.tsv: cannot read' calibrate $a --distances nix.tsv good
+
+# offsets tables
+sed 's/\(urdf_sha256: \)./\1x/' offsets.tsv >other.tsv
+refuse 3 'other.tsv: was made for another URDF' fk $a --offsets other.tsv good/hole_0.csv -o new.tsv
+refuse 3 'other.tsv: was made for another URDF' export $a --offsets other.tsv -o new.urdf
+refuse 3 'session.tsv: no offsets table' export $a --offsets session.tsv -o new.urdf
+accept 'made for another URDF' fk $a --offsets other.tsv --force good/hole_0.csv
+
+# outputs
+refuse 3 'offsets.tsv: exists already; --force overwrites it' calibrate $a good -o offsets.tsv
+refuse 3 'offsets.tsv: exists already' export $a -o offsets.tsv
+refuse 3 '/dev/full: cannot write: No space left on device' calibrate $a good -o /dev/full
+refuse 3 '/dev/full: cannot write: No space left on device' calibrate $a good --json /dev/full
+refuse 3 '/dev/full: cannot write: No space left on device' export $a -o /dev/full
+refuse 3 '/sys/new.tsv: cannot write' calibrate $a good -o /sys/new.tsv
+refuse 3 '/sys/new.json: cannot write' calibrate $a good --json /sys/new.json
+refuse 3 'nowhere/new.tsv: cannot write: No such file' calibrate $a good -o nowhere/new.tsv
+refuse 3 'good: is a folder' calibrate $a good -o good
+refuse 2 'cannot both go to -' calibrate $a good -o - --json -
+"$MUKCA" fk $a good/hole_0.csv 2>err >/dev/full
+code=$?
+expect "standard output that is full is told" test "$code $(cat err)" = \
+    "3 mukca fk: standard output: cannot write: No space left on device; free some space"
+
+# interrupted in the middle: it reads from a pipe that stays open
+for signal in INT TERM; do
+    mkfifo pipe
+    "$MUKCA" fk $a - -o new.tsv <pipe 2>err &
+    process=$!
+    exec 3>pipe
+    printf '0,0,0\n' >&3
+    for _ in $(seq 100); do # until it has begun to write
+        [ -n "$(find . -name '.new.tsv.*.tmp')" ] && break
+        sleep 0.05
+    done
+    kill -s $signal $process
+    wait $process
+    code=$?
+    exec 3>&-
+    rm pipe
+    expect "interrupted by $signal: exit 130, one line, no file" test \
+        "$code $(cat err) $(find . -name '*new*' | wc -l)" = \
+        "130 mukca fk: interrupted; nothing was written 0"
+done
+
+# the environment's locale and comma decimals change nothing
+"$MUKCA" fk $a --pose good/hole_0.csv >plain.tsv
+for locale in de_DE.UTF-8 de_DE tr_TR.UTF-8 xx_YY; do
+    LC_ALL=$locale LC_NUMERIC=$locale LANG=$locale "$MUKCA" fk $a --pose good/hole_0.csv >foreign.tsv
+    expect "$locale changes nothing" cmp plain.tsv foreign.tsv
+done
+expect "no source sets the locale" sh -c "! grep -rn setlocale '$root/src'"

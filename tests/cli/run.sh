@@ -1,0 +1,105 @@
+#!/bin/sh
+# Command-line tests: every file of cases/ is read in order, in an empty folder of its own.
+#   golden NAME ARGS...            what `mukca ARGS` prints and returns is golden/NAME.txt
+#                                  (UPDATE_GOLDEN=1, `make golden`, rewrites it)
+#   refuse CODE PATTERN ARGS...    it says one line that matches, returns CODE, and leaves no file
+#                                  new, changed or half-written
+#   accept PATTERN ARGS...         it returns 0 and says something that matches on standard error
+#   expect NAME COMMAND...         the command succeeds
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+MUKCA=${MUKCA:-$root/build/mukca}
+scratch=$(mktemp -d)
+trap 'chmod -R u+w "$scratch"; rm -rf "$scratch"' EXIT
+export SOURCE_DATE_EPOCH=1767225600 NO_COLOR=1
+version=$("$MUKCA" --version)
+failures=0
+
+pass() { echo "ok $1"; }
+fail() {
+    echo "not ok $1"
+    shift
+    printf '    %s\n' "$@"
+    failures=$((failures + 1))
+}
+
+run() {
+    "$MUKCA" "$@" >"$scratch/out" 2>"$scratch/err" </dev/null
+    code=$?
+}
+
+golden() {
+    name=$1
+    shift
+    run "$@"
+    {
+        echo "\$ mukca $*"
+        cat "$scratch/out"
+        if [ -s "$scratch/err" ]; then
+            echo "--- standard error"
+            cat "$scratch/err"
+        fi
+        echo "--- exit $code"
+    } | sed "s/$version/VERSION/" >"$scratch/text"
+    if [ -n "${UPDATE_GOLDEN-}" ]; then
+        cp "$scratch/text" "$here/golden/$name.txt"
+    fi
+    if diff -u "$here/golden/$name.txt" "$scratch/text" >"$scratch/diff" 2>&1; then
+        pass "golden $name"
+    else
+        fail "golden $name" "$(cat "$scratch/diff")"
+    fi
+}
+
+files() { find . -type f -exec cksum {} + 2>/dev/null | sort; }
+
+refuse() {
+    wanted=$1 pattern=$2
+    shift 2
+    files >"$scratch/before"
+    run "$@"
+    files >"$scratch/after"
+    said=$(grep -v '^mukca: note: ' "$scratch/err")
+    name="refuses: mukca $*"
+    if [ $code -ne "$wanted" ]; then
+        fail "$name" "exit $code, not $wanted" "$said"
+    elif [ "$(printf '%s\n' "$said" | wc -l)" -ne 1 ] || [ -z "$said" ]; then
+        fail "$name" "not one line but: $said"
+    elif ! printf '%s\n' "$said" | grep -q -- "$pattern"; then
+        fail "$name" "'$said' lacks '$pattern'"
+    elif ! cmp -s "$scratch/before" "$scratch/after"; then
+        fail "$name" "files changed: $(diff "$scratch/before" "$scratch/after")"
+    else
+        pass "$name"
+    fi
+}
+
+accept() {
+    pattern=$1
+    shift
+    run "$@"
+    if [ $code -ne 0 ] || ! grep -q -- "$pattern" "$scratch/err"; then
+        fail "accepts: mukca $*" "exit $code, and not '$pattern' but: $(cat "$scratch/err")"
+    else
+        pass "accepts: mukca $*"
+    fi
+}
+
+expect() {
+    name=$1
+    shift
+    if "$@" >"$scratch/log" 2>&1; then
+        pass "$name"
+    else
+        fail "$name" "$(tail -n 5 "$scratch/log")"
+    fi
+}
+
+for case in "$here"/cases/*.sh; do
+    folder=$scratch/$(basename "$case" .sh)
+    mkdir "$folder" && cd "$folder" || exit 1
+    # shellcheck disable=SC1090
+    . "$case"
+done
+[ $failures -eq 0 ]
