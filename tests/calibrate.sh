@@ -1,0 +1,169 @@
+#!/bin/bash
+# calibrate and evaluate from the command line, on a planar arm whose postures are worked out here in
+# awk: three turning joints, links of 0.401, 0.3 and 0.199 m where the URDF says 0.4, 0.3 and 0.2.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+mukca=${MUKCA:-build/mukca}
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+export SOURCE_DATE_EPOCH=1700000000
+failed=0
+
+ok() { # NAME COMMAND...
+    local name=$1
+    shift
+    if "$@" >"$dir/out" 2>"$dir/err"; then
+        echo "ok $name"
+    else
+        echo "not ok $name: $*"
+        tail -n 5 "$dir/out" "$dir/err"
+        failed=1
+    fi
+}
+
+exits() { # CODE COMMAND...: and exactly one line of complaint
+    local want=$1 code
+    shift
+    "$@" >"$dir/out" 2>"$dir/err"
+    code=$?
+    [ $code = "$want" ] || { echo "exit $code, not $want: $*"; return 1; }
+    [ "$(grep -vc 'note:' "$dir/err")" = 1 ] || { cat "$dir/err"; return 1; }
+}
+
+less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a + 0 < b + 0) }'; }
+
+{
+    echo '<robot name="planar"><link name="base"/><link name="a"/><link name="b"/><link name="c"/><link name="ball"/>'
+    i=0
+    for step in 'base a 0' 'a b 0.4' 'b c 0.3'; do
+        read -r parent child x <<<"$step"
+        i=$((i + 1))
+        echo "<joint name=\"j$i\" type=\"revolute\"><parent link=\"$parent\"/><child link=\"$child\"/>"
+        echo "<origin xyz=\"$x 0 0\"/><axis xyz=\"0 0 1\"/><limit lower=\"-6\" upper=\"6\" effort=\"1\" velocity=\"1\"/></joint>"
+    done
+    echo '<joint name="tool" type="fixed"><parent link="c"/><child link="ball"/><origin xyz="0.2 0 0"/></joint></robot>'
+} >"$dir/planar.urdf"
+
+# 14 postures in each socket, elbow up and down by turns
+awk -v OFS='\t' '
+function acos(x) { return atan2(sqrt(1 - x * x), x) }
+function seat(placement, socket, x, y,    i, phi, wx, wy, r2, elbow, q1, q2) {
+    for (i = 0; i < 14; i++) {
+        phi = atan2(y, x) - 1 + 0.15 * i
+        wx = x - 0.199 * cos(phi); wy = y - 0.199 * sin(phi)
+        r2 = wx * wx + wy * wy
+        elbow = acos((r2 - 0.401 ^ 2 - 0.3 ^ 2) / (2 * 0.401 * 0.3)) * (i % 2 ? 1 : -1)
+        q1 = atan2(wy, wx) - atan2(0.3 * sin(elbow), 0.401 + 0.3 * cos(elbow))
+        printf "%s\t%s\t%.15g\t%.15g\t%.15g\n", placement, socket, q1, elbow, phi - q1 - elbow
+    }
+}
+BEGIN {
+    print "placement", "socket", "j1", "j2", "j3"
+    seat("front", "s0", 0.6, 0); seat("front", "s1", 0.6, 0.05)
+    seat("side", "s0", 0.35, 0.45); seat("side", "s1", 0.4, 0.45)
+    seat("near", "s0", 0.45, -0.2); seat("near", "s1", 0.45, -0.15); seat("near", "s2", 0.48, -0.15)
+}' >"$dir/all.tsv"
+for p in front side near; do grep -E "^(placement|$p)" "$dir/all.tsv" >"$dir/$p.tsv"; done
+printf 'socket_a\tsocket_b\tdistance_m\ns0\ts1\t0.05\ns1\ts2\t0.03\ns0\ts2\t%.15g\n' 0.058309518948453 >"$dir/distances.tsv"
+
+calibrate=("$mukca" calibrate --urdf "$dir/planar.urdf" --distances "$dir/distances.tsv")
+evaluate=("$mukca" evaluate --urdf "$dir/planar.urdf" --distances "$dir/distances.tsv")
+
+finds_the_links() {
+    "${calibrate[@]}" "$dir/front.tsv" "$dir/near.tsv" --lambda 1e-9 -o "$dir/offsets.tsv" \
+        --json "$dir/result.json" --trace "$dir/trace.tsv" --test "$dir/side.tsv" 2>"$dir/err" || return 1
+    grep -q 'Converged' "$dir/err" || return 1
+    awk -F'\t' '$1 == "j2" && $2 == "x" { exit !($6 > 0.000995 && $6 < 0.001005) }' "$dir/offsets.tsv" || return 1
+    awk -F'\t' '$1 == "tool" && $2 == "x" { exit !($6 < -0.000995 && $6 > -0.001005) }' "$dir/offsets.tsv"
+}
+ok calibrate_finds_the_links finds_the_links
+
+json_is_complete() {
+    local key
+    for key in schema converged solver name gradient evaluations iterations status cost nominal calibrated \
+        total inconsistency distortion regularisation train test placement rows mae_nominal_m mae_m \
+        std_nominal_m std_m distance_error_nominal_m distance_error_m parameters joint parameter unit \
+        offset sigma identifiable rank observability elapsed_s; do
+        grep -q "\"$key\":" "$dir/result.json" || { echo "no $key"; return 1; }
+    done
+    grep -q '"schema": "mukca.calibrate/1"' "$dir/result.json"
+}
+ok calibrate_json json_is_complete
+
+trace_falls() {
+    head -n 1 "$dir/trace.tsv" | grep -q '^iteration	evaluations	cost_m2	train_mae_m' || return 1
+    awk -F'\t' 'NR == 2 { first = $4 } NR > 1 { if (NF != 9) exit 1; if (NR > 2 && $3 >= last) exit 1; last = $3; mae = $4; n++ }
+        END { exit !(n >= 3 && mae < first / 100) }' "$dir/trace.tsv"
+}
+ok calibrate_trace trace_falls
+
+evaluates() {
+    "${evaluate[@]}" "$dir/side.tsv" --offsets "$dir/offsets.tsv" >"$dir/scores.tsv" 2>"$dir/err" || return 1
+    awk -F'\t' 'NR == 2 { exit !($2 == "side" && $3 == 28 && $4 > 1e-4 && $5 < 1e-6) }' "$dir/scores.tsv" || return 1
+    "${evaluate[@]}" "$dir/side.tsv" -q --json - | grep -q '"schema": "mukca.evaluate/1"'
+}
+ok evaluate_held_out evaluates
+
+ok evaluate_within "${evaluate[@]}" "$dir/front.tsv" --test "$dir/side.tsv" --offsets "$dir/offsets.tsv" --max-mae 1e-5
+ok evaluate_above exits 1 "${evaluate[@]}" -q "$dir/side.tsv" --max-mae 1e-5
+
+matrix() {
+    "${evaluate[@]}" "$dir/all.tsv" --matrix -q >"$dir/matrix.tsv" || return 1
+    [ "$(wc -l <"$dir/matrix.tsv")" = 8 ] && grep -q '^front+side	2' "$dir/matrix.tsv" && grep -q '^all	3' "$dir/matrix.tsv"
+}
+ok evaluate_matrix matrix
+
+options_do_what_they_say() { # the cost's parts
+    local own nominal loose
+    own=$("${calibrate[@]}" "$dir/front.tsv" -q --json - | awk '/"total"/ { print $2 }' | tail -n 1)
+    nominal=$("${calibrate[@]}" "$dir/front.tsv" -q --json - --means nominal | awk '/"total"/ { print $2 }' | tail -n 1)
+    loose=$("${calibrate[@]}" "$dir/front.tsv" -q --json - --no-distortion | awk '/"total"/ { print $2 }' | tail -n 1)
+    less "$own" "$nominal" && less "$loose" "$own"
+}
+ok calibrate_ablations options_do_what_they_say
+
+same_by_all() {
+    local s g cost first=
+    for s in slsqp lbfgs gauss-newton; do
+        for g in fd analytic; do
+            cost=$("${calibrate[@]}" "$dir/all.tsv" -q --json - --solver $s --gradient $g | awk '/"total"/ { print $2 }' | tail -n 1)
+            first=${first:-$cost}
+            awk -v a="$cost" -v b="$first" 'BEGIN { exit !((a - b) / b < 1e-6 && (b - a) / b < 1e-6) }' || return 1
+        done
+    done
+}
+ok calibrate_solvers_agree same_by_all
+
+frozen() {
+    "${calibrate[@]}" "$dir/front.tsv" -q --free j2.x,tool --freeze tool.z -o - 2>/dev/null | grep -v '^#' | cut -f1,2 >"$dir/rows"
+    [ "$(tail -n +2 "$dir/rows" | tr '\t\n' '. ')" = 'j2.x tool.x tool.y tool.roll tool.pitch tool.yaw ' ]
+}
+ok calibrate_free_and_freeze frozen
+
+same_in_any_locale() {
+    LC_ALL=C "${calibrate[@]}" "$dir/all.tsv" -q -o "$dir/c.tsv" &&
+        LC_ALL=de_DE.UTF-8 LC_NUMERIC=de_DE.UTF-8 "${calibrate[@]}" "$dir/all.tsv" -q -o "$dir/de.tsv" &&
+        cmp "$dir/c.tsv" "$dir/de.tsv"
+}
+ok calibrate_locale same_in_any_locale
+
+head -n 1 "$dir/all.tsv" >"$dir/still.tsv"
+for s in s0 s1; do for i in 1 2 3 4; do printf 'p\t%s\t0.1\t0.2\t0.3\n' $s; done; done >>"$dir/still.tsv"
+grep -E '^placement|s0' "$dir/front.tsv" >"$dir/single.tsv"
+echo kept >"$dir/there"
+ok calibrate_nothing_moves exits 5 "${calibrate[@]}" -q "$dir/still.tsv" -o "$dir/none"
+ok calibrate_wrote_nothing test ! -e "$dir/none"
+ok calibrate_single_socket exits 3 "${calibrate[@]}" -q "$dir/single.tsv"
+ok calibrate_no_data exits 3 "${calibrate[@]}" -q "$dir/missing.tsv"
+ok calibrate_existing exits 3 "${calibrate[@]}" -q "$dir/front.tsv" -o "$dir/there"
+ok calibrate_existing_trace exits 3 "${calibrate[@]}" -q "$dir/front.tsv" --trace "$dir/there"
+ok calibrate_left_it grep -qx kept "$dir/there"
+ok calibrate_full_disk exits 3 "${calibrate[@]}" -q "$dir/front.tsv" -o /dev/full
+ok calibrate_full_disk_trace exits 3 "${calibrate[@]}" -q "$dir/front.tsv" --trace /dev/full
+ok calibrate_lambda exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --lambda -1
+ok calibrate_unknown_parameter exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --free j9.x
+ok calibrate_nothing_free exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --freeze x,y,z,roll,pitch,yaw
+ok calibrate_one_file_twice exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --trace "$dir/x" -o "$dir/x"
+ok evaluate_matrix_of_one exits 3 "${evaluate[@]}" -q "$dir/front.tsv" --matrix
+ok evaluate_matrix_with_offsets exits 2 "${evaluate[@]}" -q "$dir/all.tsv" --matrix --offsets "$dir/offsets.tsv"
+exit $failed
