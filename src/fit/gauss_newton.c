@@ -25,7 +25,7 @@ double mukca_solver_clock(void)
 
 double mukca_solver_goal(double cost)
 {
-    return 1e-11 * cost + 1e-24;
+    return 1e-10 * cost + 1e-24;
 }
 
 static double largest_diagonal(const double *H, int n)

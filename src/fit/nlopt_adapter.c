@@ -145,7 +145,7 @@ static mukca_status run_nlopt(nlopt_algorithm algorithm, double *x, mukca_solver
         if (left <= 0 || seconds <= 0) break;
         status = run_round(algorithm, &a, L, work + 3 * n, left, seconds, error);
         a.unit = a.best_value;
-    } while (status == MUKCA_OK && a.anew);
+    } while (status == MUKCA_OK && a.anew && a.unit > 0);
     outcome->evaluations = cost->evaluations - a.before;
     return status;
 }
