@@ -23,7 +23,7 @@ static gap_candidate key_of(const gap_hypothesis *h)
 {
     gap_candidate c = {gap_hypothesis_class(h), h->effect.joint, -1, -HUGE_VAL, -1};
     if (h->kind == GAP_SPIKE)
-        c.place = h->row;
+        c.place = 8 * h->row + (h->last - h->row) % 8;
     else if (h->kind == GAP_STEP || h->kind == GAP_CREEP)
         c.place = h->group;
     else if (c.class == MUKCA_EFFECT_ZERO_JUMP || c.class == MUKCA_EFFECT_BALL_SHIFT)
@@ -44,10 +44,9 @@ void gap_compete_rank(gap_contest *contest)
         const gap_score *score = &scan->score[i];
         if (!(score->log_odds > -HUGE_VAL)) continue;
         gap_candidate key = key_of(gap_scan_hypothesis(scan, i));
-        int at = contest->n_table - 1; /* members lie close together in the list */
+        int at = key.class == GAP_CLASS_OUTLIER ? -1 : contest->n_table - 1;
         while (at >= 0 && !same_key(&contest->table[at], &key)) at--;
         if (at < 0) {
-            if (contest->n_table == GAP_MAX_CANDIDATES) continue;
             at = contest->n_table++;
             contest->table[at] = key;
         }
@@ -66,7 +65,11 @@ static bool shadowed(const gap_contest *contest, const gap_candidate *c)
     const gap_model *m = contest->m;
     for (int i = 0; i < m->n_causes; i++) {
         const gap_hypothesis *h = &m->cause[i].hypothesis;
-        if (h->kind != GAP_BUMPS || h->effect.joint != c->joint) continue;
+        if (gap_hypothesis_class(h) != GAP_CLASS_UNKNOWN || h->effect.joint != c->joint) continue;
+        if (h->driver == GAP_TIME) {
+            if (c->class == GAP_CLASS_UNKNOWN || c->class == MUKCA_EFFECT_JOINT_DRIFT) return true;
+            continue;
+        }
         if (c->class == GAP_CLASS_UNKNOWN || c->class == MUKCA_EFFECT_GEAR_HARMONIC ||
             c->class == MUKCA_EFFECT_ENCODER_ECCENTRICITY || c->class == MUKCA_EFFECT_JOINT_SCALE ||
             c->class == MUKCA_EFFECT_JOINT_COUPLING)

@@ -13,15 +13,13 @@ typedef struct {
     int best;                /* score of its best member */
 } gap_candidate;
 
-enum { GAP_MAX_CANDIDATES = 2048 };
-
 typedef struct {
     gap_model *m;
     gap_hypotheses *all;
     gap_scan *scan;
     mukca_diagnosis *diagnosis;
     const mukca_diagnose_options *options;
-    gap_candidate *table; /* [GAP_MAX_CANDIDATES], by falling odds after gap_compete_rank */
+    gap_candidate *table; /* [scores], by falling odds after gap_compete_rank */
     int n_table;
     gap_candidate *first; /* the same after the first scan: what each candidate is worth alone */
     int n_first;

@@ -193,7 +193,8 @@ static void tell_spike(mukca_diagnosis *d, const gap_model *m, const gap_cause *
     double size = 0;
     for (int c = 0; c < 3; c++) size += cause->coefficient[c] * cause->coefficient[c];
     if (sqrt(size) > 12 * m->sigma)
-        gap_fault_add(d, m, MUKCA_FAULT_OUTLIER, cause->hypothesis.row, sqrt(size));
+        for (int row = cause->hypothesis.row; row <= cause->hypothesis.last; row++)
+            gap_fault_add(d, m, MUKCA_FAULT_OUTLIER, row, sqrt(size));
 }
 
 /* Where an unknown function of a joint's angle departs from its mean by half its largest. */
@@ -211,6 +212,7 @@ static void unknown_range(double range[2], const gap_model *m, const gap_cause *
             if (pass == 0) mean += value / m->n;
             if (pass == 1) largest = fmax(largest, fabs(value - mean));
             if (pass < 2 || fabs(value - mean) < 0.5 * largest) continue;
+            if (h->driver < 0) continue;
             const double q = m->data->q[row * n_joints + h->driver];
             range[0] = fmin(range[0], q), range[1] = fmax(range[1], q);
         }
@@ -221,11 +223,12 @@ static void tell_where(mukca_diagnosis *d, const gap_model *m, const standing *p
     double share[MUKCA_MAX_JOINTS] = {0}, total = 0;
     const int n_joints = m->chain->n_joints;
     bool unknown = false;
-    for (int c = 0; c < n; c++) unknown |= m->cause[c].hypothesis.kind == GAP_BUMPS;
+    for (int c = 0; c < n; c++)
+        unknown |= gap_hypothesis_class(&m->cause[c].hypothesis) == GAP_CLASS_UNKNOWN;
     for (int c = 0; c < n; c++) {
         const gap_hypothesis *h = &m->cause[c].hypothesis;
         if (unknown) {
-            if (h->kind == GAP_BUMPS)
+            if (gap_hypothesis_class(h) == GAP_CLASS_UNKNOWN)
                 for (int j = 0; j < n_joints; j++) share[j] += place[c].unknown_share[j];
         } else if (h->effect.joint >= 0) {
             share[h->effect.joint] += fmax(place[c].log_odds, 0);
@@ -299,7 +302,8 @@ static void tell(mukca_diagnosis *d, gap_contest *contest)
             continue;
         }
         tell_cause(d, contest, c, &place[c]);
-        double *of = m->cause[c].hypothesis.kind == GAP_BUMPS ? &unknown : &known;
+        const bool strange = gap_hypothesis_class(&m->cause[c].hypothesis) == GAP_CLASS_UNKNOWN;
+        double *of = strange ? &unknown : &known;
         *of = fmax(*of, place[c].log_odds);
         leading = fmax(leading, place[c].log_odds);
     }
@@ -378,10 +382,10 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     if (status != MUKCA_OK) goto out;
     status = gap_scan_create(&scan, &all, &m, error);
     if (status != MUKCA_OK) goto out;
-    contest.table = MUKCA_TAKE(&m.pool, gap_candidate, GAP_MAX_CANDIDATES);
-    contest.first = MUKCA_TAKE(&m.pool, gap_candidate, GAP_MAX_CANDIDATES);
-    contest.first_score =
-        MUKCA_TAKE(&m.pool, gap_score, all.count + chain->n_joints * GAP_HARMONICS_KEPT);
+    const int most = all.count + chain->n_joints * GAP_HARMONICS_KEPT;
+    contest.table = MUKCA_TAKE(&m.pool, gap_candidate, most);
+    contest.first = MUKCA_TAKE(&m.pool, gap_candidate, most);
+    contest.first_score = MUKCA_TAKE(&m.pool, gap_score, most);
     if (m.pool.failed) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
         goto out;

@@ -10,6 +10,9 @@ const double gap_rho[GAP_RHOS] = {0.0, 0.25, 0.5};
 
 /* Prior sigma of a joint's zero, rad: real arms are off by up to 15 mrad. */
 #define ZERO_SIGMA 20e-3
+/* Of a factor common to all lengths: without it a wrong distance of the sockets would be told from
+ * the arm's size by the priors of single lengths, which know little of their sum. */
+#define SCALE_SIGMA 5e-3
 /* Of the ball's place on the tool, m, which nobody measures. */
 #define TIP_SIGMA 20e-3
 
@@ -198,6 +201,7 @@ static void geometry_prior(gap_model *m)
                                       ZERO_SIGMA * ZERO_SIGMA * along);
         }
     }
+    m->theta_sigma[6 * (m->n_slots - 1) + m->slot_width] = SCALE_SIGMA;
     if (m->options.free_base)
         for (int a = 0; a < 6; a++) m->theta_sigma[m->n_geometry - 6 + a] = a < 3 ? 1.0 : 3.0;
 }

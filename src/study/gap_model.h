@@ -15,6 +15,8 @@
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
 
+enum { GAP_TIME = -1 };
+
 enum { GAP_RHOS = 3, GAP_MAX_CAUSES = 24, GAP_MAX_TERMS = 64, GAP_MAX_LUMPS = MUKCA_MAX_ELEMENTS };
 
 /* What a candidate cause is: an effect of the catalogue, or a rival that explains structure by
@@ -23,9 +25,10 @@ typedef enum {
     GAP_EFFECT,   /* of the catalogue, acting on the arm */
     GAP_STEP,     /* tool_motion: the socket moved once, at a row */
     GAP_CREEP,    /* tool_motion: the socket crept through all its rows */
-    GAP_SPIKE,    /* outlier: one row is off */
+    GAP_SPIKE,    /* outlier: one row is off, or a few in a row are off alike */
     GAP_DISTANCE, /* socket_distance */
-    GAP_BUMPS     /* unknown: a smooth function of a joint's angle */
+    GAP_BUMPS,    /* unknown: a smooth function of a joint's angle or of time turns a joint */
+    GAP_STRETCH   /* unknown: a link changes its length with time */
 } gap_kind;
 
 /* One candidate.  `basis` is the forward model, computed once: [n_rows][terms][width], width 1 for
@@ -33,9 +36,10 @@ typedef enum {
 typedef struct {
     gap_kind kind;
     mukca_effect effect; /* kind, joint, placement, variant; GAP_BUMPS uses joint only */
-    int driver;          /* GAP_BUMPS: the joint whose angle is the argument, and its range, rad */
-    double lo, hi;
+    int driver;          /* GAP_BUMPS: the joint whose angle is the argument, GAP_TIME: time */
+    double lo, hi;       /* the argument's range, rad or s */
     int group, row; /* GAP_STEP, GAP_CREEP, GAP_SPIKE: group, and first row of the step (data) */
+    int last;       /* GAP_SPIKE: last row that is off */
     int terms, width;
     float *basis;
     double unit[GAP_MAX_TERMS]; /* coefficient size that moves the joint by 1 rad rms (m: 1) */
@@ -52,6 +56,7 @@ typedef struct {
     int start, count; /* in the kept order */
     int socket;       /* of the dataset; -1: a pose log, not centred */
     int placement;
+    double mean[3]; /* of the predictions at the linearisation, m */
 } gap_group;
 
 typedef struct {
@@ -107,7 +112,8 @@ typedef struct {
     int n_geometry; /* columns of the geometry */
     int n_slots;    /* elements with free origins; slot k has element slot_element[k] and six
                      * columns x y z and the rotation vector, the last slot slot_width of them;
-                     * with free_base six more columns follow */
+                     * then one common factor of all lengths; with
+                     * free_base six more columns follow */
     int slot_width;
     mukca_frame tracker; /* pose logs: T_measured_base */
     int slot_element[MUKCA_MAX_JOINTS + 1];

@@ -265,7 +265,7 @@ static mukca_status measure_test(mukca_diagnosis *d, const gap_model *m,
         t.n_causes = 0;
         for (int c = 0; s == 2 && c < m->n_causes; c++) {
             gap_cause cause = m->cause[c];
-            if (!cause.hypothesis.basis) continue;
+            if (!cause.hypothesis.basis || cause.hypothesis.kind == GAP_STRETCH) continue;
             cause.hypothesis.effect.placement = -1; /* what one placement had, others do not */
             if (!gap_hypothesis_prepare(&cause.hypothesis, &t.pool, &t)) goto out;
             t.cause[t.n_causes++] = cause;
@@ -300,7 +300,7 @@ static int model_cause(const gap_model *m, const mukca_cause *cause)
 {
     for (int c = 0; c < m->n_causes; c++) {
         const gap_hypothesis *h = &m->cause[c].hypothesis;
-        if (h->kind == GAP_SPIKE || h->kind == GAP_BUMPS) continue;
+        if (h->kind == GAP_SPIKE || h->kind == GAP_BUMPS || h->kind == GAP_STRETCH) continue;
         if (h->effect.kind == cause->effect.kind && h->effect.joint == cause->effect.joint &&
             h->effect.variant == cause->effect.variant &&
             h->effect.placement == cause->effect.placement &&

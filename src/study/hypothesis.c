@@ -9,23 +9,9 @@
 
 int gap_hypothesis_class(const gap_hypothesis *h)
 {
-    return h->kind == GAP_SPIKE   ? GAP_CLASS_OUTLIER
-           : h->kind == GAP_BUMPS ? GAP_CLASS_UNKNOWN
-                                  : (int)h->effect.kind;
-}
-
-double gap_order_log_prior(int order)
-{
-    /* Ratios of strain wave and cycloidal gears in cobots, their doubles (two lobes a turn), and
-     * encoder line counts that alias onto low orders. */
-    static const int usual[] = {50,  51,  80,  81,  100, 101, 102, 120, 121, 128,
-                                160, 161, 200, 202, 240, 242, 256, 320, 322};
-    const int n_usual = (int)(sizeof usual / sizeof *usual);
-    double p = 0.3 / 399;
-    if (order <= 6) p += 0.4 / 5;
-    for (int i = 0; i < n_usual; i++)
-        if (usual[i] == order) p += 0.3 / n_usual;
-    return log(p);
+    return h->kind == GAP_SPIKE                             ? GAP_CLASS_OUTLIER
+           : h->kind == GAP_BUMPS || h->kind == GAP_STRETCH ? GAP_CLASS_UNKNOWN
+                                                            : (int)h->effect.kind;
 }
 
 static bool uses_masses(const gap_hypothesis *h)
@@ -41,11 +27,12 @@ static void fill_bumps(float *basis, gap_hypothesis *h, const gap_model *m)
 {
     const int n_joints = m->chain->n_joints;
     const double lo = h->lo, hi = h->hi;
-    const double width = 1e-3 * h->effect.variant;
+    const bool timed = h->driver == GAP_TIME, local = timed || h->driver == h->effect.joint;
+    const double width = timed ? (hi - lo) / (h->terms - 1) : 1e-3 * h->effect.variant;
     for (int row = 0; row < m->data->n_rows; row++) {
-        const double q = m->data->q[row * n_joints + h->driver];
+        const double q = timed ? m->time[row] : m->data->q[row * n_joints + h->driver];
         float *out = basis + row * h->terms;
-        if (h->driver == h->effect.joint) {
+        if (local) {
             for (int t = 0; t < h->terms; t++) {
                 const double x = (q - lo - t * width) / width;
                 out[t] = (float)(exp(-0.5 * x * x) / 1.33); /* neighbours add up to 1 or so */
@@ -98,7 +85,10 @@ bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model
         h->terms = h->width = 1;
         return true;
     }
-    h->width = site == MUKCA_SITE_ANGLE ? 1 : site == MUKCA_SITE_ANGLES ? n_joints : 3;
+    if (h->kind == GAP_STRETCH) h->terms = 3;
+    h->width = h->kind == GAP_STRETCH || site == MUKCA_SITE_ANGLE ? 1
+               : site == MUKCA_SITE_ANGLES                        ? n_joints
+                                                                  : 3;
     if (h->kind == GAP_EFFECT) {
         h->effect.terms = mukca_effect_terms(h->effect.kind, h->effect.variant);
         h->terms = h->effect.terms;
@@ -109,6 +99,11 @@ bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model
     if (!h->basis) return false;
     if (h->kind == GAP_BUMPS) {
         fill_bumps(h->basis, h, m);
+        return true;
+    }
+    if (h->kind == GAP_STRETCH) {
+        for (int row = 0; row < rows; row++)
+            h->basis[3 * row] = (float)(1 - exp(-(m->time[row] - h->lo) / h->effect.variant));
         return true;
     }
     if (uses_masses(h)) {
@@ -156,6 +151,11 @@ bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model
     return true;
 }
 
+enum {
+    LONGEST_BURST = 3, /* rows that a badly seated ball may stay so */
+    TIME_BUMPS = 10    /* over the whole recording */
+};
+
 typedef struct {
     gap_hypotheses *all;
     mukca_pool *pool;
@@ -195,9 +195,12 @@ static void append_effect(lister *l, mukca_effect_kind kind, int joint, int vari
 
 static void append_bumps(lister *l, int joint, int driver, int width, const double (*span)[2])
 {
-    const double lo = span[driver][0], hi = span[driver][1], range = hi - lo;
+    const double *of = span[driver == GAP_TIME ? l->m->chain->n_joints : driver];
+    const double lo = of[0], hi = of[1], range = hi - lo;
     int terms = 4;
-    if (joint == driver) {
+    if (driver == GAP_TIME) {
+        terms = TIME_BUMPS;
+    } else if (joint == driver) {
         if (1e-3 * width > 0.6 * range) return;
         terms = (int)ceil(range / (1e-3 * width)) + 1;
         if (terms > GAP_MAX_TERMS) return;
@@ -250,6 +253,15 @@ static void list_joint(lister *l, int j, const double (*span)[2], bool moved)
             append_effect(l, MUKCA_EFFECT_JOINT_COUPLING, j, side, -1);
     for (int i = 0; i < n_joints; i++)
         if (i != j && span[i][1] - span[i][0] > 0.1) append_bumps(l, j, i, 0, span);
+    append_bumps(l, j, GAP_TIME, 0, span);
+    for (int k = 0; k < m->n_slots; k++)
+        for (int i = 1; i < 4 && m->slot_element[k] == m->chain->joint_element[j]; i++)
+            append(l, (gap_hypothesis){
+                          .kind = GAP_STRETCH,
+                          .effect = {.joint = j, .variant = time_constants[i], .placement = -1},
+                          .driver = GAP_TIME,
+                          .lo = span[n_joints][0],
+                          .group = k});
     const double range = span[j][1] - span[j][0];
     if (range < 1e-3) return;
     if (moved) append_effect(l, MUKCA_EFFECT_APPROACH_HYSTERESIS, j, 0, -1);
@@ -272,8 +284,13 @@ static void list_faults(lister *l)
             h.effect.kind = MUKCA_EFFECT_TOOL_MOTION;
             h.effect.placement = group->placement;
             h.kind = GAP_SPIKE;
-            append(l, h);
-            if (group->socket < 0 || i < 2 || i >= group->count - 1) continue;
+            for (int n = 0; n < LONGEST_BURST && i + n < group->count; n++) {
+                h.last = m->order[group->start + i + n];
+                append(l, h);
+            }
+            /* A move right after the start or before the end cannot be told from a burst. */
+            if (group->socket < 0 || i < LONGEST_BURST || i > group->count - LONGEST_BURST - 1)
+                continue;
             h.kind = GAP_STEP;
             append(l, h);
         }
@@ -290,15 +307,18 @@ static void list_faults(lister *l)
 }
 
 /* Prior odds: equal per class, then per joint, then per variant; a quarter of tool motions creep,
- * half of the unknown functions have another joint's angle as their argument. */
+ * half
+ * of the outliers are bursts, half of the unknown functions have another argument than the joint's
+ * own angle. */
 static void set_priors(gap_hypotheses *all)
 {
     int variants[GAP_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
-    int joints[GAP_CLASSES] = {0}, kinds[GAP_BUMPS + 1] = {0};
+    int joints[GAP_CLASSES] = {0}, kinds[GAP_STRETCH + 1] = {0}, single = 0;
     for (int i = 0; i < all->count; i++) {
         const gap_hypothesis *h = &all->list[i];
         const int class = gap_hypothesis_class(h), slot = h->effect.joint + 1;
-        const bool cross = h->kind == GAP_BUMPS && h->driver != h->effect.joint;
+        const bool cross = class == GAP_CLASS_UNKNOWN && h->driver != h->effect.joint;
+        single += h->kind == GAP_SPIKE && h->last == h->row;
         all->enabled[class] = true;
         kinds[h->kind]++;
         if (!variants[class][slot] && !(class == GAP_CLASS_UNKNOWN && crossed[slot]))
@@ -316,7 +336,9 @@ static void set_priors(gap_hypotheses *all)
         double share = 1.0 / joints[class]; /* of the class */
         if (h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE) {
             share = 1.0 / kinds[h->kind];
-            if (kinds[GAP_CREEP] && h->kind != GAP_SPIKE)
+            if (h->kind == GAP_SPIKE)
+                share = 0.5 / (h->last == h->row ? single : kinds[GAP_SPIKE] - single);
+            else if (kinds[GAP_CREEP])
                 share *= h->kind == GAP_CREEP ? 0.25 : 0.75;
         } else if (class == GAP_CLASS_UNKNOWN && crossed[slot] && variants[class][slot]) {
             share *= 0.5 / (h->driver == h->effect.joint ? variants[class][slot] : crossed[slot]);
@@ -332,7 +354,7 @@ mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const ga
 {
     lister l = {all, pool, m, disabled, true};
     const int n_joints = m->chain->n_joints, rows = m->data->n_rows;
-    double span[MUKCA_MAX_JOINTS][2] = {{0}}, lo, hi, least;
+    double span[MUKCA_MAX_JOINTS + 1][2] = {{0}}, lo, hi, least;
     bool moved = false, commanded = false;
     memset(all, 0, sizeof *all);
     for (int j = 0; j < n_joints; j++) {
@@ -340,6 +362,7 @@ mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const ga
         range_of(&lo, &hi, &least, m->move + j, rows, n_joints);
         moved |= hi - lo > 1e-6;
     }
+    if (rows) range_of(&span[n_joints][0], &span[n_joints][1], &least, m->time, rows, 1);
     for (int i = 0; m->data->command && i < rows * n_joints; i++)
         commanded |= fabs(m->data->command[i] - m->data->q[i]) > 1e-7;
     for (int j = 0; j < n_joints; j++) list_joint(&l, j, (const double(*)[2])span, moved);

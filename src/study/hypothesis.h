@@ -28,8 +28,4 @@ mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const ga
  * found).  Returns false when memory failed. */
 bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model *m);
 
-/* Log prior of a gear harmonic of that order among all orders: part on low orders, part on the
- * ratios of usual gears and their doubles, part uniform over 2 .. 400. */
-double gap_order_log_prior(int order);
-
 #endif

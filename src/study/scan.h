@@ -23,6 +23,8 @@ typedef struct {
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
     double sigma;
+    unsigned char *wanted;        /* [scores] scratch: averaged over rho */
+    double *value, *information;  /* [scores] scratch: at one rho */
     double *memory;
     mukca_pool pool;
 } gap_scan;
