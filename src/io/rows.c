@@ -78,6 +78,8 @@ static bool is_spread(const mukca_rows *rows, int c)
 
 static bool is_known(const mukca_rows *rows, int c)
 {
+    const char *dot = strrchr(name_of(rows, c), '.');
+    if (dot && strcmp(dot, ".spread") == 0) return true; /* mukca capture's record of its windows */
     const int single[] = {rows->placement, rows->socket, rows->time, rows->temperature,
                           rows->payload};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++)
