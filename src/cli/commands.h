@@ -3,6 +3,7 @@
 #define MUKCA_CLI_COMMANDS_H
 
 #define CLI_COMMAND_LIST(X) \
+    X(capture)              \
     X(calibrate)            \
     X(evaluate)             \
     X(diagnose)             \

@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -99,7 +100,7 @@ mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *
                                      session->has_command ? row->command : NULL};
     for (int k = 0; k < 4; k++)
         for (int j = 0; columns[k] && j < session->n_joints; j++)
-            append(&l, "%c%.17g", s, columns[k][j]);
+            append(&l, isfinite(columns[k][j]) ? "%c%.17g" : "%cnan", s, columns[k][j]);
     append(&l, "\n");
     int64_t at = session->length;
     mukca_status status = commit(session, l.text, l.length, error);

@@ -48,8 +48,7 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
                                   MUKCA_CAPTURE_MAX_SOCKETS, MUKCA_CAPTURE_MAX_PLACEMENTS, error);
     if (!status && (!capture->time || !capture->values || !capture->factor))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    capture->rows.n_rows = capture->rows.n_sockets = capture->rows.n_placements = 0;
-    capture->socket = -1;
+    mukca_capture_clear(capture);
     mukca_capture_advice none;
     if (!status) status = mukca_capture_advise(&none, capture, error);
     if (status) mukca_capture_free(capture);
@@ -63,6 +62,17 @@ void mukca_capture_free(mukca_capture *capture)
     free(capture->factor);
     mukca_dataset_free(&capture->rows);
     memset(capture, 0, sizeof *capture);
+}
+
+void mukca_capture_clear(mukca_capture *capture)
+{
+    capture->rows.n_rows = capture->rows.n_sockets = capture->rows.n_placements = 0;
+    capture->socket = -1;
+    capture->count = 0;
+    capture->jumps = 0;
+    capture->has_last = capture->guided = capture->was_guided = false;
+    capture->standing = capture->taken = false;
+    capture->checked = 0;
 }
 
 /* ---- readings ---- */
@@ -139,13 +149,6 @@ static const char *joint_name(const mukca_capture *capture, int joint)
     return capture->chain->element[capture->chain->joint_element[joint]].name;
 }
 
-static bool same_as_last_row(const mukca_capture *capture, const double *q)
-{
-    const mukca_dataset *rows = &capture->rows;
-    size_t n = (size_t)rows->n_joints;
-    return rows->n_rows && memcmp(q, rows->q + (size_t)(rows->n_rows - 1) * n, n * sizeof *q) == 0;
-}
-
 mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_capture *capture,
                                 double age, mukca_error *error)
 {
@@ -210,10 +213,5 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
                 ? "m"
                 : "rad",
             s->window, 1e3 * s->range);
-    if (same_as_last_row(capture, sample->q))
-        return mukca_fail(error, MUKCA_NEGATIVE,
-                          "the joints read exactly as in row %d: has the arm moved, and does its "
-                          "driver still update?",
-                          capture->rows.n_rows);
     return MUKCA_OK;
 }

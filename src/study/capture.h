@@ -85,6 +85,9 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
                                 mukca_error *error);
 void mukca_capture_free(mukca_capture *capture);
 
+/* Forget all rows, placements and readings. */
+void mukca_capture_clear(mukca_capture *capture);
+
 /* Take in one reading; allocates nothing.  Returns MUKCA_CAPTURE_* bits, each when it begins. */
 unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading *reading);
 
@@ -110,6 +113,9 @@ const char *mukca_capture_socket(const mukca_capture *capture);
 
 /* The label that follows the current socket's in the settings. */
 const char *mukca_capture_next_label(const mukca_capture *capture);
+
+/* Whether q[n_joints] holds the very numbers of the last row: a driver that updates no more. */
+bool mukca_capture_repeats(const mukca_capture *capture, const double *q);
 
 /* Add a row q[n_joints] to the current socket, or take the last one back.  `text` gets what is
  * remarkable about the row (a posture seen before, a ball that is not seated, the wrong socket), or

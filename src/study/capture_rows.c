@@ -5,6 +5,13 @@
 
 #include "study/capture.h"
 
+bool mukca_capture_repeats(const mukca_capture *capture, const double *q)
+{
+    const mukca_dataset *rows = &capture->rows;
+    size_t n = (size_t)rows->n_joints;
+    return rows->n_rows && memcmp(q, rows->q + (size_t)(rows->n_rows - 1) * n, n * sizeof *q) == 0;
+}
+
 /* Largest difference of any joint. */
 static double difference(const double *a, const double *b, int n)
 {

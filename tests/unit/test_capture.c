@@ -129,8 +129,10 @@ static void moving_stale_and_thin_streams_are_refused(void **state)
     assert_int_equal(mukca_capture_select(&capture, "p", "0", &error), MUKCA_OK);
     assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
     assert_int_equal(mukca_capture_keep(text, &capture, sample.q, &error), MUKCA_OK);
-    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
-    assert_non_null(strstr(error.text, "exactly as in row 1"));
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+    assert_true(mukca_capture_repeats(&capture, sample.q));
+    sample.q[1] += 1e-9;
+    assert_false(mukca_capture_repeats(&capture, sample.q));
     /* the stream stops for 3 s and returns: the window must fill anew */
     assert_int_equal(feed(4.3, (const double[]){1, 1, 1}), MUKCA_CAPTURE_PAUSE);
     assert_true(!(fabs(capture.pause - 3.001) > 1e-9));

@@ -1,0 +1,544 @@
+/* The recorder's stream: finding the channel, type and mapping; messages to readings; silence. */
+#include "cli/recorder.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const recorder_streams[] = {"raw", "corrected", NULL};
+
+enum { SILENCE_US = 2000000, SEARCH_US = 500000, REPEAT_US = 10000000 };
+
+const char *recorder_stream_name(const recorder *r)
+{
+    return recorder_streams[r->options->stream];
+}
+
+void recorder_say(recorder *r, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(r->last_line, sizeof r->last_line, format, args);
+    va_end(args);
+    if (r->hooks.say) r->hooks.say(r->hooks.context, r->last_line);
+}
+
+static void note(void *context, const char *text)
+{
+    recorder_say(context, "%s", text);
+}
+
+/* Something is wrong with a message: tell it, but not a thousand times a second. */
+static void trouble(recorder *r, recorder_trouble kind, const char *text)
+{
+    int64_t now = mukca_lcm_link_clock(r->link);
+    r->times[kind]++;
+    if (r->told[kind] && now - r->told[kind] < REPEAT_US && now >= r->told[kind]) return;
+    r->told[kind] = now ? now : 1;
+    if (r->times[kind] > 1)
+        recorder_say(r, "%s (%" PRId64 " times so far)", text, r->times[kind]);
+    else
+        recorder_say(r, "%s", text);
+}
+
+static void refuse(recorder *r, recorder_trouble kind, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void refuse(recorder *r, recorder_trouble kind, const char *format, ...)
+{
+    char text[RECORDER_LINE];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    r->refused++;
+    trouble(r, kind, text);
+}
+
+/* ---- mapping ---- */
+
+static const char *joint_name(const recorder *r, int j)
+{
+    return r->model->chain.element[r->model->chain.joint_element[j]].name;
+}
+
+/* --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
+static mukca_status parse_map(recorder *r, mukca_error *error)
+{
+    const char *at = r->options->map;
+    int n = 0, joints = r->model->chain.n_joints;
+    while (*at) {
+        char *end;
+        long first = strtol(at, &end, 10), last = first;
+        if (*end == '-') last = strtol(end + 1, &end, 10);
+        if (first < 1 || last < first || last > MUKCA_LCM_MAX_JOINTS || (*end && *end != ','))
+            return mukca_fail(error, MUKCA_USAGE,
+                              "--map %.40s: must be name, order, or numbers as in 8-14 or 1,2,4",
+                              r->options->map);
+        for (long i = first; i <= last; i++, n++)
+            if (n < joints) r->map[n] = (int)i - 1;
+        at = end + (*end == ',');
+    }
+    if (n != joints)
+        return mukca_fail(error, MUKCA_USAGE, "--map names %d readings, but the arm has %d joints",
+                          n, joints);
+    return MUKCA_OK;
+}
+
+static int find_reading(const mukca_lcm_joints *joints, const char *name)
+{
+    for (int i = 0; i < joints->n; i++)
+        if (strcmp(joints->name[i], name) == 0) return i;
+    return -1;
+}
+
+static mukca_status map_by_name(recorder *r)
+{
+    for (int j = 0; j < r->model->chain.n_joints; j++) {
+        r->map[j] = find_reading(&r->joints, joint_name(r, j));
+        if (r->map[j] < 0)
+            return mukca_fail(&r->problem, MUKCA_INPUT,
+                              "channel %s names no joint \"%s\" (its first is \"%.40s\"): check "
+                              "--urdf, or give --map order",
+                              r->channel, joint_name(r, j), r->joints.name[0]);
+    }
+    r->by_name = true;
+    return MUKCA_OK;
+}
+
+/* From the first good message; r->problem says what is wrong. */
+static mukca_status make_map(recorder *r)
+{
+    const char *how = r->options->map;
+    int joints = r->model->chain.n_joints, n = r->joints.n;
+    bool named = r->joints.has[MUKCA_LCM_ROLE_NAME];
+    if (how && strcmp(how, "name") == 0 && !named)
+        return mukca_fail(&r->problem, MUKCA_INPUT,
+                          "channel %s sends no joint names: --map order goes by the chain's order",
+                          r->channel);
+    if (named && (!how || strcmp(how, "name") == 0)) return map_by_name(r);
+    if (how && strcmp(how, "order") != 0) {
+        mukca_status status = parse_map(r, &r->problem);
+        for (int j = 0; j < joints && !status; j++)
+            if (r->map[j] >= n)
+                status = mukca_fail(&r->problem, MUKCA_INPUT,
+                                    "--map names reading %d, but channel %s sends only %d",
+                                    r->map[j] + 1, r->channel, n);
+        return status;
+    }
+    if (n != joints)
+        return mukca_fail(&r->problem, MUKCA_INPUT,
+                          "channel %s sends %d joints, the arm has %d: %s", r->channel, n, joints,
+                          n > joints ? "say which with --map, as in --map 8-14"
+                                     : "check --urdf, --base and --tip");
+    for (int j = 0; j < joints; j++) r->map[j] = j;
+    return MUKCA_OK;
+}
+
+bool recorder_needs_confirmation(const recorder *r)
+{
+    return r->mapped && !r->by_name && !r->options->map;
+}
+
+void recorder_describe_map(const recorder *r, char *text, size_t size)
+{
+    size_t used =
+        (size_t)snprintf(text, size, "%s (%s), %d readings, mapped by %s:\n", r->channel,
+                         r->types.type[r->type].name, r->n_readings, r->by_name ? "name" : "order");
+    for (int j = 0; j < r->model->chain.n_joints && used < size; j++)
+        used += (size_t)snprintf(text + used, size - used, "  reading %2d  ->  %-24s now %9.4f\n",
+                                 r->map[j] + 1, joint_name(r, j), r->q[j]);
+}
+
+/* ---- messages ---- */
+
+/* Joint j as one of its readings; false where it can be none. */
+static bool plausible(const recorder *r, int j, double q)
+{
+    const mukca_chain *chain = &r->model->chain;
+    bool linear = chain->element[chain->joint_element[j]].type == MUKCA_PRISMATIC;
+    return fabs(q) <= (linear ? 20 : 4 * M_PI);
+}
+
+static void take_values(double *out, const recorder *r, mukca_lcm_role role)
+{
+    for (int j = 0; j < r->model->chain.n_joints; j++) out[j] = r->joints.value[role][r->map[j]];
+}
+
+static void count_arrival(recorder *r, int64_t now)
+{
+    if (r->last_arrival) {
+        double gap = 1e-6 * (double)(now - r->last_arrival);
+        if (gap > r->longest_gap) r->longest_gap = gap;
+        if (r->silent) recorder_say(r, "%s is back after %.1f s", r->channel, gap);
+    }
+    r->silent = false;
+    r->last_arrival = now;
+    r->received++;
+    r->rate_count++;
+    if (now - r->rate_since >= 500000 || now < r->rate_since) {
+        if (r->rate_since && now > r->rate_since)
+            r->rate = 1e6 * (double)r->rate_count / (double)(now - r->rate_since);
+        r->rate_since = now;
+        r->rate_count = 0;
+    }
+}
+
+static void feed(recorder *r, int64_t time)
+{
+    mukca_capture_reading reading = {
+        .time = 1e-6 * (double)time,
+        .q = r->q,
+        .effort = r->joints.has[MUKCA_LCM_ROLE_EFFORT] ? r->effort : NULL,
+        .command = r->joints.has[MUKCA_LCM_ROLE_COMMAND] ? r->command : NULL,
+        .guided = r->joints.mode == MUKCA_LCM_MODE_GUIDING};
+    unsigned found = mukca_capture_feed(&r->capture, &reading);
+    if (found & MUKCA_CAPTURE_TWO_SENDERS)
+        trouble(
+            r, RECORDER_TWO_SENDERS,
+            "two arms seem to send on this channel: stop one of them, or name another --channel");
+    else if (found & MUKCA_CAPTURE_BACKWARDS && r->capture.jumps < 2)
+        trouble(r, RECORDER_BACKWARDS,
+                "the sender's clock went back (restarted?): going on with it");
+    if (found & MUKCA_CAPTURE_PAUSE && mukca_lcm_link_replays(r->link))
+        recorder_say(r, "%s paused for %.1f s", r->channel, r->capture.pause);
+    if (!r->options->still || !r->session.fd) return;
+    char text[RECORDER_LINE];
+    int socket;
+    if (mukca_capture_due(&socket, text, &r->capture)) {
+        const mukca_socket *s = &r->capture.rows.sockets[socket];
+        recorder_take(r, 0, NULL, s->label, text);
+    }
+    if (text[0]) recorder_say(r, "%s", text);
+}
+
+static void on_joints(recorder *r, const mukca_lcm_packet *packet)
+{
+    mukca_error error;
+    int type = mukca_lcm_types_find(&r->types, packet->data, packet->size);
+    if (!mukca_lcm_type_has_joints(&r->types, type)) {
+        char what[RECORDER_LINE];
+        uint64_t fingerprint = 0;
+        for (size_t i = 0; i < 8 && i < packet->size; i++)
+            fingerprint = fingerprint << 8 | ((const unsigned char *)packet->data)[i];
+        if (type >= 0)
+            snprintf(what, sizeof what,
+                     "%s sends %s, which holds no joint positions: name another "
+                     "--channel",
+                     r->channel, r->types.type[type].name);
+        else
+            snprintf(what, sizeof what,
+                     "%s sends a type that mukca does not know (fingerprint "
+                     "%016" PRIx64 "): describe it with --type FILE.lcm --position FIELD",
+                     r->channel, fingerprint);
+        if (!r->mapped) mukca_fail(&r->problem, MUKCA_INPUT, "%.240s", what);
+        refuse(r, RECORDER_TYPE, "%s", what);
+        return;
+    }
+    if (r->mapped && type != r->type) {
+        refuse(r, RECORDER_TYPE, "%s now sends %s, too: ignored", r->channel,
+               r->types.type[type].name);
+        return;
+    }
+    if (mukca_lcm_decode_joints(&r->joints, &r->types, type, packet->data, packet->size, &error)) {
+        refuse(r, RECORDER_MALFORMED, "%s: %s: ignored", r->channel, error.text);
+        return;
+    }
+    if (!r->mapped) {
+        if (make_map(r)) return;
+        r->type = type;
+        r->n_readings = r->joints.n;
+        r->mapped = true;
+        r->confirmed = !recorder_needs_confirmation(r);
+        r->problem.status = MUKCA_OK;
+    }
+    if (r->joints.n != r->n_readings) {
+        refuse(r, RECORDER_COUNT,
+               "%s: a message with %d joints instead of %d: ignored (another "
+               "arm on this channel?)",
+               r->channel, r->joints.n, r->n_readings);
+        return;
+    }
+    for (int j = 0; j < r->model->chain.n_joints; j++) {
+        if (r->by_name && strcmp(r->joints.name[r->map[j]], joint_name(r, j)) != 0) {
+            refuse(r, RECORDER_NAMES,
+                   "%s: a message with other joint names: ignored (another arm "
+                   "on this channel?)",
+                   r->channel);
+            return;
+        }
+        double q = r->joints.value[MUKCA_LCM_ROLE_POSITION][r->map[j]];
+        if (!plausible(r, j, q)) {
+            refuse(r, RECORDER_RANGE, "%s: %s reads %g: no angle in rad (degrees? wrong --map?)",
+                   r->channel, joint_name(r, j), q);
+            return;
+        }
+        r->q[j] = q;
+    }
+    if (r->joints.has[MUKCA_LCM_ROLE_EFFORT]) take_values(r->effort, r, MUKCA_LCM_ROLE_EFFORT);
+    if (r->joints.has[MUKCA_LCM_ROLE_COMMAND]) take_values(r->command, r, MUKCA_LCM_ROLE_COMMAND);
+    int64_t time = r->joints.time > 0 ? r->joints.time : packet->time;
+    bool use = r->connected && r->confirmed;
+    if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, r->q);
+    count_arrival(r, packet->time);
+    if (use) feed(r, time);
+}
+
+static void on_trigger(recorder *r, const mukca_lcm_packet *packet)
+{
+    mukca_message_trigger trigger;
+    mukca_error error;
+    char line[RECORDER_LINE];
+    if (mukca_message_decode(&trigger, MUKCA_LCM_TRIGGER, packet->data, packet->size, &r->types,
+                             &error)) {
+        refuse(r, RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel, error.text);
+        return;
+    }
+    recorder_take(r, trigger.id, trigger.placement, trigger.socket, line);
+    recorder_say(r, "%s", line);
+}
+
+/* Remember what other channels there are. */
+static void hear(recorder *r, const mukca_lcm_packet *packet)
+{
+    int i = 0;
+    while (i < r->n_heard && strcmp(r->heard[i].channel, packet->channel)) i++;
+    if (i == RECORDER_MAX_HEARD) return;
+    recorder_heard *h = &r->heard[i];
+    if (i == r->n_heard) {
+        mukca_lcm_joints joints;
+        mukca_error unsaid;
+        memset(h, 0, sizeof *h);
+        snprintf(h->channel, sizeof h->channel, "%s", packet->channel);
+        h->type = mukca_lcm_types_find(&r->types, packet->data, packet->size);
+        if (mukca_lcm_type_has_joints(&r->types, h->type) &&
+            mukca_lcm_decode_joints(&joints, &r->types, h->type, packet->data, packet->size,
+                                    &unsaid) == MUKCA_OK)
+            h->joints = joints.n;
+        r->n_heard++;
+        if (h->joints >= r->model->chain.n_joints && !r->fit_heard) r->fit_heard = packet->time;
+    }
+    h->count++;
+}
+
+static void on_packet(void *context, const mukca_lcm_packet *packet)
+{
+    recorder *r = context;
+    if (strcmp(packet->channel, r->channel) == 0)
+        on_joints(r, packet);
+    else if (r->takes_triggers && strcmp(packet->channel, r->trigger_channel) == 0)
+        on_trigger(r, packet);
+    else if (r->hooks.packet && strcmp(packet->channel, r->command_channel) == 0)
+        r->hooks.packet(r->hooks.context, packet);
+    else
+        hear(r, packet);
+}
+
+/* "PANDA_STATUS (drake.lcmt_panda_status, 7 joints), CAMERA (unknown type)" */
+static void describe_heard(const recorder *r, char *text, size_t size)
+{
+    size_t used = 0;
+    snprintf(text, size,
+             "nothing at all (is the sender on this network, and the multicast route?)");
+    for (int i = 0; i < r->n_heard && used < size; i++) {
+        const recorder_heard *h = &r->heard[i];
+        if (h->type >= MUKCA_LCM_TRIGGER && h->type < MUKCA_LCM_BUILTIN_TYPES) continue;
+        used += (size_t)snprintf(text + used, size - used, "%s%s (%s", used ? ", " : "", h->channel,
+                                 h->type < 0 ? "unknown type" : r->types.type[h->type].name);
+        if (h->joints && used < size)
+            used += (size_t)snprintf(text + used, size - used, ", %d joints", h->joints);
+        if (used < size) used += (size_t)snprintf(text + used, size - used, ")");
+    }
+}
+
+/* The one channel heard whose messages fit the arm. */
+static mukca_status choose_channel(recorder *r)
+{
+    int fits = -1;
+    for (int i = 0; i < r->n_heard; i++) {
+        if (r->heard[i].joints < r->model->chain.n_joints) continue;
+        if (fits >= 0)
+            return mukca_fail(&r->problem, MUKCA_INPUT,
+                              "%s and %s both send joint states: choose with --channel",
+                              r->heard[fits].channel, r->heard[i].channel);
+        fits = i;
+    }
+    if (fits < 0) return MUKCA_OK;
+    memcpy(r->channel, r->heard[fits].channel, sizeof r->channel);
+    return mukca_lcm_link_listen(r->link, r->channel, &r->problem);
+}
+
+/* ---- the link ---- */
+
+static void own_channel(const recorder *r, char channel[64], mukca_lcm_builtin kind)
+{
+    const char *usual = r->types.type[kind].channel; /* MUKCA_TRIGGER and the like */
+    snprintf(channel, 64, "%.48s%s", r->options->prefix ? r->options->prefix : "MUKCA",
+             strchr(usual, '_'));
+}
+
+static mukca_status open_link(recorder *r)
+{
+    mukca_error *error = &r->call->error;
+    mukca_status status = mukca_lcm_link_open(&r->link, r->options->lcm_url, on_packet, r, error);
+    r->received = r->refused = r->last_arrival = r->rate_since = r->rate_count = 0;
+    r->n_heard = 0;
+    r->fit_heard = 0;
+    memset(r->told, 0, sizeof r->told);
+    memset(r->times, 0, sizeof r->times);
+    if (!status && r->channel[0]) status = mukca_lcm_link_listen(r->link, r->channel, error);
+    if (!status && r->takes_triggers)
+        status = mukca_lcm_link_listen(r->link, r->trigger_channel, error);
+    if (!status && r->hooks.packet)
+        status = mukca_lcm_link_listen(r->link, r->command_channel, error);
+    if (!status && !r->mapped) status = mukca_lcm_link_listen(r->link, NULL, error);
+    r->listens_to_all = !r->mapped;
+    r->opened = status ? 0 : mukca_lcm_link_clock(r->link);
+    return status;
+}
+
+static mukca_status read_types(recorder *r)
+{
+    const recorder_options *o = r->options;
+    mukca_error *error = &r->call->error;
+    mukca_status status = mukca_lcm_types_init(&r->types, error);
+    if (!status && o->types.n && !o->position)
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--type needs --position FIELD: which field holds the joint positions?");
+    if (!status && !o->types.n && (o->position || o->names))
+        return mukca_fail(error, MUKCA_USAGE, "--position and --names belong to a --type FILE.lcm");
+    for (int i = 0; i < o->types.n && !status; i++)
+        status = mukca_lcm_types_read(&r->types, o->types.items[i], error);
+    /* the struct that has the field: the last such one, as files come in order of need */
+    int found = -1;
+    for (int t = r->types.n_types - 1; t >= MUKCA_LCM_BUILTIN_TYPES && found < 0 && !status; t--)
+        if (!mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_POSITION, o->position, error))
+            found = t;
+    if (status || !o->types.n) return status;
+    if (found < 0) return MUKCA_INPUT; /* told by the last attempt */
+    mukca_error unsaid;
+    if (mukca_lcm_type_set_role(&r->types, found, MUKCA_LCM_ROLE_TIME, "utime", &unsaid))
+        (void)mukca_lcm_type_set_role(&r->types, found, MUKCA_LCM_ROLE_TIME, "timestamp", &unsaid);
+    return o->names
+               ? mukca_lcm_type_set_role(&r->types, found, MUKCA_LCM_ROLE_NAME, o->names, error)
+               : MUKCA_OK;
+}
+
+mukca_status recorder_open(recorder *r, cli_call *call, const recorder_options *options,
+                           const cli_model *model, bool takes_triggers, const recorder_hooks *hooks)
+{
+    memset(r, 0, sizeof *r);
+    r->call = call;
+    r->options = options;
+    r->model = model;
+    r->hooks = *hooks;
+    r->takes_triggers = takes_triggers;
+    r->type = -1;
+    mukca_status status = read_types(r);
+    if (!status) status = recorder_prepare(r);
+    if (status) return status;
+    if (options->map && strcmp(options->map, "name") && strcmp(options->map, "order"))
+        status = parse_map(r, &call->error);
+    if (options->channel && strlen(options->channel) >= sizeof r->channel)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--channel: at most 63 characters");
+    if (options->channel) memcpy(r->channel, options->channel, strlen(options->channel) + 1);
+    own_channel(r, r->trigger_channel, MUKCA_LCM_TRIGGER);
+    own_channel(r, r->command_channel, MUKCA_LCM_COMMAND);
+    return status ? status : open_link(r);
+}
+
+mukca_status recorder_connect(recorder *r, double wait)
+{
+    mukca_error *error = &r->call->error;
+    mukca_status status = MUKCA_OK;
+    while (!status && !r->mapped && !r->problem.status) {
+        status = recorder_step(r, 100, -1, NULL);
+        if (cli_interrupted()) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+        if (!mukca_lcm_link_replays(r->link) && wait >= 0 &&
+            1e-6 * (double)(mukca_lcm_link_clock(r->link) - r->opened) > wait)
+            status = MUKCA_NEGATIVE;
+    }
+    if (status == MUKCA_TRANSPORT) return status;
+    if (r->problem.status) {
+        *error = r->problem;
+        return r->problem.status;
+    }
+    if (status == MUKCA_NEGATIVE) {
+        char heard[RECORDER_LINE - 100];
+        describe_heard(r, heard, sizeof heard);
+        return mukca_fail(error, MUKCA_TRANSPORT, "no joint state%s%s; heard: %s",
+                          r->channel[0] ? " on " : "", r->channel, heard);
+    }
+    r->connected = true;
+    if (!mukca_lcm_link_replays(r->link)) return MUKCA_OK;
+    mukca_lcm_link_close(r->link); /* what was read ahead is to be recorded, too */
+    r->link = NULL;
+    return open_link(r);
+}
+
+mukca_status recorder_step(recorder *r, int timeout_ms, int other, bool *readable)
+{
+    mukca_status status =
+        mukca_lcm_link_wait(r->link, timeout_ms, other, readable, &r->call->error);
+    int64_t now = mukca_lcm_link_clock(r->link);
+    bool replays = mukca_lcm_link_replays(r->link), ended = status == MUKCA_NEGATIVE;
+    if (!r->channel[0] && r->fit_heard && (ended || now - r->fit_heard > SEARCH_US)) {
+        mukca_status chosen = choose_channel(r);
+        if (chosen) return chosen == MUKCA_TRANSPORT ? chosen : status;
+        if (replays) { /* from the start, with the channel known */
+            mukca_lcm_link_close(r->link);
+            r->link = NULL;
+            return open_link(r);
+        }
+    }
+    if (replays || status) return status;
+    if (r->mapped) r->connected = true;
+    int64_t age = now - (r->last_arrival ? r->last_arrival : r->opened);
+    if (r->mapped && r->listens_to_all && age < SILENCE_US / 2) {
+        mukca_lcm_link_unlisten_all(r->link);
+        r->listens_to_all = false;
+    } else if (!r->listens_to_all && age >= SILENCE_US / 2) { /* what is there instead? */
+        r->n_heard = 0;
+        r->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &r->call->error) == MUKCA_OK;
+    }
+    if (!r->silent && age >= SILENCE_US - 200000) { /* said within 2 s */
+        char heard[RECORDER_LINE - 100];
+        r->silent = true;
+        describe_heard(r, heard, sizeof heard);
+        recorder_say(r, "no joint state%s%s for %.1f s; heard instead: %s",
+                     r->channel[0] ? " on " : "", r->channel, 1e-6 * (double)age, heard);
+    }
+    return MUKCA_OK;
+}
+
+double recorder_age(const recorder *r)
+{
+    if (!r->last_arrival) return HUGE_VAL;
+    double age = 1e-6 * (double)(mukca_lcm_link_clock(r->link) - r->last_arrival);
+    return age > 0 ? age : 0;
+}
+
+mukca_status recorder_keep_log(recorder *r)
+{
+    if (!r->options->record) return MUKCA_OK;
+    return mukca_lcm_link_record(r->link, r->options->record, r->call->common->force, note, r,
+                                 &r->call->error);
+}
+
+/* ---- publishing ---- */
+
+void recorder_publish(recorder *r, mukca_lcm_builtin kind, const void *message)
+{
+    char channel[64];
+    size_t size = mukca_message_encode(NULL, 0, kind, message, &r->types);
+    void *buffer = size ? malloc(size) : NULL;
+    if (!buffer) return;
+    mukca_message_encode(buffer, size, kind, message, &r->types);
+    own_channel(r, channel, kind);
+    mukca_error error;
+    if (mukca_lcm_link_publish(r->link, channel, buffer, size, &error))
+        trouble(r, RECORDER_OWN_MESSAGE, error.text);
+    free(buffer);
+}
