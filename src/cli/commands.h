@@ -4,6 +4,8 @@
 
 #define CLI_COMMAND_LIST(X) \
     X(capture)              \
+    X(serve)                \
+    X(send)                 \
     X(calibrate)            \
     X(evaluate)             \
     X(diagnose)             \

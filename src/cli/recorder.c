@@ -43,10 +43,7 @@ static void trouble(recorder *r, recorder_trouble kind, const char *text)
         recorder_say(r, "%s", text);
 }
 
-static void refuse(recorder *r, recorder_trouble kind, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
-static void refuse(recorder *r, recorder_trouble kind, const char *format, ...)
+void recorder_refuse(recorder *r, recorder_trouble kind, const char *format, ...)
 {
     char text[RECORDER_LINE];
     va_list args;
@@ -234,16 +231,16 @@ static void on_joints(recorder *r, const mukca_lcm_packet *packet)
                      "%016" PRIx64 "): describe it with --type FILE.lcm --position FIELD",
                      r->channel, fingerprint);
         if (!r->mapped) mukca_fail(&r->problem, MUKCA_INPUT, "%.240s", what);
-        refuse(r, RECORDER_TYPE, "%s", what);
+        recorder_refuse(r, RECORDER_TYPE, "%s", what);
         return;
     }
     if (r->mapped && type != r->type) {
-        refuse(r, RECORDER_TYPE, "%s now sends %s, too: ignored", r->channel,
-               r->types.type[type].name);
+        recorder_refuse(r, RECORDER_TYPE, "%s now sends %s, too: ignored", r->channel,
+                        r->types.type[type].name);
         return;
     }
     if (mukca_lcm_decode_joints(&r->joints, &r->types, type, packet->data, packet->size, &error)) {
-        refuse(r, RECORDER_MALFORMED, "%s: %s: ignored", r->channel, error.text);
+        recorder_refuse(r, RECORDER_MALFORMED, "%s: %s: ignored", r->channel, error.text);
         return;
     }
     if (!r->mapped) {
@@ -255,24 +252,25 @@ static void on_joints(recorder *r, const mukca_lcm_packet *packet)
         r->problem.status = MUKCA_OK;
     }
     if (r->joints.n != r->n_readings) {
-        refuse(r, RECORDER_COUNT,
-               "%s: a message with %d joints instead of %d: ignored (another "
-               "arm on this channel?)",
-               r->channel, r->joints.n, r->n_readings);
+        recorder_refuse(r, RECORDER_COUNT,
+                        "%s: a message with %d joints instead of %d: ignored (another "
+                        "arm on this channel?)",
+                        r->channel, r->joints.n, r->n_readings);
         return;
     }
     for (int j = 0; j < r->model->chain.n_joints; j++) {
         if (r->by_name && strcmp(r->joints.name[r->map[j]], joint_name(r, j)) != 0) {
-            refuse(r, RECORDER_NAMES,
-                   "%s: a message with other joint names: ignored (another arm "
-                   "on this channel?)",
-                   r->channel);
+            recorder_refuse(r, RECORDER_NAMES,
+                            "%s: a message with other joint names: ignored (another arm "
+                            "on this channel?)",
+                            r->channel);
             return;
         }
         double q = r->joints.value[MUKCA_LCM_ROLE_POSITION][r->map[j]];
         if (!plausible(r, j, q)) {
-            refuse(r, RECORDER_RANGE, "%s: %s reads %g: no angle in rad (degrees? wrong --map?)",
-                   r->channel, joint_name(r, j), q);
+            recorder_refuse(r, RECORDER_RANGE,
+                            "%s: %s reads %g: no angle in rad (degrees? wrong --map?)", r->channel,
+                            joint_name(r, j), q);
             return;
         }
         r->q[j] = q;
@@ -293,7 +291,7 @@ static void on_trigger(recorder *r, const mukca_lcm_packet *packet)
     char line[RECORDER_LINE];
     if (mukca_message_decode(&trigger, MUKCA_LCM_TRIGGER, packet->data, packet->size, &r->types,
                              &error)) {
-        refuse(r, RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel, error.text);
+        recorder_refuse(r, RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel, error.text);
         return;
     }
     recorder_take(r, trigger.id, trigger.placement, trigger.socket, line);
@@ -326,6 +324,7 @@ static void hear(recorder *r, const mukca_lcm_packet *packet)
 static void on_packet(void *context, const mukca_lcm_packet *packet)
 {
     recorder *r = context;
+    r->packet_time = packet->time;
     if (strcmp(packet->channel, r->channel) == 0)
         on_joints(r, packet);
     else if (r->takes_triggers && strcmp(packet->channel, r->trigger_channel) == 0)
@@ -372,7 +371,7 @@ static mukca_status choose_channel(recorder *r)
 
 /* ---- the link ---- */
 
-static void own_channel(const recorder *r, char channel[64], mukca_lcm_builtin kind)
+void recorder_own_channel(const recorder *r, char channel[64], mukca_lcm_builtin kind)
 {
     const char *usual = r->types.type[kind].channel; /* MUKCA_TRIGGER and the like */
     snprintf(channel, 64, "%.48s%s", r->options->prefix ? r->options->prefix : "MUKCA",
@@ -444,8 +443,8 @@ mukca_status recorder_open(recorder *r, cli_call *call, const recorder_options *
     if (options->channel && strlen(options->channel) >= sizeof r->channel)
         return mukca_fail(&call->error, MUKCA_USAGE, "--channel: at most 63 characters");
     if (options->channel) memcpy(r->channel, options->channel, strlen(options->channel) + 1);
-    own_channel(r, r->trigger_channel, MUKCA_LCM_TRIGGER);
-    own_channel(r, r->command_channel, MUKCA_LCM_COMMAND);
+    recorder_own_channel(r, r->trigger_channel, MUKCA_LCM_TRIGGER);
+    recorder_own_channel(r, r->command_channel, MUKCA_LCM_COMMAND);
     return status ? status : open_link(r);
 }
 
@@ -494,7 +493,7 @@ mukca_status recorder_step(recorder *r, int timeout_ms, int other, bool *readabl
         }
     }
     if (replays || status) return status;
-    if (r->mapped) r->connected = true;
+    if (r->mapped && r->confirmed) r->connected = true;
     int64_t age = now - (r->last_arrival ? r->last_arrival : r->opened);
     if (r->mapped && r->listens_to_all && age < SILENCE_US / 2) {
         mukca_lcm_link_unlisten_all(r->link);
@@ -536,7 +535,7 @@ void recorder_publish(recorder *r, mukca_lcm_builtin kind, const void *message)
     void *buffer = size ? malloc(size) : NULL;
     if (!buffer) return;
     mukca_message_encode(buffer, size, kind, message, &r->types);
-    own_channel(r, channel, kind);
+    recorder_own_channel(r, channel, kind);
     mukca_error error;
     if (mukca_lcm_link_publish(r->link, channel, buffer, size, &error))
         trouble(r, RECORDER_OWN_MESSAGE, error.text);

@@ -123,6 +123,7 @@ struct recorder {
     mukca_lcm_joints joints; /* the last message */
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
     int64_t received, refused, last_arrival, opened; /* arrival: us */
+    int64_t packet_time;                             /* us, of the message at hand */
     int64_t rate_since, rate_count;
     double rate, longest_gap; /* Hz; s between arrivals */
     bool listens_to_all, silent;
@@ -190,6 +191,13 @@ const char *recorder_state(const recorder *r);
 
 /* Send one of our messages on its channel. */
 void recorder_publish(recorder *r, mukca_lcm_builtin kind, const void *message);
+
+/* Channel of one of our messages: PREFIX_SUFFIX. */
+void recorder_own_channel(const recorder *r, char channel[64], mukca_lcm_builtin kind);
+
+/* Count a message that cannot be used, and tell why, but not a thousand times a second. */
+void recorder_refuse(recorder *r, recorder_trouble kind, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* Say one line to people and remember it for the status. */
 void recorder_say(recorder *r, const char *format, ...) __attribute__((format(printf, 2, 3)));

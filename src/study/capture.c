@@ -89,13 +89,16 @@ static double stored_time(const mukca_capture *capture, int back)
     return capture->time[(capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING];
 }
 
-/* Two arms on one channel: readings that jump to and fro, or clocks that do. */
+/* Two arms on one channel: readings that leap away and back again, or clocks that do. */
 static bool jumped(const mukca_capture *capture, const mukca_capture_reading *reading)
 {
     double step = reading->time - capture->last_time;
     if (step < 0) return true;
-    for (int j = 0; j < capture->chain->n_joints; j++)
-        if (fabs(reading->q[j] - capture->last_q[j]) > 0.05 + 10 * step) return true;
+    for (int j = 0; j < capture->chain->n_joints; j++) {
+        double leap = fabs(reading->q[j] - capture->last_q[j]);
+        if (leap > 0.05 + 10 * step && fabs(reading->q[j] - capture->before_q[j]) < 0.2 * leap)
+            return true;
+    }
     return false;
 }
 
@@ -119,6 +122,7 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
             capture->pause = step;
         }
     }
+    memcpy(capture->before_q, capture->last_q, bytes);
     memcpy(capture->last_q, reading->q, bytes);
     capture->last_time = reading->time;
     capture->has_last = true;

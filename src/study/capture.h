@@ -65,7 +65,7 @@ typedef struct {
     double *time;    /* [RING] */
     double *values;  /* [RING][3][n_joints] q, effort, command */
     double last_time, pause;
-    double last_q[MUKCA_MAX_JOINTS];
+    double last_q[MUKCA_MAX_JOINTS], before_q[MUKCA_MAX_JOINTS]; /* and the one before it */
     bool has_last, guided, was_guided;
     double jumps; /* decaying count of impossible moves */
     /* standing still */

@@ -1,0 +1,188 @@
+/* `mukca send`: one command to `mukca serve`, and its answer. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+#include "io/lcm_link.h"
+#include "io/lcm_message.h"
+#include "io/output.h"
+
+typedef struct {
+    cli_common common;
+    const char *lcm_url, *prefix;
+    double timeout;
+} send_options;
+
+typedef struct {
+    cli_call *call;
+    mukca_lcm_types types;
+    mukca_lcm_link *link;
+    int64_t id;
+    bool wants_status;
+    bool answered;
+    mukca_status status;
+    mukca_message_result result;
+} client;
+
+static void channel_name(const client *c, char channel[64], mukca_lcm_builtin kind)
+{
+    const send_options *o = c->call->options;
+    snprintf(channel, 64, "%.48s%s", o->prefix ? o->prefix : "MUKCA",
+             strchr(c->types.type[kind].channel, '_'));
+}
+
+/* The table as text, as in an offsets file but for its comments. */
+static void print_table(const mukca_message_result *m)
+{
+    if (!m->n) return;
+    puts("joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable");
+    for (int i = 0; i < m->n; i++)
+        printf("%s\t%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%d\n", m->joint[i], m->parameter[i],
+               m->unit[i], m->nominal[i], m->calibrated[i], m->offset[i], m->sigma[i],
+               m->identifiable[i]);
+}
+
+static void take_result(client *c, const mukca_message_result *m)
+{
+    if (m->id != c->id) return;
+    c->answered = true;
+    c->status = (mukca_status)m->code;
+    if (c->status == MUKCA_OK || c->status == MUKCA_NEGATIVE)
+        cli_say(c->call, "%s\n", m->text);
+    else
+        mukca_fail(&c->call->error, c->status, "%.250s", m->text);
+    bool to_stdout = c->call->common->json && strcmp(c->call->common->json, "-") == 0;
+    if (!to_stdout) print_table(m);
+    if (!c->call->common->json || !m->json[0]) return;
+    mukca_output output;
+    mukca_status status =
+        mukca_output_open(&output, c->call->common->json, c->call->common->force, &c->call->error);
+    if (!status) {
+        fputs(m->json, output.stream);
+        status = mukca_output_close(&output, &c->call->error);
+    }
+    if (status) c->status = status;
+}
+
+static void take_status(client *c, const mukca_message_status *m)
+{
+    c->answered = true;
+    printf("state\t%s\nsession\t%s\nplacement\t%s\nsocket\t%s\nrows\t%d\nrows_here\t%d\n", m->state,
+           m->session, m->placement, m->socket, m->rows, m->rows_here);
+    printf("channel\t%s\ntype\t%s\nstream\t%s\nrate_hz\t%.6g\nage_s\t%.6g\nreceived\t%lld\n",
+           m->channel, m->type, m->stream, m->rate_hz, m->age_s, (long long)m->received);
+    printf("refused\t%lld\nspread_m\t%.6g\nexpected_m\t%.6g\nmore_rows_help\t%d\nsaid\t%s\n",
+           (long long)m->refused, m->spread_m, m->expected_m, m->more_rows_help, m->text);
+}
+
+static void on_packet(void *context, const mukca_lcm_packet *packet)
+{
+    client *c = context;
+    mukca_message_status status;
+    mukca_error unsaid;
+    if (c->answered) return;
+    if (c->wants_status) {
+        if (!mukca_message_decode(&status, MUKCA_LCM_STATUS, packet->data, packet->size, &c->types,
+                                  &unsaid))
+            take_status(c, &status);
+    } else if (!mukca_message_decode(&c->result, MUKCA_LCM_RESULT, packet->data, packet->size,
+                                     &c->types, &unsaid)) {
+        take_result(c, &c->result);
+    }
+}
+
+static mukca_status send_command(client *c)
+{
+    const cli_list *words = &c->call->arguments;
+    char channel[64];
+    unsigned char buffer[4096];
+    mukca_message_command command = {
+        .utime = mukca_lcm_link_clock(c->link), .id = c->id, .verb = words->items[0]};
+    if (words->n - 1 > MUKCA_MESSAGE_ARGUMENTS)
+        return mukca_fail(&c->call->error, MUKCA_USAGE, "at most %d arguments",
+                          MUKCA_MESSAGE_ARGUMENTS);
+    for (int i = 1; i < words->n; i++) command.argument[command.n++] = words->items[i];
+    size_t size =
+        mukca_message_encode(buffer, sizeof buffer, MUKCA_LCM_COMMAND, &command, &c->types);
+    if (!size || size > sizeof buffer)
+        return mukca_fail(&c->call->error, MUKCA_USAGE, "the arguments are too long");
+    channel_name(c, channel, MUKCA_LCM_COMMAND);
+    return mukca_lcm_link_publish(c->link, channel, buffer, size, &c->call->error);
+}
+
+static mukca_status run(cli_call *call)
+{
+    const send_options *o = call->options;
+    mukca_error *error = &call->error;
+    char channel[64];
+    struct timespec t;
+    client *c = calloc(1, sizeof *c);
+    if (!c) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    c->call = call;
+    clock_gettime(CLOCK_REALTIME, &t);
+    c->id = (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+    c->wants_status = strcmp(call->arguments.items[0], "status") == 0;
+    mukca_status status = cli_check_outputs(call);
+    if (!status) status = mukca_lcm_types_init(&c->types, error);
+    if (!status) status = mukca_lcm_link_open(&c->link, o->lcm_url, on_packet, c, error);
+    if (!status && mukca_lcm_link_replays(c->link))
+        status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
+    channel_name(c, channel, c->wants_status ? MUKCA_LCM_STATUS : MUKCA_LCM_RESULT);
+    if (!status) status = mukca_lcm_link_listen(c->link, channel, error);
+    if (!status && !c->wants_status) status = send_command(c);
+    double deadline = cli_elapsed(call) + o->timeout;
+    while (!status && !c->answered) {
+        status = mukca_lcm_link_wait(c->link, 100, -1, NULL, error);
+        if (cli_interrupted())
+            status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; serve goes on with it");
+        else if (!status && !c->answered && cli_elapsed(call) > deadline)
+            status = mukca_fail(error, MUKCA_TRANSPORT,
+                                "no answer on %s for %g s: is mukca serve running on this network "
+                                "(--lcm-url, --prefix)?",
+                                channel, o->timeout);
+    }
+    if (!status) status = c->status;
+    mukca_lcm_link_close(c->link);
+    free(c);
+    return status;
+}
+
+#define AT(kind, name, argument, member, help)                              \
+    {                                                                       \
+        name, 0, kind, argument, help, NULL, offsetof(send_options, member) \
+    }
+
+static const cli_option options[] = {
+    AT(CLI_TEXT, "lcm-url", "URL", lcm_url,
+       "LCM network (default: LCM_DEFAULT_URL, else LCM's own)"),
+    AT(CLI_TEXT, "prefix", "NAME", prefix, "of serve's channels (default: MUKCA)"),
+    AT(CLI_POSITIVE, "timeout", "S", timeout, "how long to wait for the answer, s (default: 60)"),
+    CLI_JSON_OPTION,
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS,
+};
+
+static const send_options defaults = {.timeout = 60};
+
+const cli_command cli_command_send = {
+    .name = "send",
+    .group = CLI_MEASURE,
+    .summary = "send a command to `mukca serve` and print its answer",
+    .synopsis = "COMMAND [ARGUMENT...]",
+    .min_arguments = 1,
+    .max_arguments = -1,
+    .description =
+        "COMMAND is one of those that `mukca help serve` lists, or status, which prints the next "
+        "status message. What people want to know goes to standard error, the offsets table of "
+        "calibrate, diagnose and result to standard output. The exit code is the command's; 4: no "
+        "answer.",
+    .example = "mukca send calibrate > offsets.tsv",
+    .options = options,
+    .options_size = sizeof(send_options),
+    .defaults = &defaults,
+    .run = run,
+};
