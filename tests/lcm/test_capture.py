@@ -1,0 +1,279 @@
+"""mukca capture with a foreign sender: finding the stream, mapping, triggers, keys, logs."""
+import os
+import pty
+import select
+import signal
+import subprocess
+import termios
+import time
+
+from foreign import ROOT, Arm, Client, MUKCA, check, finish, fresh, spawn, stop, table
+
+URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
+JOINTS = subprocess.run([MUKCA, "capture", "--urdf", URDF], capture_output=True, text=True)
+HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
+work = fresh("capture")
+count = 0
+
+
+def out():
+    global count
+    count += 1
+    return os.path.join(work, "s%d.tsv" % count)
+
+
+def capture(path, *arguments, **more):
+    return spawn("capture", "--urdf", URDF, "-o", path, "--window", "0.1", *arguments, **more)
+
+
+def posture(i):
+    return [x + 0.3 * ((i * (j + 3)) % 7 - 3) / 3 for j, x in enumerate(HOME)]
+
+
+def trigger_some(client, arm, n, first=0):
+    """n accepted samples at changing postures; their positions."""
+    rows = []
+    for i in range(first, first + n):
+        arm.go(posture(i))
+        for _ in range(40):
+            client.wait(lambda: False, 0.17)
+            sample = client.trigger(seconds=2)
+            if sample and sample.accepted:
+                rows.append(list(sample.position))
+                break
+    return rows
+
+
+def said(p, words, seconds=10):
+    """Seconds after now until a line with those words; None: never."""
+    start = time.monotonic()
+    while time.monotonic() - start < seconds:
+        for line, when in zip(list(p.said), list(p.when)):
+            if words in line:
+                return max(0.0, when - start)
+        time.sleep(0.02)
+    return None
+
+
+def names():
+    """The demo arm's joints, from a session's header."""
+    with open(URDF) as f:
+        text = f.read()
+    found = []
+    for part in text.split("<joint ")[1:]:
+        if 'type="revolute"' in part.split(">")[0]:
+            found.append(part.split('name="')[1].split('"')[0])
+    return found
+
+
+def usage():
+    p = subprocess.run([MUKCA, "capture", "--urdf", URDF, "-o", out()], capture_output=True,
+                       text=True, stdin=subprocess.DEVNULL)
+    check("without a terminal and a trigger it says so", p.returncode == 2 and "--trigger" in p.stderr,
+          p.stderr)
+
+
+def silence():
+    with Arm("panda", HOME, 100, "PANDA_STATUS"):
+        start = time.monotonic()
+        p = capture(out(), "--trigger", "--channel", "IIWA_STATUS", "--map", "order", "--wait", "4")
+        after = said(p, "heard instead")
+        line = next((x for x in p.said if "heard instead" in x), "")
+        took = p.when[p.said.index(line)] - start if line else None
+        p.wait(20)
+        check("a silent channel is told within 2 s", after is not None and took < 2.1, took)
+        check("and what was heard instead", "PANDA_STATUS (drake.lcmt_panda_status, 7 joints)" in line,
+              line)
+        check("then it gives up with exit 4", p.returncode == 4, p.returncode)
+
+
+def unmapped():
+    with Arm("iiwa", HOME, 100, "IIWA_STATUS"):
+        p = capture(out(), "--trigger", "--channel", "IIWA_STATUS")
+        p.wait(20)
+        p.reader.join()
+        check("a mapping by order must be confirmed", p.returncode == 2 and
+              any("--map order" in x for x in p.said), p.said)
+    with Arm("iiwa", HOME + HOME, 100, "IIWA_STATUS"):
+        p = capture(out(), "--trigger", "--channel", "IIWA_STATUS", "--map", "order")
+        p.wait(20)
+        p.reader.join()
+        check("two arms in one message need numbers", p.returncode == 3 and
+              any("--map 8-14" in x for x in p.said), p.said)
+
+
+def finds_by_listening():
+    joints = names()
+    shuffled = list(reversed(joints))
+    client, path = Client(), out()
+    with Arm("state", list(reversed(HOME)), 200, "ROBOT.STATE+1", names=shuffled) as arm, \
+            Arm("iiwa", HOME[:3], 100, "OTHER"):
+        p = capture(path, "--trigger", "--rows", "3")
+        check("the channel is found by listening, joints by name", client.wait_stream(), p.said)
+        for i in range(3):
+            arm.go(list(reversed(posture(i))))
+            for _ in range(20):
+                client.wait(lambda: False, 0.17)
+                sample = client.trigger(seconds=2)
+                if not sample or sample.accepted:
+                    break
+        p.wait(20)
+        check("--rows ends the session", p.returncode == 0, p.said)
+    header, rows = table(path)
+    check("columns are the URDF's joints", header[3:10] == joints, header)
+    check("readings went to the joints of their names",
+          all(abs(float(r[3 + j]) - posture(i)[j]) < 2e-6 for i, r in enumerate(rows) for j in range(7)),
+          rows)
+
+
+def two_candidates():
+    with Arm("iiwa", HOME, 100, "A"), Arm("panda", HOME, 100, "B"):
+        p = capture(out(), "--trigger")
+        p.wait(20)
+        p.reader.join()
+        check("two streams that fit are not guessed between", p.returncode == 3 and
+              any("choose with --channel" in x for x in p.said), p.said)
+
+
+def unknown_type():
+    path, client = out(), Client()
+    description = os.path.join(ROOT, "tests", "lcm", "types", "arm_t.lcm")
+    with Arm("acme", HOME, 200, "MY_ARM", names=names()) as arm:
+        p = capture(out(), "--trigger", "--channel", "MY_ARM")
+        p.wait(20)
+        p.reader.join()
+        check("an unknown type is told with the way to describe it", p.returncode == 3 and
+              any("--type FILE.lcm --position FIELD" in x for x in p.said), p.said)
+        p = capture(path, "--trigger", "--type", description, "--position", "joints.q", "--names",
+                    "joints.name", "--rows", "2")
+        check("a described type is understood", client.wait_stream(), p.said)
+        trigger_some(client, arm, 2)
+        p.wait(20)
+    rows = table(path)[1]
+    check("and recorded", len(rows) == 2 and
+          all(abs(float(x) - y) < 2e-6 for x, y in zip(rows[1][3:10], posture(1))), rows)
+
+
+def by_itself():
+    """--still: the arm visits 4 postures twice; each is recorded once."""
+    path, client = out(), Client()
+    with Arm("panda", posture(0), 200, "PANDA_STATUS") as arm:
+        p = capture(path, "--still", "--dwell", "0.3", "--map", "order", "--distance", "3")
+        client.wait_stream()
+        for i in (0, 1, 2, 3, 0, 1, 2, 3):
+            arm.go(posture(i))
+            client.wait(lambda: False, 0.6)
+        check("standing still ends with SIGINT", stop(p, signal.SIGINT) == 130, p.said)
+        check("and says where the rows are", any("--resume" in x for x in p.said), p.said)
+    check("standing still records each posture once", len(table(path)[1]) == 4, table(path))
+
+
+def keys():
+    """A session at a terminal: confirm, add, delete, other socket, next placement, finish."""
+    path = out()
+    master, slave = pty.openpty()
+    before = termios.tcgetattr(slave)
+    screen = b""
+
+    def until(words, seconds=15):
+        nonlocal screen
+        end = time.monotonic() + seconds
+        while words.encode() not in screen and time.monotonic() < end:
+            if select.select([master], [], [], 0.05)[0]:
+                screen += os.read(master, 65536)
+        found = words.encode() in screen
+        if found:
+            screen = screen[screen.index(words.encode()) + len(words):]
+        return found
+
+    def press(key):
+        nonlocal screen
+        screen = b""
+        os.write(master, key.encode())
+    with Arm("iiwa", posture(0), 200, "IIWA_STATUS") as arm:
+        environment = dict(os.environ, TERM="xterm")
+        p = subprocess.Popen([MUKCA, "capture", "--urdf", URDF, "-o", path, "--window", "0.1",
+                              "--channel", "IIWA_STATUS", "--placement", "front,left"],
+                             stdin=slave, stdout=slave, stderr=slave, env=environment)
+        check("keys: the mapping is printed and asked about", until("Is that right?"), screen)
+        press("y\n")
+        check("keys: the view comes", until("finish"), screen)
+        time.sleep(0.3)
+        press("a")
+        check("keys: a adds", until("row 1: placement front, socket 0"), screen)
+        arm.go(posture(1))
+        time.sleep(0.4)
+        press("s")
+        check("keys: s goes to the other socket", until("now placement front, socket 1"), screen)
+        press("a")
+        check("keys: and a adds there", until("row 2: placement front, socket 1"), screen)
+        press("d")
+        check("keys: d deletes", until("row 2 deleted"), screen)
+        press("n")
+        check("keys: n begins the next placement", until("now placement left, socket 0"), screen)
+        press("a")
+        check("keys: a adds to it", until("row 2: placement left, socket 0"), screen)
+        check("keys: the view counts", until("1 rows here, 2 in all"), screen)
+        press("q")
+        check("keys: q finishes", until("next: mukca calibrate"), screen)
+        p.wait(10)
+        check("keys: exit 0", p.returncode == 0, p.returncode)
+        check("keys: the terminal is as it was", termios.tcgetattr(slave) == before)
+        p = subprocess.Popen([MUKCA, "capture", "--urdf", URDF, "-o", path, "--window", "0.1",
+                              "--channel", "IIWA_STATUS", "--map", "order", "--resume"],
+                             stdin=slave, stdout=slave, stderr=slave, env=environment)
+        check("keys: resumed where it was", until("placement left, socket 0: 1 rows here, 2 in all"),
+              screen)
+        p.send_signal(signal.SIGINT)
+        until("--resume goes on")
+        p.wait(10)
+        check("keys: interrupted with 130", p.returncode == 130, p.returncode)
+        check("keys: the terminal is as it was after ^C", termios.tcgetattr(slave) == before)
+    os.close(master)
+    os.close(slave)
+    with open(path) as f:
+        text = f.read()
+    check("keys: the undone row left its record", "# undone: row 2, placement front, socket 1" in text
+          and "\n#ront\t1\t" in text, text[-400:])
+    check("keys: and the others stand", [r[:2] for r in table(path)[1]] == [["front", "0"], ["left", "0"]])
+
+
+def loggers():
+    """lcm-logger records a session that capture takes, too; lcm-logplayer plays it to a second one."""
+    live, from_log, played = out(), out(), out()
+    log = os.path.join(work, "logger.lcmlog")
+    client = Client()
+    options = ("--trigger", "--map", "order", "--channel", "IIWA_STATUS")
+    with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
+        logger = subprocess.Popen(["lcm-logger", "-q", "-f", log], stdout=subprocess.DEVNULL,
+                                  stderr=subprocess.DEVNULL)
+        time.sleep(1)
+        p = capture(live, *options)
+        client.wait_stream()
+        rows = trigger_some(client, arm, 6)
+        stop(p, signal.SIGINT)
+        time.sleep(0.3)
+        logger.send_signal(signal.SIGINT)
+        logger.wait(10)
+    check("loggers: 6 samples live", len(rows) == 6, p.said)
+    p = capture(from_log, *options, "--lcm-url", "file://" + log)
+    p.wait(20)
+    p.reader.join()
+    check("loggers: the log of lcm-logger gives the same file",
+          p.returncode == 0 and open(from_log).read() == open(live).read(), p.said)
+    with Arm("iiwa", HOME, 50, "IDLE"):
+        p = capture(played, *options, "--wait", "20", "--rows", "6")
+        time.sleep(1)
+        subprocess.run(["lcm-logplayer", log], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                       timeout=60)
+        p.wait(20)
+        p.reader.join()
+    got = [[float(x) for x in r[3:10]] for r in table(played)[1]]
+    check("loggers: lcm-logplayer plays the same session", p.returncode == 0 and got == rows,
+          (p.said, got[:1], rows[:1]))
+
+
+for test in (usage, silence, unmapped, finds_by_listening, two_candidates, unknown_type, by_itself,
+             keys, loggers):
+    test()
+finish()
