@@ -94,14 +94,12 @@ static void draw_rows(session *s, int width)
 static void draw_coverage(session *s, int width)
 {
     double coverage[MUKCA_MAX_JOINTS];
-    const mukca_chain *chain = &s->engine.model->chain;
-    char text[512] = "coverage    ";
-    size_t used = strlen(text);
+    char text[128] = "";
+    size_t used = 0;
     mukca_capture_coverage(coverage, &s->engine.capture);
-    for (int j = 0; j < chain->n_joints && used + 50 < sizeof text; j++)
-        used += (size_t)snprintf(text + used, sizeof text - used, " %.12s %.0f%%",
-                                 chain->element[chain->joint_element[j]].name, 100 * coverage[j]);
-    draw(s, width, "%s", text);
+    for (int j = 0; j < s->engine.model->chain.n_joints; j++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%.0f ", 100 * coverage[j]);
+    draw(s, width, "coverage     %s%% of the joints' ranges, base to tip", text);
 }
 
 static void draw_view(session *s)
