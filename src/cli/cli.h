@@ -87,9 +87,11 @@ typedef struct {
 #define CLI_OFFSETS_OPTION                   \
     CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", \
                "apply this offsets table; must belong to the URDF, unless --force")
-#define CLI_DISTANCE_OPTIONS                                                                       \
-    CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)"), \
-        CLI_COMMON(distances, 0, CLI_TEXT, "FILE",                                                 \
+#define CLI_DISTANCE_OPTION \
+    CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)")
+#define CLI_DISTANCE_OPTIONS                       \
+    CLI_DISTANCE_OPTION,                           \
+        CLI_COMMON(distances, 0, CLI_TEXT, "FILE", \
                    "distances of pairs of sockets, a TSV of socket_a, socket_b, distance_m")
 #define CLI_JSON_OPTION \
     CLI_COMMON(json, 0, CLI_TEXT, "FILE", "write the result as JSON; - is standard output")

@@ -11,6 +11,7 @@
     X(diagnose)             \
     X(export)               \
     X(fk)                   \
-    X(recalibrate)
+    X(recalibrate)          \
+    X(simulate)
 
 #endif

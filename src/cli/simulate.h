@@ -1,0 +1,34 @@
+/* What the files of `mukca simulate` share. */
+#ifndef MUKCA_CLI_SIMULATE_H
+#define MUKCA_CLI_SIMULATE_H
+
+#include "cli/cli.h"
+#include "cli/simulate_spec.h"
+
+enum { CLI_MAX_PLACES = MUKCA_MAX_PLACEMENTS };
+
+typedef struct {
+    cli_common common;
+    const char *perturb, *test, *truth, *labels;
+    cli_list effects, places;
+    int placements, rows, poses, held_out, seed;
+    double noise, rotation, correlation, mass_error, effort_noise, interval;
+    bool sweep, effort, command, position_only;
+} cli_simulate_options;
+
+/* One simulation: what is true, and how it is recorded. */
+typedef struct {
+    cli_model model;     /* what the user gave */
+    mukca_offsets truth; /* the true arm */
+    mukca_true_arm arm;
+    cli_simulated hidden; /* effects and faults */
+    int n_places;         /* of the session; held-out ones follow */
+    mukca_place places[CLI_MAX_PLACES];
+    mukca_simulate_options how;
+} cli_simulation;
+
+/* Write --labels: all that the recording hides. */
+mukca_status cli_write_labels(cli_call *call, const cli_simulation *simulation,
+                              const mukca_dataset *data);
+
+#endif

@@ -1,0 +1,72 @@
+/* What a simulated recording hides, as JSON. */
+#include <math.h>
+
+#include "cli/simulate.h"
+#include "io/output.h"
+
+static const char *joint_name(const mukca_chain *chain, int joint)
+{
+    return joint < 0 ? NULL : chain->element[chain->joint_element[joint]].name;
+}
+
+static double size_of(const double *v, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum = hypot(sum, v[i]);
+    return n == 1 ? v[0] : sum;
+}
+
+/* `row`: 1-based data row of the file. */
+static json_t *fault_json(const mukca_simulated_fault *fault, const cli_simulation *s)
+{
+    static const char *const kinds[] = {[MUKCA_SIMULATED_STEP] = "tool_motion",
+                                        [MUKCA_SIMULATED_CREEP] = "tool_motion",
+                                        [MUKCA_SIMULATED_WRONG_SOCKET] = "wrong_socket",
+                                        [MUKCA_SIMULATED_OUTLIER] = "outlier",
+                                        [MUKCA_SIMULATED_DUPLICATE] = "duplicate"};
+    const int before = (2 * fault->placement + fault->socket) * s->how.rows;
+    return json_pack("{s:s, s:s, s:s, s:i, s:b, s:f, s:o}", "kind", kinds[fault->kind], "placement",
+                     s->places[fault->placement].name, "socket", fault->socket ? "1" : "0", "row",
+                     before + fault->row + 1, "creep", (int)(fault->kind == MUKCA_SIMULATED_CREEP),
+                     "size_m", size_of(fault->shift, 3), "shift_m",
+                     cli_json_reals(fault->shift, 3));
+}
+
+static json_t *effect_json(const mukca_effect *effect, const cli_simulation *s)
+{
+    const mukca_effect_info *info = &mukca_effect_table[effect->kind];
+    const bool has_order = effect->kind == MUKCA_EFFECT_GEAR_HARMONIC;
+    return json_pack(
+        "{s:s, s:o, s:o, s:o, s:i, s:f, s:s, s:o}", "effect", info->name, "joint",
+        cli_json_text(joint_name(&s->model.chain, effect->joint)), "placement",
+        cli_json_text(effect->placement < 0 ? NULL : s->places[effect->placement].name), "order",
+        has_order ? json_integer(effect->variant) : json_null(), "variant", effect->variant,
+        "amplitude", size_of(effect->coefficient, effect->terms), "unit", info->unit,
+        "coefficients", cli_json_reals(effect->coefficient, effect->terms));
+}
+
+mukca_status cli_write_labels(cli_call *call, const cli_simulation *s, const mukca_dataset *data)
+{
+    const cli_simulate_options *o = call->options;
+    mukca_output output = {0};
+    json_t *effects = json_array(), *faults = json_array();
+    for (int i = 0; i < s->arm.n_effects; i++)
+        json_array_append_new(effects, effect_json(&s->arm.effects[i], s));
+    for (int i = 0; i < s->hidden.n_faults; i++)
+        json_array_append_new(faults, fault_json(&s->hidden.faults[i], s));
+    json_t *root = json_pack("{s:s, s:i, s:i, s:f, s:f, s:f, s:o, s:o, s:o}", "schema",
+                             "mukca.simulation/1", "seed", o->seed, "rows", data->n_rows, "noise_m",
+                             o->noise, "correlation", o->correlation, "mass_error_percent",
+                             o->mass_error, "effects", effects, "data_faults", faults, "parameters",
+                             cli_json_offsets(&s->truth, &s->model.chain));
+    if (!root) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = mukca_output_open(&output, o->labels, call->common->force, &call->error);
+    if (status == MUKCA_OK) {
+        json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+        fputc('\n', output.stream);
+        status = mukca_output_close(&output, &call->error);
+    }
+    mukca_output_abort(&output);
+    json_decref(root);
+    return status;
+}

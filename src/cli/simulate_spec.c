@@ -1,0 +1,300 @@
+/* Parsing of `mukca simulate --effect`, driven by the table of effects. */
+#include "cli/simulate_spec.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/number.h"
+#include "base/suggest.h"
+
+enum { TEXT = 160, MAX_VALUES = 4 };
+
+/* One piece of the grammar, taken apart. */
+typedef struct {
+    char name[TEXT], where[TEXT], variant[TEXT]; /* empty where not given */
+    double value[MAX_VALUES];
+    int n_values;
+    const char *text; /* all of it, for messages */
+} piece;
+
+/* Faults of the recording beside tool_motion (which the table has). */
+static const struct {
+    const char *name;
+    mukca_simulated_fault_kind kind;
+    bool sized;
+} faults[] = {{"wrong_socket", MUKCA_SIMULATED_WRONG_SOCKET, false},
+              {"outlier", MUKCA_SIMULATED_OUTLIER, true},
+              {"duplicate", MUKCA_SIMULATED_DUPLICATE, false}};
+enum { N_FAULTS = sizeof faults / sizeof *faults };
+
+static mukca_status wrong(mukca_error *error, const piece *p, const char *why)
+{
+    return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: %s", p->text, why);
+}
+
+/* Text up to one of `stops`; what is cut off would not fit and so names nothing. */
+static const char *take(char *out, const char *from, const char *stops)
+{
+    size_t length = strcspn(from, stops);
+    snprintf(out, TEXT, "%.*s", (int)(length < TEXT ? length : TEXT - 1), from);
+    return from + length;
+}
+
+/* Take one piece off *text. */
+static mukca_status split(piece *p, const char **text, mukca_error *error)
+{
+    const char *at = *text;
+    memset(p, 0, sizeof *p);
+    p->text = *text;
+    at = take(p->name, at, ":@=,");
+    if (*at == ':') at = take(p->where, at + 1, "@=,");
+    if (*at == '@') at = take(p->variant, at + 1, "=,");
+    while (*at == (p->n_values ? ',' : '=')) {
+        char number[TEXT];
+        double value;
+        const char *next = take(number, at + 1, ",");
+        if (!mukca_number_parse(&value, number)) {
+            if (p->n_values) break; /* the next piece */
+            return wrong(error, p, "a number must follow the =");
+        }
+        if (p->n_values == MAX_VALUES) return wrong(error, p, "too many values");
+        p->value[p->n_values++] = value;
+        at = next;
+    }
+    if (*at == ',' && at[1] == '\0') return wrong(error, p, "ends in a comma");
+    *text = *at == ',' ? at + 1 : at;
+    return MUKCA_OK;
+}
+
+static bool whole(int *value, const char *text)
+{
+    char *end;
+    const long number = strtol(text, &end, 10);
+    if (end == text || *end || number < -100000 || number > 100000) return false;
+    *value = (int)number;
+    return true;
+}
+
+static int find_place(const cli_simulated *s, const char *name)
+{
+    for (int p = 0; p < s->n_places; p++)
+        if (strcmp(s->places[p].name, name) == 0) return p;
+    return -1;
+}
+
+static mukca_status find_joint(int *joint, const cli_simulated *s, const piece *p, const char *name,
+                               mukca_error *error)
+{
+    const char *meant = NULL;
+    int best = 99;
+    *joint = mukca_chain_find_joint(s->chain, name);
+    if (*joint >= 0) return MUKCA_OK;
+    for (int j = 0; j < s->chain->n_joints; j++) {
+        const char *candidate = s->chain->element[s->chain->joint_element[j]].name;
+        if (!meant || mukca_suggest_better(&best, name, candidate)) meant = candidate;
+    }
+    return mukca_fail(error, MUKCA_USAGE,
+                      "--effect %.80s: no joint '%.40s' in the chain; did you mean %s?", p->text,
+                      name, meant);
+}
+
+static mukca_status find_placement(int *placement, const cli_simulated *s, const piece *p,
+                                   const char *name, mukca_error *error)
+{
+    *placement = find_place(s, name);
+    if (*placement >= 0) return MUKCA_OK;
+    if (!s->n_places) return wrong(error, p, "a pose log has no placements and no sockets");
+    return mukca_fail(error, MUKCA_USAGE,
+                      "--effect %.80s: no placement '%.40s'; the first one is '%s'", p->text, name,
+                      s->places[0].name);
+}
+
+/* PLACEMENT/SOCKET and @ROW of a fault. */
+static mukca_status find_seat(mukca_simulated_fault *fault, const cli_simulated *s, const piece *p,
+                              bool creeps, mukca_error *error)
+{
+    char name[TEXT];
+    const char *slash = strrchr(p->where, '/');
+    if (!slash || (strcmp(slash, "/0") != 0 && strcmp(slash, "/1") != 0))
+        return wrong(error, p, "say where: NAME:PLACEMENT/SOCKET@ROW, socket 0 or 1");
+    snprintf(name, sizeof name, "%.*s", (int)(slash - p->where), p->where);
+    mukca_status status = find_placement(&fault->placement, s, p, name, error);
+    if (status) return status;
+    fault->socket = slash[1] - '0';
+    int row = 1;
+    if (creeps && strcmp(p->variant, "creep") == 0)
+        fault->kind = MUKCA_SIMULATED_CREEP;
+    else if (!whole(&row, p->variant) || row < 1 + (fault->kind == MUKCA_SIMULATED_DUPLICATE) ||
+             row > s->rows)
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--effect %.80s: @ROW must be a row of the socket, %d to %d%s", p->text,
+                          1 + (fault->kind == MUKCA_SIMULATED_DUPLICATE), s->rows,
+                          creeps ? ", or creep" : "");
+    fault->row = row - 1;
+    return MUKCA_OK;
+}
+
+/* A vector of that length in a random direction. */
+static void draw_vector(double *vector, int n, double length, mukca_random *random)
+{
+    double size = 0;
+    while (size == 0) {
+        for (int i = 0; i < n; i++) vector[i] = mukca_random_normal(random);
+        for (int i = 0; i < n; i++) size = hypot(size, vector[i]);
+    }
+    for (int i = 0; i < n; i++) vector[i] *= length / size;
+}
+
+static mukca_status add_fault(cli_simulated *s, const piece *p, mukca_simulated_fault_kind kind,
+                              bool sized, mukca_error *error)
+{
+    mukca_simulated_fault fault = {.kind = kind};
+    if (s->n_faults == CLI_MAX_SIMULATED_FAULTS) return wrong(error, p, "too many faults");
+    mukca_status status = find_seat(&fault, s, p, kind == MUKCA_SIMULATED_STEP, error);
+    if (status) return status;
+    if (p->n_values != 0 && !sized) return wrong(error, p, "has no size");
+    if (sized && p->n_values != 1 && p->n_values != 3)
+        return wrong(error, p, "needs its size in m: =LENGTH or =X,Y,Z");
+    if (p->n_values == 1) draw_vector(fault.shift, 3, p->value[0], &s->random);
+    if (p->n_values == 3) memcpy(fault.shift, p->value, sizeof fault.shift);
+    s->faults[s->n_faults++] = fault;
+    return MUKCA_OK;
+}
+
+/* @VARIANT of an effect whose joint is known, or its default. */
+static mukca_status set_variant(mukca_effect *effect, const cli_simulated *s, const piece *p,
+                                mukca_error *error)
+{
+    int *v = &effect->variant;
+    const bool given = p->variant[0] != '\0';
+    if (given && strcmp(p->variant, "command") != 0 && !whole(v, p->variant))
+        return wrong(error, p, "a whole number must follow the @");
+    switch (effect->kind) {
+        case MUKCA_EFFECT_BACKLASH:
+            if (!given) *v = 1000;
+            return *v > 0 ? MUKCA_OK : wrong(error, p, "@ gives the torque scale in mN m, above 0");
+        case MUKCA_EFFECT_JOINT_COUPLING:
+            if (!given) *v = effect->joint + 1 < s->chain->n_joints ? 1 : -1;
+            if ((*v == 1 || *v == -1) && effect->joint + *v >= 0 &&
+                effect->joint + *v < s->chain->n_joints)
+                return MUKCA_OK;
+            return wrong(error, p, "@ gives the neighbour, +1 or -1; there is none");
+        case MUKCA_EFFECT_GEAR_HARMONIC:
+            return *v >= 2 && *v <= 400 ? MUKCA_OK : wrong(error, p, "@ORDER is needed, 2 to 400");
+        case MUKCA_EFFECT_AXIS_WOBBLE:
+            if (!given) *v = 1;
+            return *v == 1 || *v == 2 || *v == 11 || *v == 12 || *v == 98 || *v == 99 ||
+                           *v == 102 || *v == 103
+                       ? MUKCA_OK
+                       : wrong(error, p, "@ must be 1, 2, 11, 12, 98, 99, 102 or 103");
+        case MUKCA_EFFECT_JOINT_DRIFT:
+            return *v >= 0 ? MUKCA_OK : wrong(error, p, "@ gives the time constant in s");
+        case MUKCA_EFFECT_READBACK_LAG:
+            *v = strcmp(p->variant, "command") == 0;
+            return *v == given ? MUKCA_OK : wrong(error, p, "@ can only be @command");
+        default:
+            return given ? wrong(error, p, "has no variants (@)") : MUKCA_OK;
+    }
+}
+
+static mukca_status set_place(mukca_effect *effect, const cli_simulated *s, const piece *p,
+                              mukca_error *error)
+{
+    const mukca_effect_info *info = &mukca_effect_table[effect->kind];
+    char joint[TEXT];
+    const char *slash = NULL;
+    mukca_status status = MUKCA_OK;
+    if (info->site == MUKCA_SITE_TIP)
+        return find_placement(&effect->placement, s, p, p->where, error);
+    if (info->site != MUKCA_SITE_ANGLE && info->site != MUKCA_SITE_ROTATION)
+        return p->where[0] ? wrong(error, p, "belongs to no joint") : MUKCA_OK;
+    memcpy(joint, p->where, sizeof joint);
+    if (info->needs & MUKCA_NEEDS_PLACEMENTS) {
+        slash = strrchr(p->where, '/');
+        if (!slash) return wrong(error, p, "say where: NAME:JOINT/PLACEMENT");
+        joint[slash - p->where] = '\0';
+        status = find_placement(&effect->placement, s, p, slash + 1, error);
+    }
+    if (status) return status;
+    if (!joint[0]) return wrong(error, p, "say of which joint: NAME:JOINT=VALUE");
+    return find_joint(&effect->joint, s, p, joint, error);
+}
+
+static mukca_status set_values(mukca_effect *effect, cli_simulated *s, const piece *p,
+                               mukca_error *error)
+{
+    const mukca_effect_info *info = &mukca_effect_table[effect->kind];
+    effect->terms = mukca_effect_terms(effect->kind, effect->variant);
+    if (p->n_values == 0)
+        return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: needs =VALUE in %s", p->text,
+                          info->unit);
+    if (p->n_values != 1 && p->n_values != effect->terms)
+        return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: needs 1 or %d values", p->text,
+                          effect->terms);
+    if (info->nonnegative && p->value[0] < 0)
+        return wrong(error, p, "cannot be negative: gravity would have to push up");
+    if (p->n_values == effect->terms) {
+        memcpy(effect->coefficient, p->value, sizeof effect->coefficient);
+    } else if (effect->terms == 4) { /* the axis runs round a circle: the two waves are one */
+        double wave[2];
+        draw_vector(wave, 2, p->value[0], &s->random);
+        effect->coefficient[0] = -wave[1], effect->coefficient[1] = wave[0];
+        effect->coefficient[2] = wave[0], effect->coefficient[3] = wave[1];
+    } else {
+        draw_vector(effect->coefficient, effect->terms, p->value[0], &s->random);
+    }
+    return MUKCA_OK;
+}
+
+static mukca_status add_effect(cli_simulated *s, const piece *p, mukca_effect_kind kind,
+                               mukca_error *error)
+{
+    mukca_effect effect = {.kind = kind, .joint = -1, .placement = -1};
+    if (s->n_effects == MUKCA_MAX_EFFECTS) return wrong(error, p, "too many effects");
+    if (!s->n_places && (mukca_effect_table[kind].needs & MUKCA_NEEDS_SOCKETS))
+        return wrong(error, p, "a pose log has no placements and no sockets");
+    if ((mukca_effect_table[kind].needs & MUKCA_NEEDS_MASSES) && !s->chain->n_masses)
+        return wrong(error, p, "needs link masses; give --inertials FILE");
+    mukca_status status = set_place(&effect, s, p, error);
+    if (status == MUKCA_OK) status = set_variant(&effect, s, p, error);
+    if (status == MUKCA_OK) status = set_values(&effect, s, p, error);
+    if (status == MUKCA_OK) s->effects[s->n_effects++] = effect;
+    return status;
+}
+
+static mukca_status unknown(const piece *p, mukca_error *error)
+{
+    const char *meant = NULL;
+    int best = 99;
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
+        if (mukca_suggest_better(&best, p->name, mukca_effect_table[kind].name))
+            meant = mukca_effect_table[kind].name;
+    for (int k = 0; k < N_FAULTS; k++)
+        if (mukca_suggest_better(&best, p->name, faults[k].name)) meant = faults[k].name;
+    return mukca_fail(error, MUKCA_USAGE,
+                      "--effect: no effect is called '%.60s'%s%s; `mukca help effects` lists them",
+                      p->name, meant ? "; did you mean " : "", meant ? meant : "");
+}
+
+mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error *error)
+{
+    mukca_status status = MUKCA_OK;
+    do {
+        piece p;
+        status = split(&p, &text, error);
+        if (status) return status;
+        const int kind = mukca_effect_find(p.name);
+        int fault = 0;
+        while (fault < N_FAULTS && strcmp(faults[fault].name, p.name) != 0) fault++;
+        if (kind == MUKCA_EFFECT_TOOL_MOTION)
+            status = add_fault(s, &p, MUKCA_SIMULATED_STEP, true, error);
+        else if (kind >= 0)
+            status = add_effect(s, &p, (mukca_effect_kind)kind, error);
+        else if (fault < N_FAULTS)
+            status = add_fault(s, &p, faults[fault].kind, faults[fault].sized, error);
+        else
+            status = unknown(&p, error);
+    } while (status == MUKCA_OK && *text);
+    return status;
+}
