@@ -11,7 +11,7 @@ typedef struct {
     cli_common common;
     const char *perturb, *test, *truth, *labels;
     cli_list effects, places;
-    int placements, rows, poses, held_out, seed;
+    int placements, rows, poses, held_out, seed, recipe; /* recipe: 0 none, else kind + 1 */
     double noise, rotation, correlation, mass_error, effort_noise, interval;
     bool sweep, effort, command, position_only;
 } cli_simulate_options;
@@ -26,6 +26,9 @@ typedef struct {
     mukca_place places[CLI_MAX_PLACES];
     mukca_simulate_options how;
 } cli_simulation;
+
+/* Fill a zeroed simulation from the options of the call.  Errors: MUKCA_USAGE, MUKCA_INPUT. */
+mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *simulation);
 
 /* Write --labels: all that the recording hides. */
 mukca_status cli_write_labels(cli_call *call, const cli_simulation *simulation,

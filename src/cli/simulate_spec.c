@@ -92,7 +92,7 @@ static mukca_status find_joint(int *joint, const cli_simulated *s, const piece *
     if (*joint >= 0) return MUKCA_OK;
     for (int j = 0; j < s->chain->n_joints; j++) {
         const char *candidate = s->chain->element[s->chain->joint_element[j]].name;
-        if (!meant || mukca_suggest_better(&best, name, candidate)) meant = candidate;
+        if (mukca_suggest_better(&best, name, candidate) || !meant) meant = candidate;
     }
     return mukca_fail(error, MUKCA_USAGE,
                       "--effect %.80s: no joint '%.40s' in the chain; did you mean %s?", p->text,

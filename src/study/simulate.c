@@ -225,8 +225,10 @@ static bool seat_ball(recorder *r, const mukca_frame *target)
             mukca_simulate_posture(q, &r->arm->chain, &r->postures);
         if (follow) sweep(posture, r);
         how.posture = follow ? posture : NULL;
-        if (mukca_inverse_solve(q, &r->arm->chain, &r->arm->geometry, target, false, &how).reached)
-            return true;
+        const mukca_inverse_result found =
+            mukca_inverse_solve(q, &r->arm->chain, &r->arm->geometry, target, false, &how);
+        /* Nobody records an arm at its stops, if he can help it. */
+        if (found.reached && (!found.limited || attempt > ATTEMPTS / 2)) return true;
     }
     return false;
 }

@@ -6,6 +6,7 @@
 #include "study/simulate.h"
 
 enum { CANDIDATES = 32, TRIES = 10, SEARCH = 200 };
+static const double margin = 0.03; /* m */
 
 static double range_of(const mukca_element *e, double *lower)
 {
@@ -29,19 +30,21 @@ static void random_rotation(double R[9], mukca_random *random)
     mukca_rotation_from_quaternion(R, q);
 }
 
-/* Share of random starts from which both sockets are reached. */
+/* Share of random starts from which a point somewhat beyond each socket is reached: the lesser of
+ * the two, so that errors and effects do not take a socket out of reach. */
 static double reachable(const mukca_place *place, const mukca_chain *chain,
                         const mukca_geometry *geometry, double distance, mukca_random *random)
 {
-    int reached = 0;
+    int reached[2] = {0, 0};
     for (int i = 0; i < 2 * TRIES; i++) {
         double q[MUKCA_MAX_JOINTS];
         mukca_frame target = place->pose;
-        for (int a = 0; a < 3; a++) target.p[a] += (i % 2 - 0.5) * distance * place->pose.R[3 * a];
+        for (int a = 0; a < 3; a++)
+            target.p[a] += (i % 2 - 0.5) * (distance + 2 * margin) * place->pose.R[3 * a];
         mukca_simulate_posture(q, chain, random);
-        reached += mukca_inverse_solve(q, chain, geometry, &target, false, NULL).reached;
+        reached[i % 2] += mukca_inverse_solve(q, chain, geometry, &target, false, NULL).reached;
     }
-    return reached / (2.0 * TRIES);
+    return fmin(reached[0], reached[1]) / TRIES;
 }
 
 /* Distance to the nearest of the other places that stand already. */

@@ -1,0 +1,195 @@
+/* From the options of `mukca simulate` to the arm and how it is recorded. */
+#include <string.h>
+
+#include "base/number.h"
+#include "cli/simulate.h"
+#include "io/output.h"
+
+/* A pose log is asked for, not sockets. */
+static bool is_log(const cli_simulate_options *o)
+{
+    return o->poses || o->recipe;
+}
+
+static mukca_status check_numbers(const cli_simulate_options *o, mukca_error *error)
+{
+    if (o->rows < 2) return mukca_fail(error, MUKCA_USAGE, "--rows %d: must be 2 or more", o->rows);
+    if (o->noise < 0 || o->noise > 1)
+        return mukca_fail(error, MUKCA_USAGE, "--noise %g: must be m, from 0 to 1", o->noise);
+    if (o->correlation < 0 || o->correlation >= 1)
+        return mukca_fail(error, MUKCA_USAGE, "--correlation %g: must be from 0 to below 1",
+                          o->correlation);
+    if (o->mass_error < 0 || o->effort_noise < 0 || o->rotation < 0)
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--mass-error, --effort-noise and --rotation-noise cannot be negative");
+    if (o->poses < 0 || o->poses > 10000000 || o->rows > 100000)
+        return mukca_fail(error, MUKCA_USAGE, "--poses and --rows: not that many");
+    if (o->held_out < 0 || (o->held_out > 0) != (o->test != NULL))
+        return mukca_fail(error, MUKCA_USAGE, "--held-out N and --test FILE go together");
+    if (o->recipe && (o->poses || o->held_out || o->sweep))
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--recipe sets the rows; leave --poses, --sweep and --held-out out");
+    if (is_log(o) && (o->places.n || o->placements >= 0))
+        return mukca_fail(error, MUKCA_USAGE, "a pose log has no placements");
+    if (!is_log(o) && (o->position_only || o->rotation > 0))
+        return mukca_fail(
+            error, MUKCA_USAGE,
+            "--position-only and --rotation-noise are for pose logs (--poses, --recipe)");
+    if (o->common.distance > 1)
+        return mukca_fail(error, MUKCA_USAGE, "--distance %g looks like millimetres; give m",
+                          o->common.distance);
+    return MUKCA_OK;
+}
+
+/* Numbers with commas between; how many, -1 where one is none or there are more than `most`. */
+static int read_list(double *values, int most, const char *text)
+{
+    char number[64];
+    int n = 0;
+    for (;; text++) {
+        const size_t length = strcspn(text, ",");
+        if (n == most || length >= sizeof number) return -1;
+        memcpy(number, text, length);
+        number[length] = '\0';
+        if (!mukca_number_parse(&values[n++], number)) return -1;
+        text += length;
+        if (!*text) return n;
+    }
+}
+
+/* One --place. */
+static mukca_status read_place(mukca_place *place, const char *text, mukca_error *error)
+{
+    double v[6] = {0};
+    const size_t length = strcspn(text, "=");
+    if (length == 0 || length >= sizeof place->name || strcspn(text, "\t,#/ ") < length)
+        return mukca_fail(error, MUKCA_USAGE, "--place %.80s: begins with no usable name", text);
+    memcpy(place->name, text, length);
+    if (!text[length]) return MUKCA_OK;
+    const int n = read_list(v, 6, text + length + 1);
+    if (n != 3 && n != 6)
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--place %.80s: needs NAME=X,Y,Z or NAME=X,Y,Z,ROLL,PITCH,YAW", text);
+    memcpy(place->pose.p, v, sizeof place->pose.p);
+    mukca_rotation_from_rpy(place->pose.R, v + 3);
+    place->placed = true;
+    return MUKCA_OK;
+}
+
+/* All places: those of the session, then the held-out ones. */
+static mukca_status name_places(cli_simulation *s, const cli_simulate_options *o,
+                                mukca_error *error)
+{
+    int n = o->placements >= 0 ? o->placements : o->places.n ? o->places.n : 4;
+    const int held_out = is_log(o) ? 0 : o->held_out;
+    if (is_log(o)) n = 0;
+    if (n < o->places.n || (n < 1 && !is_log(o)) || n > CLI_MAX_PLACES - 1 ||
+        held_out > CLI_MAX_PLACES - n)
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--placements %d: must be 1 to %d with --held-out, and no less than the "
+                          "places given",
+                          n, CLI_MAX_PLACES);
+    s->n_places = n;
+    for (int i = 0; i < n + held_out; i++) {
+        mukca_place *p = &s->places[i];
+        mukca_status status = MUKCA_OK;
+        if (i < o->places.n)
+            status = read_place(p, o->places.items[i], error);
+        else
+            snprintf(p->name, sizeof p->name, i < n ? "p%d" : "held_out_%d",
+                     i < n ? i + 1 : i - n + 1);
+        for (int k = 0; k < i && status == MUKCA_OK; k++)
+            if (strcmp(s->places[k].name, p->name) == 0)
+                status = mukca_fail(error, MUKCA_USAGE, "two places are called '%s'", p->name);
+        if (status) return status;
+    }
+    return mukca_simulate_places(s->places, n + held_out, &s->model.chain, s->how.distance,
+                                 s->how.seed, error);
+}
+
+/* Take over the effects of --offsets, then those of --effect. */
+static mukca_status gather_effects(cli_simulation *s, const cli_simulate_options *o,
+                                   mukca_error *error)
+{
+    cli_simulated *hidden = &s->hidden;
+    const mukca_offsets *given = &s->model.offsets;
+    hidden->chain = &s->model.chain;
+    hidden->places = s->places;
+    hidden->n_places = s->n_places;
+    hidden->rows = o->rows;
+    mukca_simulate_seed(&hidden->random, s->how.seed, MUKCA_DRAW_EFFECTS);
+    for (int e = 0; e < given->n_effects; e++) {
+        mukca_effect effect = given->effects[e];
+        const char *name = effect.placement >= 0 ? given->placements[effect.placement] : NULL;
+        effect.placement = -1;
+        for (int p = 0; p < s->n_places && name; p++)
+            if (strcmp(s->places[p].name, name) == 0) effect.placement = p;
+        if (!name || effect.placement >= 0) hidden->effects[hidden->n_effects++] = effect;
+    }
+    for (int i = 0; i < o->effects.n; i++) {
+        mukca_status status = cli_simulated_parse(hidden, o->effects.items[i], error);
+        if (status) return status;
+    }
+    memcpy(s->arm.effects, hidden->effects, sizeof hidden->effects);
+    s->arm.n_effects = hidden->n_effects;
+    return MUKCA_OK;
+}
+
+/* The true arm as a table: what faults of the recording did is no part of it. */
+static void tell_truth(cli_simulation *s)
+{
+    for (int p = 0; p < s->n_places; p++)
+        memcpy(s->truth.placements[p], s->places[p].name, MUKCA_NAME_SIZE);
+    s->truth.n_placements = s->n_places;
+    s->truth.n_effects = 0;
+    for (int e = 0; e < s->arm.n_effects; e++)
+        if (mukca_effect_table[s->arm.effects[e].kind].site != MUKCA_SITE_SOCKET)
+            s->truth.effects[s->truth.n_effects++] = s->arm.effects[e];
+}
+
+mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
+{
+    const cli_simulate_options *o = call->options;
+    double perturb[2] = {0, 0};
+    mukca_status status = check_numbers(o, &call->error);
+    if (status == MUKCA_OK && o->perturb && read_list(perturb, 2, o->perturb) != 2)
+        status = mukca_fail(&call->error, MUKCA_USAGE,
+                            "--perturb %.40s: must be MM,MRAD, two numbers", o->perturb);
+    const char *const files[] = {call->common->output, o->test, o->truth, o->labels};
+    for (int i = 0; i < 4 && status == MUKCA_OK; i++) {
+        if (!files[i]) continue;
+        for (int k = 0; k < i && status == MUKCA_OK; k++)
+            if (files[k] && strcmp(files[i], files[k]) == 0)
+                status = mukca_fail(&call->error, MUKCA_USAGE, "two outputs cannot both go to %s",
+                                    files[i]);
+        if (status == MUKCA_OK)
+            status = mukca_output_check(files[i], call->common->force, &call->error);
+    }
+    if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
+    if (status) return status;
+    s->how = (mukca_simulate_options){
+        .rows = o->rows,
+        .distance = call->common->distance > 0 ? call->common->distance : 0.05,
+        .noise = o->noise,
+        .rotation = o->rotation,
+        .correlation = o->correlation,
+        .interval = o->interval,
+        .sweep = o->sweep,
+        .effort = o->effort || o->effort_noise > 0,
+        .command = o->command,
+        .effort_noise = o->effort_noise,
+        .position_only = o->position_only,
+        .seed = (uint64_t)o->seed};
+    if (s->how.effort && !s->model.chain.n_masses)
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "--effort needs link masses; give --inertials FILE");
+    s->truth = s->model.offsets;
+    mukca_simulate_perturb(s->truth.theta, o->perturb ? s->truth.listed : NULL, &s->model.chain,
+                           1e-3 * perturb[0], 1e-3 * perturb[1], s->how.seed);
+    for (int i = 0; i < MUKCA_MAX_THETA; i++) s->truth.identifiable[i] = s->truth.listed[i];
+    mukca_simulate_arm(&s->arm, &s->model.chain, s->truth.theta, 1e-2 * o->mass_error, s->how.seed);
+    status = name_places(s, o, &call->error);
+    if (status == MUKCA_OK) status = gather_effects(s, o, &call->error);
+    if (status == MUKCA_OK) tell_truth(s);
+    return status;
+}

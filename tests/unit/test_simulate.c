@@ -1,0 +1,316 @@
+/* Simulated recordings: consistent with their truth, the same for the same seed, and what was put
+ * in is what the diagnosis takes out. */
+#include "study/simulate.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/simulate_spec.h"
+#include "close.h"
+#include "io/urdf.h"
+
+enum { PLACES = 4 };
+
+/* An arm with 1 mm and 2 mrad of errors and the effects and faults of `text` (may be NULL). */
+typedef struct {
+    mukca_chain chain;
+    mukca_true_arm arm;
+    cli_simulated hidden;
+    mukca_place places[PLACES];
+    mukca_simulate_options how;
+} scene;
+
+static void set_scene(scene *s, const char *text, uint64_t seed)
+{
+    static const char *const names[PLACES] = {"front", "left", "right", "high"};
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    mukca_error error = {0};
+    memset(s, 0, sizeof *s);
+    if (mukca_urdf_load(&s->chain, "data/demo/arm.urdf", NULL, NULL, NULL, &error))
+        fail_msg("%s", error.text);
+    s->how = (mukca_simulate_options){.rows = 30, .distance = 0.05, .seed = seed};
+    mukca_chain_theta(theta, &s->chain);
+    mukca_simulate_perturb(theta, NULL, &s->chain, 1e-3, 2e-3, seed);
+    mukca_simulate_arm(&s->arm, &s->chain, theta, 0, seed);
+    for (int p = 0; p < PLACES; p++)
+        snprintf(s->places[p].name, sizeof s->places[p].name, "%s", names[p]);
+    assert_int_equal(mukca_simulate_places(s->places, PLACES, &s->chain, 0.05, seed, &error),
+                     MUKCA_OK);
+    s->hidden = (cli_simulated){
+        .chain = &s->chain, .places = s->places, .n_places = PLACES, .rows = s->how.rows};
+    mukca_simulate_seed(&s->hidden.random, seed, MUKCA_DRAW_EFFECTS);
+    if (text && cli_simulated_parse(&s->hidden, text, &error)) fail_msg("%s", error.text);
+    memcpy(s->arm.effects, s->hidden.effects, sizeof s->arm.effects);
+    s->arm.n_effects = s->hidden.n_effects;
+}
+
+static void record(mukca_dataset *data, const scene *s)
+{
+    mukca_error error = {0};
+    if (mukca_simulate_sockets(data, &s->arm, s->places, PLACES, s->hidden.faults,
+                               s->hidden.n_faults, &s->how, &error))
+        fail_msg("%s", error.text);
+}
+
+/* Where the true arm has its ball in a row, found from the recorded row alone. */
+static void true_ball(double position[3], const mukca_dataset *data, int row,
+                      const mukca_true_arm *arm)
+{
+    mukca_joint_state state;
+    mukca_displacement displacement;
+    double move[MUKCA_MAX_JOINTS];
+    mukca_dataset_state(&state, move, data, row);
+    mukca_effects_displacement(&displacement, arm->effects, arm->n_effects, &arm->chain,
+                               &arm->geometry, state.q, &state);
+    mukca_fk_position(position, &arm->geometry, state.q, &displacement);
+}
+
+/* One of everything that acts on the arm. */
+static const char everything[] =
+    "joint_compliance:joint_2=2e-5,link_bending:joint_3=1e-5,base_compliance=5e-6,"
+    "backlash:joint_4@300=1e-3,approach_hysteresis:joint_1=1e-3,joint_scale:joint_2=1e-3,"
+    "joint_coupling:joint_5@-1=1e-3,encoder_eccentricity:joint_3=1e-3,"
+    "gear_harmonic:joint_4@240=5e-4,axis_wobble:joint_2@12=1e-3,axis_wobble:joint_3@103=1e-3,"
+    "joint_drift:joint_1@300=1e-3,joint_drift:joint_6=2e-3,readback_lag=1e-3,"
+    "zero_jump:joint_3/left=1e-3,ball_shift:high=1e-3,socket_distance=1e-3";
+
+/* Without noise the ball of the true arm is in the same place in all rows of a socket. */
+static void check_consistent(const char *text, bool sweep)
+{
+    scene s;
+    mukca_dataset data;
+    set_scene(&s, text, 5);
+    s.how.sweep = sweep;
+    s.how.command = true;
+    record(&data, &s);
+    assert_int_equal(data.n_rows, 2 * 30 * PLACES);
+    double centre[2 * PLACES][3];
+    for (int i = 0; i < data.n_rows; i++) {
+        double ball[3];
+        const int socket = data.socket[i];
+        true_ball(ball, &data, i, &s.arm);
+        if (i % 30 == 0) memcpy(centre[socket], ball, sizeof ball);
+        for (int a = 0; a < 3; a++) assert_close(ball[a], centre[socket][a], 1e-9);
+    }
+    const double distance = text ? 0.051 : 0.05;
+    for (int p = 0; p < PLACES; p++) {
+        double d[3];
+        for (int a = 0; a < 3; a++) d[a] = centre[2 * p + 1][a] - centre[2 * p][a];
+        assert_close(sqrt(mukca_dot3(d, d)), distance, 1e-9);
+        assert_true(data.distances[p].distance == 0.05);
+    }
+    mukca_dataset_free(&data);
+}
+
+static void test_consistent(void **state)
+{
+    (void)state;
+    check_consistent(NULL, false);
+    check_consistent(everything, false);
+    check_consistent(everything, true);
+}
+
+static void test_seed(void **state)
+{
+    (void)state;
+    mukca_dataset data[3];
+    for (int k = 0; k < 3; k++) {
+        scene s;
+        set_scene(&s, everything, k < 2 ? 8 : 9);
+        s.how.noise = 1e-4;
+        s.how.effort = true;
+        s.how.effort_noise = 0.1;
+        record(&data[k], &s);
+    }
+    const size_t size = (size_t)(data[0].n_rows * data[0].n_joints) * sizeof *data[0].q;
+    assert_memory_equal(data[0].q, data[1].q, size);
+    assert_memory_equal(data[0].effort, data[1].effort, size);
+    assert_memory_equal(data[0].time, data[1].time, (size_t)data[0].n_rows * sizeof(double));
+    assert_memory_not_equal(data[0].q, data[2].q, size);
+    for (int k = 0; k < 3; k++) mukca_dataset_free(&data[k]);
+}
+
+/* Noise has the size and the correlation that were asked for, and leaves the limits alone. */
+static void test_noise(void **state)
+{
+    (void)state;
+    scene s;
+    mukca_dataset data;
+    double square = 0, product = 0;
+    int n = 0;
+    set_scene(&s, NULL, 3);
+    s.how.noise = 2e-4;
+    s.how.correlation = 0.5;
+    s.how.rows = 200;
+    record(&data, &s);
+    for (int i = 0; i < data.n_rows; i++) {
+        double ball[3], seat[3];
+        static double before[3];
+        const int socket = data.socket[i];
+        true_ball(ball, &data, i, &s.arm);
+        mukca_simulate_seat(seat, &s.arm, &s.places[socket / 2], socket / 2, socket % 2, i % 200,
+                            NULL, 0, &s.how);
+        for (int a = 0; a < 3; a++) {
+            const double e = ball[a] - seat[a];
+            square += e * e;
+            if (i % 200) product += e * before[a];
+            before[a] = e;
+            n++;
+        }
+        for (int j = 0; j < data.n_joints; j++) {
+            const mukca_element *e = &s.chain.element[s.chain.joint_element[j]];
+            const double q = data.q[i * data.n_joints + j];
+            assert_true(q >= e->lower && q <= e->upper);
+        }
+    }
+    assert_close(sqrt(square / n), 2e-4, 0.05 * 2e-4);
+    assert_close(product / square, 0.5, 0.05);
+    mukca_dataset_free(&data);
+}
+
+/* Faults of the recording do to the rows what they say. */
+static void test_faults(void **state)
+{
+    (void)state;
+    scene s;
+    mukca_dataset clean, data;
+    set_scene(&s, NULL, 4);
+    record(&clean, &s);
+    set_scene(&s,
+              "tool_motion:front/0@12=1e-3,tool_motion:left/1@creep=0,0,-2e-3,"
+              "wrong_socket:right/0@5,outlier:high/1@30=3e-3,duplicate:front/1@2",
+              4);
+    assert_int_equal(s.hidden.n_faults, 5);
+    record(&data, &s);
+    for (int i = 0; i < data.n_rows; i++) {
+        double ball[3], seat[3], d[3];
+        const int socket = data.socket[i], row = i % 30;
+        true_ball(ball, &data, i, &s.arm);
+        mukca_simulate_seat(seat, &s.arm, &s.places[socket / 2], socket / 2, socket % 2, row, NULL,
+                            0, &s.how);
+        for (int a = 0; a < 3; a++) d[a] = ball[a] - seat[a];
+        double off = 0;
+        if (socket == 0 && row >= 11) off = 1e-3;
+        if (socket == 3) off = 2e-3 * row / 29;
+        if (socket == 4 && row == 4) off = 0.05;
+        if (socket == 7 && row == 29) off = 3e-3;
+        assert_close(sqrt(mukca_dot3(d, d)), off, 1e-9);
+    }
+    const int n = data.n_joints;
+    assert_memory_equal(data.q + 31 * n, data.q + 30 * n, (size_t)n * sizeof(double));
+    assert_memory_equal(data.q, clean.q, (size_t)(11 * n) * sizeof(double));
+    mukca_dataset_free(&clean);
+    mukca_dataset_free(&data);
+}
+
+/* Measured efforts are the true arm's; a stale reading lags what was commanded. */
+static void test_columns(void **state)
+{
+    (void)state;
+    scene s;
+    mukca_dataset data;
+    set_scene(&s, "readback_lag=1e-3", 6);
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS], heavier = 0;
+    mukca_chain_theta(theta, &s.chain);
+    s.arm.n_effects = 0;
+    mukca_simulate_arm(&s.arm, &s.chain, theta, 0.1, 6);
+    for (int k = 0; k < s.chain.n_masses; k++)
+        heavier += fabs(s.arm.chain.mass[k].kg / s.chain.mass[k].kg - 1) / s.chain.n_masses;
+    assert_true(heavier > 0.02 && heavier < 0.2);
+    s.arm.effects[0] = s.hidden.effects[0];
+    s.arm.n_effects = 1;
+    s.how.effort = s.how.command = true;
+    record(&data, &s);
+    for (int i = 0; i < data.n_rows; i++) {
+        const double *q = data.q + i * data.n_joints;
+        double torque[MUKCA_MAX_JOINTS], largest = 0;
+        mukca_chain_moments(NULL, torque, NULL, &s.arm.chain, &s.arm.geometry, q, NULL, 0);
+        for (int j = 0; j < data.n_joints; j++) {
+            assert_close(data.effort[i * data.n_joints + j], torque[j], 1e-12);
+            largest = fmax(largest, fabs(data.command[i * data.n_joints + j] - q[j]));
+        }
+        assert_close(largest, i ? 1e-3 : 0, 1e-12);
+    }
+    mukca_dataset_free(&data);
+}
+
+/* Pose logs: the true arm's pose at the recorded angles. */
+static void test_poses(void **state)
+{
+    (void)state;
+    scene s;
+    mukca_dataset data;
+    set_scene(&s, "joint_compliance:joint_2=2e-5,approach_hysteresis:joint_1=1e-3", 7);
+    assert_int_equal(mukca_simulate_poses(&data, &s.arm, NULL, 50, &s.how, NULL), MUKCA_OK);
+    assert_int_equal(data.n_sockets, 0);
+    for (int i = 0; i < data.n_rows; i++) {
+        double ball[3];
+        true_ball(ball, &data, i, &s.arm);
+        assert_int_equal(data.socket[i], -1);
+        for (int a = 0; a < 3; a++) assert_close(data.position[3 * i + a], ball[a], 1e-12);
+    }
+    mukca_dataset_free(&data);
+    s.how.position_only = true;
+    assert_int_equal(mukca_simulate_poses(&data, &s.arm, NULL, 5, &s.how, NULL), MUKCA_OK);
+    assert_null(data.quaternion);
+    mukca_dataset_free(&data);
+}
+
+static void test_grammar(void **state)
+{
+    (void)state;
+    scene s;
+    set_scene(&s, NULL, 1);
+    const struct {
+        const char *text, *says;
+    } wrong[] = {
+        {"joint_complience:joint_1=1e-5", "did you mean joint_compliance"},
+        {"joint_compliance=1e-5", "say of which joint"},
+        {"joint_compliance:joint1=1e-5", "did you mean joint_1"},
+        {"joint_compliance:joint_1", "needs =VALUE in rad/(N*m)"},
+        {"joint_compliance:joint_1=x", "a number must follow"},
+        {"joint_compliance:joint_1=-1e-5", "cannot be negative"},
+        {"joint_compliance:joint_1=1e-5,", "ends in a comma"},
+        {"joint_compliance:joint_1=1e-5,2e-5", "needs 1 or 1 values"},
+        {"joint_compliance:joint_1@2=1e-5", "has no variants"},
+        {"base_compliance:joint_1=1e-5", "belongs to no joint"},
+        {"gear_harmonic:joint_1=1e-4", "@ORDER is needed"},
+        {"gear_harmonic:joint_1@401=1e-4", "@ORDER is needed"},
+        {"joint_coupling:joint_1@-1=1e-3", "there is none"},
+        {"axis_wobble:joint_1@3=1e-3", "@ must be"},
+        {"readback_lag@move=1", "a whole number must follow"},
+        {"zero_jump:joint_1=1e-3", "JOINT/PLACEMENT"},
+        {"zero_jump:joint_1/back=1e-3", "no placement 'back'"},
+        {"ball_shift:front=1,2", "needs 1 or 3 values"},
+        {"tool_motion:front@3=1e-3", "PLACEMENT/SOCKET@ROW"},
+        {"tool_motion:front/2@3=1e-3", "socket 0 or 1"},
+        {"tool_motion:front/0@31=1e-3", "1 to 30"},
+        {"tool_motion:front/0@3", "needs its size"},
+        {"wrong_socket:front/0@creep", "1 to 30"},
+        {"wrong_socket:front/0@3=1", "has no size"},
+        {"duplicate:front/0@1", "2 to 30"},
+        {"", "no effect is called ''"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        mukca_error error = {0};
+        assert_int_equal(cli_simulated_parse(&s.hidden, wrong[i].text, &error), MUKCA_USAGE);
+        if (!strstr(error.text, wrong[i].says))
+            fail_msg("%s: '%s' lacks '%s'", wrong[i].text, error.text, wrong[i].says);
+    }
+    set_scene(&s, "gear_harmonic:joint_4@240=3e-4,4e-4,encoder_eccentricity:joint_1=1e-3", 1);
+    assert_int_equal(s.hidden.n_effects, 2);
+    assert_int_equal(s.hidden.effects[0].variant, 240);
+    assert_close(s.hidden.effects[0].coefficient[1], 4e-4, 0);
+    const double *c = s.hidden.effects[1].coefficient;
+    assert_close(hypot(c[0], c[1]), 1e-3, 1e-15);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_consistent), cmocka_unit_test(test_seed),
+        cmocka_unit_test(test_noise),      cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_columns),    cmocka_unit_test(test_poses),
+        cmocka_unit_test(test_grammar)};
+    return cmocka_run_group_tests_name("simulate", tests, NULL, NULL);
+}
