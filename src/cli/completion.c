@@ -87,10 +87,10 @@ static void print_zsh(void)
 }
 
 /* Text for roff: hyphens and backslashes escaped, a leading dot or quote defused. */
-static void print_roff(const char *text)
+static void print_roff(const char *text, size_t length)
 {
     bool start = true;
-    for (; *text; text++) {
+    for (const char *end = text + length; text < end; text++) {
         if (start && (*text == '.' || *text == '\'')) fputs("\\&", stdout);
         if (*text == '\\')
             fputs("\\e", stdout);
@@ -105,16 +105,14 @@ static void print_roff(const char *text)
 static void print_man_command(const cli_command *c)
 {
     printf(".SS \"mukca %s\"\n", c->name);
-    print_roff(c->summary);
+    print_roff(c->summary, strlen(c->summary));
     puts(".\n.PP");
     for (const char *line = c->description; *line;) {
         size_t length = strcspn(line, "\n");
-        char text[1024];
-        snprintf(text, sizeof text, "%.*s", (int)length, line);
         if (length == 0)
             fputs(".PP", stdout);
         else
-            print_roff(text);
+            print_roff(line, length);
         putchar('\n');
         line += length + (line[length] == '\n');
     }
@@ -122,18 +120,18 @@ static void print_man_command(const cli_command *c)
         char text[80];
         cli_format_option(text, sizeof text, o);
         fputs(".TP\n\\fB", stdout);
-        print_roff(text);
+        print_roff(text, strlen(text));
         fputs("\\fR\n", stdout);
-        print_roff(o->help);
+        print_roff(o->help, strlen(o->help));
         if (o->kind == CLI_CHOICE)
             for (int i = 0; o->choices[i]; i++) {
                 fputs(i ? ", " : " (", stdout);
-                print_roff(o->choices[i]);
+                print_roff(o->choices[i], strlen(o->choices[i]));
             }
         puts(o->kind == CLI_CHOICE ? ")" : "");
     }
     puts(".PP\nExample:\n.PP\n.nf");
-    print_roff(c->example);
+    print_roff(c->example, strlen(c->example));
     puts("\n.fi");
 }
 

@@ -78,7 +78,7 @@ mukca_status mukca_export_c(FILE *stream, const mukca_export_input *input, mukca
     fputs("/* Calibrated kinematics as const arrays.\n *\n", stream);
     mukca_export_provenance(stream, " * ", input);
     print_use(stream, id);
-    char guard[MUKCA_NAME_SIZE];
+    char guard[MUKCA_NAME_SIZE] = "";
     for (size_t i = 0; i < sizeof guard; i++) guard[i] = (char)toupper((unsigned char)id[i]);
     fprintf(stream, "#ifndef %s_KINEMATICS_H\n#define %s_KINEMATICS_H\n\n", guard, guard);
     fprintf(stream, "enum { %s_elements = %d, %s_joints = %d };\n", id, n, id, chain->n_joints);

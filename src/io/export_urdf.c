@@ -72,9 +72,11 @@ static mukca_status make_edit(edit *e, const mukca_urdf_text *urdf, const mukca_
     const mukca_urdf_joint *joint = mukca_urdf_text_joint(urdf, nominal->name);
     double xyz[3], rpy[3], quaternion[4];
     mukca_export_origin(xyz, rpy, quaternion, input, element);
-    const bool moved = memcmp(xyz, nominal->xyz, sizeof xyz) != 0;
-    const bool turned = memcmp(rpy, nominal->rpy, sizeof rpy) != 0;
-    memset(e, 0, sizeof *e);
+    bool moved = false, turned = false;
+    for (int i = 0; i < 3; i++) {
+        moved |= xyz[i] != nominal->xyz[i];
+        turned |= rpy[i] != nominal->rpy[i];
+    }
     if (!moved && !turned) return MUKCA_OK;
     if (!joint || !urdf->located)
         return mukca_fail(error, MUKCA_INPUT,
@@ -106,7 +108,7 @@ static int by_start(const void *a, const void *b)
 mukca_status mukca_export_urdf(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
     mukca_urdf_text urdf;
-    edit edits[MUKCA_MAX_ELEMENTS];
+    edit edits[MUKCA_MAX_ELEMENTS] = {{0, 0, NULL}};
     int n = 0;
     mukca_status status = mukca_urdf_text_read(&urdf, input->urdf_path, error);
     if (status) return status;
@@ -115,7 +117,7 @@ mukca_status mukca_export_urdf(FILE *stream, const mukca_export_input *input, mu
                             mukca_table_short_path(input->urdf_path));
     for (int k = 0; k < input->chain->n_elements && status == MUKCA_OK; k++) {
         status = make_edit(&edits[n], &urdf, input, k, error);
-        n += edits[n].replacement != NULL;
+        if (edits[n].replacement) n++;
     }
     if (status == MUKCA_OK) {
         size_t at = 0;
@@ -130,7 +132,7 @@ mukca_status mukca_export_urdf(FILE *stream, const mukca_export_input *input, mu
     if (status == MUKCA_OK && input->offsets->n_effects && input->note)
         input->note(input->context,
                     "a URDF has no place for effects: only the geometry is exported");
-    for (int i = 0; i < n; i++) free(edits[i].replacement);
+    for (int k = 0; k < input->chain->n_elements; k++) free(edits[k].replacement);
     mukca_urdf_text_free(&urdf);
     return status;
 }

@@ -215,7 +215,7 @@ mukca_status mukca_table_next(mukca_table *t, bool *more, mukca_error *error)
     t->pending = false;
     if (status || !*more) return status;
     if (!t->cell) status = set_shape(t, error);
-    if (status) return status;
+    if (status || !t->cell) return status;
     int found = count_cells(t->buffer, t->delimiter);
     if (!split(t->cell, t->n_columns, t->buffer, t->delimiter))
         return mukca_table_fail(error, t, -1, "%d columns, but %d %s%s", found, t->n_columns,

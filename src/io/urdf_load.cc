@@ -78,7 +78,7 @@ class Loader
           context_(context),
           error_(error)
     {
-        std::memset(chain, 0, sizeof *chain);
+        *chain = mukca_chain();
         mukca_status status = mukca_urdf_text_read(&text_, path, error);
         if (status) throw Failure{status};
     }

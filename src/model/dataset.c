@@ -98,8 +98,11 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
     mukca_status status = mukca_dataset_create(&copy, kept, data->n_joints, data->n_sockets,
                                                data->n_placements, error);
     if (status) return status;
-    memcpy(copy.sockets, data->sockets, (size_t)data->n_sockets * sizeof *copy.sockets);
-    memcpy(copy.placements, data->placements, (size_t)data->n_placements * sizeof *copy.placements);
+    if (data->sockets)
+        memcpy(copy.sockets, data->sockets, (size_t)data->n_sockets * sizeof *copy.sockets);
+    if (data->placements)
+        memcpy(copy.placements, data->placements,
+               (size_t)data->n_placements * sizeof *copy.placements);
     copy.n_distances = data->n_distances;
     copy.n_files = data->n_files;
     double *q = NULL;
