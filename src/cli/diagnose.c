@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "io/output.h"
+
 typedef struct {
     cli_common common;
     cli_list test;
@@ -25,6 +27,7 @@ static const cli_option options[] = {
      offsetof(diagnose_options, free_tool)},
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
+    CLI_OUTPUT_OPTION("write the offsets table there: geometry and accepted causes"),
     CLI_JSON_OPTION,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
@@ -56,6 +59,40 @@ static bool progress(void *context, double share, const char *doing)
 {
     cli_progress(context, doing, share, 1);
     return !cli_interrupted();
+}
+
+static mukca_status write_offsets(cli_call *call, const cli_diagnosed *r, bool free_base)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    mukca_pool pool = {0};
+    mukca_output output = {0};
+    char comments[512];
+    int left_out;
+    if (!call->common->output) return MUKCA_OK;
+    mukca_offsets *offsets = MUKCA_TAKE(&pool, mukca_offsets, 1);
+    mukca_chain *chain = MUKCA_TAKE(&pool, mukca_chain, 1);
+    mukca_status status =
+        offsets && chain
+            ? cli_diagnosis_offsets(offsets, chain, &left_out, r, free_base, &call->error)
+            : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (status != MUKCA_OK) goto out;
+    if (left_out)
+        cli_note(call, "the table lacks the causes that need link masses: give --inertials FILE");
+    snprintf(
+        comments, sizeof comments,
+        "diagnosis: %s; mean error on rows left out: %.4g m geometry, %.4g m with the effects\n"
+        "sigma: standard error; identifiable: the rows at least halved what was uncertain\n"
+        "effects: the arm moves as if the joints stood at the recorded angles + effects",
+        mukca_verdict_name[d->verdict], d->geometry_m, d->explained_m);
+    status = mukca_output_open(&output, call->common->output, call->common->force, &call->error);
+    if (status == MUKCA_OK)
+        status =
+            mukca_offsets_write(output.stream, offsets, chain, r->data, comments, &call->error);
+    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
+    mukca_output_abort(&output);
+out:
+    mukca_pool_free(&pool);
+    return status;
 }
 
 static mukca_status run(cli_call *call)
@@ -90,9 +127,14 @@ static mukca_status run(cli_call *call)
                                         .progress_context = call};
     status = mukca_diagnose(d, &model.chain, &data, &how, &call->error);
     if (status != MUKCA_OK) goto out;
-    if (call->common->json)
-        status = cli_write_json(
-            call, cli_diagnosis_json(d, &model.chain, &data, o->test.n ? &test : NULL));
+    const cli_diagnosed result = {d, &model.chain, &data, o->test.n ? &test : NULL};
+    status = write_offsets(call, &result, o->free_base && data.position);
+    if (status == MUKCA_OK && call->common->json)
+        status = cli_write_json(call, cli_diagnosis_json(&result));
+    if (status == MUKCA_OK && !call->common->quiet) {
+        cli_say(call, "%s", "");
+        cli_diagnosis_print(stderr, &result);
+    }
     if (status == MUKCA_OK && expected >= 0) {
         status = MUKCA_NEGATIVE;
         for (int i = 0; i < d->n_causes; i++)

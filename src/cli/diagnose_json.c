@@ -80,9 +80,11 @@ static json_t *placements_array(const double *mae, int n, const mukca_dataset *d
     return array;
 }
 
-json_t *cli_diagnosis_json(const mukca_diagnosis *d, const mukca_chain *chain,
-                           const mukca_dataset *data, const mukca_dataset *test)
+json_t *cli_diagnosis_json(const cli_diagnosed *r)
 {
+    const mukca_diagnosis *d = r->diagnosis;
+    const mukca_chain *chain = r->chain;
+    const mukca_dataset *data = r->data, *test = r->test;
     json_t *causes = json_array(), *faults = json_array(), *tested = json_array(),
            *joints = json_array();
     for (int i = 0; i < d->n_causes; i++)
@@ -109,10 +111,12 @@ json_t *cli_diagnosis_json(const mukca_diagnosis *d, const mukca_chain *chain,
                              "causes", causes, "data_faults", faults);
     json_object_set_new(
         root, "gap",
-        json_pack("{s:o, s:o, s:o, s:o, s:o, s:i}", "nominal_m", cli_json_real(d->nominal_m),
-                  "geometry_m", cli_json_real(d->geometry_m), "faults_excused_m",
-                  cli_json_real(d->faults_excused_m), "explained_m", cli_json_real(d->explained_m),
-                  "noise_floor_m", cli_json_real(d->noise_floor_m), "folds", d->folds));
+        json_pack("{s:o, s:o, s:o, s:o, s:o, s:i, s:o, s:o}", "nominal_m",
+                  cli_json_real(d->nominal_m), "geometry_m", cli_json_real(d->geometry_m),
+                  "faults_excused_m", cli_json_real(d->faults_excused_m), "explained_m",
+                  cli_json_real(d->explained_m), "noise_floor_m", cli_json_real(d->noise_floor_m),
+                  "folds", d->folds, "held_out", shrink_object(&d->held_out),
+                  "noise_shrink_percent", cli_json_real(d->noise_shrink_percent)));
     json_object_set_new(
         root, "test",
         test ? json_pack("{s:o, s:o, s:o, s:o}", "nominal_m", cli_json_real(d->test_nominal_m),
@@ -128,6 +132,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosis *d, const mukca_chain *chain,
     json_object_set_new(root, "noise",
                         json_pack("{s:o, s:o}", "sigma_m", cli_json_real(d->sigma_m),
                                   "lag_one_correlation", cli_json_real(d->rho)));
+    json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
     json_object_set_new(root, "next_poses", json_array());
     json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));
     return root;

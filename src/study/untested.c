@@ -29,18 +29,22 @@ static double span(const double *x, int rows, int n, int j)
 static const char *reason(int kind, const gap_model *m, int joint)
 {
     const int n = m->chain->n_joints, rows = m->data->n_rows;
+    double most = 0;
+    for (int row = 0; row < rows; row++) most = fmax(most, fabs(m->total_torque[row * n + joint]));
     switch (kind) {
         case MUKCA_EFFECT_JOINT_COMPLIANCE:
-            return "gravity loads it alike in all rows: record poses with other lever arms";
         case MUKCA_EFFECT_BACKLASH:
-            return "gravity holds it on one side in all rows: record poses on both sides";
+            if (most < 0.05) return "gravity does not load it in these poses";
+            return kind == MUKCA_EFFECT_BACKLASH
+                       ? "gravity holds it on one side in all rows: record poses on both sides"
+                       : "gravity loads it alike in all rows: record poses with other lever arms";
         case MUKCA_EFFECT_JOINT_COUPLING:
             return "no neighbour of it moved: record poses that turn them";
         default:
-            break;
+            return span(m->data->q, rows, n, joint) < 1e-3
+                       ? "it did not move: record poses that turn it"
+                       : "these rows hold nothing that tells of it";
     }
-    return span(m->data->q, rows, n, joint) < 1e-3 ? "it did not move: record poses that turn it"
-                                                   : "these rows hold nothing that tells of it";
 }
 
 const char *gap_untested_faint(int kind, int joint)
