@@ -204,6 +204,10 @@ mukca_status cli_load_model(cli_call *call, cli_model *model);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
+/* For commands that apply the effects of --offsets: are the masses there that they need?  Errors:
+ * MUKCA_INPUT. */
+mukca_status cli_check_effects(cli_call *call, const cli_model *model);
+
 /* Displacement by the effects of --offsets in one row of `data`; zeroed where there are none. */
 void cli_displacement(mukca_displacement *displacement, const cli_model *model,
                       const mukca_dataset *data, int row);

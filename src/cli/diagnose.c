@@ -123,6 +123,7 @@ static mukca_status run(cli_call *call)
                                         .disabled = disabled,
                                         .free_base = o->free_base,
                                         .free_tool = o->free_tool,
+                                        .applied = call->common->output != NULL,
                                         .progress = progress,
                                         .progress_context = call};
     status = mukca_diagnose(d, &model.chain, &data, &how, &call->error);

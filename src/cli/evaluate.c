@@ -259,7 +259,7 @@ static mukca_status load_model(cli_call *call, cli_model *model)
     memcpy(gravity, chain->gravity, sizeof gravity);
     mukca_mat3_vec(chain->gravity, turn, gravity);
     mukca_geometry_set(&model->geometry, chain, model->offsets.theta);
-    return MUKCA_OK;
+    return cli_check_effects(call, model);
 }
 
 static mukca_status run(cli_call *call)

@@ -96,6 +96,7 @@ static mukca_status run(cli_call *call)
     cli_model model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, &model);
+    if (status == MUKCA_OK) status = cli_check_effects(call, &model);
     if (status == MUKCA_OK)
         status = mukca_output_open(&output, c->output ? c->output : "-", c->force, &call->error);
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)

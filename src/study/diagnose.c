@@ -7,9 +7,9 @@
 
 #include "math/dense.h"
 #include "math/stats.h"
+#include "study/applied.h"
 #include "study/competition.h"
 #include "study/held_out.h"
-#include "study/offset_sigma.h"
 #include "study/screen.h"
 #include "study/untested.h"
 
@@ -35,34 +35,19 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Elastic causes were fitted with one factor per mass, and are told as the one coefficient that
- * does most nearly the same to the recorded rows: sum of weight[t] coefficient[t].  Returns how
- * many times the load of the named masses the fit's load was (measured efforts scale it). */
-static double load_weights(double *weight, const gap_model *m, const gap_hypothesis *h)
+/* Elastic causes were fitted with one factor per mass, and are told as the one coefficient that does
+ * most nearly the same to the recorded rows: sum of weight[t] coefficient[t]. */
+static void load_weights(double *weight, const gap_model *m, const gap_hypothesis *h)
 {
-    double named_square = 0, named_product = 0;
     memset(weight, 0, sizeof *weight * GAP_MAX_TERMS);
     for (int i = 0; i < m->n; i++) {
         const float *basis = h->basis + (size_t)m->order[i] * (size_t)(h->terms * h->width);
-        for (int k = 0; k < h->width; k++) {
-            double named = 0;
-            for (int t = 0; t < h->terms; t++) {
+        for (int t = 0; t < h->terms; t++)
+            for (int k = 0; k < h->width; k++)
                 weight[t] += (double)basis[t * h->width + k] * (double)basis[k];
-                if (t > 0) named += (double)basis[t * h->width + k] / m->lump_scale[t - 1];
-            }
-            named_product += (double)basis[k] * named;
-            named_square += named * named;
-        }
     }
     const double square = weight[0];
     for (int t = 0; t < h->terms; t++) weight[t] = square > 0 ? weight[t] / square : t == 0;
-    return named_square > 0 ? named_product / named_square : 1;
-}
-
-static bool by_mass(const gap_hypothesis *h)
-{
-    return h->kind == GAP_EFFECT &&
-           h->terms > mukca_effect_terms(h->effect.kind, h->effect.variant);
 }
 
 static void effect_coefficients(mukca_cause *out, const gap_model *m, const gap_cause *cause)
@@ -72,10 +57,9 @@ static void effect_coefficients(mukca_cause *out, const gap_model *m, const gap_
     *effect = h->effect;
     effect->terms =
         h->kind == GAP_EFFECT ? mukca_effect_terms(effect->kind, effect->variant) : h->terms;
-    out->load_scale = 1;
-    if (by_mass(h)) {
+    if (gap_hypothesis_by_mass(h)) {
         double weight[GAP_MAX_TERMS];
-        out->load_scale = load_weights(weight, m, h);
+        load_weights(weight, m, h);
         for (int t = 0; t < h->terms; t++)
             effect->coefficient[0] += weight[t] * cause->coefficient[t];
         return;
@@ -103,7 +87,7 @@ static void measure(mukca_cause *out, gap_model *m, int index)
             direction[t] = square > 0 ? out->effect.coefficient[t] / out->amplitude : 0;
             out->sigma[t] = gap_model_standard_error(m, column + t, &one, 1);
         }
-    } else if (by_mass(h)) {
+    } else if (gap_hypothesis_by_mass(h)) {
         load_weights(direction, m, h);
     }
     const double sigma = gap_model_standard_error(m, column, direction, h->terms);
@@ -316,7 +300,6 @@ static void tell(mukca_diagnosis *d, gap_contest *contest)
         }
     for (int c = 0; c < n; c++)
         if (place[c].index >= 0) measure(&d->causes[place[c].index], m, c);
-    gap_offset_sigmas(d, m);
 
     int order[MUKCA_MAX_CAUSES], used = 0;
     for (int c = 0; c < n; c++)
@@ -398,6 +381,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     diagnosis->geometry = m.geometry;
     diagnosis->tracker = m.tracker;
     if (!options->no_folds) status = gap_held_out(diagnosis, &m, options, error);
+    if (status == MUKCA_OK && options->applied) gap_applied(diagnosis, &m);
     if (m.pool.failed || diagnosis->pool.failed)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
 out:

@@ -65,8 +65,6 @@ typedef struct {
     int n_ties;
     mukca_tie ties[MUKCA_MAX_TIES];
     mukca_shrink held_out;
-    double load_scale; /* elastic effects: measured efforts say that the load is this times the one
-                          that the named masses make; else 1 */
 } mukca_cause;
 
 typedef struct {
@@ -92,6 +90,21 @@ typedef struct {
     double range_rad[2];
 } mukca_where;
 
+/* What can be applied elsewhere: geometry and the causes that act on the arm, fitted together with
+ * the masses as they are named, one coefficient for each elastic cause. */
+typedef struct {
+    bool fitted;
+    mukca_geometry geometry;
+    mukca_frame tracker; /* pose logs: T_measured_base */
+    int n_effects;
+    mukca_effect effects[MUKCA_MAX_CAUSES];
+    double effect_sigma[MUKCA_MAX_CAUSES][MUKCA_MAX_TERMS];
+    /* [6 * n_elements] standard error of each parameter, and that of what was believed before the
+     * rows; NaN: not fitted */
+    double theta_sigma[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    double theta_prior[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+} mukca_applied;
+
 typedef struct {
     mukca_verdict verdict;
     bool unexplained;
@@ -115,9 +128,7 @@ typedef struct {
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN without */
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base */
-    /* [6 * n_elements] standard error of each parameter, and that of what was believed before the
-     * rows; NaN: not fitted; NULL where nothing was (in the pool) */
-    double *theta_sigma, *theta_prior;
+    mukca_applied applied;      /* with options->applied */
     double elapsed_s;
     mukca_pool pool;
 } mukca_diagnosis;
@@ -132,6 +143,7 @@ typedef struct {
     bool free_base, free_tool;
     double mass_spread; /* relative sigma of each mass; 0: 0.1 */
     bool no_folds;      /* skip the held-out measurement */
+    bool applied;       /* fit what can be applied elsewhere, too */
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;

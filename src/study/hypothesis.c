@@ -14,6 +14,12 @@ int gap_hypothesis_class(const gap_hypothesis *h)
                                                             : (int)h->effect.kind;
 }
 
+bool gap_hypothesis_by_mass(const gap_hypothesis *h)
+{
+    return h->kind == GAP_EFFECT &&
+           h->terms > mukca_effect_terms(h->effect.kind, h->effect.variant);
+}
+
 static bool uses_masses(const gap_hypothesis *h)
 {
     return h->kind == GAP_EFFECT && (h->effect.kind == MUKCA_EFFECT_JOINT_COMPLIANCE ||

@@ -19,6 +19,9 @@ typedef struct {
 /* Class of a hypothesis. */
 int gap_hypothesis_class(const gap_hypothesis *h);
 
+/* Was it fitted with one factor per mass: the first term is all masses, the others one each? */
+bool gap_hypothesis_by_mass(const gap_hypothesis *h);
+
 /* All candidates for the model's recording, except effects with disabled[effect] != 0 (NULL: none).
  * Memory comes from `pool`.  Errors: MUKCA_MEMORY. */
 mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const gap_model *m,
