@@ -6,12 +6,13 @@
     X(capture)              \
     X(serve)                \
     X(send)                 \
+    X(simulate)             \
     X(calibrate)            \
+    X(recalibrate)          \
     X(evaluate)             \
     X(diagnose)             \
+    X(compensate)           \
     X(export)               \
-    X(fk)                   \
-    X(recalibrate)          \
-    X(simulate)
+    X(fk)
 
 #endif

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-static void moments_add(mukca_moments *m, double x)
+void mukca_moments_add(mukca_moments *m, double x)
 {
     m->n++;
     if (!(x <= m->max)) m->max = x;
@@ -47,13 +47,14 @@ double mukca_histogram_median(const mukca_histogram *histogram)
 void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look)
 {
     const double length = sqrt(mukca_dot3(look->position, look->position));
-    moments_add(&errors->position, length);
+    mukca_moments_add(&errors->position, length);
     histogram_add(&errors->position_histogram, length);
-    for (int i = 0; i < 3; i++) moments_add(&errors->position_axis[i], fabs(look->position[i]));
+    for (int i = 0; i < 3; i++)
+        mukca_moments_add(&errors->position_axis[i], fabs(look->position[i]));
     if (!isfinite(look->rotation[0])) return;
     const double angle = sqrt(mukca_dot3(look->rotation, look->rotation));
-    moments_add(&errors->rotation, angle);
+    mukca_moments_add(&errors->rotation, angle);
     histogram_add(&errors->rotation_histogram, angle);
     for (int i = 0; i < 3; i++)
-        moments_add(&errors->rotation_axis[i], fabs(look->rotation_error[i]));
+        mukca_moments_add(&errors->rotation_axis[i], fabs(look->rotation_error[i]));
 }

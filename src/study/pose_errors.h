@@ -25,6 +25,8 @@ typedef struct {
 
 void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look);
 
+void mukca_moments_add(mukca_moments *moments, double x);
+
 /* Standard deviation, 1 / (n - 1); 0 for n < 2. */
 double mukca_moments_std(const mukca_moments *moments);
 

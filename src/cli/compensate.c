@@ -1,0 +1,228 @@
+/* mukca compensate: joint targets or poses in, corrected joint targets out. */
+#include "study/compensate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "io/output.h"
+#include "io/rows.h"
+#include "study/pose_errors.h"
+
+typedef struct {
+    cli_common common;
+    bool poses, position_only;
+    double tolerance;
+} compensate_options;
+
+static const cli_option options[] = {
+    {"poses", 0, CLI_FLAG, NULL, "rows are poses x_m y_m z_m (and qw qx qy qz), not joint targets",
+     NULL, offsetof(compensate_options, poses)},
+    {"position-only", 0, CLI_FLAG, NULL,
+     "let the orientation go (always so with fewer than six joints)", NULL,
+     offsetof(compensate_options, position_only)},
+    {"tolerance", 0, CLI_POSITIVE, "M", "how near is reached, m and rad (default: 1e-8)", NULL,
+     offsetof(compensate_options, tolerance)},
+    CLI_OFFSETS_OPTION,
+    CLI_MODEL_OPTIONS,
+    CLI_JSON_OPTION,
+    CLI_OUTPUT_OPTION("where to write the corrected targets (default: standard output)"),
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+typedef struct {
+    mukca_moments before, after;
+    long count[MUKCA_REACH_COUNT], rows;
+} tally;
+
+static void print_header(FILE *stream, const mukca_chain *chain, bool timed)
+{
+    if (timed) fputs("time_s\t", stream);
+    for (int j = 0; j < chain->n_joints; j++)
+        fprintf(stream, "%s\t", chain->element[chain->joint_element[j]].name);
+    fputs("error_before_m\terror_m\terror_rad\tstatus\n", stream);
+}
+
+static void print_row(FILE *stream, const double *q, int n, const mukca_compensation *c)
+{
+    for (int j = 0; j < n; j++) fprintf(stream, "%.17g\t", q[j]);
+    fprintf(stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
+            c->rotation_error, mukca_reach_text[c->reach]);
+}
+
+static void count(tally *t, const mukca_compensation *c)
+{
+    t->rows++;
+    t->count[c->reach]++;
+    mukca_moments_add(&t->before, c->position_before);
+    mukca_moments_add(&t->after, c->position_error);
+}
+
+static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mukca_corrected *arm,
+                                const char *path, bool first)
+{
+    const compensate_options *o = call->options;
+    mukca_compensator compensator;
+    mukca_rows rows;
+    mukca_row row;
+    mukca_status status =
+        mukca_rows_open(&rows, path, MUKCA_EITHER, &arm->chain, cli_note, call, &call->error);
+    if (status) return status;
+    mukca_compensator_start(&compensator, arm, o->position_only, o->tolerance);
+    if (first) print_header(stream, &arm->chain, rows.time >= 0);
+    double start = (double)NAN;
+    while (!ferror(stream)) {
+        bool more;
+        status = mukca_rows_next(&rows, &row, &more, &call->error);
+        if (status || !more) break;
+        if (cli_interrupted()) status = MUKCA_INTERRUPTED;
+        if (status) break;
+        if (rows.table.row == 1) start = row.time;
+        mukca_joint_state state = {.placement = -1,
+                                   .time = isfinite(row.time - start)
+                                               ? row.time - start
+                                               : MUKCA_SECONDS_PER_ROW * (rows.table.row - 1),
+                                   .payload_kg = isfinite(row.payload) ? row.payload : 0};
+        mukca_compensation c = mukca_compensate_joints(row.q, &compensator, &state);
+        if (rows.time >= 0) fprintf(stream, "%.17g\t", row.time);
+        print_row(stream, row.q, arm->chain.n_joints, &c);
+        count(t, &c);
+    }
+    mukca_rows_close(&rows);
+    return status;
+}
+
+static mukca_status read_pose(mukca_frame *target, const mukca_table *table, const int *column,
+                              bool oriented, mukca_error *error)
+{
+    double q[4];
+    for (int i = 0; i < (oriented ? 7 : 3); i++) {
+        mukca_status status =
+            mukca_table_number(i < 3 ? &target->p[i] : &q[i - 3], table, column[i], error);
+        if (status) return status;
+    }
+    if (!oriented) return MUKCA_OK;
+    if (!mukca_rows_normalise(q))
+        return mukca_table_fail(error, table, column[3],
+                                "the quaternion's length is not 1 (order: qw qx qy qz)");
+    mukca_rotation_from_quaternion(target->R, q);
+    return MUKCA_OK;
+}
+
+static mukca_status from_poses(cli_call *call, FILE *stream, tally *t, const mukca_corrected *arm,
+                               const char *path, bool first)
+{
+    static const char *const name[7] = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
+    const compensate_options *o = call->options;
+    mukca_compensator compensator;
+    mukca_table table;
+    int column[7];
+    double q[MUKCA_MAX_JOINTS] = {0};
+    mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, &call->error);
+    if (status) return status;
+    const bool oriented = mukca_table_find(&table, "qw") >= 0;
+    for (int i = 0; i < (oriented ? 7 : 3) && status == MUKCA_OK; i++)
+        status = mukca_table_require(&column[i], &table, name[i], &call->error);
+    if (status == MUKCA_OK && first) print_header(stream, &arm->chain, false);
+    mukca_compensator_start(&compensator, arm, o->position_only || !oriented, o->tolerance);
+    while (status == MUKCA_OK && !ferror(stream)) {
+        bool more;
+        mukca_frame target;
+        status = mukca_table_next(&table, &more, &call->error);
+        if (status || !more) break;
+        if (cli_interrupted()) status = MUKCA_INTERRUPTED;
+        if (status == MUKCA_OK) status = read_pose(&target, &table, column, oriented, &call->error);
+        if (status) break;
+        const mukca_joint_state state = {.placement = -1,
+                                         .time = MUKCA_SECONDS_PER_ROW * (table.row - 1)};
+        mukca_compensation c = mukca_compensate_pose(q, &compensator, &target, &state);
+        print_row(stream, q, arm->chain.n_joints, &c);
+        count(t, &c);
+    }
+    mukca_table_close(&table);
+    return status;
+}
+
+static void say(cli_call *call, const tally *t, bool poses)
+{
+    if (t->rows == 0) return;
+    if (poses)
+        cli_say(call, "%ld rows: error %.6f mm mean, %.6f mm at most\n", t->rows,
+                1e3 * t->after.mean, 1e3 * t->after.max);
+    else
+        cli_say(call, "%ld rows: error %.4f mm (mean), %.4f mm (max) -> %.6f mm, %.6f mm\n",
+                t->rows, 1e3 * t->before.mean, 1e3 * t->before.max, 1e3 * t->after.mean,
+                1e3 * t->after.max);
+    for (int r = 1; r < MUKCA_REACH_COUNT; r++)
+        if (t->count[r] > 0)
+            cli_say(call, "%ld rows '%s': %s\n", t->count[r], mukca_reach_text[r],
+                    mukca_reach_sentence[r]);
+}
+
+static json_t *as_json(const cli_call *call, const tally *t)
+{
+    json_t *counts = json_object();
+    for (int r = 0; r < MUKCA_REACH_COUNT; r++)
+        json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
+    return json_pack("{s:s, s:I, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o}", "schema",
+                     "mukca.compensate/1", "rows", (json_int_t)t->rows, "before", "mean_m",
+                     cli_json_real(t->before.mean), "max_m", cli_json_real(t->before.max), "after",
+                     "mean_m", cli_json_real(t->after.mean), "max_m", cli_json_real(t->after.max),
+                     "status", counts, "elapsed_s", cli_json_real(cli_elapsed(call)));
+}
+
+static mukca_status run(cli_call *call)
+{
+    const compensate_options *o = call->options;
+    const cli_common *c = call->common;
+    static const char *standard[] = {"-"};
+    const cli_list input = call->arguments.n ? call->arguments : (cli_list){standard, 1};
+    cli_model *model = calloc(1, sizeof *model);
+    mukca_corrected *arm = calloc(1, sizeof *arm);
+    mukca_output output = {0};
+    tally t = {.rows = 0};
+    mukca_status status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!model || !arm) goto out;
+    status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = cli_load_model(call, model);
+    if (status) goto out;
+    arm->chain = model->chain;
+    arm->geometry = model->geometry;
+    arm->n_effects = model->offsets.n_effects;
+    memcpy(arm->effects, model->offsets.effects, sizeof arm->effects);
+    status = mukca_output_open(&output, c->output ? c->output : "-", c->force, &call->error);
+    for (int i = 0; i < input.n && status == MUKCA_OK; i++)
+        status = o->poses ? from_poses(call, output.stream, &t, arm, input.items[i], i == 0)
+                          : from_joints(call, output.stream, &t, arm, input.items[i], i == 0);
+    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
+    if (status == MUKCA_OK) say(call, &t, o->poses);
+    if (status == MUKCA_OK && c->json) status = cli_write_json(call, as_json(call, &t));
+out:
+    mukca_output_abort(&output);
+    free(model);
+    free(arm);
+    return status;
+}
+
+const cli_command cli_command_compensate = {
+    .name = "compensate",
+    .group = CLI_USE,
+    .summary = "correct joint targets so that the real arm reaches what was meant",
+    .synopsis = "[FILE...]",
+    .max_arguments = -1,
+    .description =
+        "For controllers whose model cannot be changed. Rows of joint targets (or, with --poses, "
+        "of "
+        "poses in the base frame) come in; out go targets at which the arm of --offsets, its "
+        "effects included, has its tip where the nominal arm would have it. Damped least squares, "
+        "the least change of the joints, limits kept; along a path the corrections are continuous. "
+        "A row that cannot be reached holds the nearest that was found, and its status says why.",
+    .example =
+        "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
+        "build/demo/offsets.tsv",
+    .options = options,
+    .options_size = sizeof(compensate_options),
+    .run = run,
+};

@@ -1,0 +1,177 @@
+/* Compensation: 10,000 random targets, limits, paths, poses. */
+#include <string.h>
+
+#include "close.h"
+#include "gen3.h"
+#include "math/random.h"
+#include "study/compensate.h"
+
+static mukca_corrected arm;
+static mukca_geometry nominal;
+
+/* The paper's offsets, compliance, and a gear ripple. */
+static int setup(void **state)
+{
+    (void)state;
+    double theta[6 * MUKCA_MAX_ELEMENTS];
+    gen3_chain(&arm.chain);
+    for (int k = 0; k < 7; k++)
+        arm.chain.mass[arm.chain.n_masses++] = (mukca_mass){k, 1.2, {0, -0.02, -0.06}};
+    mukca_chain_theta(theta, &arm.chain);
+    for (int k = 0; k < 8; k++)
+        for (int i = 0; i < 3; i++) {
+            theta[6 * k + i] += gen3_dp[k][i];
+            if (k < 7) theta[6 * k + 3 + i] += i == 1 ? gen3_dq[k] : 0;
+        }
+    mukca_geometry_set(&arm.geometry, &arm.chain, theta);
+    mukca_geometry_set(&nominal, &arm.chain, NULL);
+    static const mukca_effect effects[] = {
+        {MUKCA_EFFECT_JOINT_COMPLIANCE, 1, -1, 0, 1, {2e-4}},
+        {MUKCA_EFFECT_BASE_COMPLIANCE, -1, -1, 0, 1, {5e-5}},
+        {MUKCA_EFFECT_BACKLASH, 3, -1, 1000, 1, {1e-3}},
+        {MUKCA_EFFECT_GEAR_HARMONIC, 3, -1, 160, 2, {2e-4, 1e-4}},
+        {MUKCA_EFFECT_APPROACH_HYSTERESIS, 5, -1, 0, 1, {5e-4}}};
+    memcpy(arm.effects, effects, sizeof effects);
+    arm.n_effects = (int)(sizeof effects / sizeof *effects);
+    return 0;
+}
+
+static void random_angles(double *q, mukca_random *random)
+{
+    for (int j = 0; j < 7; j++) {
+        const mukca_element *e = &arm.chain.element[j];
+        const double low = fmax(e->lower, -3), high = fmin(e->upper, 3);
+        q[j] = low + (high - low) * mukca_random_uniform(random);
+    }
+}
+
+static double distance(const double a[3], const double b[3])
+{
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(mukca_dot3(d, d));
+}
+
+static void random_targets_are_reached(void **state)
+{
+    (void)state;
+    mukca_compensator c;
+    mukca_random random;
+    mukca_random_seed(&random, 21);
+    double sent[7] = {0};
+    int missed = 0;
+    mukca_compensator_start(&c, &arm, false, 0);
+    for (int i = 0; i < 10000; i++) {
+        double meant[7], q[7], move[7];
+        mukca_frame target, reached, raw;
+        random_angles(meant, &random);
+        memcpy(q, meant, sizeof q);
+        mukca_fk_pose(&target, &nominal, meant, NULL);
+        for (int j = 0; j < 7; j++) move[j] = i > 0 ? meant[j] - sent[j] : 0;
+        const mukca_joint_state uncorrected = {.placement = -1, .move = move};
+        mukca_corrected_pose(&raw, &arm, meant, &uncorrected);
+        mukca_compensation found = mukca_compensate_joints(q, &c, NULL);
+        for (int j = 0; j < 7; j++) move[j] = i > 0 ? q[j] - sent[j] : 0;
+        mukca_corrected_pose(&reached, &arm, q, &uncorrected); /* with the move as it was made */
+        const double before = distance(raw.p, target.p), after = distance(reached.p, target.p);
+        assert_close(found.position_before, before, 1e-12);
+        assert_close(found.position_error, after, 1e-12);
+        if (!(after <= 0.01 * before)) assert_true(found.reach != MUKCA_REACH_OK);
+        for (int j = 0; j < 7; j++)
+            assert_true(q[j] >= arm.chain.element[j].lower && q[j] <= arm.chain.element[j].upper);
+        missed += found.reach == MUKCA_REACH_LIMIT || found.reach == MUKCA_REACH_UNREACHED;
+        memcpy(sent, q, sizeof sent);
+    }
+    print_message("%d of 10000 out of reach of an arm with such offsets\n", missed);
+    assert_true(missed < 400);
+}
+
+/* Along a smooth path the corrections are smooth, also through the joints' zeros. */
+static void paths_are_continuous(void **state)
+{
+    (void)state;
+    mukca_compensator c;
+    mukca_corrected smooth = arm;
+    smooth.n_effects = 2;
+    mukca_compensator_start(&c, &smooth, false, 0);
+    double last[7] = {0}, worst = 0;
+    for (int i = 0; i <= 1000; i++) {
+        double q[7], meant[7];
+        for (int j = 0; j < 7; j++)
+            meant[j] = 0.5 * sin(0.002 * i * (j + 1) + 1.3 * j) + (j % 2 ? 1.2 : 0.3);
+        memcpy(q, meant, sizeof q);
+        mukca_compensation found = mukca_compensate_joints(q, &c, NULL);
+        assert_int_equal(found.reach, MUKCA_REACH_OK);
+        for (int j = 0; j < 7; j++) {
+            if (i > 0) worst = fmax(worst, fabs(q[j] - meant[j] - last[j]));
+            last[j] = q[j] - meant[j];
+        }
+    }
+    assert_true(worst < 2e-3);
+}
+
+static void limits_and_reach_are_told(void **state)
+{
+    (void)state;
+    mukca_compensator c;
+    /* Stretched out upwards, with a true arm that is shorter. */
+    mukca_corrected shorter = arm;
+    shorter.n_effects = 0;
+    for (int k = 0; k < 8; k++)
+        for (int i = 0; i < 3; i++)
+            shorter.geometry.origin[k].p[i] = 0.99 * arm.chain.element[k].xyz[i];
+    double up[7] = {0};
+    mukca_compensator_start(&c, &shorter, true, 0);
+    mukca_compensation found = mukca_compensate_joints(up, &c, NULL);
+    assert_int_equal(found.reach, MUKCA_REACH_UNREACHED);
+    assert_true(found.position_error > 1e-3);
+    /* Joints that stand at their limits and would have to go on. */
+    mukca_corrected narrow = arm;
+    double q[7] = {0.3, 0.4, 0.2, 1.0, 0.5, -0.7, 0.1};
+    for (int j = 0; j < 7; j++)
+        narrow.chain.element[j].lower = q[j], narrow.chain.element[j].upper = q[j] + 1e-4;
+    mukca_compensator_start(&c, &narrow, false, 0);
+    found = mukca_compensate_joints(q, &c, NULL);
+    assert_int_equal(found.reach, MUKCA_REACH_LIMIT);
+}
+
+static void poses_become_joints(void **state)
+{
+    (void)state;
+    mukca_compensator c;
+    mukca_random random;
+    mukca_random_seed(&random, 22);
+    mukca_corrected still = arm;
+    still.n_effects = 4; /* the last one depends on the way */
+    mukca_compensator_start(&c, &still, false, 0);
+    double q[7] = {0};
+    int reached = 0;
+    for (int i = 0; i < 100; i++) { /* strewn poses */
+        double meant[7];
+        mukca_frame target, tip;
+        random_angles(meant, &random);
+        mukca_fk_pose(&target, &nominal, meant, NULL);
+        mukca_compensation found = mukca_compensate_pose(q, &c, &target, NULL);
+        mukca_corrected_pose(&tip, &still, q, NULL);
+        assert_close(found.position_error, distance(tip.p, target.p), 1e-12);
+        if (found.reach != MUKCA_REACH_OK) continue;
+        reached++;
+        assert_close(distance(tip.p, target.p), 0, 1e-8);
+    }
+    assert_true(reached >= 95);
+    double last[7];
+    for (int i = 0; i <= 200; i++) { /* a line */
+        mukca_frame target = {{1, 0, 0, 0, -1, 0, 0, 0, -1}, {-0.2 + 0.002 * i, 0.4, 0.3}};
+        mukca_compensation found = mukca_compensate_pose(q, &c, &target, NULL);
+        assert_int_equal(found.reach, MUKCA_REACH_OK);
+        for (int j = 0; j < 7 && i > 0; j++) assert_close(q[j], last[j], 0.1);
+        memcpy(last, q, sizeof last);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(random_targets_are_reached), cmocka_unit_test(paths_are_continuous),
+        cmocka_unit_test(limits_and_reach_are_told), cmocka_unit_test(poses_become_joints)};
+    return cmocka_run_group_tests(tests, setup, NULL);
+}
