@@ -157,7 +157,12 @@ static void help_wraps_and_names_everything(void **state)
     fclose(file);
     char *text = scratch_read(path);
     for (const cli_command *const *c = cli_commands; *c; c++) {
-        assert_non_null(strstr(text, (*c)->example));
+        for (const char *line = (*c)->example; *line;
+             line += strcspn(line, "\n"), line += *line == '\n') {
+            char whole[512];
+            snprintf(whole, sizeof whole, "\n  %.*s\n", (int)strcspn(line, "\n"), line);
+            assert_non_null(strstr(text, whole));
+        }
         assert_null(strchr((*c)->summary, '\n'));
         assert_true((*c)->summary[strlen((*c)->summary) - 1] != '.');
         assert_non_null(strstr((*c)->example, "mukca "));
