@@ -29,7 +29,8 @@ mukca_status mukca_dataset_create(mukca_dataset *data, int n_rows, int n_joints,
     if (!data->q || !data->socket || !data->row || !data->file || !data->sockets ||
         !data->placements) {
         mukca_dataset_free(data);
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
+        mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
+        return MUKCA_MEMORY;
     }
     for (int i = 0; i < n_rows; i++) {
         data->row[i] = i + 1;
