@@ -202,7 +202,7 @@ const cli_command cli_command_simulate = {
         "  backlash:JOINT@TORQUE=1e-3          torque scale in mN m, default 1000\n"
         "  joint_coupling:JOINT@+1=1e-3        from the next joint; -1: the one before\n"
         "  gear_harmonic:JOINT@ORDER=5e-4      =A,B for A sin + B cos\n"
-        "  axis_wobble:JOINT@1=1e-3            1, 2; 11, 12 after the turn; 98, 99, 102, 103\n"
+        "  axis_wobble:JOINT@1=1e-3            1 2; 11 12 after the turn; 98 99 102 103\n"
         "  joint_drift:JOINT@300=1e-3          time constant in s; 0: rad per 1000 s\n"
         "  zero_jump:JOINT/PLACE=1e-3          ball_shift:PLACE=1e-3, or =X,Y,Z\n"
         "  tool_motion:PLACE/SOCKET@12=1e-3    from row 12 of the socket on, or @creep\n"
