@@ -207,7 +207,7 @@ const cli_command cli_command_simulate = {
         "  zero_jump:JOINT/PLACE=1e-3          ball_shift:PLACE=1e-3, or =X,Y,Z\n"
         "  tool_motion:PLACE/SOCKET@12=1e-3    from row 12 of the socket on, or @creep\n"
         "  wrong_socket:PLACE/SOCKET@5         duplicate alike; outlier with a size\n"
-        "  socket_distance=1e-3                the sockets are farther apart than --distance",
+        "  socket_distance=1e-3                the sockets lie farther apart than told",
     .example =
         "mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 --seed 1 "
         "--perturb 1,2 --noise 1e-4 --effect gear_harmonic:joint_4@160=5e-4",
