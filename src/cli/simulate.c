@@ -26,7 +26,7 @@ static const cli_option options[] = {
     OPTION("perturb", CLI_TEXT, "MM,MRAD",
            "normal errors of the true origins, positions and angles (default: none)", perturb),
     OPTION("effect", CLI_TEXTS, "EFFECT",
-           "NAME[:WHERE][@VARIANT]=VALUE, see below; repeatable, or several with commas between",
+           "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between",
            effects),
     OPTION("mass-error", CLI_NUMBER, "PERCENT", "normal errors of the true masses", mass_error),
     OPTION("placements", CLI_INTEGER, "N",
@@ -172,7 +172,6 @@ static mukca_status run(cli_call *call)
     mukca_status status = cli_simulation_prepare(call, s);
     if (status == MUKCA_OK) status = record(call, &data, s, false);
     if (status == MUKCA_OK && o->test) status = record(call, &test, s, true);
-    if (status == MUKCA_OK && cli_interrupted()) status = MUKCA_INTERRUPTED;
     if (status == MUKCA_OK)
         status = write_data(call, call->common->output ? call->common->output : "-", &data, s);
     if (status == MUKCA_OK && o->test) status = write_data(call, o->test, &test, s);
@@ -198,7 +197,7 @@ const cli_command cli_command_simulate = {
         "bytes.\n\n"
         "An EFFECT is NAME[:WHERE][@VARIANT]=VALUE in the unit of `mukca help effects`:\n"
         "  joint_compliance:JOINT=1e-5         link_bending, joint_scale ... alike\n"
-        "  base_compliance=1e-5                readback_lag alike\n"
+        "  base_compliance=1e-5                readback_lag=1e-3\n"
         "  backlash:JOINT@TORQUE=1e-3          torque scale in mN m, default 1000\n"
         "  joint_coupling:JOINT@+1=1e-3        from the next joint; -1: the one before\n"
         "  gear_harmonic:JOINT@ORDER=5e-4      =A,B for A sin + B cos\n"

@@ -179,7 +179,8 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
         .command = o->command,
         .effort_noise = o->effort_noise,
         .position_only = o->position_only,
-        .seed = (uint64_t)o->seed};
+        .seed = (uint64_t)o->seed,
+        .interrupted = cli_interrupted};
     if (s->how.effort && !s->model.chain.n_masses)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--effort needs link masses; give --inertials FILE");

@@ -272,9 +272,9 @@ static mukca_status unknown(const piece *p, mukca_error *error)
             meant = mukca_effect_table[kind].name;
     for (int k = 0; k < N_FAULTS; k++)
         if (mukca_suggest_better(&best, p->name, faults[k].name)) meant = faults[k].name;
-    return mukca_fail(error, MUKCA_USAGE,
-                      "--effect: no effect is called '%.60s'%s%s; `mukca help effects` lists them",
-                      p->name, meant ? "; did you mean " : "", meant ? meant : "");
+    return mukca_fail(error, MUKCA_USAGE, "--effect: no effect is called '%.60s'; %s%s%s", p->name,
+                      meant ? "did you mean " : "`mukca help effects` lists them",
+                      meant ? meant : "", meant ? "?" : "");
 }
 
 mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error *error)

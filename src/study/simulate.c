@@ -63,7 +63,7 @@ typedef struct {
     const mukca_true_arm *arm;
     mukca_dataset *data;
     mukca_simulate_options options;
-    mukca_random postures, noise, effort, clock;
+    mukca_random postures, noise, effort, rotation, clock;
     double phase[MUKCA_MAX_JOINTS], pace[MUKCA_MAX_JOINTS]; /* of a sweep */
     double wander[3];                                       /* noise of the row, m */
     double stale; /* how far the reading lags along the last move, rad */
@@ -146,6 +146,18 @@ static void tick(recorder *r, double pause)
     *t = r->row > 0 ? t[-1] + round(1e3 * pause * jitter) / 1e3 : 0;
 }
 
+static bool interrupted(const recorder *r)
+{
+    return r->options.interrupted && r->options.interrupted();
+}
+
+/* Give up: nothing of the recording is left. */
+static mukca_status stop(mukca_dataset *data)
+{
+    mukca_dataset_free(data);
+    return MUKCA_INTERRUPTED;
+}
+
 static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int sockets, int placements,
                           const mukca_true_arm *arm, const mukca_simulate_options *options,
                           mukca_error *error)
@@ -159,6 +171,7 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int socket
     mukca_simulate_seed(&r->postures, seed, MUKCA_DRAW_POSTURES);
     mukca_simulate_seed(&r->noise, seed, MUKCA_DRAW_NOISE);
     mukca_simulate_seed(&r->effort, seed, MUKCA_DRAW_EFFORT);
+    mukca_simulate_seed(&r->rotation, seed, MUKCA_DRAW_ROTATION);
     mukca_simulate_seed(&r->clock, seed, MUKCA_DRAW_TIME);
     for (size_t j = 0; j < n; j++) {
         r->phase[j] = 6.283185307179586 * mukca_random_uniform(&r->postures);
@@ -267,6 +280,7 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_true_arm *a
         data->distances[p] = (mukca_distance){2 * p, 2 * p + 1, o.distance};
         for (int row = 0; row < o.rows; row++) {
             mukca_frame target = {{0}, {0}};
+            if (interrupted(&r)) return stop(data);
             tick(&r, row > 0 ? o.interval : socket ? 2 * o.interval : 10 * o.interval);
             data->socket[r.row] = s;
             next_noise(&r, row == 0);
@@ -308,6 +322,7 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
     for (size_t i = 0; i < count; i++) {
         mukca_displacement displacement;
         mukca_frame pose;
+        if (interrupted(&r)) return stop(data);
         tick(&r, r.options.interval);
         if (q)
             memcpy(data->q + i * n, q + i * n, n * sizeof *q);
@@ -321,7 +336,8 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
         for (int a = 0; a < 3; a++) data->position[3 * i + (size_t)a] = pose.p[a] + r.wander[a];
         if (data->quaternion) {
             double w[3], turn[9], R[9];
-            for (int a = 0; a < 3; a++) w[a] = r.options.rotation * mukca_random_normal(&r.effort);
+            for (int a = 0; a < 3; a++)
+                w[a] = r.options.rotation * mukca_random_normal(&r.rotation);
             mukca_rotation_exp(turn, w);
             mukca_mat3_mul(R, pose.R, turn);
             mukca_rotation_to_quaternion(data->quaternion + 4 * i, R);

@@ -23,6 +23,7 @@ typedef enum {
     MUKCA_DRAW_POSTURES,
     MUKCA_DRAW_NOISE,
     MUKCA_DRAW_EFFORT,
+    MUKCA_DRAW_ROTATION,
     MUKCA_DRAW_TIME
 } mukca_draw;
 
@@ -72,6 +73,7 @@ typedef struct {
     double effort_noise; /* sigma, N m */
     bool position_only;  /* pose logs: no orientations */
     uint64_t seed;
+    bool (*interrupted)(void); /* asked at each row; may be NULL */
 } mukca_simulate_options;
 
 /* Give every free parameter of theta[6 * n_elements] (in: nominal) a normal error of `shift` m or
@@ -92,14 +94,14 @@ mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukc
 
 /* Record the arm with its ball in the sockets of all places in order.  Free with
  * mukca_dataset_free.  `faults` may be NULL.
- * Errors: MUKCA_INPUT (a place out of reach), MUKCA_MEMORY. */
+ * Errors: MUKCA_INPUT (a place out of reach), MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_true_arm *arm,
                                     const mukca_place *places, int n_places,
                                     const mukca_simulated_fault *faults, int n_faults,
                                     const mukca_simulate_options *options, mukca_error *error);
 
 /* Record a pose log of n_rows rows: at the angles q[n_rows][n_joints], or (NULL) at postures of its
- * own.  Errors: MUKCA_MEMORY. */
+ * own.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm, const double *q,
                                   int n_rows, const mukca_simulate_options *options,
                                   mukca_error *error);

@@ -1,56 +1,6 @@
-/* Simulated recordings: consistent with their truth, the same for the same seed, and what was put
- * in is what the diagnosis takes out. */
-#include "study/simulate.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-#include "cli/simulate_spec.h"
-#include "close.h"
-#include "io/urdf.h"
-
-enum { PLACES = 4 };
-
-/* An arm with 1 mm and 2 mrad of errors and the effects and faults of `text` (may be NULL). */
-typedef struct {
-    mukca_chain chain;
-    mukca_true_arm arm;
-    cli_simulated hidden;
-    mukca_place places[PLACES];
-    mukca_simulate_options how;
-} scene;
-
-static void set_scene(scene *s, const char *text, uint64_t seed)
-{
-    static const char *const names[PLACES] = {"front", "left", "right", "high"};
-    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
-    mukca_error error = {0};
-    memset(s, 0, sizeof *s);
-    if (mukca_urdf_load(&s->chain, "data/demo/arm.urdf", NULL, NULL, NULL, &error))
-        fail_msg("%s", error.text);
-    s->how = (mukca_simulate_options){.rows = 30, .distance = 0.05, .seed = seed};
-    mukca_chain_theta(theta, &s->chain);
-    mukca_simulate_perturb(theta, NULL, &s->chain, 1e-3, 2e-3, seed);
-    mukca_simulate_arm(&s->arm, &s->chain, theta, 0, seed);
-    for (int p = 0; p < PLACES; p++)
-        snprintf(s->places[p].name, sizeof s->places[p].name, "%s", names[p]);
-    assert_int_equal(mukca_simulate_places(s->places, PLACES, &s->chain, 0.05, seed, &error),
-                     MUKCA_OK);
-    s->hidden = (cli_simulated){
-        .chain = &s->chain, .places = s->places, .n_places = PLACES, .rows = s->how.rows};
-    mukca_simulate_seed(&s->hidden.random, seed, MUKCA_DRAW_EFFECTS);
-    if (text && cli_simulated_parse(&s->hidden, text, &error)) fail_msg("%s", error.text);
-    memcpy(s->arm.effects, s->hidden.effects, sizeof s->arm.effects);
-    s->arm.n_effects = s->hidden.n_effects;
-}
-
-static void record(mukca_dataset *data, const scene *s)
-{
-    mukca_error error = {0};
-    if (mukca_simulate_sockets(data, &s->arm, s->places, PLACES, s->hidden.faults,
-                               s->hidden.n_faults, &s->how, &error))
-        fail_msg("%s", error.text);
-}
+/* Simulated recordings: consistent with their truth, effects of the size asked for, the same for
+ * the same seed. */
+#include "scene.h"
 
 /* Where the true arm has its ball in a row, found from the recorded row alone. */
 static void true_ball(double position[3], const mukca_dataset *data, int row,
@@ -128,6 +78,117 @@ static void test_seed(void **state)
     assert_memory_equal(data[0].time, data[1].time, (size_t)data[0].n_rows * sizeof(double));
     assert_memory_not_equal(data[0].q, data[2].q, size);
     for (int k = 0; k < 3; k++) mukca_dataset_free(&data[k]);
+}
+
+/* True angles of a row under one effect on angles, written down again from its definition. */
+typedef void turn_fn(double *q, const mukca_dataset *data, int row, const scene *s);
+
+static void turn_scale(double *q, const mukca_dataset *data, int row, const scene *s)
+{
+    (void)data, (void)row, (void)s;
+    q[1] *= 1.001;
+}
+
+static void turn_coupling(double *q, const mukca_dataset *data, int row, const scene *s)
+{
+    (void)data, (void)row, (void)s;
+    q[4] += 1e-3 * q[3];
+}
+
+static void turn_eccentricity(double *q, const mukca_dataset *data, int row, const scene *s)
+{
+    (void)data, (void)row, (void)s;
+    q[2] += 3e-4 * sin(q[2]) - 4e-4 * cos(q[2]);
+}
+
+static void turn_ripple(double *q, const mukca_dataset *data, int row, const scene *s)
+{
+    (void)data, (void)row, (void)s;
+    q[3] += 3e-4 * sin(160 * q[3]) + 4e-4 * cos(160 * q[3]);
+}
+
+static void turn_hysteresis(double *q, const mukca_dataset *data, int row, const scene *s)
+{
+    (void)s;
+    if (row > 0) q[0] -= 0.5e-3 * tanh((q[0] - data->q[(row - 1) * data->n_joints]) / 0.02);
+}
+
+static void turn_lag(double *q, const mukca_dataset *data, int row, const scene *s)
+{
+    (void)s;
+    double move[MUKCA_MAX_JOINTS], largest = 0;
+    if (row == 0) return;
+    for (int j = 0; j < data->n_joints; j++) {
+        move[j] = q[j] - data->q[(row - 1) * data->n_joints + j];
+        largest = fmax(largest, fabs(move[j]));
+    }
+    for (int j = 0; j < data->n_joints; j++) q[j] += 1e-3 * move[j] / largest;
+}
+
+static void turn_drift(double *q, const mukca_dataset *data, int row, const scene *s)
+{
+    (void)s;
+    q[5] += 2e-3 * (1 - exp(-(data->time[row] - data->time[0]) / 300));
+}
+
+static void turn_jump(double *q, const mukca_dataset *data, int row, const scene *s)
+{
+    (void)s;
+    if (data->socket[row] / 2 == 1) q[2] += 1e-3;
+}
+
+/* The joint gives way under the load of the arm as it then stands. */
+static void turn_compliance(double *q, const mukca_dataset *data, int row, const scene *s)
+{
+    (void)data, (void)row;
+    double torque[MUKCA_MAX_JOINTS];
+    const double encoder = q[1];
+    for (int round = 0; round < 20; round++) {
+        mukca_chain_moments(NULL, torque, NULL, &s->arm.chain, &s->arm.geometry, q, NULL, 0);
+        q[1] = encoder - 3e-5 * torque[1];
+    }
+}
+
+/* Effects have the size, the sign and the joint that were asked for. */
+static void test_sizes(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        turn_fn *turn;
+    } cases[] = {{"joint_scale:joint_2=1e-3", turn_scale},
+                 {"joint_coupling:joint_5@-1=1e-3", turn_coupling},
+                 {"encoder_eccentricity:joint_3=3e-4,-4e-4", turn_eccentricity},
+                 {"gear_harmonic:joint_4@160=3e-4,4e-4", turn_ripple},
+                 {"approach_hysteresis:joint_1=1e-3", turn_hysteresis},
+                 {"readback_lag=1e-3", turn_lag},
+                 {"joint_drift:joint_6@300=2e-3", turn_drift},
+                 {"zero_jump:joint_3/left=1e-3", turn_jump},
+                 {"joint_compliance:joint_2=3e-5", turn_compliance}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        scene s;
+        mukca_dataset data;
+        double unmoved = 0;
+        set_scene(&s, cases[c].text, 12);
+        s.how.rows = 10;
+        record(&data, &s);
+        for (int i = 0; i < data.n_rows; i++) {
+            double q[MUKCA_MAX_JOINTS], ball[3], seat[3], without[3];
+            const int socket = data.socket[i];
+            memcpy(q, data.q + i * data.n_joints, (size_t)data.n_joints * sizeof *q);
+            mukca_fk_position(without, &s.arm.geometry, q, NULL);
+            cases[c].turn(q, &data, i, &s);
+            mukca_fk_position(ball, &s.arm.geometry, q, NULL);
+            mukca_simulate_seat(seat, &s.arm, &s.places[socket / 2], socket / 2, socket % 2, 0,
+                                NULL, 0, &s.how);
+            for (int a = 0; a < 3; a++) {
+                assert_close(ball[a], seat[a], 1e-9);
+                unmoved = fmax(unmoved, fabs(without[a] - seat[a]));
+            }
+        }
+        assert_true(unmoved > 1e-4);
+        mukca_dataset_free(&data);
+    }
 }
 
 /* Noise has the size and the correlation that were asked for, and leaves the limits alone. */
@@ -308,9 +369,10 @@ static void test_grammar(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_consistent), cmocka_unit_test(test_seed),
-        cmocka_unit_test(test_noise),      cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_columns),    cmocka_unit_test(test_poses),
-        cmocka_unit_test(test_grammar)};
+        cmocka_unit_test(test_consistent), cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_seed),       cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_faults),     cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_poses),      cmocka_unit_test(test_grammar),
+    };
     return cmocka_run_group_tests_name("simulate", tests, NULL, NULL);
 }

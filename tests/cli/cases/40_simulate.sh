@@ -1,0 +1,58 @@
+# Simulated recordings.
+golden help_simulate help simulate
+cp "$root/data/demo/arm.urdf" arm.urdf
+simulate() { "$MUKCA" simulate --urdf arm.urdf "$@"; }
+run simulate --urdf arm.urdf --placements 2 --rows 5 --seed 1 --perturb 1,2 --noise 1e-4 \
+    --effect gear_harmonic:joint_4@160=5e-4
+expect "the example of the help records 20 rows" test "$(grep -c '^p[12]' "$scratch/out")" -eq 20
+cp "$scratch/out" first.tsv
+run simulate --urdf arm.urdf --placements 2 --rows 5 --seed 1 --perturb 1,2 --noise 1e-4 \
+    --effect gear_harmonic:joint_4@160=5e-4
+expect "the same seed gives the same bytes" cmp first.tsv "$scratch/out"
+
+# what --truth says is what was recorded: seen through it, every socket is one point
+simulate --seed 3 --rows 6 --perturb 1,2 --truth truth.tsv -o session.tsv --held-out 2 --test test.csv \
+    --effect joint_compliance:joint_2=3e-5,readback_lag=1e-3 --effect zero_jump:joint_3/p2=1e-3
+expect "evaluate reads the recording and its truth" "$MUKCA" evaluate --urdf arm.urdf \
+    --offsets truth.tsv session.tsv --test test.csv --max-mae 1e-9
+run evaluate --urdf arm.urdf session.tsv --max-mae 1e-3
+expect "without the truth they are apart" test $code -eq 1
+
+# a sealed recording betrays nothing: the same rows, and the head of a clean one
+simulate --seed 4 --rows 5 --effect joint_scale:joint_2=1e-3 --labels labels.json -o sealed.tsv
+simulate --seed 4 --rows 5 --effect joint_scale:joint_2=1e-3 -o open.tsv
+expect "the head of a sealed recording names neither effect nor seed" sh -c \
+    "! grep -e scale -e seed sealed.tsv && grep -q 'effect joint_scale' open.tsv"
+grep -v '^#' sealed.tsv >sealed.rows
+grep -v '^#' open.tsv >open.rows
+expect "its rows are the same" cmp sealed.rows open.rows
+expect "its labels name the effect" grep -q '"effect": "joint_scale"' labels.json
+
+# pose logs
+simulate --poses 20 --perturb 0.3,1 --truth poses_truth.tsv --command --effort -o poses.tsv
+expect "a pose log has as many rows as asked" test "$(grep -vc '^#' poses.tsv)" -eq 21
+"$MUKCA" fk --urdf arm.urdf --offsets poses_truth.tsv poses.tsv | tail -n +2 >seen
+grep -v '^#' poses.tsv | tail -n +2 | cut -f 23-25 >told
+expect "its positions are those of fk with the truth" sh -c \
+    'paste seen told | awk "{ for (i = 1; i < 4; i++) { d = \$i - \$(i + 3); if (d * d > 1e-22) exit 1 } n++ }
+     END { exit n != 20 }"'
+run simulate --urdf "$root/data/gen3.urdf" --recipe sweeps
+expect "recipes are recorded" test "$(grep -vc '^#' "$scratch/out")" -eq 1941
+
+refuse 2 "no effect is called 'zzz'; .mukca help effects. lists them" simulate --urdf arm.urdf --effect zzz:joint_1=1
+refuse 2 "did you mean joint_scale?" simulate --urdf arm.urdf --effect joint_scales:joint_1=1
+refuse 2 "no joint 'elbow' in the chain" simulate --urdf arm.urdf --effect joint_scale:elbow=1e-3
+refuse 2 "no placement 'left'; the first one is 'p1'" simulate --urdf arm.urdf --effect ball_shift:left=1e-3
+refuse 2 "a pose log has no placements and no sockets" simulate --urdf arm.urdf --poses 9 --effect tool_motion:p1/0@2=1e-3
+refuse 2 "must be MM,MRAD" simulate --urdf arm.urdf --perturb 1
+refuse 2 "must be m, from 0 to 1" simulate --urdf arm.urdf --noise -1
+refuse 2 "must be from 0 to below 1" simulate --urdf arm.urdf --correlation 1
+refuse 2 "must be 2 or more" simulate --urdf arm.urdf --rows 1
+refuse 2 "must be 1 to" simulate --urdf arm.urdf --placements 0
+refuse 2 "go together" simulate --urdf arm.urdf --held-out 2
+refuse 2 "two places are called 'a'" simulate --urdf arm.urdf --place a --place a
+refuse 2 "needs NAME=X,Y,Z" simulate --urdf arm.urdf --place a=1,2
+refuse 2 "two outputs cannot both go to x.tsv" simulate --urdf arm.urdf -o x.tsv --truth x.tsv
+refuse 2 "leave --poses" simulate --urdf arm.urdf --recipe sweeps --poses 9
+refuse 3 "does not reach socket 0" simulate --urdf arm.urdf --place far=9,0,0
+refuse 3 "session.tsv" simulate --urdf arm.urdf -o session.tsv

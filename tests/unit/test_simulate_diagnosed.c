@@ -1,0 +1,68 @@
+/* What is put into a simulated recording is what the diagnosis takes out. */
+#include <stdlib.h>
+
+#include "scene.h"
+#include "study/diagnose.h"
+
+/* The diagnosis finds what was hidden: the effect, its joint or place, and its size within a tenth
+ * or within its interval. */
+static void test_diagnosed(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        int kind, joint, placement;
+        double size;
+    } cases[] = {
+        {"joint_compliance:joint_2=3e-5", MUKCA_EFFECT_JOINT_COMPLIANCE, 1, -1, 3e-5},
+        {"link_bending:joint_3=4e-5", MUKCA_EFFECT_LINK_BENDING, 2, -1, 4e-5},
+        {"base_compliance=2e-5", MUKCA_EFFECT_BASE_COMPLIANCE, -1, -1, 2e-5},
+        {"backlash:joint_4=2e-3", MUKCA_EFFECT_BACKLASH, 3, -1, 2e-3},
+        {"approach_hysteresis:joint_2=2e-3", MUKCA_EFFECT_APPROACH_HYSTERESIS, 1, -1, 2e-3},
+        {"joint_scale:joint_2=1.5e-3", MUKCA_EFFECT_JOINT_SCALE, 1, -1, 1.5e-3},
+        {"joint_coupling:joint_4@+1=1.5e-3", MUKCA_EFFECT_JOINT_COUPLING, 3, -1, 1.5e-3},
+        {"encoder_eccentricity:joint_3=1.5e-3", MUKCA_EFFECT_ENCODER_ECCENTRICITY, 2, -1, 1.5e-3},
+        {"gear_harmonic:joint_4@160=1e-3", MUKCA_EFFECT_GEAR_HARMONIC, 3, -1, 1e-3},
+        {"axis_wobble:joint_2@12=1.5e-3", MUKCA_EFFECT_AXIS_WOBBLE, 1, -1, 1.5e-3},
+        {"joint_drift:joint_2@300=2e-3", MUKCA_EFFECT_JOINT_DRIFT, 1, -1, 2e-3},
+        {"readback_lag=2e-3", MUKCA_EFFECT_READBACK_LAG, -1, -1, 2e-3},
+        {"tool_motion:left/1@14=1.2e-3", MUKCA_EFFECT_TOOL_MOTION, -1, 1, 1.2e-3},
+        {"tool_motion:right/0@creep=2e-3", MUKCA_EFFECT_TOOL_MOTION, -1, 2, 2e-3},
+        {"zero_jump:joint_3/left=1.5e-3", MUKCA_EFFECT_ZERO_JUMP, 2, 1, 1.5e-3},
+        {"ball_shift:right=1e-3", MUKCA_EFFECT_BALL_SHIFT, -1, 2, 1e-3},
+    };
+    mukca_diagnosis *d = malloc(sizeof *d);
+    assert_non_null(d);
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        scene s;
+        mukca_dataset data;
+        mukca_error error = {0};
+        const mukca_diagnose_options options = {.no_folds = true};
+        set_scene(&s, cases[c].text, 21);
+        s.how.noise = 1e-4;
+        record(&data, &s);
+        memset(d, 0, sizeof *d);
+        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
+        const mukca_cause *cause = &d->causes[0];
+        print_message("%s: %s, %d causes, size %.3g\n", cases[c].text,
+                      d->n_causes ? mukca_effect_table[cause->effect.kind].name : "none",
+                      d->n_causes, cause->amplitude);
+        assert_int_equal(d->verdict, MUKCA_VERDICT_NAMED);
+        assert_int_equal(d->n_causes, 1);
+        assert_false(d->unexplained);
+        assert_int_equal(cause->effect.kind, cases[c].kind);
+        assert_int_equal(cause->effect.joint, cases[c].joint);
+        if (cases[c].placement >= 0) assert_int_equal(cause->effect.placement, cases[c].placement);
+        assert_close(cause->amplitude, cases[c].size,
+                     fmax(0.1 * cases[c].size, cause->high - cause->amplitude));
+        mukca_diagnosis_free(d);
+        mukca_dataset_free(&data);
+    }
+    free(d);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_diagnosed)};
+    return cmocka_run_group_tests_name("simulate diagnosed", tests, NULL, NULL);
+}
