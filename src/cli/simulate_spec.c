@@ -237,7 +237,7 @@ static mukca_status set_values(mukca_effect *effect, cli_simulated *s, const pie
     if (p->n_values == effect->terms) {
         memcpy(effect->coefficient, p->value, sizeof effect->coefficient);
     } else if (effect->terms == 4) { /* the axis runs round a circle: the two waves are one */
-        double wave[2];
+        double wave[2] = {0, 0};
         draw_vector(wave, 2, p->value[0], &s->random);
         effect->coefficient[0] = -wave[1], effect->coefficient[1] = wave[0];
         effect->coefficient[2] = wave[0], effect->coefficient[3] = wave[1];
