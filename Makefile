@@ -116,7 +116,7 @@ $(FUZZERS): $(BUILD)/fuzzers/%: $(BUILD)/obj/tests/fuzz/%.o $(CLI_LIB) $(REST_OB
 TEST_ENVIRONMENT := MUKCA=$(abspath $(BUILD))/mukca BUILD=$(abspath $(BUILD)) LC_ALL=C.UTF-8
 
 demo: all ## calibrate, diagnose and report the demo arm of data/ into build/demo
-	@$(TEST_ENVIRONMENT) $(call script,demo) $(BUILD)/demo
+	@$(TEST_ENVIRONMENT) $(call script,demo) build/demo
 
 check: $(PROGRAM) $(TESTS) $(EXAMPLES) ## build and run every test
 	@$(TEST_ENVIRONMENT) tests/run $(TESTS) $(SCRIPTS)
