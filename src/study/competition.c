@@ -60,10 +60,11 @@ void gap_compete_rank(gap_contest *contest)
 }
 
 /* A function of an angle that an accepted unknown function of that joint explains already. */
-static bool shadowed(const gap_contest *contest, const gap_candidate *c)
+static bool shadowed(const gap_contest *contest, const gap_candidate *c, int without)
 {
     const gap_model *m = contest->m;
     for (int i = 0; i < m->n_causes; i++) {
+        if (i == without) continue;
         const gap_hypothesis *h = &m->cause[i].hypothesis;
         if (gap_hypothesis_class(h) != GAP_CLASS_UNKNOWN || h->effect.joint != c->joint) continue;
         if (h->driver == GAP_TIME) {
@@ -78,10 +79,10 @@ static bool shadowed(const gap_contest *contest, const gap_candidate *c)
     return false;
 }
 
-static const gap_candidate *leader(const gap_contest *contest)
+static const gap_candidate *leader(const gap_contest *contest, int without)
 {
     for (int i = 0; i < contest->n_table; i++)
-        if (!shadowed(contest, &contest->table[i])) return &contest->table[i];
+        if (!shadowed(contest, &contest->table[i], without)) return &contest->table[i];
     return NULL;
 }
 
@@ -101,22 +102,39 @@ static bool watch(const gap_contest *contest, const char *doing, mukca_error *er
     return false;
 }
 
-/* Keep what a found harmonic needs: its basis lies in the scan's memory, which is used again. */
 static bool add(gap_contest *contest, const gap_hypothesis *h)
 {
-    gap_hypothesis own = *h;
-    if (own.kind == GAP_EFFECT && own.effect.kind == MUKCA_EFFECT_GEAR_HARMONIC &&
-        !gap_hypothesis_prepare(&own, &contest->m->pool, contest->m))
-        return false;
-    return gap_model_add(contest->m, &own);
+    return gap_model_add(contest->m, h);
+}
+
+/* Accept a single bad row, and with it all others that are as plain. */
+static bool add_spikes(gap_contest *contest, double least)
+{
+    gap_model *m = contest->m;
+    const int before = m->n_causes;
+    for (int i = 0; i < contest->n_table && spikes(m) < MOST_SPIKES; i++) {
+        const gap_candidate *c = &contest->table[i];
+        if (c->log_odds < least) break;
+        if (c->class != GAP_CLASS_OUTLIER) continue;
+        const gap_hypothesis *h = gap_scan_hypothesis(contest->scan, c->best);
+        bool taken = false;
+        for (int k = 0; k < m->n_causes; k++) {
+            const gap_hypothesis *other = &m->cause[k].hypothesis;
+            taken |= other->kind == GAP_SPIKE && other->group == h->group &&
+                     h->row <= other->last && other->row <= h->last;
+        }
+        if (!taken) add(contest, h);
+    }
+    return m->n_causes > before;
 }
 
 static mukca_status forward(gap_contest *contest, mukca_error *error)
 {
     gap_model *m = contest->m;
+    gap_scan_extent extent = GAP_SCAN_ALL;
     while (m->n_causes - spikes(m) < MOST_CAUSES && spikes(m) < MOST_SPIKES) {
         if (!watch(contest, "looking for causes", error)) return MUKCA_INTERRUPTED;
-        gap_scan_run(contest->scan, m, -1);
+        gap_scan_run(contest->scan, m, -1, extent);
         gap_compete_rank(contest);
         if (!contest->n_first) {
             contest->n_first = contest->n_table;
@@ -141,15 +159,21 @@ static mukca_status forward(gap_contest *contest, mukca_error *error)
             }
             fprintf(stderr, "\n");
         }
-        const gap_candidate *top = leader(contest);
+        const gap_candidate *top = leader(contest, -1);
         const double threshold = m->n_causes ? LATER_THRESHOLD : FIRST_THRESHOLD;
         if (!top || top->log_odds < threshold) {
+            if (extent != GAP_SCAN_ALL) { /* before giving up: all orders of ripple once more */
+                extent = GAP_SCAN_ALL;
+                continue;
+            }
             if (!gap_reinstate(contest->diagnosis, m)) return MUKCA_OK;
-            gap_model_fit(m, 4, GAP_FREE);
-            continue;
+        } else if (top->class == GAP_CLASS_OUTLIER) {
+            if (!add_spikes(contest, fmax(threshold, 0.5 * top->log_odds))) return MUKCA_OK;
+        } else if (!add(contest, gap_scan_hypothesis(contest->scan, top->best))) {
+            return MUKCA_OK;
         }
-        if (!add(contest, gap_scan_hypothesis(contest->scan, top->best))) return MUKCA_OK;
-        gap_model_fit(m, 4, GAP_FREE);
+        extent = GAP_SCAN_LISTED;
+        gap_model_fit(m, 3, GAP_FREE);
     }
     return MUKCA_OK;
 }
@@ -162,12 +186,12 @@ static mukca_status settle(gap_contest *contest, mukca_error *error)
         bool changed = false;
         for (int c = 0; c < m->n_causes; c++) {
             if (!watch(contest, "testing each cause again", error)) return MUKCA_INTERRUPTED;
-            gap_scan_run(contest->scan, m, c);
+            gap_scan_run(contest->scan, m, c, GAP_SCAN_CONTENDERS);
             gap_compete_rank(contest);
-            const gap_candidate *top = contest->n_table ? &contest->table[0] : NULL;
+            const gap_candidate *top = leader(contest, c);
             if (!top || top->log_odds < FIRST_THRESHOLD) {
                 gap_model_drop(m, c--);
-                gap_model_fit(m, 4, GAP_FREE);
+                gap_model_fit(m, 3, GAP_FREE);
                 changed = true;
                 continue;
             }
@@ -182,7 +206,7 @@ static mukca_status settle(gap_contest *contest, mukca_error *error)
             if (!add(contest, best)) continue;
             m->cause[c] = m->cause[last];
             m->n_causes = last;
-            gap_model_fit(m, 4, GAP_FREE);
+            gap_model_fit(m, 3, GAP_FREE);
             changed = true;
         }
         if (!changed) break;

@@ -132,7 +132,7 @@ static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, stan
 {
     gap_model *m = contest->m;
     const gap_hypothesis h = m->cause[index].hypothesis;
-    gap_scan_run(contest->scan, m, index);
+    gap_scan_run(contest->scan, m, index, GAP_SCAN_CONTENDERS);
     gap_compete_rank(contest);
     double total = 0, own = 0;
     const double best = fmax(contest->n_table ? contest->table[0].log_odds : 0, 0);
@@ -365,7 +365,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     if (status != MUKCA_OK) goto out;
     status = gap_scan_create(&scan, &all, &m, error);
     if (status != MUKCA_OK) goto out;
-    const int most = all.count + chain->n_joints * GAP_HARMONICS_KEPT;
+    const int most = all.count + chain->n_joints * GAP_HARMONICS_MOST;
     contest.table = MUKCA_TAKE(&m.pool, gap_candidate, most);
     contest.first = MUKCA_TAKE(&m.pool, gap_candidate, most);
     contest.first_score = MUKCA_TAKE(&m.pool, gap_score, most);

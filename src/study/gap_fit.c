@@ -276,7 +276,7 @@ void gap_model_fit(gap_model *m, int iterations, gap_freedom freedom)
         gap_model_linearise(m);
         const gap_pack *pack = &m->pack[0];
         gap_model_prior(prior, m, -1);
-        if (freedom == GAP_FREE || (it == 0 && freedom == GAP_NOISE)) {
+        if (it == 0 ? freedom != GAP_FIXED : it == 2 && freedom == GAP_FREE) {
             double best = -HUGE_VAL;
             for (int i = 0; i < GAP_RHOS; i++) {
                 double value;
@@ -288,7 +288,7 @@ void gap_model_fit(gap_model *m, int iterations, gap_freedom freedom)
                     pack = &m->pack[i];
                 }
             }
-            if (it >= 1 && freedom == GAP_FREE) {
+            if (freedom == GAP_FREE) {
                 choose_scales(m, pack, prior);
                 gap_model_prior(prior, m, -1);
             }

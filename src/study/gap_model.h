@@ -179,7 +179,7 @@ int gap_model_prior(double *prior, const gap_model *m, int without);
 typedef enum {
     GAP_FIXED, /* nothing: noise, AR(1) and prior scales stay */
     GAP_NOISE, /* noise and AR(1), in the first step */
-    GAP_FREE   /* noise, AR(1) and prior scales, by evidence in each step */
+    GAP_FREE   /* noise, AR(1) and prior scales by evidence, in the first and third step */
 } gap_freedom;
 
 /* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  Ends linearised. */

@@ -290,11 +290,14 @@ static void list_faults(lister *l)
             h.effect.kind = MUKCA_EFFECT_TOOL_MOTION;
             h.effect.placement = group->placement;
             h.kind = GAP_SPIKE;
-            for (int n = 0; n < LONGEST_BURST && i + n < group->count; n++) {
+            h.last = row;
+            append(l, h);
+            /* A few rows at either end: a move there cannot be told from a badly seated ball. */
+            for (int n = 1; n < LONGEST_BURST && i + n < group->count; n++) {
+                if (i != 0 && i + n != group->count - 1) continue;
                 h.last = m->order[group->start + i + n];
                 append(l, h);
             }
-            /* A move right after the start or before the end cannot be told from a burst. */
             if (group->socket < 0 || i < LONGEST_BURST || i > group->count - LONGEST_BURST - 1)
                 continue;
             h.kind = GAP_STEP;

@@ -90,21 +90,26 @@ static void prepare(gap_projector *p)
                 }
         }
     }
-    /* Zt := (L^-1 D Q')', row by row; u := W y - Zt z.  Columns with prior 0 drop out. */
-    for (int r = 0; r < p->rows; r++) {
-        const double *q = p->Q + (size_t)r * (size_t)size;
-        double *x = p->Zt + (size_t)r * (size_t)n, sum = q[n];
-        for (int i = 0; i < n; i++) x[i] = q[i] * m->prior[i];
-        for (int i = 0; i < n; i++) {
-            const double *l = L + i * n;
-            double s0 = x[i], s1 = 0;
-            int k = 0;
-            for (; k + 1 < i; k += 2) s0 -= l[k] * x[k], s1 -= l[k + 1] * x[k + 1];
-            if (k < i) s0 -= l[k] * x[k];
-            x[i] = (s0 + s1) / l[i];
+    /* Zt := (L^-1 D Q')', a block of rows at a time; u := W y - Zt z.  Columns with prior 0 drop
+     * out. */
+    enum { BLOCK = 32 };
+    double *B = p->T;
+    for (int start = 0; start < p->rows; start += BLOCK) {
+        const int count = p->rows - start < BLOCK ? p->rows - start : BLOCK;
+        for (int r = 0; r < count; r++) {
+            const double *q = p->Q + (size_t)(start + r) * (size_t)size;
+            for (int i = 0; i < n; i++) B[i * count + r] = q[i] * m->prior[i];
         }
-        for (int i = 0; i < n; i++) sum -= x[i] * p->z[i];
-        p->u[r] = sum;
+        mukca_dense_forward(B, count, L, n);
+        for (int r = 0; r < count; r++) {
+            double *x = p->Zt + (size_t)(start + r) * (size_t)n;
+            double sum = p->Q[(size_t)(start + r) * (size_t)size + (size_t)n];
+            for (int i = 0; i < n; i++) {
+                x[i] = B[i * count + r];
+                sum -= x[i] * p->z[i];
+            }
+            p->u[start + r] = sum;
+        }
     }
 }
 

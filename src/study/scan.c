@@ -30,28 +30,25 @@ static void pick_harmonics(gap_scan *scan, const gap_joint_view *view, double *m
     for (int order = 2; order <= GAP_LAST_ORDER; order++)
         value[order] += gap_order_log_prior(order);
     for (int k = 0; k < GAP_HARMONICS_KEPT; k++) {
-        int best = 2;
+        int best = 2, known = 0, of_joint = 0;
         for (int order = 3; order <= GAP_LAST_ORDER; order++)
             if (value[order] > value[best]) best = order;
+        for (int i = 0; i < scan->n_harmonic; i++) {
+            const mukca_effect *e = &scan->harmonic[i].effect;
+            known |= e->joint == j && e->variant == best;
+            of_joint += e->joint == j;
+        }
+        value[best] = -HUGE_VAL;
+        if (known || of_joint == GAP_HARMONICS_MOST) continue;
         gap_hypothesis *h = &scan->harmonic[scan->n_harmonic];
         *h = (gap_hypothesis){.kind = GAP_EFFECT,
                               .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
                                          .joint = j,
                                          .placement = -1,
-                                         .variant = best,
-                                         .terms = 2},
-                              .terms = 2,
-                              .width = 1,
-                              .unit = {0.70710678118654752440, 0.70710678118654752440}};
-        h->basis = scan->harmonic_basis + (size_t)scan->n_harmonic * (size_t)m->data->n_rows * 2;
-        for (int row = 0; row < m->data->n_rows; row++) {
-            const double q = m->data->q[row * n_joints + j];
-            h->basis[2 * row] = (float)sin(best * q);
-            h->basis[2 * row + 1] = (float)cos(best * q);
-        }
+                                         .variant = best}};
+        if (!gap_hypothesis_prepare(h, &scan->pool, m)) continue;
         h->log_prior = gap_order_log_prior(best) - log(n_joints) - log(scan->all->classes);
-        value[best] = -HUGE_VAL;
-        scan->n_harmonic++;
+        scan->best_seen[scan->all->count + scan->n_harmonic++] = -HUGE_VAL;
     }
 }
 
@@ -107,6 +104,16 @@ static void leave_out(gap_model *m, int without)
     for (int t = 0; t < m->cause[without].hypothesis.terms; t++) m->prior[column + t] = 0;
 }
 
+/* Odds that make a candidate a contender for the place of an accepted cause. */
+#define NEAR_THE_FRONT (-3.0)
+
+/* The same effect at the same joint, placement or socket. */
+static bool kin(const gap_hypothesis *a, const gap_hypothesis *b)
+{
+    return gap_hypothesis_class(a) == gap_hypothesis_class(b) && a->effect.joint == b->effect.joint &&
+           a->effect.placement == b->effect.placement && a->kind != GAP_SPIKE;
+}
+
 /* Is a candidate worth the other AR(1) coefficients?  Its score hardly depends on them, so only
  * those near the front are averaged. */
 static bool worth_averaging(double log_bayes, double log_prior, double most)
@@ -114,7 +121,7 @@ static bool worth_averaging(double log_bayes, double log_prior, double most)
     return log_bayes + log_prior > -4.0 || log_bayes > fmax(0.25 * most, 4.0);
 }
 
-void gap_scan_run(gap_scan *scan, gap_model *m, int without)
+void gap_scan_run(gap_scan *scan, gap_model *m, int without, gap_scan_extent extent)
 {
     gap_projector p = gap_projector_lay_out(m, scan->memory);
     double *view_memory = scan->memory + gap_projector_size(m);
@@ -134,16 +141,23 @@ void gap_scan_run(gap_scan *scan, gap_model *m, int without)
         if (value[i] > value[order[0]]) order[i] = order[0], order[0] = i;
 
     double first = -HUGE_VAL; /* evidence of the rhos averaged so far */
-    scan->n_harmonic = 0;
-    scan->n_scores = scan->all->count;
-    memset(scan->wanted, 1, (size_t)(scan->all->count + m->chain->n_joints * GAP_HARMONICS_KEPT));
+    const int capacity = scan->all->count + m->chain->n_joints * GAP_HARMONICS_MOST;
+    memset(scan->wanted, 1, (size_t)capacity);
+    scan->n_scores = scan->all->count + scan->n_harmonic;
+    for (int k = 0; extent == GAP_SCAN_CONTENDERS && k < scan->n_scores; k++)
+        scan->wanted[k] = scan->best_seen[k] > NEAR_THE_FRONT ||
+                          (without >= 0 && kin(gap_scan_hypothesis(scan, k),
+                                               &m->cause[without].hypothesis));
+    for (int k = 0; k < scan->n_scores; k++) scan->score[k] = (gap_score){k, -HUGE_VAL, -HUGE_VAL, 0};
     for (int i = 0; i < GAP_RHOS; i++) {
         const int which = order[i];
+        if (i && value[which] < value[order[0]] - 15 - 0.25 * fmax(most, 0)) continue;
         gap_projector_aim(&p, &m->pack[which], sigma[which]);
         if (i == 0) scan->rho = which, scan->sigma = sigma[which];
         for (int j = 0; j < m->chain->n_joints; j++) {
             const gap_joint_view view = gap_joint_view_aim(&p, j, view_memory);
-            if (i == 0 && scan->all->harmonics) pick_harmonics(scan, &view, mean);
+            if (i == 0 && scan->all->harmonics && extent == GAP_SCAN_ALL)
+                pick_harmonics(scan, &view, mean);
             scan->n_scores = scan->all->count + scan->n_harmonic;
             score_angles(scan->value, scan->information, scan, &view, scan->wanted, mean);
         }
@@ -163,10 +177,11 @@ void gap_scan_run(gap_scan *scan, gap_model *m, int without)
         const double old_share = exp(first - hi) / (exp(first - hi) + exp(value[which] - hi));
         for (int k = 0; k < scan->n_scores; k++) {
             gap_score *score = &scan->score[k];
+            if (!scan->wanted[k]) continue;
             if (i == 0) {
                 *score = (gap_score){k, scan->value[k], 0, scan->information[k]};
                 most = fmax(most, scan->value[k]);
-            } else if (scan->wanted[k] && scan->value[k] > -HUGE_VAL) {
+            } else if (scan->value[k] > -HUGE_VAL) {
                 const double a = score->log_bayes + log(fmax(old_share, 1e-300));
                 const double b = scan->value[k] + log(fmax(1 - old_share, 1e-300));
                 score->log_bayes = fmax(a, b) + log1p(exp(-fabs(a - b)));
@@ -177,9 +192,11 @@ void gap_scan_run(gap_scan *scan, gap_model *m, int without)
             scan->wanted[k] =
                 worth_averaging(scan->value[k], gap_scan_hypothesis(scan, k)->log_prior, most);
     }
-    for (int k = 0; k < scan->n_scores; k++)
-        scan->score[k].log_odds =
-            scan->score[k].log_bayes + gap_scan_hypothesis(scan, k)->log_prior;
+    for (int k = 0; k < scan->n_scores; k++) {
+        gap_score *score = &scan->score[k];
+        score->log_odds = score->log_bayes + gap_scan_hypothesis(scan, k)->log_prior;
+        if (without < 0) scan->best_seen[k] = fmax(scan->best_seen[k], score->log_odds);
+    }
 }
 
 /* Columns that stand for a hypothesis when two are compared: elastic ones by their sum of masses.
@@ -230,19 +247,19 @@ double gap_scan_correlation(gap_scan *scan, gap_model *m, int without, const gap
 mukca_status gap_scan_create(gap_scan *scan, gap_hypotheses *all, const gap_model *m,
                              mukca_error *error)
 {
-    const int harmonics = m->chain->n_joints * GAP_HARMONICS_KEPT, most = all->count + harmonics;
+    const int harmonics = m->chain->n_joints * GAP_HARMONICS_MOST, most = all->count + harmonics;
     memset(scan, 0, sizeof *scan);
     scan->all = all;
     scan->harmonic = MUKCA_TAKE(&scan->pool, gap_hypothesis, harmonics);
-    scan->harmonic_basis =
-        MUKCA_TAKE(&scan->pool, float, (size_t)harmonics * 2 * (size_t)m->data->n_rows);
     scan->score = MUKCA_TAKE(&scan->pool, gap_score, most);
+    scan->best_seen = MUKCA_TAKE(&scan->pool, double, most);
     scan->wanted = MUKCA_TAKE(&scan->pool, unsigned char, most);
     scan->value = MUKCA_TAKE(&scan->pool, double, most);
     scan->information = MUKCA_TAKE(&scan->pool, double, most);
     scan->memory = MUKCA_TAKE(&scan->pool, double,
                               gap_projector_size(m) + gap_joint_view_size(m) +
                                   (size_t)(m->data->n_sockets + 1) * 6 * GAP_MAX_TERMS);
+    for (int k = 0; scan->best_seen && k < most; k++) scan->best_seen[k] = -HUGE_VAL;
     if (!scan->pool.failed) return MUKCA_OK;
     gap_scan_free(scan);
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",

@@ -12,14 +12,24 @@ typedef struct {
         information; /* largest eigenvalue of its projected Gram matrix in units (bound), 1/rad^2 */
 } gap_score;
 
-enum { GAP_HARMONICS_KEPT = 8 }; /* best orders per joint that are scored in full */
+enum {
+    GAP_HARMONICS_KEPT = 8,  /* best orders of a joint that one scan of all orders adds */
+    GAP_HARMONICS_MOST = 24  /* orders of a joint that are scored as candidates */
+};
+
+/* How much of the list a run scores. */
+typedef enum {
+    GAP_SCAN_ALL,     /* everything, all orders of gear ripple included */
+    GAP_SCAN_LISTED,  /* the list, and the orders that a scan of all has found worth it */
+    GAP_SCAN_CONTENDERS /* what was ever near the front, and the kin of the cause left out */
+} gap_scan_extent;
 
 typedef struct {
     gap_hypotheses *all;
-    gap_hypothesis *harmonic; /* [n_joints * GAP_HARMONICS_KEPT], refilled by each scan */
-    float *harmonic_basis;
+    gap_hypothesis *harmonic; /* [n_joints * GAP_HARMONICS_MOST], in the order they were found */
     int n_harmonic;
-    gap_score *score; /* [all->count + harmonics], unsorted */
+    double *best_seen; /* [scores] best log odds in any run */
+    gap_score *score;  /* [all->count + harmonics], unsorted */
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
     double sigma;
@@ -39,7 +49,7 @@ const gap_hypothesis *gap_scan_hypothesis(const gap_scan *scan, int index);
 
 /* Score all candidates against the fitted, linearised model; `without` >= 0 leaves that cause out
  * first, so that its score is what the data say of it. */
-void gap_scan_run(gap_scan *scan, gap_model *m, int without);
+void gap_scan_run(gap_scan *scan, gap_model *m, int without, gap_scan_extent extent);
 
 /* Largest canonical correlation of two hypotheses, after geometry and the other causes are
  * projected out, in the state of the last run with the same `without`; NaN where it cannot be told.
