@@ -1,6 +1,7 @@
 /* Datasets: folders, sessions and pose logs, in any mixture, and what is wrong with them. */
 #include "io/dataset_load.h"
 
+#include "io/urdf.h"
 #include "mukca/dataset.h"
 #include "scratch.h"
 
@@ -363,6 +364,46 @@ static void subsets_keep_what_belongs_to_their_rows(void **state)
     mukca_dataset_free(&part);
 }
 
+/* The published data as they lie on disk: three files hold poses of rows that were thrown away. The
+ * controller's point is a fixed one beside the ball, so the lever must come out the same in all. */
+static void published_poses_are_paired(void **state)
+{
+    (void)state;
+    static const char *const placements[] = {"panda_2/back_right", "panda_2/high",
+                                             "panda_2/mid_left", "panda_3/frontleft"};
+    const char *real = getenv("MUKCA_REAL_DATA");
+    char path[512];
+    mukca_chain panda;
+    snprintf(path, sizeof path, "%.400s/panda.urdf", real ? real : "../shared/real");
+    if (access(path, R_OK) != 0) {
+        print_message("SKIPPED: %s is not here; set MUKCA_REAL_DATA\n", path);
+        skip();
+    }
+    assert_int_equal(mukca_urdf_load(&panda, path, NULL, NULL, NULL, &error), MUKCA_OK);
+    mukca_geometry geometry;
+    mukca_geometry_set(&geometry, &panda, NULL);
+    for (int k = 0; k < 4; k++) {
+        mukca_dataset published;
+        const char *folders[] = {path};
+        snprintf(path, sizeof path, "%.400s/%s", real ? real : "../shared/real", placements[k]);
+        notes[0] = '\0';
+        assert_int_equal(
+            mukca_dataset_load(&published, &panda, folders, 1, NULL, note, NULL, &error), MUKCA_OK);
+        assert_non_null(strstr(notes, "dropped, the rest paired"));
+        for (int i = 0; i < published.n_rows; i++) {
+            mukca_frame tip;
+            double d[3], lever[3];
+            mukca_fk_pose(&tip, &geometry, published.q + 7 * i, NULL);
+            for (int c = 0; c < 3; c++) d[c] = published.position[3 * i + c] - tip.p[c];
+            mukca_mat3_tvec(lever, tip.R, d);
+            assert_close(lever[0], 0, 3e-4);
+            assert_close(lever[1], 0, 3e-4);
+            assert_close(lever[2], -0.0301, 3e-4);
+        }
+        mukca_dataset_free(&published);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(folders_and_sessions_mix),
@@ -373,6 +414,7 @@ int main(void)
                                        cmocka_unit_test(bad_sessions_get_one_clear_line),
                                        cmocka_unit_test(doubtful_data_are_read_with_a_note),
                                        cmocka_unit_test(poses_are_paired_with_their_rows),
+                                       cmocka_unit_test(published_poses_are_paired),
                                        cmocka_unit_test(subsets_keep_what_belongs_to_their_rows)};
     return cmocka_run_group_tests(tests, setup, teardown);
 }
