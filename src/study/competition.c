@@ -79,10 +79,26 @@ static bool shadowed(const gap_contest *contest, const gap_candidate *c, int wit
     return false;
 }
 
+bool gap_compete_taken(const gap_contest *contest, const gap_candidate *c, int except)
+{
+    const gap_model *m = contest->m;
+    const gap_hypothesis *best = gap_scan_hypothesis(contest->scan, c->best);
+    for (int i = 0; i < m->n_causes; i++) {
+        const gap_hypothesis *h = &m->cause[i].hypothesis;
+        const gap_candidate key = key_of(h);
+        if (i != except && same_key(&key, c) && h->kind == best->kind && h->row == best->row &&
+            h->driver == best->driver && h->effect.variant == best->effect.variant)
+            return true;
+    }
+    return false;
+}
+
 static const gap_candidate *leader(const gap_contest *contest, int without)
 {
-    for (int i = 0; i < contest->n_table; i++)
-        if (!shadowed(contest, &contest->table[i], without)) return &contest->table[i];
+    for (int i = 0; i < contest->n_table; i++) {
+        const gap_candidate *c = &contest->table[i];
+        if (!shadowed(contest, c, without) && !gap_compete_taken(contest, c, without)) return c;
+    }
     return NULL;
 }
 

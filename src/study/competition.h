@@ -29,6 +29,10 @@ typedef struct {
 /* Collapse the last scan into candidates, best first. */
 void gap_compete_rank(gap_contest *contest);
 
+/* Is the candidate's best member in the model already, as another cause than `except`?  It comes up
+ * again where its prior is too narrow for what the rows say. */
+bool gap_compete_taken(const gap_contest *contest, const gap_candidate *candidate, int except);
+
 /* Run the competition on a screened, fitted model; causes end in contest->m.  Errors:
  * MUKCA_INTERRUPTED. */
 mukca_status gap_compete(gap_contest *contest, mukca_error *error);

@@ -28,6 +28,9 @@ const char *const mukca_fault_name[] = {
 /* Ties: within this much log odds, or this much canonical correlation. */
 #define TIE_ODDS 3.0
 
+/* Noise per axis above which no arm is so bad but the rows belong to another one, m. */
+#define MOST_SIGMA 10e-3
+
 static double now_s(void)
 {
     struct timespec t;
@@ -101,7 +104,7 @@ static void measure(mukca_cause *out, gap_model *m, int index)
 static void add_ties(mukca_cause *out, gap_contest *contest, int index)
 {
     gap_model *m = contest->m;
-    const double best = contest->table[0].log_odds;
+    const double best = contest->n_table ? contest->table[0].log_odds : 0;
     for (int i = 0; i < contest->n_table && out->n_ties < MUKCA_MAX_TIES; i++) {
         const gap_candidate *c = &contest->table[i];
         if (c->log_odds < best - TIE_ODDS) break;
@@ -134,6 +137,11 @@ static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, stan
     const gap_hypothesis h = m->cause[index].hypothesis;
     gap_scan_run(contest->scan, m, index, GAP_SCAN_CONTENDERS);
     gap_compete_rank(contest);
+    int others = 0;
+    for (int i = 0; i < contest->n_table; i++)
+        if (!gap_compete_taken(contest, &contest->table[i], index))
+            contest->table[others++] = contest->table[i];
+    contest->n_table = others;
     double total = 0, own = 0;
     const double best = fmax(contest->n_table ? contest->table[0].log_odds : 0, 0);
     const int class = gap_hypothesis_class(&h);
@@ -355,9 +363,8 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     gap_screen(diagnosis, &m);
     gap_held_out_nothing(diagnosis);
     diagnosis->efforts_correlation = m.efforts_correlation;
-    if (m.n * m.dim < 3 * m.n_groups + 12) {
-        diagnosis->verdict = MUKCA_VERDICT_UNTESTABLE;
-        gap_untested_all(diagnosis, "too few rows: record 20 or more for each socket");
+    if (gap_distinct_rows(&m) * m.dim < 3 * m.n_groups + 12) {
+        gap_untested_all(diagnosis, "too few different rows: record 20 or more for each socket");
         goto out;
     }
     gap_model_fit(&m, 6, GAP_FREE);
@@ -375,7 +382,15 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     }
     status = gap_compete(&contest, error);
     if (status != MUKCA_OK) goto out;
-    tell(diagnosis, &contest);
+    if (m.sigma < MOST_SIGMA) {
+        tell(diagnosis, &contest);
+    } else {
+        gap_untested_all(diagnosis,
+                         "the rows do not fit this arm: check the URDF, the tip, the columns and "
+                         "their order; a tracker's log needs --free-base and --free-tool");
+        while (m.n_causes) gap_model_drop(&m, 0);
+        gap_model_fit(&m, 4, GAP_FREE);
+    }
     diagnosis->sigma_m = m.sigma;
     diagnosis->rho = m.rho;
     diagnosis->geometry = m.geometry;

@@ -107,6 +107,7 @@ typedef struct {
 
 typedef struct {
     mukca_verdict verdict;
+    const char *why; /* it is `untestable`, else NULL */
     bool unexplained;
     int n_causes, n_faults, n_tested, n_where;
     mukca_cause causes[MUKCA_MAX_CAUSES];

@@ -390,16 +390,23 @@ mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const ga
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows", rows);
     all->harmonics = !(disabled && disabled[MUKCA_EFFECT_GEAR_HARMONIC]);
     set_priors(all);
+    int sockets = 0;
+    for (int g = 0; g < m->n_groups; g++) sockets += m->groups[g].socket >= 0;
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
         const int needs = mukca_effect_table[kind].needs;
         if (all->enabled[kind] || kind == MUKCA_EFFECT_GEAR_HARMONIC) continue;
         all->missing[kind] =
-            disabled && disabled[kind]         ? "left out on request"
-            : (needs & MUKCA_NEEDS_MASSES)     ? "no masses: give --inertials FILE"
-            : (needs & MUKCA_NEEDS_PLACEMENTS) ? "one placement only: record a second one"
-            : (needs & MUKCA_NEEDS_SOCKETS)    ? "no two sockets with a known distance"
-            : (needs & MUKCA_NEEDS_ORDER)      ? "no moves between rows"
-                                               : "no joint moved enough";
+            disabled && disabled[kind]     ? "left out on request"
+            : (needs & MUKCA_NEEDS_MASSES) ? "no masses: give --inertials FILE"
+            : (needs & MUKCA_NEEDS_PLACEMENTS)
+                ? (sockets ? "one placement only: record a second one"
+                           : "a log of poses has no placements")
+            : !(needs & MUKCA_NEEDS_SOCKETS)
+                ? (needs & MUKCA_NEEDS_ORDER ? "no moves between rows" : "no joint moved enough")
+            : !sockets ? "a log of poses has no sockets"
+            : kind == MUKCA_EFFECT_TOOL_MOTION
+                ? "too few rows in each socket: record 20 or more"
+                : "needs two pairs of sockets a known distance apart: record another placement";
     }
     return MUKCA_OK;
 }

@@ -81,7 +81,24 @@ void gap_untested_add(mukca_diagnosis *d, const gap_model *m, const gap_hypothes
     }
 }
 
+int gap_distinct_rows(const gap_model *m)
+{
+    const int n = m->chain->n_joints;
+    int distinct = 0;
+    for (int g = 0; g < m->n_groups; g++)
+        for (int i = 0; i < m->groups[g].count; i++) {
+            const int *row = m->order + m->groups[g].start + i;
+            double most = i ? 0 : HUGE_VAL;
+            for (int j = 0; i && j < n; j++)
+                most = fmax(most, fabs(m->data->q[row[0] * n + j] - m->data->q[row[-1] * n + j]));
+            distinct += most > 1e-5;
+        }
+    return distinct;
+}
+
 void gap_untested_all(mukca_diagnosis *d, const char *why)
 {
+    d->verdict = MUKCA_VERDICT_UNTESTABLE;
+    d->why = why;
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) add(d, kind, -1, why);
 }

@@ -9,7 +9,10 @@
  * is missing. */
 void gap_untested_add(mukca_diagnosis *diagnosis, const gap_model *m, const gap_hypotheses *all);
 
-/* The same where there are too few rows to test anything. */
+/* Rows in use that do not repeat the row before them in their socket. */
+int gap_distinct_rows(const gap_model *m);
+
+/* The verdict `untestable`, for that reason. */
 void gap_untested_all(mukca_diagnosis *diagnosis, const char *why);
 
 /* Why a candidate that was scored cannot be seen. */
