@@ -132,6 +132,7 @@ json_t *cli_diagnosis_json(const cli_diagnosed *r)
     json_object_set_new(root, "noise",
                         json_pack("{s:o, s:o}", "sigma_m", cli_json_real(d->sigma_m),
                                   "lag_one_correlation", cli_json_real(d->rho)));
+    json_object_set_new(root, "why", cli_json_text(d->why));
     json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
     json_object_set_new(root, "next_poses", json_array());
     json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));

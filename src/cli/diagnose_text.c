@@ -71,6 +71,20 @@ static void put_tie(paragraph *p, const cli_diagnosed *r, const mukca_cause *c)
     put(p, "; these rows cannot tell which.");
 }
 
+/* Without masses flexibility goes by the name of whatever varies slowly with the joints' angles. */
+static bool imitates(const mukca_diagnosis *d, const mukca_cause *c)
+{
+    bool untested = false;
+    for (int i = 0; i < d->n_tested; i++)
+        untested |= d->tested[i].effect == MUKCA_EFFECT_JOINT_COMPLIANCE &&
+                    d->tested[i].joint < 0 && !d->tested[i].testable;
+    const mukca_effect_kind kind = c->effect.kind;
+    return untested &&
+           (kind == MUKCA_EFFECT_JOINT_SCALE || kind == MUKCA_EFFECT_JOINT_COUPLING ||
+            kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY || kind == MUKCA_EFFECT_AXIS_WOBBLE ||
+            (kind == MUKCA_EFFECT_GEAR_HARMONIC && c->effect.variant <= 4));
+}
+
 static void print_verdict(FILE *stream, const cli_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -81,7 +95,7 @@ static void print_verdict(FILE *stream, const cli_diagnosed *r)
     for (int i = d->n_causes - 1; i >= 0; i--)
         if (on_arm(&d->causes[i])) first = &d->causes[i], causes++;
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE) {
-        put(&p, "These rows are too few to test any cause: record 20 or more for each socket.");
+        put(&p, "Nothing can be tested: %s.", d->why);
     } else if (d->verdict == MUKCA_VERDICT_UNKNOWN) {
         put(&p, "Something that no effect of the catalogue explains acts on %s",
             d->n_where ? cli_joint_name(r->chain, d->where[0].joint) : "the arm");
@@ -107,6 +121,9 @@ static void print_verdict(FILE *stream, const cli_diagnosed *r)
         if (d->verdict == MUKCA_VERDICT_TIED && !first->n_ties)
             put(&p, " Not all of them can be told from others.");
         if (d->unexplained) put(&p, " Structure remains that no effect explains.");
+        if (imitates(d, first))
+            put(&p,
+                " But flexibility could not be tested for want of masses, and may look like this.");
     }
     fputs(cli_bold(stream), stream);
     print(stream, 0, &p);
@@ -301,20 +318,26 @@ static void print_recording(FILE *stream, const cli_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     paragraph p = {.used = 0};
-    const bool wrong_sign = d->efforts_correlation < -0.5;
-    if (!d->n_faults && !wrong_sign) return;
+    const bool efforts_unlike = d->efforts_correlation < 0.5;
+    if (!d->n_faults && !efforts_unlike) return;
     heading(stream, "Recording");
     for (int i = 0; i < d->n_faults && i < MOST_LINES; i++) print_fault(stream, r, &d->faults[i]);
     if (d->n_faults > MOST_LINES) {
         put(&p, "and %d more; --json lists them all", d->n_faults - MOST_LINES);
         print(stream, 2, &p);
     }
-    if (wrong_sign) {
-        put(&p,
-            "The measured efforts oppose the torques that hold the arm (correlation %.2f): their "
-            "sign is turned, and they were not used. Write them as the torque that the joint "
-            "exerts on the arm.",
-            d->efforts_correlation);
+    if (efforts_unlike) {
+        if (d->efforts_correlation < -0.5)
+            put(&p,
+                "The measured efforts oppose the torques that hold the arm (correlation %.2f): "
+                "their sign is turned, and they were not used. Write them as the torque that the "
+                "joint exerts on the arm.",
+                d->efforts_correlation);
+        else
+            put(&p,
+                "The measured efforts are unlike the torques that hold the arm (correlation "
+                "%.2f), and were not used: check their unit (N m), their joints and the masses.",
+                d->efforts_correlation);
         print(stream, 2, &p);
     }
 }
