@@ -65,10 +65,11 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
 
 static json_t *fault_object(const mukca_data_fault *f, const mukca_dataset *data)
 {
-    return json_pack("{s:s, s:o, s:o, s:i, s:s, s:o}", "kind", mukca_fault_name[f->kind],
+    return json_pack("{s:s, s:o, s:o, s:i, s:o, s:o}", "kind", mukca_fault_name[f->kind],
                      "placement", placement_name(data, f->placement), "socket",
-                     socket_label(data, f->socket), "row", f->row, "file", data->files[f->file],
-                     "size_m", cli_json_real(f->size_m));
+                     socket_label(data, f->socket), "row", f->row, "file",
+                     cli_json_text(data->files ? data->files[f->file] : NULL), "size_m",
+                     cli_json_real(f->size_m));
 }
 
 static json_t *placements_array(const double *mae, int n, const mukca_dataset *data)

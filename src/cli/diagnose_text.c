@@ -285,8 +285,9 @@ static void print_fault(FILE *stream, const cli_diagnosed *r, const mukca_data_f
     paragraph p = {.used = 0};
     char size[24];
     bool creep = false;
-    const char *file = strrchr(data->files[f->file], '/');
-    file = file ? file + 1 : data->files[f->file];
+    const char *path = data->files ? data->files[f->file] : "the recording";
+    const char *file = strrchr(path, '/');
+    file = file ? file + 1 : path;
     for (int i = 0; i < d->n_causes; i++)
         creep |=
             d->causes[i].creep && d->causes[i].socket == f->socket && d->causes[i].row == f->row;

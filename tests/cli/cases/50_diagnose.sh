@@ -1,0 +1,104 @@
+# The diagnosis: its answers, its table, and what it says to bad input.
+golden help_diagnose help diagnose
+cp "$root/data/demo/arm.urdf" arm.urdf
+simulate() { "$MUKCA" simulate --urdf arm.urdf --noise 1e-4 --perturb 1,2 --rows 20 "$@"; }
+simulate --seed 5 --placements 3 --effect joint_compliance:joint_2=4e-5 -o good.tsv --held-out 1 --test test.tsv
+d="diagnose --urdf arm.urdf"
+
+accept "The cause is joint_compliance at joint_2" $d good.tsv --expect joint_compliance
+expect "standard output stays empty" test ! -s "$scratch/out"
+accept "Fewer than four placements" $d good.tsv
+run $d good.tsv -q --json result.json -o offsets.tsv --test test.tsv
+expect "it says nothing with -q" test "$code $(cat "$scratch/err")" = "0 "
+expect "the JSON names the cause" grep -q '"effect": "joint_compliance"' result.json
+expect "and what it does to other rows" grep -q '"test_placements\|"test": {' result.json
+run $d good.tsv -q --json -
+expect "JSON to standard output" sh -c "head -n 1 '$scratch/out' | grep -qx '{'"
+run $d good.tsv --expect gear_harmonic
+expect "exit 1 where another cause is expected" test $code -eq 1
+
+# the table is what was diagnosed: evaluate sees the test data improve, fk moves the tip
+"$MUKCA" calibrate --urdf arm.urdf good.tsv -q -o geometry.tsv
+run evaluate --urdf arm.urdf --offsets geometry.tsv test.tsv --max-mae 2.2e-4
+expect "geometry alone leaves a gap on other rows" test $code -eq 1
+run evaluate --urdf arm.urdf --offsets offsets.tsv test.tsv --max-mae 2.2e-4
+expect "the table of the diagnosis closes it" test $code -eq 0
+"$MUKCA" fk --urdf arm.urdf --offsets offsets.tsv good.tsv >with.tsv
+"$MUKCA" fk --urdf arm.urdf --offsets geometry.tsv good.tsv >without.tsv
+spread() { # mean distance of a table's rows from their socket's mean (20 rows each), mm
+    awk 'NR > 1 { i = NR - 2; k = int(i / 20); for (c = 1; c < 4; c++) { x[i, c] = $c; m[k, c] += $c / 20 } }
+        END {
+            for (j = 0; j <= i; j++) {
+                d = 0
+                for (c = 1; c < 4; c++) d += (x[j, c] - m[int(j / 20), c]) ^ 2
+                s += sqrt(d)
+            }
+            printf "%.4f\n", 1e3 * s / (i + 1)
+        }' "$1"
+}
+expect "fk holds the balls together: $(spread with.tsv) and not $(spread without.tsv) mm" \
+    awk "BEGIN { exit !($(spread with.tsv) < 0.17 && $(spread without.tsv) > 0.2) }"
+sed 's/<mass value="[^"]*"/<mass value="0"/' arm.urdf >bare.urdf
+refuse 3 "joint_compliance needs the masses of the links: give --inertials FILE" \
+    fk --urdf bare.urdf --force --offsets offsets.tsv good.tsv
+
+# faults are told with their rows
+simulate --seed 6 --placements 3 --effect tool_motion:p2/1@12=2e-3,outlier:p1/0@4=1e-2,wrong_socket:p3/0@7 -o faults.tsv
+run $d faults.tsv --json faults.json
+for part in "wrong_socket" "outlier" "tool_motion" '"row": 87,' '"row": 4,'; do
+    expect "a fault: $part" grep -q -- "$part" faults.json
+done
+expect "the tool's motion is told with its row" grep -q "p2, socket 1, row 7[0-4] of faults.tsv: the tool moved by" "$scratch/err"
+
+# usage
+refuse 2 "needs DATA" $d
+refuse 2 "urdf FILE is needed" diagnose good.tsv
+refuse 2 "no effect is called 'rust'; .mukca help effects. lists them" $d good.tsv --without backlash,rust
+refuse 2 "expect rust: no such effect" $d good.tsv --expect rust
+refuse 2 "json and -o cannot both go to" $d good.tsv --json - -o -
+refuse 3 "result.json" $d good.tsv --json result.json
+
+# rows that cannot be read
+cut -f 1-9 good.tsv >narrow.tsv
+refuse 3 "narrow.tsv.*joint_7" $d narrow.tsv
+awk -F'\t' -v OFS='\t' '/^p[1-9]/ && !done { NF--; done = 1 } { print }' good.tsv >short.tsv
+refuse 3 "short.tsv:[0-9]*: 9 columns, but 10 in the header" $d short.tsv
+awk -F'\t' -v OFS='\t' '/^p[1-9]/ && !done { $5 = "nan"; done = 1 } { print }' good.tsv >nan.tsv
+refuse 3 "nan.tsv:[0-9]*: column 'joint_2'" $d nan.tsv
+grep -v '^p[1-9]' good.tsv >empty.tsv
+refuse 3 "empty.tsv: holds a header but no rows" $d empty.tsv
+awk -F'\t' '!/^p[1-9]/ || $2 == "0"' good.tsv >half.tsv
+refuse 3 "only one socket; at least two" $d half.tsv
+mkdir folder
+printf '0.1,0.2,0.3,-1,0.5,0.6,0.7\n' >folder/hole_0.csv
+printf '0.1,0.2,0.3\n' >folder/hole_1.csv
+refuse 3 "hole_1.csv:1: 3 columns" $d folder
+
+# rows that can be read but tell nothing: words, not numbers
+awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 0.1 * i } { print }' good.tsv >same.tsv
+accept "Nothing can be tested: too few different rows" $d same.tsv
+refuse 5 "no offsets to write" $d same.tsv -q -o never.tsv
+run $d same.tsv --expect backlash -q
+expect "exit 1 where nothing was found and a cause expected" test $code -eq 1
+awk -F'\t' -v OFS='\t' 'BEGIN { srand(1) } /^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 3 * rand() - 1.5 } { print }' good.tsv >noise.tsv
+accept "the rows do not fit this arm" $d noise.tsv
+accept "no masses: give" diagnose --urdf bare.urdf good.tsv
+awk -F'\t' '!/^p[1-9]/ || $1 == "p1"' good.tsv >one.tsv
+accept "one placement only" $d one.tsv
+simulate --seed 7 --placements 4 --effort --effect joint_compliance:joint_2=4e-5 -o effort.tsv
+awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 11; i <= 17; i++) $i = -$i } { print }' effort.tsv >turned.tsv
+run $d effort.tsv
+expect "good efforts need no word" sh -c "! grep -qi 'measured efforts' '$scratch/err'"
+accept "measured efforts oppose the torques" $d turned.tsv
+
+# interrupted in the middle: exit 130, one line, no file
+simulate --poses 3000 --effect joint_scale:joint_2=1e-3 -o log.tsv
+"$MUKCA" $d log.tsv -q -o never.tsv 2>err &
+process=$!
+until grep -qx mukca /proc/$process/comm; do sleep 0.02; done
+sleep 0.2
+kill -s INT $process
+wait $process
+code=$?
+expect "interrupted: exit 130, one line, no file" test "$code $(cat err) $(find . -name '*never*')" = \
+    "130 mukca diagnose: interrupted "

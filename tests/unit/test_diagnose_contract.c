@@ -1,0 +1,352 @@
+/* What a diagnosis hands over: the contract's JSON, the screen for people, the offsets table. */
+#include "cli/diagnose.h"
+#include "cli/diagnose_words.h"
+#include "scene.h"
+#include "scratch.h"
+
+static mukca_diagnosis *diagnosis;
+
+static int setup(void **state)
+{
+    diagnosis = calloc(1, sizeof *diagnosis);
+    return diagnosis ? scratch_setup(state) : 1;
+}
+
+static int teardown(void **state)
+{
+    mukca_diagnosis_free(diagnosis);
+    free(diagnosis);
+    return scratch_teardown(state);
+}
+
+static void diagnose(const scene *s, const mukca_dataset *data, const mukca_dataset *test)
+{
+    mukca_error error = {0};
+    const mukca_diagnose_options options = {.applied = true, .test = test};
+    mukca_diagnosis_free(diagnosis);
+    if (mukca_diagnose(diagnosis, &s->chain, data, &options, &error)) fail_msg("%s", error.text);
+}
+
+static void assert_keys(json_t *object, const char *keys)
+{
+    char list[512];
+    assert_true(json_is_object(object));
+    snprintf(list, sizeof list, "%s", keys);
+    for (char *key = strtok(list, " "); key; key = strtok(NULL, " "))
+        if (!json_object_get(object, key)) fail_msg("no key '%s'", key);
+}
+
+static double real(json_t *object, const char *key)
+{
+    json_t *value = json_object_get(object, key);
+    assert_true(json_is_number(value));
+    return json_number_value(value);
+}
+
+static const char *text(json_t *object, const char *key)
+{
+    const char *value = json_string_value(json_object_get(object, key));
+    assert_non_null(value);
+    return value;
+}
+
+/* Every key, type and range that scripts rely on. */
+static void check_json(json_t *root, const mukca_chain *chain)
+{
+    size_t i;
+    json_t *item, *tie;
+    assert_keys(root,
+                "schema verdict unexplained causes data_faults gap test where tested next_poses "
+                "elapsed_s");
+    assert_string_equal(text(root, "schema"), "mukca.diagnose/1");
+    assert_true(strstr("none named tied unknown untestable", text(root, "verdict")));
+    assert_true(json_is_boolean(json_object_get(root, "unexplained")));
+    json_array_foreach(json_object_get(root, "causes"), i, item)
+    {
+        assert_keys(item,
+                    "effect joint placement socket row order amplitude unit ci95 log_bayes_factor "
+                    "probability ties held_out");
+        const int kind = mukca_effect_find(text(item, "effect"));
+        assert_true(kind >= 0);
+        assert_string_equal(text(item, "unit"), mukca_effect_table[kind].unit);
+        json_t *joint = json_object_get(item, "joint");
+        assert_true(json_is_null(joint) ||
+                    mukca_chain_find_joint(chain, json_string_value(joint)) >= 0);
+        const double p = real(item, "probability");
+        assert_true(p >= 0 && p <= 1);
+        json_t *ci = json_object_get(item, "ci95");
+        assert_int_equal(json_array_size(ci), 2);
+        assert_true(json_number_value(json_array_get(ci, 0)) <= real(item, "amplitude"));
+        assert_true(json_number_value(json_array_get(ci, 1)) >= real(item, "amplitude"));
+        json_t *held_out = json_object_get(item, "held_out");
+        if (!json_is_null(held_out))
+            assert_keys(held_out, "before_m after_m shrink_percent ci95 folds_better folds");
+        for (size_t k = 0; k < json_array_size(json_object_get(item, "ties")); k++) {
+            tie = json_array_get(json_object_get(item, "ties"), k);
+            assert_keys(tie, "effect joint log_bayes_factor correlation");
+        }
+    }
+    json_array_foreach(json_object_get(root, "data_faults"), i, item)
+    {
+        assert_keys(item, "kind placement socket row size_m");
+        assert_true(strstr("tool_motion wrong_socket outlier duplicate", text(item, "kind")));
+        assert_true(real(item, "row") >= 1);
+    }
+    assert_keys(json_object_get(root, "gap"),
+                "nominal_m geometry_m faults_excused_m explained_m noise_floor_m folds");
+    json_t *where = json_object_get(root, "where");
+    assert_keys(where, "joints placements axes");
+    assert_int_equal(json_array_size(json_object_get(where, "axes")), 3);
+    json_array_foreach(json_object_get(where, "joints"), i, item)
+        assert_keys(item, "joint share range_rad");
+    json_array_foreach(json_object_get(where, "placements"), i, item)
+        assert_keys(item, "placement mae_m");
+    json_array_foreach(json_object_get(root, "tested"), i, item)
+    {
+        assert_keys(item, "effect joint log_bayes_factor testable why");
+        if (!json_boolean_value(json_object_get(item, "testable"))) text(item, "why");
+    }
+}
+
+/* The screen as text; no line wider than 79 columns, no number that is none. */
+static char *screen(const cli_diagnosed *result)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/screen", scratch_folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    cli_diagnosis_print(file, result);
+    fclose(file);
+    char *all = scratch_read(path);
+    for (const char *line = all; *line;) {
+        const size_t length = strcspn(line, "\n");
+        if (length > 79) fail_msg("too wide: %.*s", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+    assert_null(strstr(all, "nan"));
+    assert_null(strstr(all, "inf "));
+    return all;
+}
+
+static void assert_part(const char *all, const char *part)
+{
+    if (!strstr(all, part)) fail_msg("'%s' lacks '%s'", all, part);
+}
+
+static void everything_is_handed_over(void **state)
+{
+    (void)state;
+    scene s;
+    mukca_dataset data, test;
+    set_scene(&s,
+              "joint_compliance:joint_2=3e-5,gear_harmonic:joint_4@160=1e-3,"
+              "tool_motion:left/1@14=1.2e-3,outlier:high/0@7=8e-3,wrong_socket:right/0@5",
+              11);
+    s.how.noise = 1e-4;
+    s.how.effort = true;
+    record(&data, &s);
+    s.how.seed = 12;
+    mukca_error error = {0};
+    assert_int_equal(mukca_simulate_sockets(&test, &s.arm, s.places, 2, NULL, 0, &s.how, &error),
+                     MUKCA_OK);
+    diagnose(&s, &data, &test);
+    const cli_diagnosed result = {diagnosis, &s.chain, &data, &test};
+    json_t *root = cli_diagnosis_json(&result);
+    check_json(root, &s.chain);
+    json_t *gap = json_object_get(root, "gap");
+    assert_true(real(gap, "nominal_m") > real(gap, "geometry_m"));
+    assert_true(real(gap, "geometry_m") > real(gap, "faults_excused_m"));
+    assert_true(real(gap, "faults_excused_m") > real(gap, "explained_m"));
+    assert_close(real(gap, "noise_floor_m"), 1.596e-4, 0.1e-4);
+    assert_true(real(json_object_get(root, "test"), "explained_m") <
+                0.8 * real(json_object_get(root, "test"), "geometry_m"));
+    /* simulated rows lie one after the other: 30 for each socket */
+    int seen = 0;
+    size_t i;
+    json_t *fault;
+    json_array_foreach(json_object_get(root, "data_faults"), i, fault)
+    {
+        const char *kind = text(fault, "kind");
+        const int row = (int)real(fault, "row");
+        if (!strcmp(kind, "tool_motion")) {
+            assert_true(abs(row - (3 * 30 + 14)) <= 3);
+            assert_string_equal(text(fault, "placement"), "left");
+            seen |= 1;
+        } else if (!strcmp(kind, "outlier") && row == 6 * 30 + 7) {
+            assert_close(real(fault, "size_m"), 8e-3, 1e-3);
+            seen |= 2;
+        } else if (!strcmp(kind, "wrong_socket")) {
+            assert_int_equal(row, 4 * 30 + 5);
+            assert_close(real(fault, "size_m"), 0.05, 10e-3); /* at the nominal geometry */
+            seen |= 4;
+        }
+    }
+    assert_int_equal(seen, 7);
+    json_decref(root);
+
+    char *all = screen(&result);
+    assert_part(all, "joint_compliance at joint_2");
+    assert_part(all, "gear_harmonic at joint_4, 160 per turn");
+    assert_part(all, "kN*m/rad");
+    assert_part(all, "arcmin");
+    assert_part(all, "left, socket 1, row 10");
+    assert_part(all, "record this socket again");
+    assert_part(all, "right, socket 0, row 125");
+    assert_part(all, "correct its label");
+    assert_part(all, "On the test data:");
+    assert_part(all, "noise floor");
+    free(all);
+    mukca_dataset_free(&data);
+    mukca_dataset_free(&test);
+}
+
+static void noise_is_called_noise(void **state)
+{
+    (void)state;
+    scene s;
+    mukca_dataset data;
+    set_scene(&s, NULL, 11);
+    s.how.noise = 1e-4;
+    record(&data, &s);
+    diagnose(&s, &data, NULL);
+    const cli_diagnosed result = {diagnosis, &s.chain, &data, NULL};
+    json_t *root = cli_diagnosis_json(&result);
+    check_json(root, &s.chain);
+    assert_string_equal(text(root, "verdict"), "none");
+    assert_true(json_is_null(json_object_get(root, "test")));
+    json_decref(root);
+    char *all = screen(&result);
+    assert_part(all, "What geometry leaves is noise");
+    assert_part(all, "Seen would be a cause");
+    free(all);
+    mukca_dataset_free(&data);
+}
+
+/* Rows of nothing: the same keys, the reason in words. */
+static void nothing_to_test(void **state)
+{
+    (void)state;
+    scene s;
+    mukca_dataset data;
+    set_scene(&s, NULL, 11);
+    s.how.rows = 2;
+    record(&data, &s);
+    memset(data.q, 0, (size_t)(data.n_rows * data.n_joints) * sizeof *data.q);
+    diagnose(&s, &data, NULL);
+    const cli_diagnosed result = {diagnosis, &s.chain, &data, NULL};
+    json_t *root = cli_diagnosis_json(&result);
+    check_json(root, &s.chain);
+    assert_string_equal(text(root, "verdict"), "untestable");
+    assert_int_equal(json_array_size(json_object_get(root, "tested")), MUKCA_EFFECT_COUNT);
+    json_decref(root);
+    char *all = screen(&result);
+    assert_part(all, "Nothing can be tested: too few different rows");
+    free(all);
+    mukca_offsets *offsets = calloc(1, sizeof *offsets);
+    mukca_error error = {0};
+    mukca_chain chain;
+    int left_out;
+    assert_error(cli_diagnosis_offsets(offsets, &chain, &left_out, &result, false, &error),
+                 MUKCA_UNIDENTIFIABLE, error, "too few");
+    free(offsets);
+    mukca_dataset_free(&data);
+}
+
+/* The table, written and read back, puts the ball of each socket into one place, to the noise. */
+static void check_table(const char *effects, bool effort, double mass_error)
+{
+    scene s;
+    mukca_dataset data;
+    mukca_error error = {0};
+    set_scene(&s, effects, 6);
+    s.how.noise = 1e-4;
+    s.how.effort = effort;
+    if (mass_error > 0) {
+        double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+        const mukca_true_arm arm = s.arm;
+        mukca_chain_theta(theta, &s.chain);
+        mukca_simulate_perturb(theta, NULL, &s.chain, 1e-3, 2e-3, 6);
+        mukca_simulate_arm(&s.arm, &s.chain, theta, mass_error, 6);
+        memcpy(s.arm.effects, arm.effects, sizeof arm.effects);
+        s.arm.n_effects = arm.n_effects;
+    }
+    record(&data, &s);
+    diagnose(&s, &data, NULL);
+    const cli_diagnosed result = {diagnosis, &s.chain, &data, NULL};
+    mukca_offsets *written = calloc(1, sizeof *written), *back = calloc(1, sizeof *back);
+    mukca_chain chain;
+    int left_out;
+    if (cli_diagnosis_offsets(written, &chain, &left_out, &result, false, &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(left_out, 0);
+    assert_true(written->n_effects >= (effects != NULL));
+    for (int e = 0; e < written->n_effects; e++)
+        for (int t = 0; t < written->effects[e].terms; t++) {
+            const double sigma = written->effect_sigma[e][t];
+            assert_true(sigma > 0 && isfinite(sigma));
+        }
+    char path[128];
+    snprintf(path, sizeof path, "%s/offsets.tsv", scratch_folder);
+    FILE *file = fopen(path, "w");
+    assert_int_equal(mukca_offsets_write(file, written, &chain, &data, NULL, &error), MUKCA_OK);
+    fclose(file);
+    if (mukca_offsets_read(back, &s.chain, path, false, NULL, NULL, &error))
+        fail_msg("%s", error.text);
+
+    mukca_geometry geometry;
+    mukca_effect placed[MUKCA_MAX_EFFECTS];
+    mukca_geometry_set(&geometry, &s.chain, back->theta);
+    mukca_offsets_place_effects(placed, back, &data);
+    double sum = 0;
+    const int rows = s.how.rows;
+    for (int socket = 0; socket < data.n_sockets; socket++) {
+        double ball[30][3], mean[3] = {0};
+        for (int i = 0; i < rows; i++) {
+            mukca_joint_state joints;
+            mukca_displacement displacement;
+            double move[MUKCA_MAX_JOINTS];
+            mukca_dataset_state(&joints, move, &data, socket * rows + i);
+            mukca_effects_displacement(&displacement, placed, back->n_effects, &s.chain, &geometry,
+                                       joints.q, &joints);
+            mukca_fk_position(ball[i], &geometry, joints.q, &displacement);
+            for (int a = 0; a < 3; a++) mean[a] += ball[i][a] / rows;
+        }
+        for (int i = 0; i < rows; i++) {
+            const double d[3] = {ball[i][0] - mean[0], ball[i][1] - mean[1], ball[i][2] - mean[2]};
+            sum += sqrt(mukca_dot3(d, d));
+        }
+    }
+    const double mae = sum / data.n_rows;
+    print_message("%s: %.4f mm through the table, floor %.4f mm, geometry alone %.4f mm\n",
+                  effects ? effects : "nothing", 1e3 * mae, 1e3 * diagnosis->noise_floor_m,
+                  1e3 * diagnosis->geometry_m);
+    assert_true(mae < 1.05 * 1.596e-4);
+    if (effects) assert_true(mae < 0.9 * diagnosis->geometry_m);
+    free(written);
+    free(back);
+    mukca_dataset_free(&data);
+}
+
+static void the_table_says_what_was_diagnosed(void **state)
+{
+    (void)state;
+    check_table(NULL, false, 0);
+    check_table("joint_compliance:joint_2=3e-5", false, 0);
+    check_table("joint_compliance:joint_2=4e-5", true, 0.2); /* the masses' errors are measured */
+    check_table("link_bending:joint_3=4e-5,gear_harmonic:joint_4@160=1e-3", false, 0.1);
+    check_table("backlash:joint_4=2e-3", false, 0);
+    check_table("approach_hysteresis:joint_2=2e-3", false, 0);
+    check_table("joint_drift:joint_2@300=2e-3", false, 0);
+    check_table("zero_jump:joint_3/left=1.5e-3", false, 0);
+    check_table("ball_shift:right=1e-3", false, 0);
+    check_table("readback_lag=2e-3", false, 0);
+    check_table("axis_wobble:joint_2@12=1.5e-3", false, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(everything_is_handed_over), cmocka_unit_test(noise_is_called_noise),
+        cmocka_unit_test(nothing_to_test), cmocka_unit_test(the_table_says_what_was_diagnosed)};
+    return cmocka_run_group_tests_name("diagnose contract", tests, setup, teardown);
+}
