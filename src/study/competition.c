@@ -26,7 +26,8 @@ static gap_candidate key_of(const gap_hypothesis *h)
         c.place = 8 * h->row + (h->last - h->row) % 8;
     else if (h->kind == GAP_STEP || h->kind == GAP_CREEP)
         c.place = h->group;
-    else if (c.class == MUKCA_EFFECT_ZERO_JUMP || c.class == MUKCA_EFFECT_BALL_SHIFT)
+    else if (c.class == MUKCA_EFFECT_ZERO_JUMP || c.class == MUKCA_EFFECT_BALL_SHIFT ||
+             c.class == MUKCA_EFFECT_SOCKET_DISTANCE)
         c.place = h->effect.placement;
     return c;
 }

@@ -279,6 +279,17 @@ static void tell_tested(mukca_diagnosis *d, const gap_contest *contest)
     gap_untested_add(d, contest->m, contest->all);
 }
 
+/* Beside a larger thing that nobody can name, smaller names are not to be trusted: only what happened
+ * to the tool stays. */
+static int drop_doubtful(mukca_diagnosis *d, int used)
+{
+    int kept = 0;
+    for (int i = 0; i < used; i++)
+        if (d->causes[i].effect.kind == MUKCA_EFFECT_TOOL_MOTION) d->causes[kept++] = d->causes[i];
+    d->n_causes = kept;
+    return kept;
+}
+
 static void tell(mukca_diagnosis *d, gap_contest *contest)
 {
     gap_model *m = contest->m;
@@ -324,9 +335,10 @@ static void tell(mukca_diagnosis *d, gap_contest *contest)
             const gap_hypothesis *h = &m->cause[order[i]].hypothesis;
             gap_fault_add(d, m, MUKCA_FAULT_TOOL_MOTION, h->row, d->causes[i].amplitude);
         }
+    const bool any_unknown = unknown > -HUGE_VAL;
+    if (any_unknown && unknown >= known) used = drop_doubtful(d, used);
     bool ties = false;
     for (int i = 0; i < used; i++) ties |= d->causes[i].n_ties > 0;
-    const bool any_unknown = unknown > -HUGE_VAL;
     d->verdict = !(leading > -HUGE_VAL)            ? MUKCA_VERDICT_NONE
                  : any_unknown && unknown >= known ? MUKCA_VERDICT_UNKNOWN
                  : ties                            ? MUKCA_VERDICT_TIED

@@ -24,6 +24,12 @@ static double fault_share(const gap_model *m, const gap_hypothesis *h, int row)
     }
 }
 
+bool gap_distance_acts(const gap_model *m, const gap_hypothesis *h, int pair)
+{
+    return h->effect.placement < 0 ||
+           m->groups[m->pairs[pair].a].placement == h->effect.placement;
+}
+
 void gap_hypothesis_columns(double *E, int ld, const gap_model *m, const gap_hypothesis *h)
 {
     const int d = m->dim, n_joints = m->chain->n_joints, j = h->effect.joint;
@@ -255,7 +261,8 @@ void gap_model_linearise(gap_model *m)
         const gap_hypothesis *h = &m->cause[c].hypothesis;
         gap_hypothesis_columns(m->columns + at, ld, m, h);
         if (h->kind == GAP_DISTANCE)
-            for (int p = 0; p < m->n_pairs; p++) m->direct[p * ld + at] = -1;
+            for (int p = 0; p < m->n_pairs; p++)
+                m->direct[p * ld + at] = gap_distance_acts(m, h, p) ? -1 : 0;
         at += h->terms;
     }
 

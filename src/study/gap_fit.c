@@ -12,7 +12,7 @@ const double gap_rho[GAP_RHOS] = {0.0, 0.25, 0.5};
 #define ZERO_SIGMA 20e-3
 /* Of a factor common to all lengths: without it a wrong distance of the sockets would be told from
  * the arm's size by the priors of single lengths, which know little of their sum. */
-#define SCALE_SIGMA 5e-3
+#define SCALE_SIGMA 2e-3
 /* Of the ball's place on the tool, m, which nobody measures. */
 #define TIP_SIGMA 20e-3
 
@@ -276,7 +276,9 @@ void gap_model_fit(gap_model *m, int iterations, gap_freedom freedom)
         gap_model_linearise(m);
         const gap_pack *pack = &m->pack[0];
         gap_model_prior(prior, m, -1);
-        if (it == 0 ? freedom != GAP_FIXED : it == 2 && freedom == GAP_FREE) {
+        /* Orientation rows get their weight on the way, so the noise must follow. */
+        const bool again = it == 2 || (m->dim == 6 && !m->n_causes);
+        if (it == 0 ? freedom != GAP_FIXED : again && freedom == GAP_FREE) {
             double best = -HUGE_VAL;
             for (int i = 0; i < GAP_RHOS; i++) {
                 double value;
@@ -299,7 +301,7 @@ void gap_model_fit(gap_model *m, int iterations, gap_freedom freedom)
         }
         m->log_evidence = gap_model_evidence(m, pack, prior, m->sigma, mean);
         if (!isfinite(m->log_evidence)) break;
-        if (m->dim == 6) weigh_rotations(m, mean);
+        if (m->dim == 6 && !m->n_causes && it + 1 < iterations) weigh_rotations(m, mean);
         double step = 0;
         for (int k = 0; k < m->n_geometry; k++) {
             step = fmax(step, fabs(mean[k] - m->theta[k]));

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "fit/fit.h"
+
 mukca_joint_state gap_model_state(const gap_model *m, int row)
 {
     const size_t r = (size_t)row, n = (size_t)m->chain->n_joints;
@@ -244,6 +246,12 @@ mukca_status gap_model_create(gap_model *m, const mukca_chain *chain, const mukc
     m->rotation_weight = 0.3;
     m->tracker = (mukca_frame){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     if (!poses) m->options.free_base = false;
+    if (m->options.free_base) { /* the tracker's frame: first guess from the nominal positions */
+        double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+        mukca_fit_start(theta, chain, data, true);
+        memcpy(m->tracker.p, theta, sizeof m->tracker.p);
+        mukca_rotation_from_rpy(m->tracker.R, theta + 3);
+    }
 
     /* A first joint's origin moves all sockets alike: only measured poses can see it. */
     for (int j = poses && !m->options.free_base ? 0 : 1; j < n_joints; j++)

@@ -194,6 +194,9 @@ void gap_model_predict(double position[3], const gap_model *m, int row);
 /* Columns of a hypothesis at the linearisation: E[n][dim][ld], `terms` columns from E on. */
 void gap_hypothesis_columns(double *E, int ld, const gap_model *m, const gap_hypothesis *h);
 
+/* Does a GAP_DISTANCE cause change the distance of that pair of sockets? */
+bool gap_distance_acts(const gap_model *m, const gap_hypothesis *h, int pair);
+
 /* Add a cause (refit afterwards); drop one.  Adding fails when the table is full. */
 bool gap_model_add(gap_model *m, const gap_hypothesis *h);
 void gap_model_drop(gap_model *m, int index);

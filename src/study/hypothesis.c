@@ -103,6 +103,10 @@ bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model
     }
     h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width));
     if (!h->basis) return false;
+    if (h->kind == GAP_BUMPS && h->driver == GAP_TIME && h->terms == 1) {
+        for (int row = 0; row < rows; row++) h->basis[row] = row >= h->row;
+        return true;
+    }
     if (h->kind == GAP_BUMPS) {
         fill_bumps(h->basis, h, m);
         return true;
@@ -159,7 +163,8 @@ bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model
 
 enum {
     LONGEST_BURST = 3, /* rows that a badly seated ball may stay so */
-    TIME_BUMPS = 10    /* over the whole recording */
+    TIME_BUMPS = 10,   /* over the whole recording */
+    MOST_SLIPS = 200   /* rows at which a joint is tried for a slip */
 };
 
 typedef struct {
@@ -260,6 +265,13 @@ static void list_joint(lister *l, int j, const double (*span)[2], bool moved)
     for (int i = 0; i < n_joints; i++)
         if (i != j && span[i][1] - span[i][0] > 0.1) append_bumps(l, j, i, 0, span);
     append_bumps(l, j, GAP_TIME, 0, span);
+    const int stride = rows / MOST_SLIPS + 1; /* the joint slips once, at a row */
+    for (int i = LONGEST_BURST; i < rows - LONGEST_BURST; i += stride)
+        append(l, (gap_hypothesis){.kind = GAP_BUMPS,
+                                   .effect = {.joint = j, .placement = -1},
+                                   .driver = GAP_TIME,
+                                   .row = i,
+                                   .terms = 1});
     for (int k = 0; k < m->n_slots; k++)
         for (int i = 1; i < 4 && m->slot_element[k] == m->chain->joint_element[j]; i++)
             append(l, (gap_hypothesis){
@@ -380,11 +392,11 @@ mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const ga
     if (commanded) append_effect(&l, MUKCA_EFFECT_READBACK_LAG, -1, 1, -1);
     for (int p = 0; m->data->n_placements > 1 && p < m->data->n_placements; p++)
         append_effect(&l, MUKCA_EFFECT_BALL_SHIFT, -1, 0, p);
-    if (m->n_pairs > 1)
-        append(&l,
-               (gap_hypothesis){
-                   .kind = GAP_DISTANCE,
-                   .effect = {.kind = MUKCA_EFFECT_SOCKET_DISTANCE, .joint = -1, .placement = -1}});
+    for (int p = -1; m->n_pairs > 1 && p < m->data->n_placements; p++) /* in all, or in one */
+        append(&l, (gap_hypothesis){.kind = GAP_DISTANCE,
+                                    .effect = {.kind = MUKCA_EFFECT_SOCKET_DISTANCE,
+                                               .joint = -1,
+                                               .placement = p}});
     list_faults(&l);
     if (!l.ok)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows", rows);
