@@ -2,7 +2,6 @@
 #include "study/competition.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -159,22 +158,6 @@ static mukca_status forward(gap_contest *contest, mukca_error *error)
                    sizeof *contest->first * (size_t)contest->n_table);
             memcpy(contest->first_score, contest->scan->score,
                    sizeof *contest->first_score * (size_t)contest->scan->n_scores);
-        }
-        if (getenv("DBG")) {
-            fprintf(stderr, "step %d sigma %.4f rho %.2f len %.1f ang %.1f:", m->n_causes,
-                    m->sigma * 1e3, m->rho, m->sigma_length * 1e3, m->sigma_angle * 1e3);
-            for (int i = 0; i < 8 && i < contest->n_table; i++) {
-                const gap_hypothesis *h =
-                    gap_scan_hypothesis(contest->scan, contest->table[i].best);
-                fprintf(stderr, " %s/%d/%d v%d %.1f;",
-                        contest->table[i].class < MUKCA_EFFECT_COUNT
-                            ? mukca_effect_table[contest->table[i].class].name
-                        : contest->table[i].class == GAP_CLASS_UNKNOWN ? "unknown"
-                                                                       : "outlier",
-                        contest->table[i].joint + 1, contest->table[i].place, h->effect.variant,
-                        contest->table[i].log_odds);
-            }
-            fprintf(stderr, "\n");
         }
         const gap_candidate *top = leader(contest, -1);
         const double threshold = m->n_causes ? LATER_THRESHOLD : FIRST_THRESHOLD;

@@ -25,8 +25,10 @@ const char *const mukca_fault_name[] = {
 #undef FAULT_NAME
 };
 
-/* Ties: within this much log odds, or this much canonical correlation. */
+/* Ties: within this much log odds, or twice that where the two do nearly the same (canonical
+ * correlation after geometry is projected out). */
 #define TIE_ODDS 3.0
+#define TIE_CORRELATION 0.9
 
 /* Noise per axis above which no arm is so bad but the rows belong to another one, m. */
 #define MOST_SIGMA 10e-3
@@ -38,8 +40,8 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Elastic causes were fitted with one factor per mass, and are told as the one coefficient that does
- * most nearly the same to the recorded rows: sum of weight[t] coefficient[t]. */
+/* Elastic causes were fitted with one factor per mass, and are told as the one coefficient that
+ * does most nearly the same to the recorded rows: sum of weight[t] coefficient[t]. */
 static void load_weights(double *weight, const gap_model *m, const gap_hypothesis *h)
 {
     memset(weight, 0, sizeof *weight * GAP_MAX_TERMS);
@@ -107,20 +109,22 @@ static void add_ties(mukca_cause *out, gap_contest *contest, int index)
     const double best = contest->n_table ? contest->table[0].log_odds : 0;
     for (int i = 0; i < contest->n_table && out->n_ties < MUKCA_MAX_TIES; i++) {
         const gap_candidate *c = &contest->table[i];
-        if (c->log_odds < best - TIE_ODDS) break;
+        if (c->log_odds < best - 2 * TIE_ODDS) break;
         if (c->class >= MUKCA_EFFECT_COUNT) continue;
         if (c->class == (int)out->effect.kind && c->joint == out->effect.joint) continue;
         bool listed = false;
         for (int t = 0; t < out->n_ties; t++)
             listed |= (int)out->ties[t].effect == c->class && out->ties[t].joint == c->joint;
         if (listed) continue;
+        const double correlation =
+            gap_scan_correlation(contest->scan, m, index, &m->cause[index].hypothesis,
+                                 gap_scan_hypothesis(contest->scan, c->best));
+        if (c->log_odds < best - TIE_ODDS && !(correlation > TIE_CORRELATION)) continue;
         out->ties[out->n_ties++] =
             (mukca_tie){.effect = (mukca_effect_kind)c->class,
                         .joint = c->joint,
                         .log_bayes_factor = contest->scan->score[c->best].log_bayes,
-                        .correlation = gap_scan_correlation(
-                            contest->scan, m, index, &m->cause[index].hypothesis,
-                            gap_scan_hypothesis(contest->scan, c->best))};
+                        .correlation = correlation};
     }
 }
 
@@ -279,8 +283,8 @@ static void tell_tested(mukca_diagnosis *d, const gap_contest *contest)
     gap_untested_add(d, contest->m, contest->all);
 }
 
-/* Beside a larger thing that nobody can name, smaller names are not to be trusted: only what happened
- * to the tool stays. */
+/* Beside a larger thing that nobody can name, smaller names are not to be trusted: only what
+ * happened to the tool stays. */
 static int drop_doubtful(mukca_diagnosis *d, int used)
 {
     int kept = 0;

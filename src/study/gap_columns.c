@@ -26,8 +26,7 @@ static double fault_share(const gap_model *m, const gap_hypothesis *h, int row)
 
 bool gap_distance_acts(const gap_model *m, const gap_hypothesis *h, int pair)
 {
-    return h->effect.placement < 0 ||
-           m->groups[m->pairs[pair].a].placement == h->effect.placement;
+    return h->effect.placement < 0 || m->groups[m->pairs[pair].a].placement == h->effect.placement;
 }
 
 void gap_hypothesis_columns(double *E, int ld, const gap_model *m, const gap_hypothesis *h)

@@ -393,10 +393,10 @@ mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const ga
     for (int p = 0; m->data->n_placements > 1 && p < m->data->n_placements; p++)
         append_effect(&l, MUKCA_EFFECT_BALL_SHIFT, -1, 0, p);
     for (int p = -1; m->n_pairs > 1 && p < m->data->n_placements; p++) /* in all, or in one */
-        append(&l, (gap_hypothesis){.kind = GAP_DISTANCE,
-                                    .effect = {.kind = MUKCA_EFFECT_SOCKET_DISTANCE,
-                                               .joint = -1,
-                                               .placement = p}});
+        append(&l,
+               (gap_hypothesis){
+                   .kind = GAP_DISTANCE,
+                   .effect = {.kind = MUKCA_EFFECT_SOCKET_DISTANCE, .joint = -1, .placement = p}});
     list_faults(&l);
     if (!l.ok)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows", rows);

@@ -210,7 +210,9 @@ void gap_project(double *G, double *g, gap_projector *p, const double *E, int k,
                     for (int t = 0; t < k; t++) along[t] += w * E[(i * d + c) * k + t];
                 }
         }
-        if (h->kind == GAP_DISTANCE && gap_distance_acts(m, h, r)) { /* acts on the distance rows alone: what prepare() left out */
+        if (h->kind == GAP_DISTANCE &&
+            gap_distance_acts(m, h,
+                              r)) { /* acts on the distance rows alone: what prepare() left out */
             const double *row = p->pack->distance + r * (n + 1);
             along[0] = -1;
             g[0] -= p->inverse[r] * row[n];

@@ -41,11 +41,10 @@ static void pick_harmonics(gap_scan *scan, const gap_joint_view *view, double *m
         value[best] = -HUGE_VAL;
         if (known || of_joint == GAP_HARMONICS_MOST) continue;
         gap_hypothesis *h = &scan->harmonic[scan->n_harmonic];
-        *h = (gap_hypothesis){.kind = GAP_EFFECT,
-                              .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                         .joint = j,
-                                         .placement = -1,
-                                         .variant = best}};
+        *h = (gap_hypothesis){
+            .kind = GAP_EFFECT,
+            .effect = {
+                .kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = j, .placement = -1, .variant = best}};
         if (!gap_hypothesis_prepare(h, &scan->pool, m)) continue;
         h->log_prior = gap_order_log_prior(best) - log(n_joints) - log(scan->all->classes);
         scan->best_seen[scan->all->count + scan->n_harmonic++] = -HUGE_VAL;
@@ -110,8 +109,9 @@ static void leave_out(gap_model *m, int without)
 /* The same effect at the same joint, placement or socket. */
 static bool kin(const gap_hypothesis *a, const gap_hypothesis *b)
 {
-    return gap_hypothesis_class(a) == gap_hypothesis_class(b) && a->effect.joint == b->effect.joint &&
-           a->effect.placement == b->effect.placement && a->kind != GAP_SPIKE;
+    return gap_hypothesis_class(a) == gap_hypothesis_class(b) &&
+           a->effect.joint == b->effect.joint && a->effect.placement == b->effect.placement &&
+           a->kind != GAP_SPIKE;
 }
 
 /* Is a candidate worth the other AR(1) coefficients?  Its score hardly depends on them, so only
@@ -145,10 +145,11 @@ void gap_scan_run(gap_scan *scan, gap_model *m, int without, gap_scan_extent ext
     memset(scan->wanted, 1, (size_t)capacity);
     scan->n_scores = scan->all->count + scan->n_harmonic;
     for (int k = 0; extent == GAP_SCAN_CONTENDERS && k < scan->n_scores; k++)
-        scan->wanted[k] = scan->best_seen[k] > NEAR_THE_FRONT ||
-                          (without >= 0 && kin(gap_scan_hypothesis(scan, k),
-                                               &m->cause[without].hypothesis));
-    for (int k = 0; k < scan->n_scores; k++) scan->score[k] = (gap_score){k, -HUGE_VAL, -HUGE_VAL, 0};
+        scan->wanted[k] =
+            scan->best_seen[k] > NEAR_THE_FRONT ||
+            (without >= 0 && kin(gap_scan_hypothesis(scan, k), &m->cause[without].hypothesis));
+    for (int k = 0; k < scan->n_scores; k++)
+        scan->score[k] = (gap_score){k, -HUGE_VAL, -HUGE_VAL, 0};
     for (int i = 0; i < GAP_RHOS; i++) {
         const int which = order[i];
         if (i && value[which] < value[order[0]] - 15 - 0.25 * fmax(most, 0)) continue;
