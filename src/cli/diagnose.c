@@ -55,6 +55,12 @@ static mukca_status disable(unsigned char *disabled, const char *list, mukca_err
     return MUKCA_OK;
 }
 
+static bool stop(void *context)
+{
+    (void)context;
+    return cli_interrupted();
+}
+
 static bool progress(void *context, double share, const char *doing)
 {
     cli_progress(context, doing, share, 1);
@@ -102,6 +108,7 @@ static mukca_status run(cli_call *call)
     cli_model model;
     mukca_dataset data = {0}, test = {0};
     mukca_diagnosis *d = NULL;
+    mukca_next_poses *next = NULL;
     mukca_pool pool = {0};
     mukca_status status = disable(disabled, o->without, &call->error);
     int expected = -1;
@@ -115,7 +122,8 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && o->test.n) status = cli_load_data(call, &test, &model, &o->test);
     if (status != MUKCA_OK) goto out;
     d = MUKCA_TAKE(&pool, mukca_diagnosis, 1);
-    if (!d) {
+    next = MUKCA_TAKE(&pool, mukca_next_poses, 1);
+    if (pool.failed) {
         status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
         goto out;
     }
@@ -128,8 +136,14 @@ static mukca_status run(cli_call *call)
                                         .progress_context = call};
     status = mukca_diagnose(d, &model.chain, &data, &how, &call->error);
     if (status != MUKCA_OK) goto out;
-    const cli_diagnosed result = {d, &model.chain, &data, o->test.n ? &test : NULL};
-    status = write_offsets(call, &result, o->free_base && data.position);
+    const cli_diagnosed result = {.diagnosis = d,
+                                  .chain = &model.chain,
+                                  .data = &data,
+                                  .test = o->test.n ? &test : NULL,
+                                  .next = next,
+                                  .kept = call->common->output != NULL};
+    status = mukca_next_poses_choose(next, d, &model.chain, &data, stop, &call->error);
+    if (status == MUKCA_OK) status = write_offsets(call, &result, o->free_base && data.position);
     if (status == MUKCA_OK && call->common->json)
         status = cli_write_json(call, cli_diagnosis_json(&result));
     if (status == MUKCA_OK && !call->common->quiet) {
@@ -142,6 +156,7 @@ static mukca_status run(cli_call *call)
             if ((int)d->causes[i].effect.kind == expected) status = MUKCA_OK;
     }
 out:
+    if (next) mukca_next_poses_free(next);
     if (d) mukca_diagnosis_free(d);
     mukca_pool_free(&pool);
     mukca_dataset_free(&data);

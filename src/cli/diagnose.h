@@ -3,13 +3,15 @@
 #define MUKCA_CLI_DIAGNOSE_H
 
 #include "cli/cli.h"
-#include "study/diagnose.h"
+#include "study/next_poses.h"
 
 /* A diagnosis and what it was made of. */
 typedef struct {
     const mukca_diagnosis *diagnosis;
     const mukca_chain *chain;
     const mukca_dataset *data, *test; /* test: NULL without --test */
+    const mukca_next_poses *next;     /* NULL: none were chosen */
+    bool kept;                        /* written as an offsets table */
 } cli_diagnosed;
 
 /* The contract's mukca.diagnose/1 object. */

@@ -81,6 +81,32 @@ static json_t *placements_array(const double *mae, int n, const mukca_dataset *d
     return array;
 }
 
+/* Poses with the joints' angles, rad, and which two causes they tell apart. */
+static json_t *next_poses_array(const cli_diagnosed *r)
+{
+    json_t *array = json_array();
+    const mukca_next_poses *next = r->next;
+    if (!next || next->cause < 0) return array;
+    const mukca_cause *c = &r->diagnosis->causes[next->cause];
+    const mukca_effect rivals[2] = {c->effect, c->ties[next->tie].rival};
+    for (int i = 0; i < next->plan.n_rows; i++) {
+        const mukca_plan_row *row = &next->plan.rows[i];
+        json_t *joints = json_object(), *tells = json_array();
+        for (int j = 0; j < r->chain->n_joints; j++)
+            json_object_set_new(joints, r->chain->element[r->chain->joint_element[j]].name,
+                                json_real(row->q[j]));
+        for (int k = 0; k < 2; k++)
+            json_array_append_new(
+                tells, json_pack("{s:s, s:o}", "effect", mukca_effect_table[rivals[k].kind].name,
+                                 "joint", joint_name(r->chain, rivals[k].joint)));
+        json_array_append_new(array, json_pack("{s:s, s:s, s:o, s:o}", "placement",
+                                               next->sockets[row->socket].placement, "socket",
+                                               next->sockets[row->socket].label, "joints", joints,
+                                               "tells_apart", tells));
+    }
+    return array;
+}
+
 json_t *cli_diagnosis_json(const cli_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -135,7 +161,7 @@ json_t *cli_diagnosis_json(const cli_diagnosed *r)
                                   "lag_one_correlation", cli_json_real(d->rho)));
     json_object_set_new(root, "why", cli_json_text(d->why));
     json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
-    json_object_set_new(root, "next_poses", json_array());
+    json_object_set_new(root, "next_poses", next_poses_array(r));
     json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));
     return root;
 }

@@ -431,6 +431,59 @@ static void print_untested(FILE *stream, const cli_diagnosed *r)
     }
 }
 
+/* ---- what to do next ---- */
+
+static void print_poses(FILE *stream, const cli_diagnosed *r)
+{
+    const mukca_next_poses *next = r->next;
+    const mukca_plan *plan = &next->plan;
+    const mukca_cause *c = &r->diagnosis->causes[next->cause];
+    char words[2][CLI_WORDS];
+    paragraph p = {.used = 0};
+    cli_effect_words(words[0], c->effect.kind, r->chain, c->effect.joint);
+    cli_effect_words(words[1], c->ties[next->tie].effect, r->chain, c->ties[next->tie].joint);
+    if (plan->n_rows == 0) {
+        put(&p,
+            "No pose in these sockets tells %s from %s: record another placement, far from "
+            "these, or take both as one.",
+            words[0], words[1]);
+        print(stream, 2, &p);
+        return;
+    }
+    put(&p,
+        "Record these poses (joints in degrees): of those in these sockets they best tell %s from "
+        "%s.",
+        words[0], words[1]);
+    print(stream, 2, &p);
+    for (int i = 0; i < plan->n_rows; i++) {
+        const mukca_plan_row *row = &plan->rows[i];
+        const mukca_plan_socket *socket = &next->sockets[row->socket];
+        put(&p, "%s, socket %s:", socket->placement, socket->label);
+        for (int j = 0; j < r->chain->n_joints; j++) {
+            const bool slides =
+                r->chain->element[r->chain->joint_element[j]].type == MUKCA_PRISMATIC;
+            put(&p, " %.1f%s", slides ? 1e3 * row->q[j] : 180 / M_PI * row->q[j],
+                slides ? " mm" : "");
+        }
+        print(stream, 4, &p);
+    }
+}
+
+static void print_next(FILE *stream, const cli_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    const bool tied = r->next && r->next->cause >= 0, causes = d->n_causes > 0;
+    paragraph p = {.used = 0};
+    if (!tied && !(causes && !r->kept)) return;
+    heading(stream, "Next");
+    if (tied) print_poses(stream, r);
+    if (causes && !r->kept)
+        put(&p,
+            "Keep geometry and causes with -o offsets.tsv: evaluate, fk, compensate and export "
+            "apply them.");
+    print(stream, 2, &p);
+}
+
 void cli_diagnosis_print(FILE *stream, const cli_diagnosed *r)
 {
     const mukca_dataset *data = r->data;
@@ -445,4 +498,5 @@ void cli_diagnosis_print(FILE *stream, const cli_diagnosed *r)
     print_where(stream, r);
     print_recording(stream, r);
     print_untested(stream, r);
+    print_next(stream, r);
 }

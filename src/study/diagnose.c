@@ -103,6 +103,20 @@ static void measure(mukca_cause *out, gap_model *m, int index)
     if (terms > 1 || mukca_effect_table[out->effect.kind].nonnegative) out->low = fmax(out->low, 0);
 }
 
+/* The effect of a tied hypothesis, of a size that moves the joints about as much as the cause. */
+static mukca_effect rival_effect(const gap_hypothesis *h, const mukca_effect *cause,
+                                 const gap_hypothesis *of)
+{
+    mukca_effect rival = h->effect;
+    double square = 0;
+    for (int t = 0; t < cause->terms; t++)
+        square += pow(cause->coefficient[t] * of->unit[0], 2);
+    rival.terms = mukca_effect_terms(rival.kind, rival.variant);
+    for (int t = 0; t < rival.terms; t++)
+        rival.coefficient[t] = sqrt(square / rival.terms) / h->unit[0];
+    return rival;
+}
+
 static void add_ties(mukca_cause *out, gap_contest *contest, int index)
 {
     gap_model *m = contest->m;
@@ -116,15 +130,16 @@ static void add_ties(mukca_cause *out, gap_contest *contest, int index)
         for (int t = 0; t < out->n_ties; t++)
             listed |= (int)out->ties[t].effect == c->class && out->ties[t].joint == c->joint;
         if (listed) continue;
-        const double correlation =
-            gap_scan_correlation(contest->scan, m, index, &m->cause[index].hypothesis,
-                                 gap_scan_hypothesis(contest->scan, c->best));
+        const gap_hypothesis *cause = &m->cause[index].hypothesis;
+        const gap_hypothesis *rival = gap_scan_hypothesis(contest->scan, c->best);
+        const double correlation = gap_scan_correlation(contest->scan, m, index, cause, rival);
         if (c->log_odds < best - TIE_ODDS && !(correlation > TIE_CORRELATION)) continue;
         out->ties[out->n_ties++] =
             (mukca_tie){.effect = (mukca_effect_kind)c->class,
                         .joint = c->joint,
                         .log_bayes_factor = contest->scan->score[c->best].log_bayes,
-                        .correlation = correlation};
+                        .correlation = correlation,
+                        .rival = rival_effect(rival, &out->effect, cause)};
     }
 }
 

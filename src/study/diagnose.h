@@ -46,6 +46,7 @@ typedef struct {
     int joint; /* -1: none */
     double log_bayes_factor;
     double correlation; /* canonical, after geometry is projected out; NaN: not computed */
+    mukca_effect rival; /* with its variant, about as large as the cause */
 } mukca_tie;
 
 typedef struct {

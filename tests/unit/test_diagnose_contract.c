@@ -150,7 +150,8 @@ static void everything_is_handed_over(void **state)
     assert_int_equal(mukca_simulate_sockets(&test, &s.arm, s.places, 2, NULL, 0, &s.how, &error),
                      MUKCA_OK);
     diagnose(&s, &data, &test);
-    const cli_diagnosed result = {diagnosis, &s.chain, &data, &test};
+    const cli_diagnosed result = {
+        .diagnosis = diagnosis, .chain = &s.chain, .data = &data, .test = &test};
     json_t *root = cli_diagnosis_json(&result);
     check_json(root, &s.chain);
     json_t *gap = json_object_get(root, "gap");
@@ -209,7 +210,7 @@ static void noise_is_called_noise(void **state)
     s.how.noise = 1e-4;
     record(&data, &s);
     diagnose(&s, &data, NULL);
-    const cli_diagnosed result = {diagnosis, &s.chain, &data, NULL};
+    const cli_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
     json_t *root = cli_diagnosis_json(&result);
     check_json(root, &s.chain);
     assert_string_equal(text(root, "verdict"), "none");
@@ -233,7 +234,7 @@ static void nothing_to_test(void **state)
     record(&data, &s);
     memset(data.q, 0, (size_t)(data.n_rows * data.n_joints) * sizeof *data.q);
     diagnose(&s, &data, NULL);
-    const cli_diagnosed result = {diagnosis, &s.chain, &data, NULL};
+    const cli_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
     json_t *root = cli_diagnosis_json(&result);
     check_json(root, &s.chain);
     assert_string_equal(text(root, "verdict"), "untestable");
@@ -272,7 +273,7 @@ static void check_table(const char *effects, bool effort, double mass_error)
     }
     record(&data, &s);
     diagnose(&s, &data, NULL);
-    const cli_diagnosed result = {diagnosis, &s.chain, &data, NULL};
+    const cli_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
     mukca_offsets *written = calloc(1, sizeof *written), *back = calloc(1, sizeof *back);
     mukca_chain chain;
     int left_out;

@@ -1,0 +1,101 @@
+/* The poses that settle a tie: within reach, in the recorded sockets, and telling. */
+#include "study/next_poses.h"
+
+#include <stdlib.h>
+
+#include "scene.h"
+
+typedef struct {
+    scene s;
+    mukca_dataset data;
+    mukca_diagnosis diagnosis;
+    mukca_next_poses next;
+} tie;
+
+static void set_tie(tie *t, mukca_effect cause, mukca_effect rival)
+{
+    memset(t, 0, sizeof *t);
+    set_scene(&t->s, NULL, 3);
+    t->s.how.noise = 1e-4;
+    t->s.how.rows = 8;
+    record(&t->data, &t->s);
+    mukca_diagnosis *d = &t->diagnosis;
+    d->verdict = MUKCA_VERDICT_TIED;
+    d->n_causes = d->causes[0].n_ties = 1;
+    d->causes[0].effect = cause;
+    d->causes[0].ties[0] = (mukca_tie){.effect = rival.kind, .joint = rival.joint, .rival = rival};
+    d->geometry = t->s.arm.geometry;
+    d->sigma_m = 1e-4;
+}
+
+static void choose(tie *t)
+{
+    mukca_error error = {0};
+    if (mukca_next_poses_choose(&t->next, &t->diagnosis, &t->s.chain, &t->data, NULL, &error))
+        fail_msg("%s", error.text);
+}
+
+static void poses_reach_their_sockets_and_tell(void **state)
+{
+    (void)state;
+    tie *t = malloc(sizeof *t);
+    assert_non_null(t);
+    const mukca_effect bending = {MUKCA_EFFECT_LINK_BENDING, 2, -1, 0, 1, {4e-5}};
+    const mukca_effect scale = {MUKCA_EFFECT_JOINT_SCALE, 1, -1, 0, 1, {1e-3}};
+    set_tie(t, bending, scale);
+    choose(t);
+    assert_int_equal(t->next.cause, 0);
+    assert_int_equal(t->next.tie, 0);
+    assert_int_equal(t->next.plan.n_rows, MUKCA_NEXT_POSES);
+    assert_true(t->next.plan.evidence_after > t->next.plan.evidence_before);
+    for (int i = 0; i < t->next.plan.n_rows; i++) {
+        const mukca_plan_row *row = &t->next.plan.rows[i];
+        const mukca_plan_socket *socket = &t->next.sockets[row->socket];
+        double ball[3];
+        mukca_fk_position(ball, &t->diagnosis.geometry, row->q, NULL);
+        for (int a = 0; a < 3; a++) assert_close(ball[a], socket->centre[a], 1e-4);
+        for (int j = 0; j < t->s.chain.n_joints; j++) {
+            const mukca_element *e = &t->s.chain.element[t->s.chain.joint_element[j]];
+            assert_true(row->q[j] >= e->lower && row->q[j] <= e->upper);
+        }
+    }
+    mukca_next_poses_free(&t->next);
+    mukca_dataset_free(&t->data);
+    free(t);
+}
+
+static void nothing_where_no_pose_can_settle_it(void **state)
+{
+    (void)state;
+    tie *t = malloc(sizeof *t);
+    assert_non_null(t);
+    const mukca_effect scale = {MUKCA_EFFECT_JOINT_SCALE, 1, -1, 0, 1, {1e-3}};
+    const mukca_effect moved = {MUKCA_EFFECT_TOOL_MOTION, -1, 0, 0, 3, {1e-3, 0, 0}};
+    set_tie(t, scale, moved); /* a fault of the recording */
+    choose(t);
+    assert_int_equal(t->next.cause, -1);
+    mukca_dataset_free(&t->data);
+
+    set_tie(t, scale, scale);
+    t->diagnosis.causes[0].n_ties = 0;
+    choose(t);
+    assert_int_equal(t->next.cause, -1);
+    mukca_dataset_free(&t->data);
+
+    const mukca_effect bending = {MUKCA_EFFECT_LINK_BENDING, 2, -1, 0, 1, {4e-5}};
+    set_tie(t, scale, bending);
+    t->s.chain.n_masses = 0; /* nobody knows the load of other poses */
+    choose(t);
+    assert_int_equal(t->next.cause, 0);
+    assert_int_equal(t->next.plan.n_rows, 0);
+    mukca_next_poses_free(&t->next);
+    mukca_dataset_free(&t->data);
+    free(t);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(poses_reach_their_sockets_and_tell),
+                                       cmocka_unit_test(nothing_where_no_pose_can_settle_it)};
+    return cmocka_run_group_tests_name("next poses", tests, NULL, NULL);
+}
