@@ -293,6 +293,7 @@ void gap_model_fit(gap_model *m, int iterations, gap_freedom freedom)
             if (freedom == GAP_FREE) {
                 choose_scales(m, pack, prior);
                 gap_model_prior(prior, m, -1);
+                m->sigma = gap_model_best_sigma(m, pack, prior, NULL);
             }
         } else {
             for (int i = 0; i < GAP_RHOS; i++)
