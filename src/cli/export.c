@@ -1,12 +1,12 @@
 /* mukca export: the calibrated model in the formats of others. */
-#include "io/export.h"
-
 #include "cli/cli.h"
+#include "io/export_check.h"
 #include "io/output.h"
 
 typedef struct {
     cli_common common;
     int format;
+    const char *check;
 } export_options;
 
 static const char *const formats[] = {
@@ -18,12 +18,32 @@ static const char *const formats[] = {
 static const cli_option options[] = {
     {"format", 'f', CLI_CHOICE, "FORMAT", "what to write (default: urdf)", formats,
      offsetof(export_options, format)},
+    {"check", 0, CLI_TEXT, "FILE",
+     "write nothing: compare FILE, of that format, with the table; exit code 1 where they differ",
+     NULL, offsetof(export_options, check)},
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
+
+static mukca_status check(cli_call *call, const mukca_export_input *input)
+{
+    const export_options *o = call->options;
+    mukca_export_difference d;
+    mukca_status status =
+        mukca_export_check(&d, o->check, &mukca_exporters[o->format], input, &call->error);
+    if (status) return status;
+    if (d.agrees) {
+        cli_say(call, "%s agrees with the table: %d places, largest difference %.3g m, %.3g rad\n",
+                o->check, d.compared, d.position, d.angle);
+        return MUKCA_OK;
+    }
+    return mukca_fail(&call->error, MUKCA_NEGATIVE,
+                      "%.100s differs from the table: %s (%.3g m, %.3g rad); export it anew",
+                      o->check, d.where, d.position, d.angle);
+}
 
 static mukca_status run(cli_call *call)
 {
@@ -33,16 +53,16 @@ static mukca_status run(cli_call *call)
     cli_model model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, &model);
+    const mukca_export_input input = {.urdf_path = c->urdf,
+                                      .offsets_path = c->offsets,
+                                      .chain = &model.chain,
+                                      .offsets = &model.offsets,
+                                      .note = o->check ? NULL : cli_note,
+                                      .context = call};
+    if (status == MUKCA_OK && o->check) return check(call, &input);
     if (status == MUKCA_OK) status = mukca_output_open(&output, path, c->force, &call->error);
-    if (status == MUKCA_OK) {
-        const mukca_export_input input = {.urdf_path = c->urdf,
-                                          .offsets_path = c->offsets,
-                                          .chain = &model.chain,
-                                          .offsets = &model.offsets,
-                                          .note = cli_note,
-                                          .context = call};
+    if (status == MUKCA_OK)
         status = mukca_exporters[o->format].write(output.stream, &input, &call->error);
-    }
     if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
     mukca_output_abort(&output);
     return status;
@@ -51,7 +71,7 @@ static mukca_status run(cli_call *call)
 const cli_command cli_command_export = {
     .name = "export",
     .group = CLI_USE,
-    .summary = "the calibrated model as URDF, YAML or C header",
+    .summary = "the calibrated model as URDF, YAML, C header or MuJoCo model",
     .synopsis = "",
     .description =
         "Writes the model that --urdf and --offsets describe. A URDF is patched in place: the "

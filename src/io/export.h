@@ -10,7 +10,8 @@
 #define MUKCA_EXPORT_LIST(X)                                                                \
     X(urdf, mukca_export_urdf, "the URDF itself, its origins patched, else byte-identical") \
     X(yaml, mukca_export_yaml, "xyz, rpy and quaternion of every joint's origin")           \
-    X(c, mukca_export_c, "a C header of const arrays")
+    X(c, mukca_export_c, "a C header of const arrays")                                      \
+    X(mjcf, mukca_export_mjcf, "a MuJoCo model: origins, and springs and stops for effects")
 
 typedef struct {
     const char *urdf_path;    /* what the chain was loaded from */

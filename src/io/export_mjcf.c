@@ -1,0 +1,240 @@
+/* The calibrated arm as a MuJoCo model: bodies' pos and quat, and for found effects the stiffness
+ * of joints, links and base, and the play of gears, that bring the simulator nearer to the real
+ * arm. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/export.h"
+
+/* What the effects ask of one joint (or of the base): compliances, rad/(N m) or m/N, and play. */
+typedef struct {
+    double angle, bending, play;
+} give;
+
+typedef struct {
+    FILE *stream;
+    const mukca_export_input *input;
+    const mukca_chain *chain;
+    give joint[MUKCA_MAX_JOINTS];
+    double base;
+    int depth; /* of open bodies */
+} writer;
+
+static void indent(const writer *w)
+{
+    for (int i = 0; i < 2 * w->depth + 4; i++) fputc(' ', w->stream);
+}
+
+static void numbers(const writer *w, const char *key, const double *values, int n)
+{
+    fprintf(w->stream, " %s=\"", key);
+    for (int i = 0; i < n; i++) fprintf(w->stream, "%s%.17g", i ? " " : "", values[i]);
+    fputc('"', w->stream);
+}
+
+/* An attribute; characters that XML keeps for itself are escaped. */
+static void name(const writer *w, const char *key, const char *text, const char *suffix)
+{
+    fprintf(w->stream, " %s=\"", key);
+    for (; *text; text++) switch (*text) {
+            case '&':
+                fputs("&amp;", w->stream);
+                break;
+            case '<':
+                fputs("&lt;", w->stream);
+                break;
+            case '"':
+                fputs("&quot;", w->stream);
+                break;
+            default:
+                fputc((unsigned char)*text < ' ' ? ' ' : *text, w->stream);
+        }
+    fprintf(w->stream, "%s\"", suffix);
+}
+
+/* Sort the effects: what a spring or a stop can do, and what it cannot (a note and a comment). */
+static void gather(writer *w)
+{
+    const mukca_offsets *o = w->input->offsets;
+    for (int e = 0; e < o->n_effects; e++) {
+        const mukca_effect *effect = &o->effects[e];
+        const double c = effect->coefficient[0];
+        const char *kind = mukca_effect_table[effect->kind].name;
+        if (effect->kind == MUKCA_EFFECT_BASE_COMPLIANCE && c > 0) {
+            w->base += c;
+        } else if (effect->kind == MUKCA_EFFECT_JOINT_COMPLIANCE && c > 0) {
+            w->joint[effect->joint].angle += c;
+        } else if (effect->kind == MUKCA_EFFECT_LINK_BENDING && c > 0) {
+            w->joint[effect->joint].bending += c;
+        } else if (effect->kind == MUKCA_EFFECT_BACKLASH && c > 0) {
+            w->joint[effect->joint].play += c;
+        } else {
+            char text[256];
+            const char *where =
+                effect->joint < 0 ? "the arm"
+                                  : w->chain->element[w->chain->joint_element[effect->joint]].name;
+            fprintf(w->stream, "     Left out, no spring or stop does it: %s of %s\n", kind, where);
+            snprintf(text, sizeof text, "MJCF: %s of %.60s is left out: no spring or stop does it",
+                     kind, where);
+            if (w->input->note) w->input->note(w->input->context, text);
+        }
+    }
+}
+
+/* Mass, centre and a rough inertia of what hangs on element k: balls of 50 mm radius.  A body that
+ * moves must have some. */
+static void print_inertial(const writer *w, int k, bool moves)
+{
+    double kg = 0, com[3] = {0, 0, 0}, inertia = 0;
+    for (int m = 0; m < w->chain->n_masses; m++) {
+        const mukca_mass *mass = &w->chain->mass[m];
+        if (mass->element != k) continue;
+        kg += mass->kg;
+        for (int i = 0; i < 3; i++) com[i] += mass->kg * mass->com[i];
+    }
+    for (int i = 0; i < 3 && kg > 0; i++) com[i] /= kg;
+    for (int m = 0; m < w->chain->n_masses; m++) {
+        const mukca_mass *mass = &w->chain->mass[m];
+        if (mass->element != k) continue;
+        double square = 0.4 * 0.05 * 0.05;
+        for (int i = 0; i < 3; i++) square += (mass->com[i] - com[i]) * (mass->com[i] - com[i]);
+        inertia += mass->kg * square;
+    }
+    if (!(kg > 0)) {
+        if (!moves) return;
+        kg = 1e-6;
+        inertia = 1e-9;
+    }
+    const double diagonal[3] = {inertia, inertia, inertia};
+    indent(w);
+    fputs("<inertial", w->stream);
+    numbers(w, "pos", com, 3);
+    numbers(w, "mass", &kg, 1);
+    numbers(w, "diaginertia", diagonal, 3);
+    fputs("/>\n", w->stream);
+}
+
+/* A spring of that compliance; its damping lets the arm come to rest within a second. */
+static void print_spring(const writer *w, const char *joint, const char *suffix, const char *type,
+                         const double axis[3], double compliance)
+{
+    const double stiffness = 1 / compliance, damping = 2e-2 * stiffness;
+    indent(w);
+    fputs("<joint", w->stream);
+    name(w, "name", joint, suffix);
+    fprintf(w->stream, " type=\"%s\"", type);
+    if (axis) numbers(w, "axis", axis, 3);
+    numbers(w, "stiffness", &stiffness, 1);
+    numbers(w, "damping", &damping, 1);
+    fputs("/>\n", w->stream);
+}
+
+/* Before the joint turns: the link bends about two axes across it.  Then the joint itself, and what
+ * its gear adds. */
+static void print_joints(const writer *w, const mukca_element *e)
+{
+    const give *g = &w->joint[e->joint];
+    const char *type = e->type == MUKCA_PRISMATIC ? "slide" : "hinge";
+    double e1[3], e2[3];
+    if (g->bending > 0) {
+        mukca_rotation_transverse(e1, e2, e->axis);
+        print_spring(w, e->name, "_bend_1", "hinge", e1, g->bending);
+        print_spring(w, e->name, "_bend_2", "hinge", e2, g->bending);
+    }
+    indent(w);
+    fputs("<joint", w->stream);
+    name(w, "name", e->name, "");
+    fprintf(w->stream, " type=\"%s\"", type);
+    numbers(w, "axis", e->axis, 3);
+    if (isfinite(e->lower) && isfinite(e->upper)) {
+        const double range[2] = {e->lower, e->upper};
+        numbers(w, "range", range, 2);
+    }
+    /* The rotor's inertia parts the drive's side of a spring from the link's. */
+    fputs(g->angle > 0 || g->play > 0 ? " armature=\"0.1\"/>\n" : "/>\n", w->stream);
+    if (g->angle > 0) print_spring(w, e->name, "_flex", type, e->axis, g->angle);
+    if (g->play > 0) {
+        const double range[2] = {-0.5 * g->play, 0.5 * g->play};
+        indent(w);
+        fputs("<joint", w->stream);
+        name(w, "name", e->name, "_play");
+        fprintf(w->stream, " type=\"%s\"", type);
+        numbers(w, "axis", e->axis, 3);
+        numbers(w, "range", range, 2);
+        fputs(
+            " armature=\"0.1\" damping=\"1\" solreflimit=\"0.005 1\" solimplimit=\"0.99 0.999 "
+            "1e-4\"/>\n",
+            w->stream);
+    }
+}
+
+static void open_body(writer *w, const char *link, const double *pos, const double *quat)
+{
+    indent(w);
+    fputs("<body", w->stream);
+    name(w, "name", link, "");
+    if (pos) numbers(w, "pos", pos, 3);
+    if (quat) numbers(w, "quat", quat, 4);
+    fputs(">\n", w->stream);
+    w->depth++;
+}
+
+/* Provenance in an XML comment, where two hyphens may not stand. */
+static mukca_status print_provenance(const writer *w, mukca_error *error)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *stream = open_memstream(&text, &size);
+    if (stream) mukca_export_provenance(stream, "     ", w->input);
+    if (!stream || fclose(stream) != 0) {
+        free(text);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    }
+    fputs("<!--\n", w->stream);
+    for (const char *c = text; *c; c++) fputc(c[0] == '-' && c[1] == '-' ? '_' : *c, w->stream);
+    free(text);
+    return MUKCA_OK;
+}
+
+mukca_status mukca_export_mjcf(FILE *stream, const mukca_export_input *input, mukca_error *error)
+{
+    const mukca_chain *chain = input->chain;
+    writer w = {.stream = stream, .input = input, .chain = chain};
+    mukca_status status = print_provenance(&w, error);
+    if (status) return status;
+    fputs(
+        "     A statics model: bodies and joints have the URDF's names; pos and quat hold the\n"
+        "     calibrated origins.  Springs (_flex, _bend, base_flex) and stops (_play) stand for\n"
+        "     found effects; inertias are rough, take your own.\n",
+        stream);
+    gather(&w);
+    fputs("-->\n<mujoco", stream);
+    name(&w, "model", chain->robot, "");
+    fputs(">\n  <compiler angle=\"radian\" autolimits=\"true\"/>\n  <option", stream);
+    numbers(&w, "gravity", chain->gravity, 3);
+    fputs(" timestep=\"5e-4\" integrator=\"implicitfast\"/>\n  <worldbody>\n", stream);
+    open_body(&w, chain->base, NULL, NULL);
+    if (w.base > 0) {
+        open_body(&w, "base_flex", NULL, NULL);
+        print_spring(&w, "base_flex", "", "ball", NULL, w.base);
+        print_inertial(&w, -2, true);
+    }
+    for (int k = 0; k < chain->n_elements; k++) {
+        const mukca_element *e = &chain->element[k];
+        double xyz[3], rpy[3], quaternion[4];
+        mukca_export_origin(xyz, rpy, quaternion, input, k);
+        open_body(&w, e->child, xyz, quaternion);
+        if (e->joint >= 0) print_joints(&w, e);
+        print_inertial(&w, k, e->joint >= 0);
+    }
+    indent(&w);
+    fputs("<site name=\"tip\"/>\n", stream);
+    while (w.depth > 0) {
+        w.depth--;
+        indent(&w);
+        fputs("</body>\n", stream);
+    }
+    fputs("  </worldbody>\n</mujoco>\n", stream);
+    return MUKCA_OK;
+}
