@@ -33,17 +33,39 @@ MUKCA_INLINE void reflect_all(double *t, double *A, int lda, const double *v, in
     for (; c < columns; c++) reflect(t + c, A + c, lda, v, ldv, tau, m, 1);
 }
 
+/* Bring (alpha; x) to a largest entry of 1; returns what it was.  For columns whose squares would
+ * underflow or overflow: there a reflector is no reflection any more. */
+static double normalise(double *alpha, double *x, int ldx, int m)
+{
+    double largest = fabs(*alpha);
+    for (int r = 0; r < m; r++) largest = fmax(largest, fabs(x[(long)r * ldx]));
+    if (!(largest >= DBL_MIN) || isinf(largest)) return 0;
+    *alpha /= largest;
+    for (int r = 0; r < m; r++) x[(long)r * ldx] /= largest;
+    return largest;
+}
+
 /* Reflector that maps (alpha; x) to (*alpha; 0): x[m] (stride ldx) becomes v.  Returns tau, 0 where
  * x is zero already. */
 MUKCA_INLINE double reflector(double *alpha, double *x, int ldx, int m)
 {
-    double sum = 0;
+    double sum = 0, unit = 1;
     for (int r = 0; r < m; r++) sum += x[(long)r * ldx] * x[(long)r * ldx];
-    if (sum == 0) return 0;
+    if (sum == 0 && *alpha != 0) return 0;
+    if (!(sum > 1e-280 && sum < 1e280)) {
+        unit = normalise(alpha, x, ldx, m);
+        if (unit == 0) return 0;
+        sum = 0;
+        for (int r = 0; r < m; r++) sum += x[(long)r * ldx] * x[(long)r * ldx];
+        if (sum < 1e-280) { /* beside alpha it is nothing */
+            *alpha *= unit;
+            return 0;
+        }
+    }
     double beta = -copysign(sqrt(*alpha * *alpha + sum), *alpha);
     double tau = (beta - *alpha) / beta, scale = 1 / (*alpha - beta);
     for (int r = 0; r < m; r++) x[(long)r * ldx] *= scale;
-    *alpha = beta;
+    *alpha = beta * unit;
     return tau;
 }
 

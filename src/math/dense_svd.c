@@ -95,7 +95,8 @@ MUKCA_INLINE bool orthogonalise(double *A, long column, long step, double *V, in
             for (int q = p + 1; q < n; q++) {
                 double *x = A + p * column, *y = A + q * column;
                 double xx = dot(x, x, step, m), xy = dot(x, y, step, m), yy = dot(y, y, step, m);
-                if (fabs(xy) <= tolerance * sqrt(xx) * sqrt(yy)) {
+                /* A column whose square underflows is zero beside the others. */
+                if (fabs(xy) <= tolerance * sqrt(xx) * sqrt(yy) || !(fmin(xx, yy) > 1e-290)) {
                     if (xx >= yy) continue;
                     swap(x, y, step, m); /* the larger one first: faster, and nearly sorted */
                     if (V) swap(V + p, V + q, n, n);

@@ -1,4 +1,4 @@
-"""The exported MuJoCo model comes to rest where `mukca fk` has the arm, effects included.
+"""run.py calls this: the exported MuJoCo model comes to rest where `mukca fk` has the arm, effects included.
 
 Statics are MuJoCo's own: springs and stops move until mj_forward leaves no force on them; some
 configurations are also left to swing out in mj_step.
@@ -12,8 +12,8 @@ import tempfile
 import mujoco
 import numpy as np
 
-MUKCA = os.environ["MUKCA"]
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+MUKCA = os.environ.get("MUKCA", os.path.join(ROOT, "build", "mukca"))
 URDF = os.path.join(ROOT, "data", "gen3.urdf")
 
 GEOMETRY = [("joint_2", "x", 0.0), ("joint_3", "y", -0.2104), ("joint_4", "z", -0.2104)]

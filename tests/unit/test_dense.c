@@ -177,6 +177,9 @@ static void test_svd(void **state)
     assert_close(s[0], 1, 0);
     assert_close(s[1], 1e-9, 1e-24);
     assert_close(s[2], 1e-18, 1e-33);
+    double dust[] = {1, 1e-170, 1, 1e-160 + 1e-170}; /* squares underflow, products do not */
+    assert_int_equal(mukca_dense_svd(dust, s, NULL, 2, 2), 0);
+    assert_close(s[0], sqrt(2), 1e-15);
     double bad[] = {1, NAN, 2, 3}, huge[] = {1, INFINITY, 2, 3};
     assert_int_equal(mukca_dense_svd(bad, s, NULL, 2, 2), 1);
     assert_int_equal(mukca_dense_svd(huge, s, NULL, 2, 2), 1);
@@ -264,11 +267,38 @@ static void test_absorb(void **state)
     }
 }
 
+/* Columns whose squares underflow or overflow are reflected all the same. */
+static void test_scales(void **state)
+{
+    (void)state;
+    enum { N = 4, M = 6 };
+    static const double scale[] = {1e-200, 1e-165, 1, 1e165};
+    double A[M * N], R[N * N], tau[N];
+    int pivot[N];
+    for (size_t s = 0; s < sizeof scale / sizeof *scale; s++) {
+        double plain[N * N] = {0}, first[M * N];
+        fill(A, M * N, 77);
+        memcpy(first, A, sizeof A);
+        mukca_dense_qr_absorb(plain, NULL, first, M, N, 0);
+        memset(R, 0, sizeof R);
+        for (int i = 0; i < M * N; i++) A[i] *= scale[s];
+        mukca_dense_qr_absorb(R, NULL, A, M, N, 0);
+        for (int i = 0; i < N; i++)
+            for (int j = 0; j < N; j++)
+                if (i != 2)
+                    assert_close(fabs(R[i * N + j] / scale[s]), fabs(plain[i * N + j]), 1e-13);
+    }
+    double twin[] = {1, 1, 1e-170, 1, 1, 1e-170 * (1 + 1e-8)}; /* dust of dust */
+    assert_int_equal(mukca_dense_qr(twin, tau, pivot, 2, 3, 0), 1);
+    for (int i = 0; i < 6; i++) assert_true(isfinite(twin[i]));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gram),  cmocka_unit_test(test_cholesky), cmocka_unit_test(test_qr),
-        cmocka_unit_test(test_svd),   cmocka_unit_test(test_eigen),    cmocka_unit_test(test_lstsq),
-        cmocka_unit_test(test_absorb)};
+        cmocka_unit_test(test_gram),   cmocka_unit_test(test_cholesky),
+        cmocka_unit_test(test_qr),     cmocka_unit_test(test_svd),
+        cmocka_unit_test(test_eigen),  cmocka_unit_test(test_lstsq),
+        cmocka_unit_test(test_absorb), cmocka_unit_test(test_scales)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
