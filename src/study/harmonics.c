@@ -65,6 +65,17 @@ void gap_harmonic_scan(double *value, const gap_joint_view *view, double *mean, 
                 for (int k = 0; k < width; k++) same[k] -= p->weights[e] * x[k] * x[k];
                 for (int o = 0; o < count; o++) cross[o] -= p->weights[e] * x[2 * o] * x[2 * o + 1];
             }
+        for (int r = 0; r < m->n_pairs; r++) {
+            const gap_pair *pair = &m->pairs[r];
+            const double w = p->inverse[r] / p->precision;
+            double along[2 * CHUNK] = {0};
+            for (int c = 0; c < 3; c++)
+                for (int k = 0; k < width; k++)
+                    along[k] += pair->direction[c] * (mean[(3 * pair->a + c) * width + k] -
+                                                      mean[(3 * pair->b + c) * width + k]);
+            for (int k = 0; k < width; k++) same[k] += w * along[k] * along[k];
+            for (int o = 0; o < count; o++) cross[o] += w * along[2 * o] * along[2 * o + 1];
+        }
         for (int k = 0; k < n; k++) {
             const double *t = p->T + k * width;
             for (int e = 0; e < width; e++) lost[e] += t[e] * t[e];
