@@ -85,22 +85,38 @@ static bool imitates(const mukca_diagnosis *d, const mukca_cause *c)
             (kind == MUKCA_EFFECT_GEAR_HARMONIC && c->effect.variant <= 4));
 }
 
+/* One joint with its range, or the joints that share it about evenly. */
+static void put_unknown(paragraph *p, const cli_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    char range[48];
+    int n = 0;
+    while (n < d->n_where && d->where[n].share > 0.5 * d->where[0].share) n++;
+    put(p, "Something that no effect of the catalogue explains acts on ");
+    if (n == 0) put(p, "the arm");
+    for (int i = 0; i < n; i++)
+        put(p, "%s%s",
+            i == 0      ? ""
+            : i + 1 < n ? ", "
+                        : " and ",
+            cli_joint_name(r->chain, d->where[i].joint));
+    if (n == 1) put(p, ", most of all at %s", degrees(range, d->where[0].range_rad));
+    put(p, ".");
+}
+
 static void print_verdict(FILE *stream, const cli_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_cause *first = NULL;
     paragraph p = {.used = 0};
-    char words[CLI_WORDS], range[48];
+    char words[CLI_WORDS];
     int causes = 0;
     for (int i = d->n_causes - 1; i >= 0; i--)
         if (on_arm(&d->causes[i])) first = &d->causes[i], causes++;
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE) {
         put(&p, "Nothing can be tested: %s.", d->why);
     } else if (d->verdict == MUKCA_VERDICT_UNKNOWN) {
-        put(&p, "Something that no effect of the catalogue explains acts on %s",
-            d->n_where ? cli_joint_name(r->chain, d->where[0].joint) : "the arm");
-        if (d->n_where) put(&p, ", most of all at %s", degrees(range, d->where[0].range_rad));
-        put(&p, ".");
+        put_unknown(&p, r);
         if (causes)
             put(&p, " Beside it stand%s the cause%s below.", causes == 1 ? "s" : "",
                 causes == 1 ? "" : "s");
@@ -143,10 +159,10 @@ static void print_step(FILE *stream, const char *name, double metres, const char
 static void shrink_words(char text[96], const mukca_shrink *s)
 {
     if (isfinite(s->low_percent) && isfinite(s->high_percent))
-        snprintf(text, 96, "%.1f %% [%.1f, %.1f], in %d of %d folds", s->shrink_percent,
+        snprintf(text, 96, "%.1f %% [%.1f, %.1f], %d of %d folds", s->shrink_percent,
                  s->low_percent, s->high_percent, s->folds_better, s->folds);
     else
-        snprintf(text, 96, "%.1f %%, in %d of %d folds", s->shrink_percent, s->folds_better,
+        snprintf(text, 96, "%.1f %%, %d of %d folds", s->shrink_percent, s->folds_better,
                  s->folds);
 }
 
@@ -171,7 +187,8 @@ static void print_gap(FILE *stream, const cli_diagnosed *r)
     if (isfinite(d->held_out.shrink_percent) && d->n_causes) {
         char words[96];
         shrink_words(words, &d->held_out);
-        snprintf(remark, sizeof remark, "less by %s", words);
+        snprintf(remark, sizeof remark, "%s %s",
+                 d->held_out.low_percent > 0 ? "less by" : "unsure:", words);
     }
     if (d->n_causes) print_step(stream, "causes modelled", d->explained_m, remark);
     print_step(stream, "noise floor", d->noise_floor_m, "");

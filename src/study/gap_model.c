@@ -179,7 +179,7 @@ static void fill_moments(gap_model *m)
                 torques += torque * torque;
             }
         if (efforts > 0 && torques > 0) m->efforts_correlation = agree / sqrt(efforts * torques);
-        if (agree > 0) scale_masses(m);
+        if (m->efforts_correlation > 0.5) scale_masses(m);
     }
     m->have_moments = m->have_torques = k > 0;
     for (int row = 0; row < m->data->n_rows; row++)

@@ -43,7 +43,7 @@ refuse 3 "joint_compliance needs the masses of the links: give --inertials FILE"
     fk --urdf bare.urdf --force --offsets offsets.tsv good.tsv
 
 # faults are told with their rows
-simulate --seed 6 --placements 3 --effect tool_motion:p2/1@12=2e-3,outlier:p1/0@4=1e-2,wrong_socket:p3/0@7 -o faults.tsv
+simulate --seed 7 --placements 3 --effect tool_motion:p2/1@12=2e-3,outlier:p1/0@4=1e-2,wrong_socket:p3/0@7 -o faults.tsv
 run $d faults.tsv --json faults.json
 for part in "wrong_socket" "outlier" "tool_motion" '"row": 87,' '"row": 4,'; do
     expect "a fault: $part" grep -q -- "$part" faults.json
