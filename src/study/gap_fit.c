@@ -178,9 +178,10 @@ static double minus_evidence(void *context, double log_sigma)
 double gap_model_best_sigma(gap_model *m, const gap_pack *pack, const double *prior, double *value)
 {
     sigma_context context = {m, pack, prior};
-    double best;
-    const double x =
-        mukca_stats_minimize(&best, minus_evidence, &context, log(1e-6), log(5e-2), 0.01);
+    double best, lo = log(m->sigma / 2), hi = log(2 * m->sigma);
+    double x = mukca_stats_minimize(&best, minus_evidence, &context, lo, hi, 0.01);
+    if (x < lo + 0.05 || x > hi - 0.05) /* the last noise was no guide: look everywhere */
+        x = mukca_stats_minimize(&best, minus_evidence, &context, log(1e-6), log(5e-2), 0.01);
     if (value) *value = -best;
     return exp(x);
 }
