@@ -156,18 +156,6 @@ out:
     return status;
 }
 
-static void fill_offsets(mukca_offsets *offsets, const mukca_fit *fit)
-{
-    mukca_offsets_init(offsets, &fit->chain);
-    memcpy(offsets->theta, fit->theta, sizeof fit->theta);
-    for (int i = 0; i < fit->parameters.n; i++) {
-        const int at = fit->parameters.index[i];
-        offsets->listed[at] = 1;
-        offsets->sigma[at] = fit->identification.sigma[i];
-        offsets->identifiable[at] = fit->identification.identifiable[i];
-    }
-}
-
 static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets,
                                   const calibrate_result *r)
 {
@@ -186,57 +174,6 @@ static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets,
     if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
     mukca_output_abort(&output);
     return status;
-}
-
-static json_t *cost_json(const mukca_cost_value *value)
-{
-    return json_pack("{s:o, s:o, s:o, s:o}", "total", cli_json_real(value->total), "inconsistency",
-                     cli_json_real(value->inconsistency), "distortion",
-                     cli_json_real(value->distortion), "regularisation",
-                     cli_json_real(value->regularisation));
-}
-
-static json_t *null_space_json(const mukca_fit *fit)
-{
-    const int n = fit->parameters.n;
-    json_t *directions = json_array();
-    for (int r = 0; r < n - fit->identification.rank; r++) {
-        json_t *direction = json_array();
-        for (int i = 0; i < n; i++) {
-            const int at = fit->parameters.index[i];
-            const double weight = fit->null_space[r * n + i];
-            if (fabs(weight) < 1e-6) continue;
-            json_array_append_new(
-                direction,
-                json_pack("{s:s, s:s, s:f}", "joint",
-                          fit->chain.element[at / MUKCA_PARAMETERS].name, "parameter",
-                          mukca_parameter_name[at % MUKCA_PARAMETERS], "weight", weight));
-        }
-        json_array_append_new(directions, direction);
-    }
-    return directions;
-}
-
-static json_t *result_json(const cli_call *call, const mukca_offsets *offsets,
-                           const calibrate_result *r)
-{
-    const calibrate_options *o = call->options;
-    const mukca_fit *fit = r->fit;
-    return json_pack(
-        "{s:s, s:b, s:{s:s, s:s, s:i, s:i, s:s, s:o}, s:{s:o, s:o}, s:o, s:o, s:o, s:i, s:i, s:o, "
-        "s:o, "
-        "s:o, s:f}",
-        "schema", "mukca.calibrate/1", "converged", (int)fit->converged, "solver", "name",
-        solvers[o->solver], "gradient", gradients[o->gradient], "evaluations",
-        fit->outcome.evaluations, "iterations", fit->outcome.iterations, "status",
-        mukca_stop_text(fit->outcome.stop), "to_gain", cli_json_real(fit->to_gain), "cost",
-        "nominal", cost_json(&fit->nominal), "calibrated", cost_json(&fit->calibrated), "train",
-        cli_scores_json(&r->train_scores, r->train), "test",
-        cli_scores_json(&r->test_scores, r->test), "parameters",
-        cli_json_offsets(offsets, &fit->chain), "rank", fit->identification.rank, "free",
-        fit->parameters.n, "noise_m", cli_json_real(fit->identification.noise), "observability",
-        cli_json_real(fit->identification.observability), "null_space", null_space_json(fit),
-        "elapsed_s", cli_elapsed(call));
 }
 
 static mukca_status run(cli_call *call)
@@ -267,9 +204,11 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && o->test.n > 0)
         status = cli_scores_make(call, &r.test_scores, &fit->chain, fit->theta, NULL, &test);
     if (status != MUKCA_OK) goto out;
-    fill_offsets(offsets, fit);
+    calibrate_fill_offsets(offsets, fit);
     status = write_offsets(call, offsets, &r);
-    if (status == MUKCA_OK) status = cli_write_json(call, result_json(call, offsets, &r));
+    if (status == MUKCA_OK)
+        status = cli_write_json(call, calibrate_json(&r, offsets, solvers[o->solver],
+                                                     gradients[o->gradient], cli_elapsed(call)));
     if (status != MUKCA_OK) goto out;
     calibrate_say(call, &r);
     if (!fit->converged) status = MUKCA_NEGATIVE;

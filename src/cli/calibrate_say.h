@@ -1,4 +1,4 @@
-/* What calibrate says to people: one screen, results first. */
+/* A calibration's result: what is said to people, its offsets table, its JSON. */
 #ifndef MUKCA_CLI_CALIBRATE_SAY_H
 #define MUKCA_CLI_CALIBRATE_SAY_H
 
@@ -11,6 +11,14 @@ typedef struct {
     cli_scores train_scores, test_scores;
 } calibrate_result;
 
+/* To people: one screen, results first. */
 void calibrate_say(cli_call *call, const calibrate_result *result);
+
+/* The offsets table of a fit. */
+void calibrate_fill_offsets(mukca_offsets *offsets, const mukca_fit *fit);
+
+/* The contract's mukca.calibrate/1. */
+json_t *calibrate_json(const calibrate_result *result, const mukca_offsets *offsets,
+                       const char *solver, const char *gradient, double elapsed);
 
 #endif
