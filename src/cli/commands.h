@@ -11,6 +11,7 @@
     X(recalibrate)          \
     X(evaluate)             \
     X(diagnose)             \
+    X(report)               \
     X(compensate)           \
     X(export)               \
     X(fk)

@@ -84,7 +84,8 @@ mukca_status mukca_report_write(FILE *out, const mukca_report *report, mukca_err
     }
     fputs(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>",
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+        "<meta name=\"color-scheme\" content=\"light dark\">\n<title>",
         out);
     mukca_html_escape(out, report->chain->robot);
     fprintf(out,

@@ -38,10 +38,9 @@ typedef struct {
     const json_t *diagnosis;       /* mukca.diagnose/1, or NULL */
     const double *nominal;         /* [n_rows][3] predicted tip, m */
     const double *calibrated;      /* [n_rows][3] */
-    const double *joint_error; /* [n_rows][n_joints] error in the joint's angle that would explain
-                                  the row's residual after geometry, rad */
-    const double
-        *joint_effect; /* [n_rows][n_joints] the part of it that the causes explain, or NULL */
+    const double *joint_error;  /* [n_rows][n_joints] part of the row's error along which the ball
+                                   moves with the joint, m; or NULL */
+    const double *joint_effect; /* what of it the causes explain, or NULL */
     const mukca_report_step *steps;
     int n_steps; /* may be 0 */
     const mukca_report_bar *bars;

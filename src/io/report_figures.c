@@ -19,7 +19,7 @@ void report_begin(report_sheet *sheet, const char *id, const char *title, int wi
         "set border 3 linewidth 0.8\n"
         "set tics nomirror out scale 0.6\n"
         "set grid linecolor 'gray' linewidth 0.4 dashtype 3\n"
-        "set key above left horizontal samplen 2\n",
+        "set key above left horizontal Left reverse samplen 2\n",
         sheet->script);
 }
 
@@ -90,8 +90,9 @@ static void draw_training(report_sheet *sheet, const mukca_report *r, int index)
     }
     fputs(
         "EOD\nset logscale y\nset format y '%g'\nset xlabel 'iteration'\nset ylabel 'mm'\n"
-        "set xtics integer\nset xrange [0:*]\n",
+        "set xrange [0:*]\n",
         s);
+    fprintf(s, "set xtics %d\n", 1 + r->n_steps / 9);
     if (r->repeatability > 0)
         fprintf(
             s,
@@ -149,7 +150,7 @@ static void draw_placements(report_sheet *sheet, const mukca_report *r, int inde
     static const struct {
         const char *id, *title, *before, *after, *label;
     } kinds[2] = {{"error-by-placement", "Mean absolute error of each placement", "mae_nominal_m",
-                   "mae_m", "mean distance of a row from its socket''s mean, mm"},
+                   "mae_m", "mean error of a row, mm"},
                   {"distance-error", "Error of the distance between the sockets",
                    "distance_error_nominal_m", "distance_error_m", "error of the distance, mm"}};
     const int n = (int)placements(r);
@@ -216,11 +217,12 @@ static void draw_centres(report_sheet *sheet, const mukca_report *r, int index)
     const mukca_dataset *data = r->data;
     char id[64], title[160];
     double origin[3] = {0};
+    double reach = 0;
     int rows = 0, sockets = 0;
     snprintf(id, sizeof id, "centres-%d", index + 1);
     snprintf(title, sizeof title, "Predicted ball centres, %s%s", data->placements[index].name,
              r->held_out[index] ? " (held out)" : "");
-    report_begin(sheet, id, title, 960, 360);
+    report_begin(sheet, id, title, 960, 370);
     for (int k = 0; k < data->n_rows; k++) {
         if (data->socket[k] < 0 || data->sockets[data->socket[k]].placement != index) continue;
         for (int i = 0; i < 3; i++) origin[i] += r->calibrated[3 * k + i];
@@ -228,11 +230,20 @@ static void draw_centres(report_sheet *sheet, const mukca_report *r, int index)
     }
     for (int i = 0; i < 3 && rows > 0; i++) origin[i] /= rows;
     for (int k = 0; k < data->n_sockets; k++) sockets += data->sockets[k].placement == index;
+    for (int k = 0; k < data->n_rows; k++) {
+        if (data->socket[k] < 0 || data->sockets[data->socket[k]].placement != index) continue;
+        for (int i = 0; i < 3; i++) {
+            reach = fmax(reach, fabs(r->calibrated[3 * k + i] - origin[i]) * mm);
+            reach = fmax(reach, fabs(r->nominal[3 * k + i] - origin[i]) * mm);
+        }
+    }
     FILE *s = sheet->script;
     put_centres(s, "b", r->nominal, origin, data, index);
     put_centres(s, "a", r->calibrated, origin, data, index);
-    fputs("set multiplot layout 1,3 margins 0.07,0.985,0.15,0.88 spacing 0.075\n", s);
-    fputs("set size ratio -1\nset key at graph 0, 1.12 left top\n", s);
+    fputs("set multiplot layout 1,3 margins 0.07,0.985,0.17,0.9 spacing 0.075\n", s);
+    fprintf(s,
+            "set size ratio -1\nset xrange [%g:%g]\nset yrange [%g:%g]\nset key at graph 0, 1.1\n",
+            -1.05 * reach, 1.05 * reach, -1.05 * reach, 1.05 * reach);
     for (int panel = 0; panel < 3; panel++) {
         const int u = axes[panel][0] - 'x' + 1, v = axes[panel][1] - 'x' + 1;
         fprintf(s, "set xlabel '%c, mm'\nset ylabel '%c, mm' offset 1,0\nplot ", axes[panel][0],
@@ -248,7 +259,7 @@ static void draw_centres(report_sheet *sheet, const mukca_report *r, int index)
     fputs("unset multiplot\n", s);
     report_describe(sheet,
                     "Where the model puts the ball in each of %d rows of %d sockets, in the base "
-                    "frame about the placement's middle, seen along z, y and x at the same scale: "
+                    "frame about the placement's middle, seen along z, y and x, at true scale: "
                     "scattered with the nominal model, gathered to one point per socket after "
                     "calibration.",
                     rows, sockets);

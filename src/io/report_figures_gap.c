@@ -22,35 +22,45 @@ static int add_rung(rung *rungs, int n, int room, const char *name, double value
     return n + 1;
 }
 
+/* A rung of a contract's held_out object; its interval is one of the shrink in per cent. */
+static int add_held_out(rung *rungs, int n, int room, const char *name, const json_t *held_out)
+{
+    const json_t *ci = json_object_get(held_out, "ci95");
+    const double before = report_real(held_out, "before_m");
+    const int m = add_rung(rungs, n, room, name, report_real(held_out, "after_m"));
+    if (m > n && json_array_size(ci) == 2 && isfinite(before)) {
+        rungs[n].low = before * (1 - json_number_value(json_array_get(ci, 1)) / 100);
+        rungs[n].high = before * (1 - json_number_value(json_array_get(ci, 0)) / 100);
+    }
+    return m;
+}
+
 void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
 {
     (void)index;
     enum { ROOM = 24 };
     rung rungs[ROOM];
     const json_t *gap = json_object_get(r->diagnosis, "gap"), *cause;
+    const json_t *causes = json_object_get(r->diagnosis, "causes");
     const double floor = report_real(gap, "noise_floor_m");
+    const double geometry = report_real(gap, "geometry_m");
+    const double excused = report_real(gap, "faults_excused_m");
     int n = 0;
     size_t i;
     n = add_rung(rungs, n, ROOM, "nominal model", report_real(gap, "nominal_m"));
-    n = add_rung(rungs, n, ROOM, "calibrated geometry", report_real(gap, "geometry_m"));
-    n = add_rung(rungs, n, ROOM, "faulty rows excused", report_real(gap, "faults_excused_m"));
-    const double start = report_real(gap, "faults_excused_m");
-    json_array_foreach(json_object_get(r->diagnosis, "causes"), i, cause)
+    n = add_rung(rungs, n, ROOM, "calibrated geometry", geometry);
+    if (fabs(excused - geometry) > 0.002 * geometry)
+        n = add_rung(rungs, n, ROOM, "faulty rows excused", excused);
+    json_array_foreach(causes, i, cause)
     {
-        const json_t *held_out = json_object_get(cause, "held_out");
-        const json_t *ci = json_object_get(held_out, "ci95");
-        const double before = report_real(held_out, "before_m");
-        char name[160] = "+ ";
-        report_name_cause(name + 2, sizeof name - 2, cause);
-        const int m = add_rung(rungs, n, ROOM - 1, name, report_real(held_out, "after_m"));
-        if (m > n && json_array_size(ci) == 2) {
-            /* the interval is one of the shrink in per cent */
-            rungs[n].low = before * (1 - json_number_value(json_array_get(ci, 1)) / 100);
-            rungs[n].high = before * (1 - json_number_value(json_array_get(ci, 0)) / 100);
-        }
-        n = m;
+        char name[160];
+        report_name_cause(name, sizeof name, cause);
+        snprintf(name + strlen(name), sizeof name - strlen(name), "%s",
+                 json_array_size(causes) > 1 ? " alone" : "");
+        n = add_held_out(rungs, n, ROOM - 1, name, json_object_get(cause, "held_out"));
     }
-    n = add_rung(rungs, n, ROOM, "all causes together", report_real(gap, "explained_m"));
+    if (json_array_size(causes) > 1)
+        n = add_held_out(rungs, n, ROOM, "all causes together", json_object_get(gap, "held_out"));
     report_begin(sheet, "gap-ladder", "Held-out error, step by step", 640, 120 + 28 * n);
     FILE *s = sheet->script;
     fputs("$d << EOD\n", s);
@@ -81,7 +91,7 @@ void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
     report_describe(sheet, "Mean held-out error in mm:");
     for (int k = 0; k < n; k++)
         report_describe(sheet, "%s %s %.3g", k ? ";" : "", rungs[k].name, rungs[k].value * mm);
-    if (isfinite(start) && floor > 0) report_describe(sheet, "; noise floor %.3g", floor * mm);
+    if (floor > 0) report_describe(sheet, "; noise floor %.3g", floor * mm);
     report_describe(sheet, ".");
 }
 
@@ -110,22 +120,21 @@ void report_draw_joint(report_sheet *sheet, const mukca_report *r, int index)
     residual = sqrt(residual / rows);
     left = sqrt(left / rows);
     fprintf(s,
-            "EOD\nset xlabel '%s'\nset ylabel '%s' offset 1,0\nset xzeroaxis lc rgb 'black' lw "
+            "EOD\nset xlabel '%s'\nset ylabel 'error along its motion, mm' offset 1,0\nset "
+            "xzeroaxis lc rgb 'black' lw "
             "0.6\nplot $d using 1:2 with points lc rgb " PLOT_BEFORE
-            " pt 6 ps 0.5 title 'left after geometry'",
-            turns ? "angle, deg" : "position, mm",
-            turns ? "error in this joint, mrad" : "error in this joint, mm");
+            " pt 6 ps 0.5 title 'after geometry'",
+            turns ? "angle, deg" : "position, mm");
     if (r->joint_effect)
         fputs(", $d using 1:3 with points lc rgb " PLOT_AFTER
-              " pt 7 ps 0.4 title 'the found causes'",
+              " pt 7 ps 0.4 title 'explained by the causes'",
               s);
     fputc('\n', s);
     report_describe(sheet,
-                    "The error of each row, read as an error in the angle of %s, over that angle: "
-                    "%.3g %s rms after geometry",
-                    e->name, residual, turns ? "mrad" : "mm");
-    if (r->joint_effect)
-        report_describe(sheet, ", %.3g without what the found causes explain", left);
+                    "The part of each row's error along which the ball moves with %s, over the "
+                    "joint's %s: %.3g mm rms after geometry",
+                    e->name, turns ? "angle" : "position", residual);
+    if (r->joint_effect) report_describe(sheet, ", %.3g once the causes are modelled", left);
     report_describe(sheet, ".");
 }
 

@@ -7,7 +7,7 @@
 /* The figures carry the light colours as attributes; a rule for the attribute's value restates each
  * for the scheme in use.  (gnuplot writes a colour as rgb with padded numbers.) */
 static const char report_style[] =
-    ":root{color-scheme:light dark;--ink:#1a1a1a;--paper:#fff;--soft:#f3f4f6;--line:#8a8f98;"
+    ":root{--ink:#1a1a1a;--paper:#fff;--soft:#f3f4f6;--line:#8a8f98;"
     "--before:#c35200;--after:#0072b2;--third:#007a58;--grid:#b0b4ba}\n"
     "@media (prefers-color-scheme:dark){:root{--ink:#e8e8e8;--paper:#15181c;--soft:#23272e;"
     "--line:#8a8f98;--before:#ff9a4d;--after:#63b8f0;--third:#3ecfa0;--grid:#565b63}}\n"
@@ -30,7 +30,8 @@ static const char report_style[] =
     "gap:1rem}\n"
     "figure{margin:0;min-width:0}figure.broad{grid-column:1/-1;overflow-x:auto}\n"
     "figcaption{font-size:.9rem}figcaption strong{display:block}\n"
-    ".plot{display:block;width:100%;height:auto}.broad .plot{min-width:40rem}\n"
+    ".plot{display:block;width:100%;max-width:40rem;height:auto}.broad "
+    ".plot{min-width:40rem;max-width:none}\n"
     ".plot [stroke=\"black\"]{stroke:var(--ink)}.plot [fill=\"black\"]{fill:var(--ink)}\n"
     ".plot [color=\"black\"]{color:var(--ink)}.plot [color=\"white\"]{color:var(--paper)}\n"
     ".plot [stroke=\"gray\"]{stroke:var(--grid)}.plot [color=\"gray\"]{color:var(--grid)}\n"
@@ -40,7 +41,7 @@ static const char report_style[] =
     "top}\n"
     ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
     "anywhere}\n"
-    "@media print{:root{color-scheme:light;--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"
+    "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"
     "--after:#0072b2;--third:#007a58;--grid:#b0b4ba}body{max-width:none;font-size:10pt;padding:0}"
     "nav{display:none}figure,tr,.tiles{break-inside:avoid}h2{break-after:avoid}"
     ".wide,figure.broad{overflow:visible}.broad .plot{min-width:0}}\n";

@@ -45,12 +45,14 @@ void report_name_cause(char *text, size_t size, const json_t *cause)
 static void cell(FILE *out, double value, double factor, int decimals)
 {
     fputs("<td class=\"n\">", out);
+    value *= factor;
+    if (decimals >= 0 && fabs(value) < 0.5 * pow(10, -decimals)) value = 0; /* no "-0.00" */
     if (!isfinite(value))
         fputs("&ndash;", out);
     else if (decimals < 0)
-        fprintf(out, "%.*g", -decimals, value * factor);
+        fprintf(out, "%.*g", -decimals, value);
     else
-        fprintf(out, "%.*f", decimals, value * factor);
+        fprintf(out, "%.*f", decimals, value);
     fputs("</td>", out);
 }
 

@@ -1,0 +1,325 @@
+/* mukca report: calibrate, diagnose, and show it all on one page. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <sha2.h>
+
+#include "cli/report_prepare.h"
+#include "fit/nlopt_adapter.h"
+#include "io/output.h"
+
+typedef struct {
+    cli_common common;
+    cli_list test;
+    const char *plots;
+    int format;
+    double repeatability;
+    bool free_base, free_tool;
+} report_options;
+
+static const report_options defaults = {.repeatability = 1e-4};
+
+static const char *const formats[] = {"png", "pdf", "svg", NULL};
+
+static const cli_option options[] = {
+    {"test", 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported", NULL,
+     offsetof(report_options, test)},
+    CLI_OUTPUT_OPTION("where to write the page (default: standard output)"),
+    {"plots", 0, CLI_TEXT, "FOLDER", "write each figure there as a file, too", NULL,
+     offsetof(report_options, plots)},
+    {"format", 0, CLI_CHOICE, "FORMAT", "of these files (default: png)", formats,
+     offsetof(report_options, format)},
+    {"repeatability", 0, CLI_NUMBER, "M",
+     "of the arm by its data sheet, a line in the training curves, m (default: 1e-4; 0: none)",
+     NULL, offsetof(report_options, repeatability)},
+    {"free-base", 0, CLI_FLAG, NULL, "pose logs: fit the tracker's frame", NULL,
+     offsetof(report_options, free_base)},
+    {"free-tool", 0, CLI_FLAG, NULL, "pose logs: fit the target's place on the tool", NULL,
+     offsetof(report_options, free_tool)},
+    CLI_OFFSETS_OPTION,
+    CLI_MODEL_OPTIONS,
+    CLI_DISTANCE_OPTIONS,
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+enum { MAX_STEPS = 500 };
+
+/* All that a run holds. */
+typedef struct {
+    cli_call *call;
+    cli_model model;
+    mukca_dataset train, test, all;
+    mukca_fit fit;
+    mukca_offsets offsets;
+    mukca_diagnosis diagnosis;
+    mukca_pool pool;
+    mukca_score *scores;
+    mukca_report_step steps[MAX_STEPS];
+    mukca_report page;
+    json_t *calibration, *diagnosed;
+} report_run;
+
+static void watch(void *context, const double *theta, const mukca_cost_value *value,
+                  int evaluations)
+{
+    report_run *r = context;
+    (void)value;
+    (void)evaluations;
+    if (r->page.n_steps < MAX_STEPS)
+        report_step(&r->steps[r->page.n_steps++], &r->fit.chain, theta, &r->train, &r->test,
+                    r->scores);
+}
+
+static bool stop(void *context)
+{
+    (void)context;
+    return cli_interrupted();
+}
+
+static bool progress(void *context, double share, const char *doing)
+{
+    cli_progress(context, doing, share, 1);
+    return !cli_interrupted();
+}
+
+/* Fit, or take the table of --offsets; then score and describe. */
+static mukca_status calibrate(report_run *r)
+{
+    cli_call *call = r->call;
+    const report_options *o = call->options;
+    const bool given = call->common->offsets != NULL;
+    const int room = r->train.n_placements + r->test.n_placements + 2;
+    calibrate_result result = {.fit = &r->fit, .train = &r->train, .test = &r->test};
+    const mukca_fit_options how = {.free_base = o->free_base,
+                                   .free_tool = o->free_tool,
+                                   .solver = mukca_solver_table[0],
+                                   .limits = {.stop = stop, .progress = watch, .context = r}};
+    mukca_status status = MUKCA_OK;
+    r->scores = MUKCA_TAKE(&r->pool, mukca_score, room);
+    if (!r->scores) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (given) {
+        r->fit.chain = r->model.chain;
+        r->offsets = r->model.offsets;
+    } else {
+        status = mukca_fit_run(&r->fit, &r->model.chain, &r->train, &how, &call->error);
+        if (status != MUKCA_OK) return status;
+        calibrate_fill_offsets(&r->offsets, &r->fit);
+    }
+    const cli_model *effects = given ? &r->model : NULL;
+    status = cli_scores_make(call, &result.train_scores, &r->fit.chain, r->offsets.theta, effects,
+                             &r->train);
+    if (status == MUKCA_OK)
+        status = cli_scores_make(call, &result.test_scores, &r->fit.chain, r->offsets.theta,
+                                 effects, &r->test);
+    if (status == MUKCA_OK && given)
+        r->calibration =
+            json_pack("{s:o, s:o, s:o}", "train", cli_scores_json(&result.train_scores, &r->train),
+                      "test", cli_scores_json(&result.test_scores, &r->test), "parameters",
+                      cli_json_offsets(&r->offsets, &r->fit.chain));
+    else if (status == MUKCA_OK)
+        r->calibration = calibrate_json(&result, &r->offsets, mukca_solver_table[0]->name, "fd",
+                                        cli_elapsed(call));
+    cli_scores_free(&result.train_scores);
+    cli_scores_free(&result.test_scores);
+    return status;
+}
+
+static mukca_status diagnose(report_run *r)
+{
+    const report_options *o = r->call->options;
+    const mukca_diagnose_options how = {.test = r->test.n_rows > 0 ? &r->test : NULL,
+                                        .free_base = o->free_base,
+                                        .free_tool = o->free_tool,
+                                        .applied = true,
+                                        .progress = progress,
+                                        .progress_context = r->call};
+    mukca_status status =
+        mukca_diagnose(&r->diagnosis, &r->model.chain, &r->train, &how, &r->call->error);
+    if (status != MUKCA_OK) return status;
+    const cli_diagnosed result = {&r->diagnosis, &r->model.chain, &r->train, how.test};
+    r->diagnosed = cli_diagnosis_json(&result);
+    return MUKCA_OK;
+}
+
+/* What each row's residual means per joint, and what of it the causes explain. */
+static mukca_status joints(report_run *r, const mukca_chain *chain)
+{
+    const mukca_applied *a = &r->diagnosis.applied;
+    double theta[MUKCA_MAX_THETA], *left;
+    double *errors =
+        report_joint_errors(&r->pool, chain, r->offsets.theta, r->page.calibrated, &r->all);
+    r->page.joint_error = errors;
+    if (errors && a->fitted && a->n_effects > 0 && !r->all.position) {
+        const mukca_chain *arm = &r->model.chain;
+        mukca_geometry_theta(theta, arm, &a->geometry);
+        const double *explained =
+            report_positions(&r->pool, arm, theta, a->effects, a->n_effects, &r->all);
+        left = explained ? report_joint_errors(&r->pool, arm, theta, explained, &r->all) : NULL;
+        for (int i = 0; left && i < r->all.n_rows * r->all.n_joints; i++)
+            left[i] = errors[i] - left[i];
+        r->page.joint_effect = left;
+    }
+    return r->pool.failed ? mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+}
+
+/* Paths and hashes of all that was read; folders stand for the files in them. */
+static mukca_status provenance(report_run *r)
+{
+    const mukca_dataset *sets[2] = {&r->train, &r->test};
+    mukca_report_file *files =
+        MUKCA_TAKE(&r->pool, mukca_report_file, r->train.n_files + r->test.n_files + 2);
+    int n = 0;
+    if (!files) return mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory");
+    files[n++] = (mukca_report_file){r->call->common->urdf, r->model.chain.urdf_sha256};
+    for (int k = 0; k < 2; k++)
+        for (int f = 0; f < sets[k]->n_files; f++) {
+            char *hash = MUKCA_TAKE(&r->pool, char, SHA256_DIGEST_STRING_LENGTH);
+            if (!hash) return mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory");
+            if (!SHA256File(sets[k]->files[f], hash)) strcpy(hash, "gone");
+            files[n++] = (mukca_report_file){sets[k]->files[f], hash};
+        }
+    r->page.files = files;
+    r->page.n_files = n;
+    return MUKCA_OK;
+}
+
+static mukca_status write_page(report_run *r)
+{
+    const report_options *o = r->call->options;
+    const cli_common *c = r->call->common;
+    mukca_output output = {0};
+    mukca_status status = MUKCA_OK;
+    if (o->plots && mkdir(o->plots, 0777) != 0 && errno != EEXIST)
+        return mukca_fail(&r->call->error, MUKCA_INPUT, "--plots %s: %s", o->plots,
+                          strerror(errno));
+    if (o->plots)
+        status =
+            mukca_report_write_figures(o->plots, formats[o->format], &r->page, &r->call->error);
+    if (status == MUKCA_OK)
+        status = mukca_output_open(&output, c->output ? c->output : "-", c->force, &r->call->error);
+    if (status == MUKCA_OK) status = mukca_report_write(output.stream, &r->page, &r->call->error);
+    if (status == MUKCA_OK) status = mukca_output_close(&output, &r->call->error);
+    mukca_output_abort(&output);
+    return status;
+}
+
+static mukca_status check(cli_call *call)
+{
+    const report_options *o = call->options;
+    if (!call->common->output && isatty(STDOUT_FILENO))
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "-o FILE is needed: a page is nothing for the terminal");
+    if (!(o->repeatability >= 0))
+        return mukca_fail(&call->error, MUKCA_USAGE, "--repeatability %g: must not be negative",
+                          o->repeatability);
+    if (call->common->offsets && (o->free_base || o->free_tool))
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "--offsets brings its own frames: leave out --free-base and --free-tool");
+    return cli_check_outputs(call);
+}
+
+static mukca_status prepare(report_run *r)
+{
+    const report_options *o = r->call->options;
+    unsigned char *held_out;
+    mukca_status status = calibrate(r);
+    if (status == MUKCA_OK) status = diagnose(r);
+    if (status == MUKCA_OK)
+        status = report_join(&r->all, &held_out, &r->pool, &r->train, &r->test, &r->call->error);
+    if (status != MUKCA_OK) return status;
+    mukca_report *p = &r->page;
+    const mukca_chain *chain = &r->fit.chain;
+    const mukca_offsets *table = &r->offsets;
+    mukca_report_bar *bars;
+    p->chain = &r->model.chain;
+    p->data = &r->all;
+    p->held_out = held_out;
+    p->calibration = r->calibration;
+    p->diagnosis = r->diagnosed;
+    p->repeatability = o->repeatability;
+    p->steps = r->steps;
+    p->nominal = report_positions(&r->pool, chain, NULL, NULL, 0, &r->all);
+    p->calibrated =
+        report_positions(&r->pool, chain, table->theta, table->effects, table->n_effects, &r->all);
+    status = joints(r, chain);
+    if (status == MUKCA_OK)
+        status =
+            report_bars(&bars, &p->n_bars, &r->pool, r->call, &r->model.chain, &r->train, &r->test);
+    if (status != MUKCA_OK) return status;
+    p->bars = bars;
+    return provenance(r);
+}
+
+static mukca_status run(cli_call *call)
+{
+    const report_options *o = call->options;
+    report_run *r = calloc(1, sizeof *r);
+    char when[32], *command = NULL;
+    size_t size;
+    if (!r) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    r->call = call;
+    cli_catch_interrupts();
+    mukca_status status = check(call);
+    if (status == MUKCA_OK) status = cli_load_model(call, &r->model);
+    if (status == MUKCA_OK) status = cli_check_effects(call, &r->model);
+    if (status == MUKCA_OK) status = cli_load_data(call, &r->train, &r->model, &call->arguments);
+    if (status == MUKCA_OK && o->test.n > 0)
+        status = cli_load_data(call, &r->test, &r->model, &o->test);
+    if (status == MUKCA_OK) status = prepare(r);
+    if (status != MUKCA_OK) goto out;
+    FILE *line = open_memstream(&command, &size);
+    if (!line) {
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        goto out;
+    }
+    fprintf(line, "mukca report --urdf %s", call->common->urdf);
+    for (int i = 0; i < call->arguments.n; i++) fprintf(line, " %s", call->arguments.items[i]);
+    for (int i = 0; i < o->test.n; i++)
+        fprintf(line, "%s %s", i ? "" : " --test", o->test.items[i]);
+    if (call->common->offsets) fprintf(line, " --offsets %s", call->common->offsets);
+    fclose(line);
+    mukca_offsets_time(when);
+    r->page.command = command;
+    r->page.when = when;
+    status = write_page(r);
+    if (status == MUKCA_OK && call->common->output)
+        cli_say(call, "The report is in %s.\n", call->common->output);
+out:
+    free(command);
+    json_decref(r->calibration);
+    json_decref(r->diagnosed);
+    mukca_diagnosis_free(&r->diagnosis);
+    mukca_fit_free(&r->fit);
+    mukca_pool_free(&r->pool);
+    mukca_dataset_free(&r->train);
+    mukca_dataset_free(&r->test);
+    mukca_dataset_free(&r->all);
+    free(r);
+    return status;
+}
+
+const cli_command cli_command_report = {
+    .name = "report",
+    .group = CLI_UNDERSTAND,
+    .summary = "one self-contained HTML page with the evidence",
+    .synopsis = "DATA...",
+    .min_arguments = 1,
+    .max_arguments = -1,
+    .description =
+        "Calibrates (or takes --offsets), diagnoses, and writes one page that needs no network and "
+        "no script: verdict, numbers, training curves, ball centres before and after, errors by "
+        "placement, by joint and by row, causes with their ties, offsets with their errors, and "
+        "where all of it comes from. gnuplot draws the figures.",
+    .example =
+        "mukca report --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv -o "
+        "build/demo/report.html --force",
+    .options = options,
+    .options_size = sizeof(report_options),
+    .defaults = &defaults,
+    .run = run,
+};
