@@ -241,6 +241,7 @@ def robots():
     demo = os.path.join(ROOT, "data", "demo")
     if os.path.exists(os.path.join(demo, "train.tsv")):
         rows = demo_rows(os.path.join(demo, "train.tsv"))[1]
+        rows = [row for row in rows if row[0] == rows[0][0]]  # one placement, both sockets
         urdf = os.path.join(demo, "arm.urdf")
         found += [("demo arm as iiwa", "iiwa", 200, "IIWA_STATUS", urdf, rows),
                   ("demo arm as Panda", "panda", 1000, "PANDA_STATUS", urdf, rows)]
