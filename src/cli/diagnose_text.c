@@ -162,8 +162,7 @@ static void shrink_words(char text[96], const mukca_shrink *s)
         snprintf(text, 96, "%.1f %% [%.1f, %.1f], %d of %d folds", s->shrink_percent,
                  s->low_percent, s->high_percent, s->folds_better, s->folds);
     else
-        snprintf(text, 96, "%.1f %%, %d of %d folds", s->shrink_percent, s->folds_better,
-                 s->folds);
+        snprintf(text, 96, "%.1f %%, %d of %d folds", s->shrink_percent, s->folds_better, s->folds);
 }
 
 static void print_gap(FILE *stream, const cli_diagnosed *r)
@@ -191,6 +190,8 @@ static void print_gap(FILE *stream, const cli_diagnosed *r)
                  d->held_out.low_percent > 0 ? "less by" : "unsure:", words);
     }
     if (d->n_causes) print_step(stream, "causes modelled", d->explained_m, remark);
+    if (isfinite(d->structure_m))
+        print_step(stream, "unknown fitted too", d->structure_m, "structure without a name");
     print_step(stream, "noise floor", d->noise_floor_m, "");
     if (r->test && isfinite(d->test_geometry_m)) {
         char text[3][24];

@@ -109,8 +109,7 @@ static mukca_effect rival_effect(const gap_hypothesis *h, const mukca_effect *ca
 {
     mukca_effect rival = h->effect;
     double square = 0;
-    for (int t = 0; t < cause->terms; t++)
-        square += pow(cause->coefficient[t] * of->unit[0], 2);
+    for (int t = 0; t < cause->terms; t++) square += pow(cause->coefficient[t] * of->unit[0], 2);
     rival.terms = mukca_effect_terms(rival.kind, rival.variant);
     for (int t = 0; t < rival.terms; t++)
         rival.coefficient[t] = sqrt(square / rival.terms) / h->unit[0];
@@ -367,6 +366,24 @@ static void tell(mukca_diagnosis *d, gap_contest *contest)
     tell_tested(d, contest);
 }
 
+/* What is measured and handed on is the geometry with the causes that were told: an unknown
+ * function fits these rows and says nothing of others. */
+static void keep_told(mukca_diagnosis *d, gap_model *m)
+{
+    bool dropped = false;
+    if (d->unexplained || d->verdict == MUKCA_VERDICT_UNKNOWN)
+        d->structure_m = gap_held_out_structure(m);
+    for (int c = 0; c < m->n_causes; c++) {
+        const gap_hypothesis *h = &m->cause[c].hypothesis;
+        const int class = gap_hypothesis_class(h);
+        const bool fault = h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE;
+        if (fault || (class != GAP_CLASS_UNKNOWN && d->verdict != MUKCA_VERDICT_UNKNOWN)) continue;
+        gap_model_drop(m, c--);
+        dropped = true;
+    }
+    if (dropped) gap_model_fit(m, 4, GAP_NOISE);
+}
+
 void mukca_diagnosis_free(mukca_diagnosis *diagnosis)
 {
     mukca_pool_free(&diagnosis->pool);
@@ -413,8 +430,11 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     }
     status = gap_compete(&contest, error);
     if (status != MUKCA_OK) goto out;
+    diagnosis->sigma_m = m.sigma;
+    diagnosis->rho = m.rho;
     if (m.sigma < MOST_SIGMA) {
         tell(diagnosis, &contest);
+        keep_told(diagnosis, &m);
     } else {
         gap_untested_all(diagnosis,
                          "the rows do not fit this arm: check the URDF, the tip, the columns and "
@@ -422,8 +442,6 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         while (m.n_causes) gap_model_drop(&m, 0);
         gap_model_fit(&m, 4, GAP_FREE);
     }
-    diagnosis->sigma_m = m.sigma;
-    diagnosis->rho = m.rho;
     diagnosis->geometry = m.geometry;
     diagnosis->tracker = m.tracker;
     if (!options->no_folds) status = gap_held_out(diagnosis, &m, options, error);

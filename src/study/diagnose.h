@@ -118,6 +118,7 @@ typedef struct {
     double axis_rms_m[3]; /* what geometry leaves, by base axis */
     /* held-out mean errors, leave one placement out, m; NaN: not measurable */
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
+    double structure_m; /* as explained_m, but with the functions that nobody can name; NaN: none */
     mukca_shrink held_out;       /* from faults_excused_m to explained_m */
     double noise_shrink_percent; /* what the best of the catalogue gains on pure noise */
     int folds;

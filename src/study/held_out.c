@@ -29,7 +29,7 @@ typedef struct {
 
 void gap_held_out_nothing(mukca_diagnosis *d)
 {
-    d->nominal_m = d->geometry_m = d->faults_excused_m = d->explained_m = NAN;
+    d->structure_m = d->nominal_m = d->geometry_m = d->faults_excused_m = d->explained_m = NAN;
     d->noise_floor_m = d->noise_shrink_percent = NAN;
     d->test_nominal_m = d->test_geometry_m = d->test_explained_m = NAN;
     d->held_out = (mukca_shrink){NAN, NAN, NAN, NAN, NAN, 0, 0};
@@ -318,6 +318,42 @@ static int model_cause(const gap_model *m, const mukca_cause *cause)
     return -1;
 }
 
+static void bench_take(bench *b)
+{
+    gap_model *m = b->m;
+    const int rows = m->data->n_rows;
+    b->fold = MUKCA_TAKE(&m->pool, int, rows);
+    b->prior = MUKCA_TAKE(&m->pool, double, m->capacity);
+    b->gram = MUKCA_TAKE(&m->pool, double, (m->capacity + 1) * (m->capacity + 1));
+    b->distance = MUKCA_TAKE(&m->pool, double, (m->data->n_distances + 1) * (m->capacity + 1));
+    b->position = MUKCA_TAKE(&m->pool, double, 3 * rows);
+    b->error = MUKCA_TAKE(&m->pool, double, rows);
+}
+
+/* Normal equations at the model's own AR(1) coefficient. */
+static gap_pack *present_pack(gap_model *m)
+{
+    gap_pack *pack = &m->pack[0];
+    for (int i = 0; i < GAP_RHOS; i++)
+        if (gap_rho[i] == m->rho) pack = &m->pack[i];
+    gap_model_pack(pack, m, m->rho);
+    return pack;
+}
+
+double gap_held_out_structure(gap_model *m)
+{
+    unsigned char use[GAP_MAX_CAUSES];
+    bench b = {.m = m};
+    bench_take(&b);
+    if (m->pool.failed) return NAN;
+    b.n_folds = make_folds(b.fold, m, false);
+    if (b.n_folds < 2) return NAN;
+    memset(use, 1, sizeof use);
+    cross_predict(&b, present_pack(m), use);
+    row_errors(b.error, m, b.position, m->keep, true);
+    return mean_error(b.error, m->data->n_rows, NULL);
+}
+
 mukca_status gap_held_out(mukca_diagnosis *d, gap_model *m, const mukca_diagnose_options *options,
                           mukca_error *error)
 {
@@ -325,13 +361,7 @@ mukca_status gap_held_out(mukca_diagnosis *d, gap_model *m, const mukca_diagnose
     unsigned char use[GAP_MAX_CAUSES], *all = MUKCA_TAKE(&m->pool, unsigned char, rows);
     bench b = {.m = m};
     mukca_geometry nominal;
-    gap_held_out_nothing(d);
-    b.fold = MUKCA_TAKE(&m->pool, int, rows);
-    b.prior = MUKCA_TAKE(&m->pool, double, m->capacity);
-    b.gram = MUKCA_TAKE(&m->pool, double, (m->capacity + 1) * (m->capacity + 1));
-    b.distance = MUKCA_TAKE(&m->pool, double, (m->data->n_distances + 1) * (m->capacity + 1));
-    b.position = MUKCA_TAKE(&m->pool, double, 3 * rows);
-    b.error = MUKCA_TAKE(&m->pool, double, rows);
+    bench_take(&b);
     double *excused = MUKCA_TAKE(&m->pool, double, rows);
     unsigned char *kept = MUKCA_TAKE(&m->pool, unsigned char, rows);
     gap_cause *causes = MUKCA_TAKE(&m->pool, gap_cause, GAP_MAX_CAUSES);
@@ -340,15 +370,12 @@ mukca_status gap_held_out(mukca_diagnosis *d, gap_model *m, const mukca_diagnose
     if (m->pool.failed || d->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
     b.n_folds = d->folds = make_folds(b.fold, m, false);
-    d->noise_floor_m = MUKCA_MEAN_NORM3 * m->sigma;
+    d->noise_floor_m = MUKCA_MEAN_NORM3 * d->sigma_m;
     d->noise_shrink_percent = noise_gain(m->data->n_placements);
     memset(all, 1, (size_t)rows);
     memcpy(kept, m->keep, (size_t)rows);
 
-    gap_pack *pack = &m->pack[0];
-    for (int i = 0; i < GAP_RHOS; i++)
-        if (gap_rho[i] == m->rho) pack = &m->pack[i];
-    gap_model_pack(pack, m, m->rho);
+    gap_pack *pack = present_pack(m);
     /* Faults excused, explained, and each cause alone: on the kept rows. */
     if (b.n_folds >= 2) {
         memset(use, 0, sizeof use);

@@ -13,14 +13,14 @@ typedef struct {
 } gap_score;
 
 enum {
-    GAP_HARMONICS_KEPT = 8,  /* best orders of a joint that one scan of all orders adds */
-    GAP_HARMONICS_MOST = 24  /* orders of a joint that are scored as candidates */
+    GAP_HARMONICS_KEPT = 8, /* best orders of a joint that one scan of all orders adds */
+    GAP_HARMONICS_MOST = 24 /* orders of a joint that are scored as candidates */
 };
 
 /* How much of the list a run scores. */
 typedef enum {
-    GAP_SCAN_ALL,     /* everything, all orders of gear ripple included */
-    GAP_SCAN_LISTED,  /* the list, and the orders that a scan of all has found worth it */
+    GAP_SCAN_ALL,       /* everything, all orders of gear ripple included */
+    GAP_SCAN_LISTED,    /* the list, and the orders that a scan of all has found worth it */
     GAP_SCAN_CONTENDERS /* what was ever near the front, and the kin of the cause left out */
 } gap_scan_extent;
 
@@ -33,8 +33,8 @@ typedef struct {
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
     double sigma;
-    unsigned char *wanted;        /* [scores] scratch: averaged over rho */
-    double *value, *information;  /* [scores] scratch: at one rho */
+    unsigned char *wanted;       /* [scores] scratch: averaged over rho */
+    double *value, *information; /* [scores] scratch: at one rho */
     double *memory;
     mukca_pool pool;
 } gap_scan;
