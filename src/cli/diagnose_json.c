@@ -1,7 +1,7 @@
 /* The diagnosis as JSON, field by field as the contract has it. */
 #include <math.h>
 
-#include "cli/diagnose.h"
+#include "cli/diagnose_words.h"
 
 static json_t *joint_name(const mukca_chain *chain, int joint)
 {
@@ -57,10 +57,10 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
         "motion",
         c->effect.kind == MUKCA_EFFECT_TOOL_MOTION ? json_string(c->creep ? "creep" : "step")
                                                    : json_null(),
-        "amplitude", cli_json_real(c->amplitude), "unit", info->unit, "ci95",
-        interval(c->low, c->high), "log_bayes_factor", cli_json_real(c->log_bayes_factor),
-        "probability", cli_json_real(c->probability), "ties", ties, "held_out",
-        shrink_object(&c->held_out));
+        "amplitude", cli_json_real(c->amplitude), "unit",
+        cli_effect_unit(c->effect.kind, chain, c->effect.joint), "ci95", interval(c->low, c->high),
+        "log_bayes_factor", cli_json_real(c->log_bayes_factor), "probability",
+        cli_json_real(c->probability), "ties", ties, "held_out", shrink_object(&c->held_out));
 }
 
 static json_t *fault_object(const mukca_data_fault *f, const mukca_dataset *data)

@@ -49,9 +49,12 @@ static bool elastic(mukca_effect_kind kind)
            kind == MUKCA_EFFECT_BASE_COMPLIANCE;
 }
 
-static const char *degrees(char text[48], const double range[2])
+static const char *range_words(char text[48], const mukca_chain *chain, const mukca_where *w)
 {
-    snprintf(text, 48, "%.0f to %.0f degrees", 180 / M_PI * range[0], 180 / M_PI * range[1]);
+    const bool slides = cli_joint_slides(chain, w->joint);
+    const double factor = slides ? 1e3 : 180 / M_PI;
+    snprintf(text, 48, "%.0f to %.0f %s", factor * w->range_rad[0], factor * w->range_rad[1],
+             slides ? "mm" : "degrees");
     return text;
 }
 
@@ -100,7 +103,7 @@ static void put_unknown(paragraph *p, const cli_diagnosed *r)
             : i + 1 < n ? ", "
                         : " and ",
             cli_joint_name(r->chain, d->where[i].joint));
-    if (n == 1) put(p, ", most of all at %s", degrees(range, d->where[0].range_rad));
+    if (n == 1) put(p, ", most of all at %s", range_words(range, r->chain, &d->where[0]));
     put(p, ".");
 }
 
@@ -275,7 +278,7 @@ static void print_where(FILE *stream, const cli_diagnosed *r)
         const mukca_where *w = &d->where[i];
         if (w->share < 0.02) continue;
         put(&p, "%s%s %.0f %% (%s)", told++ ? ", " : "", cli_joint_name(r->chain, w->joint),
-            100 * w->share, degrees(range, w->range_rad));
+            100 * w->share, range_words(range, r->chain, w));
     }
     for (int i = 0; d->placement_mae_m && i < r->data->n_placements; i++)
         if (isfinite(d->placement_mae_m[i]) &&
@@ -338,11 +341,18 @@ static void print_recording(FILE *stream, const cli_diagnosed *r)
     const mukca_diagnosis *d = r->diagnosis;
     paragraph p = {.used = 0};
     const bool efforts_unlike = d->efforts_correlation < 0.5;
-    if (!d->n_faults && !efforts_unlike) return;
+    const bool echo = r->data->n_sockets == 0 && d->nominal_m < 5e-5;
+    if (!d->n_faults && !efforts_unlike && !echo) return;
     heading(stream, "Recording");
     for (int i = 0; i < d->n_faults && i < MOST_LINES; i++) print_fault(stream, r, &d->faults[i]);
     if (d->n_faults > MOST_LINES) {
         put(&p, "and %d more; --json lists them all", d->n_faults - MOST_LINES);
+        print(stream, 2, &p);
+    }
+    if (echo) {
+        put(&p,
+            "The measured poses repeat the nominal model: they seem to come from the controller, "
+            "not from a tracker, and show nothing of the arm.");
         print(stream, 2, &p);
     }
     if (efforts_unlike) {
@@ -423,14 +433,18 @@ static void print_untested(FILE *stream, const cli_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     paragraph p = {.used = 0};
+    bool any_slides = false;
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE) return;
+    for (int j = 0; j < r->chain->n_joints; j++) any_slides |= cli_joint_slides(r->chain, j);
     heading(stream, "What these rows would show, and what not");
-    put(&p, "Seen would be a cause that moves a joint by, rms in arcmin:");
+    put(&p, "Seen would be a cause that moves a joint by, rms in arcmin%s:",
+        any_slides ? " or mm" : "");
     for (int j = 0, n = 0; j < r->chain->n_joints; j++) {
         const double limit = joint_limit(d, j);
-        const bool slides = r->chain->element[r->chain->joint_element[j]].type == MUKCA_PRISMATIC;
-        if (slides || !(limit < 30e-3)) continue;
-        put(&p, "%s %s %.2g", n++ ? "," : "", cli_joint_name(r->chain, j), CLI_ARCMIN * limit);
+        const bool slides = cli_joint_slides(r->chain, j);
+        if (!(limit < 30e-3)) continue;
+        put(&p, "%s %s %.2g%s", n++ ? "," : "", cli_joint_name(r->chain, j),
+            (slides ? 1e3 : CLI_ARCMIN) * limit, slides ? " mm" : "");
     }
     put(&p, ".");
     print(stream, 2, &p);
@@ -478,8 +492,7 @@ static void print_poses(FILE *stream, const cli_diagnosed *r)
         const mukca_plan_socket *socket = &next->sockets[row->socket];
         put(&p, "%s, socket %s:", socket->placement, socket->label);
         for (int j = 0; j < r->chain->n_joints; j++) {
-            const bool slides =
-                r->chain->element[r->chain->joint_element[j]].type == MUKCA_PRISMATIC;
+            const bool slides = cli_joint_slides(r->chain, j);
             put(&p, " %.1f%s", slides ? 1e3 * row->q[j] : 180 / M_PI * row->q[j],
                 slides ? " mm" : "");
         }

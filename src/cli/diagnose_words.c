@@ -9,6 +9,20 @@ const char *cli_joint_name(const mukca_chain *chain, int joint)
     return joint < 0 ? "" : chain->element[chain->joint_element[joint]].name;
 }
 
+bool cli_joint_slides(const mukca_chain *chain, int joint)
+{
+    return joint >= 0 && chain->element[chain->joint_element[joint]].type == MUKCA_PRISMATIC;
+}
+
+const char *cli_effect_unit(mukca_effect_kind kind, const mukca_chain *chain, int joint)
+{
+    const mukca_effect_info *info = &mukca_effect_table[kind];
+    if (info->site != MUKCA_SITE_ANGLE || !cli_joint_slides(chain, joint)) return info->unit;
+    return strcmp(info->unit, "rad/(N*m)") == 0 ? "m/N"
+           : strcmp(info->unit, "rad/rad") == 0 ? "m/m"
+                                                : "m";
+}
+
 void cli_effect_words(char text[CLI_WORDS], mukca_effect_kind kind, const mukca_chain *chain,
                       int joint)
 {
@@ -63,27 +77,24 @@ static int print_interval(char *text, size_t room, const mukca_cause *c, double 
 
 void cli_cause_size(char text[CLI_WORDS], const mukca_cause *cause, const mukca_chain *chain)
 {
-    const mukca_effect_info *info = &mukca_effect_table[cause->effect.kind];
-    const int joint = cause->effect.joint;
-    const bool slides =
-        joint >= 0 && chain->element[chain->joint_element[joint]].type == MUKCA_PRISMATIC;
+    const char *unit = cli_effect_unit(cause->effect.kind, chain, cause->effect.joint);
     int used;
     if (cause->effect.kind == MUKCA_EFFECT_READBACK_LAG && cause->effect.variant) {
         print_interval(text, CLI_WORDS, cause, 100, "% of command minus reading");
-    } else if (strcmp(info->unit, "rad/(N*m)") == 0) {
-        used = print_interval(text, CLI_WORDS, cause, 1e6, slides ? "um/N" : "urad/(N*m)");
+    } else if (strcmp(unit, "rad/(N*m)") == 0 || strcmp(unit, "m/N") == 0) {
+        const bool turns = unit[0] == 'r';
+        used = print_interval(text, CLI_WORDS, cause, 1e6, turns ? "urad/(N*m)" : "um/N");
         if (cause->amplitude > 0)
             snprintf(text + used, (size_t)(CLI_WORDS - used), ", stiffness %.3g %s",
-                     1e-3 / cause->amplitude, slides ? "kN/m" : "kN*m/rad");
-    } else if (strcmp(info->unit, "rad/rad") == 0) {
-        used = print_interval(text, CLI_WORDS, cause, 1e3, slides ? "mm/m" : "mrad/rad");
-        if (!slides)
-            snprintf(text + used, (size_t)(CLI_WORDS - used), ", %.2g arcmin over 90 degrees",
-                     CLI_ARCMIN * M_PI_2 * cause->amplitude);
-    } else if (strcmp(info->unit, "rad") == 0 && !slides) {
+                     1e-3 / cause->amplitude, turns ? "kN*m/rad" : "kN/m");
+    } else if (strcmp(unit, "rad/rad") == 0) {
+        used = print_interval(text, CLI_WORDS, cause, 1e3, "mrad/rad");
+        snprintf(text + used, (size_t)(CLI_WORDS - used), ", %.2g arcmin over 90 degrees",
+                 CLI_ARCMIN * M_PI_2 * cause->amplitude);
+    } else if (strcmp(unit, "rad") == 0) {
         used = print_interval(text, CLI_WORDS, cause, CLI_ARCMIN, "arcmin");
         snprintf(text + used, (size_t)(CLI_WORDS - used), ", %.3g mrad", 1e3 * cause->amplitude);
     } else {
-        print_interval(text, CLI_WORDS, cause, 1e3, "mm");
+        print_interval(text, CLI_WORDS, cause, 1e3, strcmp(unit, "m/m") == 0 ? "mm/m" : "mm");
     }
 }

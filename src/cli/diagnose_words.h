@@ -9,6 +9,12 @@ enum { CLI_WORDS = 320 };
 /* Name of a joint of the chain; "" for -1. */
 const char *cli_joint_name(const mukca_chain *chain, int joint);
 
+/* Does it move along its axis rather than about it?  False for -1. */
+bool cli_joint_slides(const mukca_chain *chain, int joint);
+
+/* SI unit of an effect's size there: "rad", or "m" where the joint slides. */
+const char *cli_effect_unit(mukca_effect_kind kind, const mukca_chain *chain, int joint);
+
 /* "joint_compliance at panda_joint2", "base_compliance". */
 void cli_effect_words(char text[CLI_WORDS], mukca_effect_kind kind, const mukca_chain *chain,
                       int joint);
