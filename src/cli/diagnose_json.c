@@ -81,7 +81,7 @@ static json_t *placements_array(const double *mae, int n, const mukca_dataset *d
     return array;
 }
 
-/* Poses with the joints' angles, rad, and which two causes they tell apart. */
+/* Poses, q in the order of the chain's joints, rad or m, and which two causes they tell apart. */
 static json_t *next_poses_array(const cli_diagnosed *r)
 {
     json_t *array = json_array();
@@ -91,18 +91,16 @@ static json_t *next_poses_array(const cli_diagnosed *r)
     const mukca_effect rivals[2] = {c->effect, c->ties[next->tie].rival};
     for (int i = 0; i < next->plan.n_rows; i++) {
         const mukca_plan_row *row = &next->plan.rows[i];
-        json_t *joints = json_object(), *tells = json_array();
-        for (int j = 0; j < r->chain->n_joints; j++)
-            json_object_set_new(joints, r->chain->element[r->chain->joint_element[j]].name,
-                                json_real(row->q[j]));
+        json_t *tells = json_array();
         for (int k = 0; k < 2; k++)
             json_array_append_new(
                 tells, json_pack("{s:s, s:o}", "effect", mukca_effect_table[rivals[k].kind].name,
                                  "joint", joint_name(r->chain, rivals[k].joint)));
-        json_array_append_new(array, json_pack("{s:s, s:s, s:o, s:o}", "placement",
-                                               next->sockets[row->socket].placement, "socket",
-                                               next->sockets[row->socket].label, "joints", joints,
-                                               "tells_apart", tells));
+        json_array_append_new(
+            array,
+            json_pack("{s:s, s:s, s:o, s:o}", "placement", next->sockets[row->socket].placement,
+                      "socket", next->sockets[row->socket].label, "q",
+                      cli_json_reals(row->q, r->chain->n_joints), "tells_apart", tells));
     }
     return array;
 }
@@ -160,6 +158,9 @@ json_t *cli_diagnosis_json(const cli_diagnosed *r)
     json_object_set_new(root, "noise",
                         json_pack("{s:o, s:o}", "sigma_m", cli_json_real(d->sigma_m),
                                   "lag_one_correlation", cli_json_real(d->rho)));
+    json_t *names = json_array();
+    for (int j = 0; j < chain->n_joints; j++) json_array_append_new(names, joint_name(chain, j));
+    json_object_set_new(root, "joints", names);
     json_object_set_new(root, "why", cli_json_text(d->why));
     json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
     json_object_set_new(root, "next_poses", next_poses_array(r));

@@ -141,8 +141,18 @@ static mukca_status diagnose(report_run *r)
     mukca_status status =
         mukca_diagnose(&r->diagnosis, &r->model.chain, &r->train, &how, &r->call->error);
     if (status != MUKCA_OK) return status;
-    const cli_diagnosed result = {&r->diagnosis, &r->model.chain, &r->train, how.test};
+    mukca_next_poses *next = MUKCA_TAKE(&r->pool, mukca_next_poses, 1);
+    if (!next) return mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory");
+    status = mukca_next_poses_choose(next, &r->diagnosis, &r->model.chain, &r->train, stop,
+                                     &r->call->error);
+    if (status != MUKCA_OK) return status;
+    const cli_diagnosed result = {.diagnosis = &r->diagnosis,
+                                  .chain = &r->model.chain,
+                                  .data = &r->train,
+                                  .test = how.test,
+                                  .next = next};
     r->diagnosed = cli_diagnosis_json(&result);
+    mukca_next_poses_free(next);
     return MUKCA_OK;
 }
 
