@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""make bench: the fit beside the method's published program and beside numpy, in one run.
+"""make bench: the re-calibration (recalibrate.py), then the fit beside the method's published program and beside numpy, in one run.
 
 The published robots' data are not part of the project: MUKCA_REAL_DATA or ../shared/real. numpy is
 taken as it is found, else installed into build/venv.
@@ -49,10 +49,12 @@ def process(repeats, *command):
 
 
 def main():
+    python = numpy_python()
+    print(output(sys.executable, os.path.join(HERE, "recalibrate.py"), python), end="")
     if not os.path.isdir(DATA):
         print(f"SKIPPED bench of the fit: no data in {DATA}; set MUKCA_REAL_DATA")
         return 0
-    python, urdf = numpy_python(), os.path.join(DATA, "panda.urdf")
+    urdf = os.path.join(DATA, "panda.urdf")
     for name, folders in CASES:
         folders = folders or [f"panda_2/{f}" for f in sorted(os.listdir(os.path.join(DATA, "panda_2")))]
         paths = [os.path.join(DATA, f) for f in folders]
