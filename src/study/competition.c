@@ -59,22 +59,30 @@ void gap_compete_rank(gap_contest *contest)
     qsort(contest->table, (size_t)contest->n_table, sizeof *contest->table, by_odds);
 }
 
-/* A function of an angle that an accepted unknown function of that joint explains already. */
+/* Something that an accepted unknown function explains already: no function of the same argument may
+ * be named after it.  What was accepted before (and is now left out) may come back. */
 static bool shadowed(const gap_contest *contest, const gap_candidate *c, int without)
 {
     const gap_model *m = contest->m;
+    if (without >= 0) {
+        const gap_candidate own = key_of(&m->cause[without].hypothesis);
+        if (same_key(&own, c)) return false;
+    }
     for (int i = 0; i < m->n_causes; i++) {
-        if (i == without) continue;
         const gap_hypothesis *h = &m->cause[i].hypothesis;
-        if (gap_hypothesis_class(h) != GAP_CLASS_UNKNOWN || h->effect.joint != c->joint) continue;
-        if (h->driver == GAP_TIME) {
-            if (c->class == GAP_CLASS_UNKNOWN || c->class == MUKCA_EFFECT_JOINT_DRIFT) return true;
+        if (i == without || gap_hypothesis_class(h) != GAP_CLASS_UNKNOWN ||
+            h->effect.joint != c->joint)
             continue;
-        }
-        if (c->class == GAP_CLASS_UNKNOWN || c->class == MUKCA_EFFECT_GEAR_HARMONIC ||
-            c->class == MUKCA_EFFECT_ENCODER_ECCENTRICITY || c->class == MUKCA_EFFECT_JOINT_SCALE ||
-            c->class == MUKCA_EFFECT_JOINT_COUPLING)
+        if (c->class == GAP_CLASS_UNKNOWN) return true;
+        if (h->driver == GAP_TIME) {
+            if (c->class == MUKCA_EFFECT_JOINT_DRIFT) return true;
+        } else if (h->driver != h->effect.joint) {
+            if (c->class == MUKCA_EFFECT_JOINT_COUPLING) return true;
+        } else if (c->class == MUKCA_EFFECT_GEAR_HARMONIC ||
+                   c->class == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
+                   c->class == MUKCA_EFFECT_JOINT_SCALE) {
             return true;
+        }
     }
     return false;
 }
@@ -120,7 +128,9 @@ static bool watch(const gap_contest *contest, const char *doing, mukca_error *er
 
 static bool add(gap_contest *contest, const gap_hypothesis *h)
 {
-    return gap_model_add(contest->m, h);
+    if (!gap_model_add(contest->m, h)) return false;
+    contest->m->cause[contest->m->n_causes - 1].step = contest->scan->steps - 1;
+    return true;
 }
 
 /* Accept a single bad row, and with it all others that are as plain. */
@@ -202,8 +212,9 @@ static mukca_status settle(gap_contest *contest, mukca_error *error)
                 (same_key(&key, top) && best->effect.variant == now->effect.variant &&
                  best->row == now->row && best->kind == now->kind))
                 continue;
-            const int last = m->n_causes;
+            const int last = m->n_causes, step = m->cause[c].step;
             if (!add(contest, best)) continue;
+            m->cause[last].step = step;
             m->cause[c] = m->cause[last];
             m->n_causes = last;
             gap_model_fit(m, 3, GAP_FREE);

@@ -47,7 +47,7 @@ static void pick_harmonics(gap_scan *scan, const gap_joint_view *view, double *m
                 .kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = j, .placement = -1, .variant = best}};
         if (!gap_hypothesis_prepare(h, &scan->pool, m)) continue;
         h->log_prior = gap_order_log_prior(best) - log(n_joints) - log(scan->all->classes);
-        scan->best_seen[scan->all->count + scan->n_harmonic++] = -HUGE_VAL;
+        scan->n_harmonic++;
     }
 }
 
@@ -104,7 +104,7 @@ static void leave_out(gap_model *m, int without)
 }
 
 /* Odds that make a candidate a contender for the place of an accepted cause. */
-#define NEAR_THE_FRONT (-3.0)
+#define NEAR_THE_FRONT (-3.0F)
 
 /* The same effect at the same joint, placement or socket. */
 static bool kin(const gap_hypothesis *a, const gap_hypothesis *b)
@@ -112,6 +112,17 @@ static bool kin(const gap_hypothesis *a, const gap_hypothesis *b)
     return gap_hypothesis_class(a) == gap_hypothesis_class(b) &&
            a->effect.joint == b->effect.joint && a->effect.placement == b->effect.placement &&
            a->kind != GAP_SPIKE;
+}
+
+static bool contends(const gap_scan *scan, int index, const gap_cause *cause, int capacity)
+{
+    const gap_hypothesis *h = gap_scan_hypothesis(scan, index), *own = &cause->hypothesis;
+    if (own->kind == GAP_SPIKE)
+        return h->kind == GAP_SPIKE && h->row == own->row && h->last == own->last;
+    if (kin(h, own)) return true;
+    for (int step = cause->step; step < scan->steps && step < GAP_STEPS; step++)
+        if (scan->seen[step * capacity + index] > NEAR_THE_FRONT) return true;
+    return false;
 }
 
 /* Is a candidate worth the other AR(1) coefficients?  Its score hardly depends on them, so only
@@ -141,13 +152,12 @@ void gap_scan_run(gap_scan *scan, gap_model *m, int without, gap_scan_extent ext
         if (value[i] > value[order[0]]) order[i] = order[0], order[0] = i;
 
     double first = -HUGE_VAL; /* evidence of the rhos averaged so far */
+    const int step = scan->steps < GAP_STEPS ? scan->steps : GAP_STEPS - 1;
     const int capacity = scan->all->count + m->chain->n_joints * GAP_HARMONICS_MOST;
     memset(scan->wanted, 1, (size_t)capacity);
     scan->n_scores = scan->all->count + scan->n_harmonic;
     for (int k = 0; extent == GAP_SCAN_CONTENDERS && k < scan->n_scores; k++)
-        scan->wanted[k] =
-            scan->best_seen[k] > NEAR_THE_FRONT ||
-            (without >= 0 && kin(gap_scan_hypothesis(scan, k), &m->cause[without].hypothesis));
+        scan->wanted[k] = contends(scan, k, &m->cause[without], capacity);
     for (int k = 0; k < scan->n_scores; k++)
         scan->score[k] = (gap_score){k, -HUGE_VAL, -HUGE_VAL, 0};
     for (int i = 0; i < GAP_RHOS; i++) {
@@ -196,8 +206,9 @@ void gap_scan_run(gap_scan *scan, gap_model *m, int without, gap_scan_extent ext
     for (int k = 0; k < scan->n_scores; k++) {
         gap_score *score = &scan->score[k];
         score->log_odds = score->log_bayes + gap_scan_hypothesis(scan, k)->log_prior;
-        if (without < 0) scan->best_seen[k] = fmax(scan->best_seen[k], score->log_odds);
+        if (without < 0) scan->seen[step * capacity + k] = (float)score->log_odds;
     }
+    if (without < 0) scan->steps++;
 }
 
 /* Columns that stand for a hypothesis when two are compared: elastic ones by their sum of masses.
@@ -253,14 +264,14 @@ mukca_status gap_scan_create(gap_scan *scan, gap_hypotheses *all, const gap_mode
     scan->all = all;
     scan->harmonic = MUKCA_TAKE(&scan->pool, gap_hypothesis, harmonics);
     scan->score = MUKCA_TAKE(&scan->pool, gap_score, most);
-    scan->best_seen = MUKCA_TAKE(&scan->pool, double, most);
+    scan->seen = MUKCA_TAKE(&scan->pool, float, (size_t)most *GAP_STEPS);
     scan->wanted = MUKCA_TAKE(&scan->pool, unsigned char, most);
     scan->value = MUKCA_TAKE(&scan->pool, double, most);
     scan->information = MUKCA_TAKE(&scan->pool, double, most);
     scan->memory = MUKCA_TAKE(&scan->pool, double,
                               gap_projector_size(m) + gap_joint_view_size(m) +
                                   (size_t)(m->data->n_sockets + 1) * 6 * GAP_MAX_TERMS);
-    for (int k = 0; scan->best_seen && k < most; k++) scan->best_seen[k] = -HUGE_VAL;
+    for (int k = 0; scan->seen && k < most * GAP_STEPS; k++) scan->seen[k] = -HUGE_VALF;
     if (!scan->pool.failed) return MUKCA_OK;
     gap_scan_free(scan);
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",

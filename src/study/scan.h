@@ -17,18 +17,22 @@ enum {
     GAP_HARMONICS_MOST = 24 /* orders of a joint that are scored as candidates */
 };
 
+enum { GAP_STEPS = 48 }; /* runs that are remembered; later ones count for the last */
+
 /* How much of the list a run scores. */
 typedef enum {
     GAP_SCAN_ALL,       /* everything, all orders of gear ripple included */
     GAP_SCAN_LISTED,    /* the list, and the orders that a scan of all has found worth it */
-    GAP_SCAN_CONTENDERS /* what was ever near the front, and the kin of the cause left out */
+    GAP_SCAN_CONTENDERS /* what came near the front since the cause that is left out was accepted,
+                            and its kin; of a single bad row only itself */
 } gap_scan_extent;
 
 typedef struct {
     gap_hypotheses *all;
     gap_hypothesis *harmonic; /* [n_joints * GAP_HARMONICS_MOST], in the order they were found */
     int n_harmonic;
-    double *best_seen; /* [scores] best log odds in any run */
+    float *seen;       /* [GAP_STEPS][scores] log odds in each run against the whole model */
+    int steps;         /* such runs so far */
     gap_score *score;  /* [all->count + harmonics], unsorted */
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
