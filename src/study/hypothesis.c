@@ -265,8 +265,15 @@ static void list_joint(lister *l, int j, const double (*span)[2], bool moved)
     for (int i = 0; i < n_joints; i++)
         if (i != j && span[i][1] - span[i][0] > 0.1) append_bumps(l, j, i, 0, span);
     append_bumps(l, j, GAP_TIME, 0, span);
-    const int stride = rows / MOST_SLIPS + 1; /* the joint slips once, at a row */
-    for (int i = LONGEST_BURST; i < rows - LONGEST_BURST; i += stride)
+    /* The joint slips once, at a row.  A slip of the first joint, or in the last socket, moves one
+     * socket and nothing else that is seen: that is a moved tool. */
+    const int stride = rows / MOST_SLIPS + 1;
+    int end = rows - LONGEST_BURST;
+    while (end > 0 && m->data->socket[end - 1] >= 0 &&
+           m->data->socket[end - 1] == m->data->socket[rows - 1])
+        end--;
+    for (int i = LONGEST_BURST; i < end && m->slot_element[0] <= m->chain->joint_element[j];
+         i += stride)
         append(l, (gap_hypothesis){.kind = GAP_BUMPS,
                                    .effect = {.joint = j, .placement = -1},
                                    .driver = GAP_TIME,
