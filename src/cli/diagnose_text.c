@@ -249,7 +249,9 @@ static void print_cause(FILE *stream, const cli_diagnosed *r, const mukca_cause 
     for (int t = 0; t < c->n_ties; t++) {
         cli_effect_words(words, c->ties[t].effect, r->chain, c->ties[t].joint);
         put(&p, "or %s", words);
-        if (c->ties[t].correlation > 0.9)
+        if (isnan(c->ties[t].log_bayes_factor))
+            put(&p, ": only masses can tell, give --inertials FILE");
+        else if (c->ties[t].correlation > 0.9)
             put(&p, ": they move the ball alike (correlation %.3f)", c->ties[t].correlation);
         else
             put(&p, ": these rows are too few to choose");

@@ -116,6 +116,26 @@ static mukca_effect rival_effect(const gap_hypothesis *h, const mukca_effect *ca
     return rival;
 }
 
+/* Without masses nobody knows the load, and what gravity bends looks like a smooth error of the
+ * angle: such a name shares its place with the flexibility that cannot be tested. */
+static void tie_untested_flexibility(mukca_cause *out, const gap_contest *contest)
+{
+    const gap_model *m = contest->m;
+    const mukca_effect_kind kind = out->effect.kind;
+    const unsigned char *disabled = contest->options->disabled;
+    const bool smooth = kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
+                        kind == MUKCA_EFFECT_JOINT_SCALE || kind == MUKCA_EFFECT_JOINT_COUPLING ||
+                        kind == MUKCA_EFFECT_AXIS_WOBBLE ||
+                        (kind == MUKCA_EFFECT_GEAR_HARMONIC && out->effect.variant <= 3);
+    if (m->have_torques || !smooth || out->n_ties == MUKCA_MAX_TIES ||
+        (disabled && disabled[MUKCA_EFFECT_JOINT_COMPLIANCE]))
+        return;
+    out->ties[out->n_ties++] = (mukca_tie){.effect = MUKCA_EFFECT_JOINT_COMPLIANCE,
+                                           .joint = out->effect.joint,
+                                           .log_bayes_factor = NAN,
+                                           .correlation = NAN};
+}
+
 static void add_ties(mukca_cause *out, gap_contest *contest, int index)
 {
     gap_model *m = contest->m;
@@ -189,6 +209,7 @@ static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, stan
     out->log_bayes_factor = mine ? contest->scan->score[mine->best].log_bayes : -HUGE_VAL;
     out->probability = fmin(own / total, 1);
     add_ties(out, contest, index);
+    tie_untested_flexibility(out, contest);
     if (h.kind == GAP_STEP || h.kind == GAP_CREEP) {
         out->socket = m->groups[h.group].socket;
         out->row = m->data->row[h.row];

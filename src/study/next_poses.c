@@ -1,6 +1,8 @@
 /* The poses that would settle a tie of a diagnosis. */
 #include "study/next_poses.h"
 
+#include <math.h>
+
 #include <string.h>
 
 enum { CANDIDATES = 20 };
@@ -15,11 +17,12 @@ static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
 {
     for (int c = 0; c < d->n_causes; c++)
         for (int t = 0; settled_by_poses(&d->causes[c].effect) && t < d->causes[c].n_ties; t++)
-            if (settled_by_poses(&d->causes[c].ties[t].rival)) {
-                next->cause = c;
-                next->tie = t;
-                return true;
-            }
+            const mukca_tie *tie = &d->causes[c].ties[t];
+    if (isfinite(tie->log_bayes_factor) && settled_by_poses(&tie->rival)) {
+        next->cause = c;
+        next->tie = t;
+        return true;
+    }
     return false;
 }
 
