@@ -16,13 +16,13 @@ static bool settled_by_poses(const mukca_effect *effect)
 static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
 {
     for (int c = 0; c < d->n_causes; c++)
-        for (int t = 0; settled_by_poses(&d->causes[c].effect) && t < d->causes[c].n_ties; t++)
+        for (int t = 0; settled_by_poses(&d->causes[c].effect) && t < d->causes[c].n_ties; t++) {
             const mukca_tie *tie = &d->causes[c].ties[t];
-    if (isfinite(tie->log_bayes_factor) && settled_by_poses(&tie->rival)) {
-        next->cause = c;
-        next->tie = t;
-        return true;
-    }
+            if (!isfinite(tie->log_bayes_factor) || !settled_by_poses(&tie->rival)) continue;
+            next->cause = c;
+            next->tie = t;
+            return true;
+        }
     return false;
 }
 
