@@ -18,12 +18,15 @@ static const char *argument(const mukca_message_command *command, int i)
     return i < command->n ? command->argument[i] : NULL;
 }
 
+/* Remember where the session stands. */
 static void keep_place(server *s)
 {
+    const recorder *r = &s->engine;
+    if (!r->session.fd) return;
     snprintf(s->memory.placement, sizeof s->memory.placement, "%s",
-             mukca_capture_placement(&s->engine.capture));
-    snprintf(s->memory.socket, sizeof s->memory.socket, "%s",
-             mukca_capture_socket(&s->engine.capture));
+             mukca_capture_placement(&r->capture));
+    snprintf(s->memory.socket, sizeof s->memory.socket, "%s", mukca_capture_socket(&r->capture));
+    snprintf(s->memory.rows, sizeof s->memory.rows, "%d", r->session.n_rows);
 }
 
 /* Begin or resume the session that the memory names, once the stream is known. */
@@ -39,7 +42,9 @@ static mukca_status begin(server *s)
         recorder_say(r, "%s", s->call->error.text);
         return status;
     }
-    if (s->memory.placement[0]) recorder_select(r, s->memory.placement, s->memory.socket, line);
+    /* a row that came after the last save says where the session stands, too */
+    if (s->memory.placement[0] && atoi(s->memory.rows) == r->session.n_rows)
+        recorder_select(r, s->memory.placement, s->memory.socket, line);
     keep_place(s);
     recorder_say(r, "session %s: %d rows", path, r->session.n_rows);
     return MUKCA_OK;
@@ -56,7 +61,7 @@ static mukca_status do_start(server *s, const mukca_message_command *command,
              r->problem.status ? r->problem.text : "is the robot's driver running?");
     if (!r->connected) return MUKCA_TRANSPORT;
     serve_memory before = s->memory;
-    memset(&s->memory.session, 0, offsetof(serve_memory, model));
+    memset(&s->memory, 0, offsetof(serve_memory, model));
     snprintf(s->memory.session, sizeof s->memory.session, "%s", name);
     s->session_begun = false;
     mukca_status status = begin(s);
@@ -213,6 +218,8 @@ static mukca_status loop(server *s)
     recorder *r = &s->engine;
     mukca_status status = MUKCA_OK;
     char last[RECORDER_LINE] = "";
+    mukca_error error;
+    bool unsaved = false;
     while (!cli_interrupted()) {
         status = recorder_step(r, 100, -1, NULL);
         if (status) break;
@@ -227,6 +234,10 @@ static mukca_status loop(server *s)
         serve_finish_job(s, false);
         double now = cli_elapsed(s->call);
         if (now - s->published < publish_period) continue;
+        keep_place(s);
+        bool failed = serve_save(s, &error) != MUKCA_OK;
+        if (failed && !unsaved) recorder_say(r, "%s", error.text);
+        unsaved = failed;
         recorder_publish_status(r,
                                 s->job.child ? s->job.diagnosis ? "diagnose" : "calibrate" : NULL);
         serve_notify("WATCHDOG=1");

@@ -22,7 +22,8 @@ typedef struct {
 /* What survives a restart. */
 typedef struct {
     char session[MUKCA_NAME_SIZE]; /* name, without ending; empty: none */
-    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* current */
+    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* current ... */
+    char rows[16];                    /* ... when the session had so many rows */
     char model[MUKCA_NAME_SIZE + 16]; /* file of the offsets table in use; empty: none */
     char model_stream[16];            /* what its rows were recorded from */
 } serve_memory;

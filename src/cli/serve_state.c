@@ -31,7 +31,8 @@ bool serve_name_ok(const char *name)
 static const struct {
     const char *key;
     size_t offset, size;
-} fields[] = {FIELD(session), FIELD(placement), FIELD(socket), FIELD(model), FIELD(model_stream)};
+} fields[] = {FIELD(session), FIELD(placement), FIELD(socket),
+              FIELD(rows),    FIELD(model),     FIELD(model_stream)};
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 mukca_status serve_remember(server *s)

@@ -197,7 +197,7 @@ class Client:
     def take(self, message):
         if isinstance(message, mukca.result):
             message.identifiable = list(message.identifiable)
-        self.answers[message.id] = message
+        self.answers[type(message), message.id] = message
 
     def take_status(self, _, data):
         self.status = mukca.status.decode(data)
@@ -211,16 +211,16 @@ class Client:
             self.lc.handle_timeout(int(1000 * left) + 1)
         return True
 
-    def answer(self, number, seconds):
-        self.wait(lambda: number in self.answers, seconds)
-        return self.answers.pop(number, None)
+    def answer(self, kind, number, seconds):
+        self.wait(lambda: (kind, number) in self.answers, seconds)
+        return self.answers.pop((kind, number), None)
 
     def trigger(self, placement="", socket="", seconds=5):
         m = mukca.trigger()
         m.utime, m.id, m.placement, m.socket = int(time.time() * 1e6), self.next, placement, socket
         self.next += 1
         self.lc.publish(self.prefix + "_TRIGGER", m.encode())
-        return self.answer(m.id, seconds)
+        return self.answer(mukca.sample, m.id, seconds)
 
     def command(self, verb, *arguments, seconds=60):
         m = mukca.command()
@@ -228,10 +228,13 @@ class Client:
         m.n, m.argument = len(arguments), list(arguments)
         self.next += 1
         self.lc.publish(self.prefix + "_COMMAND", m.encode())
-        return self.answer(m.id, seconds)
+        return self.answer(mukca.result, m.id, seconds)
 
     def wait_stream(self, seconds=20):
-        """Until the server reports a stream."""
+        """Until the server that runs now reports a stream."""
+        while self.lc.handle_timeout(0) > 0:
+            pass
+        self.status = None
         return self.wait(lambda: self.status and self.status.state in ("moving", "still"), seconds)
 
 

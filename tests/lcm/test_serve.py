@@ -1,0 +1,226 @@
+"""mukca serve: restarts, jobs, poses, bad commands, its client, its service manager, replay."""
+import json
+import os
+import signal
+import socket
+import subprocess
+import time
+
+from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, spawn, stop, table
+
+NAME, KIND, _, CHANNEL, URDF, ROWS = robots()[-1]
+ROWS = ROWS[:12] + ROWS[-12:]
+
+
+def serve(state, *more, **environment):
+    return spawn("serve", "--urdf", URDF, "--channel", CHANNEL, "--map", "order", "--state", state,
+                 "--window", "0.05", *more, env=dict(os.environ, **environment))
+
+
+def take(client, arm, rows):
+    """Record the rows; how many were acknowledged."""
+    good = 0
+    for placement, label, q in rows:
+        arm.go(q)
+        for _ in range(40):
+            client.wait(lambda: False, 0.12)
+            sample = client.trigger(placement, label, seconds=2)
+            if sample and sample.accepted:
+                good += 1
+                break
+    return good
+
+
+def send(*arguments, **more):
+    return subprocess.run([MUKCA, "send", *arguments], capture_output=True, text=True, timeout=60,
+                          **more)
+
+
+def say_code(answer):
+    return answer and (answer.code, answer.text)
+
+
+def the_whole_job(client, arm, state):
+    p = serve(state)
+    client.wait_stream()
+    check("a result before any calibration is refused", client.command("result").code == 1)
+    for verb, arguments, code in (("start", ("../x",), 2), ("start", ("a b",), 2), ("dance", (), 2),
+                                  ("delete", ("x",), 2), ("add", (), 1), ("delete", (), 1),
+                                  ("socket", (), 1), ("calibrate", (), 1), ("finish", (), 1)):
+        answer = client.command(verb, *arguments)
+        check("without a session, %s %s: code %d" % (verb, " ".join(arguments), code),
+              answer and answer.code == code, say_code(answer))
+    check("start", client.command("start", "first").code == 0)
+    check("a label that would break the file is refused",
+          not client.trigger("a\tb", "0").accepted and client.command("socket", "x,y").code == 1)
+    answer = client.command("calibrate")
+    check("an empty session calibrates to an error in words", answer.code == 3 and answer.text,
+          say_code(answer))
+    check("rows are taken", take(client, arm, ROWS[:20]) == 20, p.said[-3:])
+    answer = client.command("delete")
+    check("delete", answer.code == 0 and "row 20 deleted" in answer.text, say_code(answer))
+    check("and again", take(client, arm, ROWS[19:20]) == 1)
+    client.command("placement", "elsewhere")
+    client.command("socket", "1")
+    check("SIGTERM ends it with 0", stop(p) == 0, p.said)
+    p = serve(state)
+    client.wait_stream()
+    client.wait(lambda: client.status.rows == 20, 5)
+    s = client.status
+    check("it goes on after a restart", (s.rows, s.placement, s.socket) == (20, "elsewhere", "1"),
+          (s.rows, s.placement, s.socket, p.said))
+    check("rows go on", take(client, arm, ROWS[20:22]) == 2)
+    p.kill()
+    p.wait()
+    p = serve(state)
+    client.wait_stream()
+    client.wait(lambda: client.status.rows == 22, 5)
+    check("and after kill -9", client.status.rows == 22 and take(client, arm, ROWS[22:]) == len(ROWS) - 22)
+    client.wait(lambda: client.status.rows == len(ROWS), 5)
+    check("placement and socket are those of the last trigger", client.status.placement == ROWS[-1][0])
+    first = client.command("calibrate")
+    check("calibrate", first and first.code in (0, 1) and first.n >= 42, say_code(first))
+    number = client.next
+    for _ in range(2):  # the second comes while the first runs
+        m = mukca.command()
+        m.id, m.verb, m.n, m.argument = client.next, "diagnose", 0, []
+        client.next += 1
+        client.lc.publish("MUKCA_COMMAND", m.encode())
+    second = client.answer(mukca.result, number + 1, 10)
+    check("one job at a time", second and second.code == 1 and "running" in second.text, say_code(second))
+    answer = client.answer(mukca.result, number, 60)
+    verdict = answer and answer.json and json.loads(answer.json).get("verdict")
+    check("diagnose", answer and answer.code in (0, 1) and verdict, say_code(answer))
+    stop(p)
+    return first
+
+
+def poses(client, arm, state):
+    """Poses equal `mukca fk` with the same table, message by message."""
+    p = serve(state, "--publish-pose")
+    client.wait_stream()
+    client.command("calibrate")
+    got = []
+    joints = {}
+    a = client.lc.subscribe("MUKCA_POSE", lambda c, d: got.append(mukca.pose.decode(d)))
+    a.set_queue_capacity(0)
+
+    def keep(_, data):
+        m = type(arm.message()).decode(data)
+        joints[m.utime] = getattr(m, "joint_position", getattr(m, "joint_position_measured", None))
+    b = client.lc.subscribe(CHANNEL, keep)
+    b.set_queue_capacity(0)
+    arm.go(ROWS[3][2])
+    client.wait(lambda: len(got) >= 300, 10)
+    client.lc.unsubscribe(a)
+    client.lc.unsubscribe(b)
+    check("poses come for each joint state", len(got) >= 300, len(got))
+    header = table(os.path.join(state, "first.tsv"))[0]
+    n = len(ROWS[0][2])
+    source = os.path.join(state, "poses.tsv")
+    pairs = [(g, joints[g.utime]) for g in got if g.utime in joints]
+    with open(source, "w") as f:
+        f.write("\t".join(header[3:3 + n]) + "\n")
+        for _, q in pairs:
+            f.write("\t".join("%.17g" % x for x in q) + "\n")
+    # mukca fk applies the same table
+    model = [line.split("\t")[1].strip() for line in open(os.path.join(state, "state.tsv"))
+             if line.startswith("model\t")][0]
+    answer = subprocess.run([MUKCA, "fk", "--urdf", URDF, "--offsets", os.path.join(state, model), "--pose",
+                             source], capture_output=True, text=True)
+    lines = [line.split("\t") for line in answer.stdout.splitlines() if not line.startswith("#")]
+    columns = [lines[0].index(c) for c in ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")]
+    worst = max((abs(a - float(line[c])) for (g, _), line in zip(pairs, lines[1:])
+                 for a, c in zip(list(g.position) + list(g.quaternion), columns)), default=1)
+    check("poses equal mukca fk with the same table", len(lines) == len(pairs) + 1 and worst < 1e-12,
+          (worst, answer.stderr))
+    check("SIGTERM", stop(p) == 0)
+    check("the latency is printed", any("99.9 %" in line for line in p.said), p.said)
+    p = serve(state, "--publish-pose", "--stream", "corrected")
+    client.wait_stream()
+    got.clear()
+    a = client.lc.subscribe("MUKCA_POSE", lambda c, d: got.append(d))
+    client.wait(lambda: bool(got), 0.5)
+    client.lc.unsubscribe(a)
+    stop(p)
+    check("offsets of a raw stream are not applied to a corrected one",
+          not got and any("count twice" in line for line in p.said), p.said)
+
+
+def its_client(client, state):
+    answer = send("status", "--timeout", "1")
+    check("send: no server is exit 4 within the time-out", answer.returncode == 4 and
+          "is mukca serve running" in answer.stderr, answer.stderr)
+    p = serve(state)
+    client.wait_stream()
+    answer = send("status")
+    check("send status", answer.returncode == 0 and "channel\t" + CHANNEL in answer.stdout, answer.stdout)
+    answer = send("result")
+    rows = [line.split("\t") for line in answer.stdout.splitlines()]
+    direct = client.command("result")
+    same = [(r[0], r[1], float(r[4])) for r in rows[1:]] == list(
+        zip(direct.joint, direct.parameter, direct.calibrated))
+    check("send result prints the table", answer.returncode == 0 and same, answer.stderr)
+    answer = send("dance")
+    check("send: the exit code is the command's", answer.returncode == 2 and "unknown verb" in
+          answer.stderr, answer.stderr)
+    answer = send("socket", "1")
+    check("send with an argument", answer.returncode == 0 and "socket 1" in answer.stderr, answer.stderr)
+    stop(p)
+
+
+def its_manager(client, state):
+    path = os.path.join(state, "notify")
+    s = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    s.bind(path)
+    s.settimeout(5)
+    p = serve(state, NOTIFY_SOCKET=path)
+    words = []
+    try:
+        words.append(s.recv(100))
+        words.append(s.recv(100))
+        p.send_signal(signal.SIGTERM)
+        while words[-1] != b"STOPPING=1":
+            words.append(s.recv(100))
+    except socket.timeout:
+        pass
+    check("the service manager is told", words[0] == b"READY=1" and b"WATCHDOG=1" in words and
+          words[-1] == b"STOPPING=1", words)
+    stop(p)
+
+
+def replays(client, arm):
+    """A log with joint states, triggers and commands gives the same results again."""
+    state, again = fresh("serve_live"), fresh("serve_again")
+    log, log2 = os.path.join(state, "raw.lcmlog"), os.path.join(again, "raw.lcmlog")
+    p = serve(state, "--record", log)
+    client.wait_stream()
+    client.command("start", "s")
+    check("replay: rows", take(client, arm, ROWS) == len(ROWS))
+    live = client.command("calibrate")
+    stop(p)
+    p = serve(again, "--lcm-url", "file://" + log, "--record", log2)
+    p.wait(60)
+    p.reader.join()
+    check("replay: ends with the log", p.returncode == 0, p.said)
+    check("replay: the same session", open(os.path.join(state, "s.tsv")).read() ==
+          open(os.path.join(again, "s.tsv")).read())
+    import lcm
+    results = [mukca.result.decode(e.data) for e in lcm.EventLog(log2) if e.channel == "MUKCA_RESULT"]
+    good = [r for r in results if r.verb == "calibrate"]
+    check("replay: the same result is in the new record",
+          len(good) == 1 and good[0].n == live.n and good[0].calibrated == live.calibrated, len(good))
+
+
+def main():
+    client, state = Client(), fresh("serve")
+    with Arm(KIND, ROWS[0][2], 200, CHANNEL) as arm:
+        the_whole_job(client, arm, state)
+        poses(client, arm, state)
+        its_client(client, state)
+        its_manager(client, state)
+        replays(client, arm)
+    finish()
+
+
+main()

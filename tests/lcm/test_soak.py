@@ -1,0 +1,52 @@
+"""7-axis status at 1 kHz: no message lost, memory flat, little of a core (60 s with MUKCA_LONG)."""
+import os
+import time
+
+from foreign import Arm, Client, ROOT, check, finish, fresh, spawn, stop
+
+LONG = bool(os.environ.get("MUKCA_LONG"))
+SECONDS = 60 if LONG else 5
+URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
+
+
+def usage(pid):
+    """CPU seconds and resident kB of a process."""
+    with open("/proc/%d/stat" % pid) as f:
+        fields = f.read().rsplit(")", 1)[1].split()
+    with open("/proc/%d/status" % pid) as f:
+        resident = next(int(line.split()[1]) for line in f if line.startswith("VmRSS"))
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK"), resident
+
+
+def soak(name, *arguments):
+    client = Client()
+    with Arm("iiwa", [0.1] * 7, 1000, "IIWA_STATUS") as arm:
+        arm.paused = True
+        p = spawn(*arguments, "--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order")
+        client.wait(lambda: client.status is not None, 20) if name == "serve" else time.sleep(2)
+        arm.paused = False
+        client.wait(lambda: False, 1.0)
+        cpu, resident = usage(p.pid)
+        started = time.monotonic()
+        client.wait(lambda: False, SECONDS)
+        cpu2, resident2 = usage(p.pid)
+        share = 100 * (cpu2 - cpu) / (time.monotonic() - started)
+        arm.paused = True
+        client.wait(lambda: False, 1.2)
+        sent = arm.sent
+        stop(p)
+        received = client.status.received
+    print("%s: %d sent, %d received in %d s, %.1f %% of a core, %+d kB" %
+          (name, sent, received, SECONDS, share, resident2 - resident))
+    check(name + ": no message lost", received == sent, (received, sent, p.said))
+    check(name + ": memory is flat", resident2 - resident < 600, resident2 - resident)
+    if LONG:
+        check(name + ": under 5 % of a core", share < 5, share)
+
+
+folder = fresh("soak")
+soak("serve", "serve", "--state", folder)
+soak("serve with poses and record", "serve", "--state", folder, "--publish-pose", "--record",
+     os.path.join(folder, "log"))
+soak("capture", "capture", "-o", os.path.join(folder, "s.tsv"), "--trigger", "--wait", "20")
+finish()
