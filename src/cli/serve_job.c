@@ -196,7 +196,7 @@ void serve_answer(server *s, int64_t id, const char *verb, mukca_status code, co
     m->utime = mukca_lcm_link_clock(s->engine.link);
     m->id = id;
     m->verb = verb;
-    m->code = code;
+    m->code = (int)code;
     m->text = text;
     m->robot = chain->robot;
     m->urdf_sha256 = chain->urdf_sha256;

@@ -11,7 +11,7 @@
 
 #include "io/lcm_log.h"
 
-enum { MAX_CHANNELS = 8, BURST = 256 };
+enum { MAX_CHANNELS = 8, BURST = 256 /* events of a log at a time */ };
 
 struct mukca_lcm_link {
     lcm_t *lcm; /* NULL: a log is replayed */
@@ -260,18 +260,15 @@ mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other
 {
     if (readable) *readable = false;
     if (!link->lcm) return replay(link, timeout_ms, other, readable);
-    for (int i = 0; i < BURST; i++) {
-        struct pollfd p[2] = {{.fd = lcm_get_fileno(link->lcm), .events = POLLIN},
-                              {.fd = other, .events = POLLIN}};
-        int n = poll(p, 2, i == 0 ? timeout_ms : 0);
-        if (n < 0 && errno != EINTR)
-            return mukca_fail(error, MUKCA_TRANSPORT, "waiting for LCM: %s", strerror(errno));
-        if (n <= 0) break;
-        if (readable && p[1].revents) *readable = true;
-        if (p[0].revents && lcm_handle(link->lcm) < 0 && errno != EINTR)
-            return mukca_fail(error, MUKCA_TRANSPORT, "LCM stopped receiving");
-        if (!p[0].revents) break;
-    }
+    struct pollfd p[2] = {{.fd = lcm_get_fileno(link->lcm), .events = POLLIN},
+                          {.fd = other, .events = POLLIN}};
+    int n = poll(p, 2, timeout_ms);
+    if (n < 0 && errno != EINTR)
+        return mukca_fail(error, MUKCA_TRANSPORT, "waiting for LCM: %s", strerror(errno));
+    if (n <= 0) return MUKCA_OK;
+    if (readable && p[1].revents) *readable = true;
+    if (p[0].revents && lcm_handle(link->lcm) < 0 && errno != EINTR)
+        return mukca_fail(error, MUKCA_TRANSPORT, "LCM stopped receiving");
     return MUKCA_OK;
 }
 

@@ -54,7 +54,7 @@ static void count(cursor *c, int *n, int max)
 static void flags(cursor *c, bool *value, int n)
 {
     for (int i = 0; i < n; i++) {
-        uint64_t u = value[i];
+        uint64_t u = c->decoding ? 0 : value[i];
         bytes(c, &u, 1);
         if (c->decoding) value[i] = u != 0;
     }

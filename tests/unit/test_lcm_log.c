@@ -162,6 +162,13 @@ static void links_replay_logs(void **state)
     assert_int_equal(mukca_lcm_link_open(&link, "file://x?mode=w", hear, &h, &error), MUKCA_USAGE);
 }
 
+static void drain(mukca_lcm_link *link)
+{
+    mukca_error error;
+    for (int i = 0; i < 300; i++)
+        assert_int_equal(mukca_lcm_link_wait(link, 0, -1, NULL, &error), MUKCA_OK);
+}
+
 /* Channels are taken literally, a message that matches both subscriptions comes once, nothing is
  * dropped beyond LCM's usual 30. */
 static void links_listen_literally(void **state)
@@ -176,17 +183,17 @@ static void links_listen_literally(void **state)
         assert_int_equal(mukca_lcm_link_publish(link, "A.M", "x", 1, &error), MUKCA_OK);
         assert_int_equal(mukca_lcm_link_publish(link, "ARM", "x", 1, &error), MUKCA_OK);
     }
-    assert_int_equal(mukca_lcm_link_wait(link, 10, -1, NULL, &error), MUKCA_OK);
+    drain(link);
     assert_int_equal(h.n, 100);
     assert_int_equal(h.arm, 0);
     assert_int_equal(mukca_lcm_link_listen(link, NULL, &error), MUKCA_OK);
     mukca_lcm_link_publish(link, "A.M", "x", 1, &error);
     mukca_lcm_link_publish(link, "ARM", "x", 1, &error);
-    assert_int_equal(mukca_lcm_link_wait(link, 10, -1, NULL, &error), MUKCA_OK);
+    drain(link);
     assert_int_equal(h.n, 102);
     mukca_lcm_link_unlisten_all(link);
     mukca_lcm_link_publish(link, "ARM", "x", 1, &error);
-    assert_int_equal(mukca_lcm_link_wait(link, 10, -1, NULL, &error), MUKCA_OK);
+    drain(link);
     assert_int_equal(h.n, 102);
     mukca_lcm_link_close(link);
 }
@@ -216,7 +223,7 @@ static void full_disk_ends_the_record_only(void **state)
     setrlimit(RLIMIT_FSIZE, &small);
     for (int i = 0; i < 100; i++) {
         assert_int_equal(mukca_lcm_link_publish(link, "ARM", data, sizeof data, &error), MUKCA_OK);
-        assert_int_equal(mukca_lcm_link_wait(link, 10, -1, NULL, &error), MUKCA_OK);
+        drain(link);
     }
     setrlimit(RLIMIT_FSIZE, &old);
     signal(SIGXFSZ, SIG_DFL);

@@ -1,0 +1,19 @@
+/* Event logs: read to the end, every byte either of an event or counted as skipped. */
+#include "io/lcm_log.h"
+#include "memory_file.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    mukca_lcm_log log;
+    mukca_lcm_event event;
+    mukca_error error;
+    if (mukca_lcm_log_open(&log, memory_file(bytes, size), &error)) abort();
+    size_t used = 0;
+    while (mukca_lcm_log_read(&log, &event)) {
+        used += 28 + event.size;
+        if (event.size && ((const unsigned char *)event.data)[event.size - 1] > 255) abort();
+    }
+    if (used + (size_t)log.skipped > size) abort();
+    mukca_lcm_log_close(&log);
+    return 0;
+}

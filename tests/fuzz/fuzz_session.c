@@ -1,0 +1,37 @@
+/* Sessions that are resumed: whatever the file holds, it is refused or goes on as it was. */
+#include <string.h>
+#include <sys/stat.h>
+
+#include "io/session_append.h"
+#include "memory_file.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    static mukca_chain chain;
+    if (!chain.n_joints) {
+        chain.n_joints = chain.n_elements = 2;
+        chain.joint_element[1] = 1;
+        memcpy(chain.element[0].name, "A1", 3);
+        memcpy(chain.element[1].name, "A2", 3);
+    }
+    const double q[2] = {0.1, 0.2};
+    mukca_session_head head = {.chain = &chain, .stream = "raw", .channel = "C", .type = "t"};
+    mukca_session_row row = {.placement = "p", .socket = "0", .time = 1, .q = q, .spread = q};
+    mukca_session session;
+    mukca_error error = {MUKCA_OK, ""};
+    struct stat before, after;
+    const char *path = memory_file(bytes, size);
+    if (stat(path, &before)) abort();
+    mukca_status status = mukca_session_resume(&session, path, &head, NULL, NULL, &error);
+    if (stat(path, &after)) abort();
+    if (status && !error.text[0]) abort();
+    if (!status) {
+        int rows = session.n_rows;
+        if (mukca_session_add(&session, &row, &error) || session.n_rows != rows + 1) abort();
+        if (mukca_session_undo(&session, "p", "0", &error) || session.n_rows != rows) abort();
+        while (session.n_rows)
+            if (mukca_session_undo(&session, "p", "0", &error)) abort();
+    }
+    mukca_session_close(&session);
+    return 0;
+}
