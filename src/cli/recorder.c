@@ -54,101 +54,6 @@ void recorder_refuse(recorder *r, recorder_trouble kind, const char *format, ...
     trouble(r, kind, text);
 }
 
-/* ---- mapping ---- */
-
-static const char *joint_name(const recorder *r, int j)
-{
-    return r->model->chain.element[r->model->chain.joint_element[j]].name;
-}
-
-/* --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
-static mukca_status parse_map(recorder *r, mukca_error *error)
-{
-    const char *at = r->options->map;
-    int n = 0, joints = r->model->chain.n_joints;
-    while (*at) {
-        char *end;
-        long first = strtol(at, &end, 10), last = first;
-        if (*end == '-') last = strtol(end + 1, &end, 10);
-        if (first < 1 || last < first || last > MUKCA_LCM_MAX_JOINTS || (*end && *end != ','))
-            return mukca_fail(error, MUKCA_USAGE,
-                              "--map %.40s: must be name, order, or numbers as in 8-14 or 1,2,4",
-                              r->options->map);
-        for (long i = first; i <= last; i++, n++)
-            if (n < joints) r->map[n] = (int)i - 1;
-        at = end + (*end == ',');
-    }
-    if (n != joints)
-        return mukca_fail(error, MUKCA_USAGE, "--map names %d readings, but the arm has %d joints",
-                          n, joints);
-    return MUKCA_OK;
-}
-
-static int find_reading(const mukca_lcm_joints *joints, const char *name)
-{
-    for (int i = 0; i < joints->n; i++)
-        if (strcmp(joints->name[i], name) == 0) return i;
-    return -1;
-}
-
-static mukca_status map_by_name(recorder *r)
-{
-    for (int j = 0; j < r->model->chain.n_joints; j++) {
-        r->map[j] = find_reading(&r->joints, joint_name(r, j));
-        if (r->map[j] < 0)
-            return mukca_fail(&r->problem, MUKCA_INPUT,
-                              "channel %s names no joint \"%s\" (its first is \"%.40s\"): check "
-                              "--urdf, or give --map order",
-                              r->channel, joint_name(r, j), r->joints.name[0]);
-    }
-    r->by_name = true;
-    return MUKCA_OK;
-}
-
-/* From the first good message; r->problem says what is wrong. */
-static mukca_status make_map(recorder *r)
-{
-    const char *how = r->options->map;
-    int joints = r->model->chain.n_joints, n = r->joints.n;
-    bool named = r->joints.has[MUKCA_LCM_ROLE_NAME];
-    if (how && strcmp(how, "name") == 0 && !named)
-        return mukca_fail(&r->problem, MUKCA_INPUT,
-                          "channel %s sends no joint names: --map order goes by the chain's order",
-                          r->channel);
-    if (named && (!how || strcmp(how, "name") == 0)) return map_by_name(r);
-    if (how && strcmp(how, "order") != 0) {
-        mukca_status status = parse_map(r, &r->problem);
-        for (int j = 0; j < joints && !status; j++)
-            if (r->map[j] >= n)
-                status = mukca_fail(&r->problem, MUKCA_INPUT,
-                                    "--map names reading %d, but channel %s sends only %d",
-                                    r->map[j] + 1, r->channel, n);
-        return status;
-    }
-    if (n != joints)
-        return mukca_fail(&r->problem, MUKCA_INPUT,
-                          "channel %s sends %d joints, the arm has %d: %s", r->channel, n, joints,
-                          n > joints ? "say which with --map, as in --map 8-14"
-                                     : "check --urdf, --base and --tip");
-    for (int j = 0; j < joints; j++) r->map[j] = j;
-    return MUKCA_OK;
-}
-
-bool recorder_needs_confirmation(const recorder *r)
-{
-    return r->mapped && !r->by_name && !r->options->map;
-}
-
-void recorder_describe_map(const recorder *r, char *text, size_t size)
-{
-    size_t used =
-        (size_t)snprintf(text, size, "%s (%s), %d readings, mapped by %s:\n", r->channel,
-                         r->types.type[r->type].name, r->n_readings, r->by_name ? "name" : "order");
-    for (int j = 0; j < r->model->chain.n_joints && used < size; j++)
-        used += (size_t)snprintf(text + used, size - used, "  reading %2d  ->  %-24s now %9.4f\n",
-                                 r->map[j] + 1, joint_name(r, j), r->q[j]);
-}
-
 /* ---- messages ---- */
 
 /* Joint j as one of its readings; false where it can be none. */
@@ -211,27 +116,33 @@ static void feed(recorder *r, int64_t time)
     if (text[0]) recorder_say(r, "%s", text);
 }
 
+/* A message that holds no joint states that we know of. */
+static void refuse_type(recorder *r, const mukca_lcm_packet *packet, int type)
+{
+    uint64_t fingerprint = 0;
+    for (size_t i = 0; i < 8 && i < packet->size; i++)
+        fingerprint = fingerprint << 8 | ((const unsigned char *)packet->data)[i];
+    if (r->mapped)
+        recorder_refuse(r, RECORDER_TYPE,
+                        "%s: a message of another type: ignored (fingerprint %016" PRIx64 ")",
+                        r->channel, fingerprint);
+    else if (type >= 0)
+        mukca_fail(&r->problem, MUKCA_INPUT,
+                   "%s sends %s, which holds no joint positions: name another --channel",
+                   r->channel, r->types.type[type].name);
+    else
+        mukca_fail(&r->problem, MUKCA_INPUT,
+                   "%s sends a type that mukca does not know (fingerprint %016" PRIx64
+                   "): describe it with --type FILE.lcm --position FIELD",
+                   r->channel, fingerprint);
+}
+
 static void on_joints(recorder *r, const mukca_lcm_packet *packet)
 {
     mukca_error error;
     int type = mukca_lcm_types_find(&r->types, packet->data, packet->size);
     if (!mukca_lcm_type_has_joints(&r->types, type)) {
-        char what[RECORDER_LINE];
-        uint64_t fingerprint = 0;
-        for (size_t i = 0; i < 8 && i < packet->size; i++)
-            fingerprint = fingerprint << 8 | ((const unsigned char *)packet->data)[i];
-        if (type >= 0)
-            snprintf(what, sizeof what,
-                     "%s sends %s, which holds no joint positions: name another "
-                     "--channel",
-                     r->channel, r->types.type[type].name);
-        else
-            snprintf(what, sizeof what,
-                     "%s sends a type that mukca does not know (fingerprint "
-                     "%016" PRIx64 "): describe it with --type FILE.lcm --position FIELD",
-                     r->channel, fingerprint);
-        if (!r->mapped) mukca_fail(&r->problem, MUKCA_INPUT, "%.240s", what);
-        recorder_refuse(r, RECORDER_TYPE, "%s", what);
+        refuse_type(r, packet, type);
         return;
     }
     if (r->mapped && type != r->type) {
@@ -244,7 +155,7 @@ static void on_joints(recorder *r, const mukca_lcm_packet *packet)
         return;
     }
     if (!r->mapped) {
-        if (make_map(r)) return;
+        if (recorder_make_map(r)) return;
         r->type = type;
         r->n_readings = r->joints.n;
         r->mapped = true;
@@ -259,7 +170,7 @@ static void on_joints(recorder *r, const mukca_lcm_packet *packet)
         return;
     }
     for (int j = 0; j < r->model->chain.n_joints; j++) {
-        if (r->by_name && strcmp(r->joints.name[r->map[j]], joint_name(r, j)) != 0) {
+        if (r->by_name && strcmp(r->joints.name[r->map[j]], recorder_joint_name(r, j)) != 0) {
             recorder_refuse(r, RECORDER_NAMES,
                             "%s: a message with other joint names: ignored (another arm "
                             "on this channel?)",
@@ -270,7 +181,7 @@ static void on_joints(recorder *r, const mukca_lcm_packet *packet)
         if (!plausible(r, j, q)) {
             recorder_refuse(r, RECORDER_RANGE,
                             "%s: %s reads %g: no angle in rad (degrees? wrong --map?)", r->channel,
-                            joint_name(r, j), q);
+                            recorder_joint_name(r, j), q);
             return;
         }
         r->q[j] = q;
@@ -438,8 +349,7 @@ mukca_status recorder_open(recorder *r, cli_call *call, const recorder_options *
     mukca_status status = read_types(r);
     if (!status) status = recorder_prepare(r);
     if (status) return status;
-    if (options->map && strcmp(options->map, "name") && strcmp(options->map, "order"))
-        status = parse_map(r, &call->error);
+    status = recorder_check_map(r);
     if (options->channel && strlen(options->channel) >= sizeof r->channel)
         return mukca_fail(&call->error, MUKCA_USAGE, "--channel: at most 63 characters");
     if (options->channel) memcpy(r->channel, options->channel, strlen(options->channel) + 1);
@@ -452,15 +362,18 @@ mukca_status recorder_connect(recorder *r, double wait)
 {
     mukca_error *error = &r->call->error;
     mukca_status status = MUKCA_OK;
-    while (!status && !r->mapped && !r->problem.status) {
+    int64_t found = 0; /* us, when the first problem was: a good message may follow */
+    while (!status && !r->mapped) {
         status = recorder_step(r, 100, -1, NULL);
+        if (r->problem.status && !found) found = mukca_lcm_link_clock(r->link);
+        if (r->problem.status && mukca_lcm_link_clock(r->link) - found > 1000000) break;
         if (cli_interrupted()) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         if (!mukca_lcm_link_replays(r->link) && wait >= 0 &&
             1e-6 * (double)(mukca_lcm_link_clock(r->link) - r->opened) > wait)
             status = MUKCA_NEGATIVE;
     }
     if (status == MUKCA_TRANSPORT) return status;
-    if (r->problem.status) {
+    if (r->problem.status && !r->mapped) {
         *error = r->problem;
         return r->problem.status;
     }

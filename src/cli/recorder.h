@@ -150,8 +150,16 @@ mukca_status recorder_open(recorder *r, cli_call *call, const recorder_options *
                            const recorder_hooks *hooks);
 void recorder_close(recorder *r);
 
-/* Part of recorder_open: labels and the capture. */
+/* Parts of it: labels and the capture; --map.  And of the first good message: the mapping, where
+ * r->problem says what is wrong. */
 mukca_status recorder_prepare(recorder *r);
+mukca_status recorder_check_map(recorder *r);
+mukca_status recorder_make_map(recorder *r);
+
+static inline const char *recorder_joint_name(const recorder *r, int j)
+{
+    return r->model->chain.element[r->model->chain.joint_element[j]].name;
+}
 
 /* Begin the --record log, if one is wanted. */
 mukca_status recorder_keep_log(recorder *r);

@@ -136,9 +136,7 @@ static int n_joints(const recorder *r)
 
 static void name_joints(const recorder *r, const char **names)
 {
-    const mukca_chain *chain = &r->model->chain;
-    for (int j = 0; j < chain->n_joints; j++)
-        names[j] = chain->element[chain->joint_element[j]].name;
+    for (int j = 0; j < n_joints(r); j++) names[j] = recorder_joint_name(r, j);
 }
 
 static const char *given(const char *label, const char *otherwise)

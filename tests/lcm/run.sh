@@ -10,7 +10,7 @@ skip() {
 out=$BUILD/lcm
 mkdir -p "$out/types" "$out/work"
 command -v lcm-gen >/dev/null || skip "no lcm-gen (Debian's liblcm-bin)"
-unshare -rn true 2>/dev/null || skip "no network namespaces (unshare -rn)"
+unshare -rnm true 2>/dev/null || skip "no network namespaces (unshare -rnm)"
 command -v ip >/dev/null || skip "no ip (Debian's iproute2)"
 python=${PYTHON:-python3}
 if ! "$python" -c 'import lcm' 2>/dev/null; then
@@ -24,7 +24,7 @@ fi
 lcm-gen -p --ppath "$out/types" "$here"/types/*.lcm "$here"/../../data/lcm/*.lcm || exit 1
 failed=0
 for test in ${LCM_TESTS:-"$here"/test_*.py}; do
-    unshare -rn sh -c 'ip link set lo up multicast on; ip route add 224.0.0.0/4 dev lo; exec "$@"' \
+    unshare -rnm sh -c 'ip link set lo up multicast on; ip route add 224.0.0.0/4 dev lo; exec "$@"' \
         sh timeout 900 "$python" "$test" || failed=1
 done
 exit $failed
