@@ -203,7 +203,12 @@ void recorder_publish(recorder *r, mukca_lcm_builtin kind, const void *message);
 /* Channel of one of our messages: PREFIX_SUFFIX. */
 void recorder_own_channel(const recorder *r, char channel[64], mukca_lcm_builtin kind);
 
-/* Count a message that cannot be used, and tell why, but not a thousand times a second. */
+/* The handler of all packets; `r` is the recorder. */
+void recorder_on_packet(void *r, const mukca_lcm_packet *packet);
+
+/* Say that something is wrong, but not a thousand times a second; and count a message that cannot
+ * be used for it. */
+void recorder_complain(recorder *r, recorder_trouble kind, const char *text);
 void recorder_refuse(recorder *r, recorder_trouble kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
