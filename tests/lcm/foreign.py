@@ -239,15 +239,15 @@ class Client:
 
 
 def robots():
-    """[(name, kind, rate, channel, URDF, session)] to play: the demo arm, and real ones if there."""
+    """[(name, kind, rate, channel, URDF, rows)] to play: the demo arm; in full, real ones, too."""
     found = []
     demo = os.path.join(ROOT, "data", "demo")
-    if os.path.exists(os.path.join(demo, "train.tsv")):
-        rows = demo_rows(os.path.join(demo, "train.tsv"))[1]
-        rows = [row for row in rows if row[0] == rows[0][0]]  # one placement, both sockets
-        urdf = os.path.join(demo, "arm.urdf")
-        found += [("demo arm as iiwa", "iiwa", 200, "IIWA_STATUS", urdf, rows),
-                  ("demo arm as Panda", "panda", 1000, "PANDA_STATUS", urdf, rows)]
+    rows = demo_rows(os.path.join(demo, "train.tsv"))[1]
+    urdf = os.path.join(demo, "arm.urdf")
+    found += [("demo arm as iiwa", "iiwa", 200, "IIWA_STATUS", urdf, rows),
+              ("demo arm as Panda", "panda", 1000, "PANDA_STATUS", urdf, rows)]
+    if not os.environ.get("MUKCA_LONG"):
+        return found
     real = os.environ.get("MUKCA_REAL_DATA", os.path.join(ROOT, "..", "shared", "real"))
     for name, kind, rate, channel, urdf, folder in (
             ("iiwa", "iiwa", 200, "IIWA_STATUS", "iiwa14.urdf", "kuka_14/front"),

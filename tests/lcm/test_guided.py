@@ -12,7 +12,7 @@ SAMPLES = 60
 def play(name, kind, rate, channel, urdf, rows):
     state = fresh("guided_" + name.replace(" ", "_"))
     log = os.path.join(state, "raw.lcmlog")
-    rows = rows[:SAMPLES // 2] + rows[-(SAMPLES - SAMPLES // 2):]
+    rows = [rows[i * len(rows) // SAMPLES] for i in range(SAMPLES)]
     client = Client()
     serve = spawn("serve", "--urdf", urdf, "--channel", channel, "--map", "order", "--state", state,
                   "--window", "0.1", "--record", log)

@@ -9,7 +9,7 @@ import time
 from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, spawn, stop, table
 
 NAME, KIND, _, CHANNEL, URDF, ROWS = robots()[-1]
-ROWS = ROWS[:12] + ROWS[-12:]
+ROWS = [ROWS[i * len(ROWS) // 24] for i in range(24)]
 
 
 def serve(state, *more, **environment):

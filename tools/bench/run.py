@@ -51,6 +51,7 @@ def process(repeats, *command):
 def main():
     python = numpy_python()
     print(output(sys.executable, os.path.join(HERE, "recalibrate.py"), python), end="")
+    print(output(sys.executable, os.path.join(HERE, "lcm_speed.py")), end="")
     if not os.path.isdir(DATA):
         print(f"SKIPPED bench of the fit: no data in {DATA}; set MUKCA_REAL_DATA")
         return 0
