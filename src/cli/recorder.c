@@ -89,13 +89,6 @@ static mukca_status choose_channel(recorder *r)
 
 /* ---- the link ---- */
 
-void recorder_own_channel(const recorder *r, char channel[64], mukca_lcm_builtin kind)
-{
-    const char *usual = r->types.type[kind].channel; /* MUKCA_TRIGGER and the like */
-    snprintf(channel, 64, "%.48s%s", r->options->prefix ? r->options->prefix : "MUKCA",
-             strchr(usual, '_'));
-}
-
 static mukca_status open_link(recorder *r)
 {
     mukca_error *error = &r->call->error;
@@ -161,8 +154,8 @@ mukca_status recorder_open(recorder *r, cli_call *call, const recorder_options *
     if (options->channel && strlen(options->channel) >= sizeof r->channel)
         return mukca_fail(&call->error, MUKCA_USAGE, "--channel: at most 63 characters");
     if (options->channel) memcpy(r->channel, options->channel, strlen(options->channel) + 1);
-    recorder_own_channel(r, r->trigger_channel, MUKCA_LCM_TRIGGER);
-    recorder_own_channel(r, r->command_channel, MUKCA_LCM_COMMAND);
+    mukca_message_channel(r->trigger_channel, MUKCA_LCM_TRIGGER, r->options->prefix);
+    mukca_message_channel(r->command_channel, MUKCA_LCM_COMMAND, r->options->prefix);
     return status ? status : open_link(r);
 }
 
@@ -256,7 +249,7 @@ void recorder_publish(recorder *r, mukca_lcm_builtin kind, const void *message)
     void *buffer = size ? malloc(size) : NULL;
     if (!buffer) return;
     mukca_message_encode(buffer, size, kind, message, &r->types);
-    recorder_own_channel(r, channel, kind);
+    mukca_message_channel(channel, kind, r->options->prefix);
     mukca_error error;
     if (mukca_lcm_link_publish(r->link, channel, buffer, size, &error))
         recorder_complain(r, RECORDER_OWN_MESSAGE, error.text);

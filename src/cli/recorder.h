@@ -10,7 +10,7 @@
 #include "io/session_append.h"
 #include "study/capture.h"
 
-enum { RECORDER_MAX_LABELS = 32, RECORDER_MAX_HEARD = 24, RECORDER_LINE = 320 };
+enum { RECORDER_MAX_LABELS = 32, RECORDER_MAX_HEARD = 24, RECORDER_LINE = 448 };
 
 /* What both commands let the user choose; zeroed means the defaults. */
 typedef struct {
@@ -199,9 +199,6 @@ const char *recorder_state(const recorder *r);
 
 /* Send one of our messages on its channel. */
 void recorder_publish(recorder *r, mukca_lcm_builtin kind, const void *message);
-
-/* Channel of one of our messages: PREFIX_SUFFIX. */
-void recorder_own_channel(const recorder *r, char channel[64], mukca_lcm_builtin kind);
 
 /* The handler of all packets; `r` is the recorder. */
 void recorder_on_packet(void *r, const mukca_lcm_packet *packet);

@@ -162,7 +162,7 @@ static void on_trigger(recorder *r, const mukca_lcm_packet *packet)
 static void hear(recorder *r, const mukca_lcm_packet *packet)
 {
     int i = 0;
-    while (i < r->n_heard && strcmp(r->heard[i].channel, packet->channel)) i++;
+    while (i < r->n_heard && strcmp(r->heard[i].channel, packet->channel) != 0) i++;
     if (i == RECORDER_MAX_HEARD) return;
     recorder_heard *h = &r->heard[i];
     if (i == r->n_heard) {

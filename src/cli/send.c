@@ -27,13 +27,6 @@ typedef struct {
     mukca_message_result result;
 } client;
 
-static void channel_name(const client *c, char channel[64], mukca_lcm_builtin kind)
-{
-    const send_options *o = c->call->options;
-    snprintf(channel, 64, "%.48s%s", o->prefix ? o->prefix : "MUKCA",
-             strchr(c->types.type[kind].channel, '_'));
-}
-
 /* The table as text, as in an offsets file but for its comments. */
 static void print_table(const mukca_message_result *m)
 {
@@ -97,6 +90,7 @@ static void on_packet(void *context, const mukca_lcm_packet *packet)
 static mukca_status send_command(client *c)
 {
     const cli_list *words = &c->call->arguments;
+    const send_options *o = c->call->options;
     char channel[64];
     unsigned char buffer[4096];
     mukca_message_command command = {
@@ -109,7 +103,7 @@ static mukca_status send_command(client *c)
         mukca_message_encode(buffer, sizeof buffer, MUKCA_LCM_COMMAND, &command, &c->types);
     if (!size || size > sizeof buffer)
         return mukca_fail(&c->call->error, MUKCA_USAGE, "the arguments are too long");
-    channel_name(c, channel, MUKCA_LCM_COMMAND);
+    mukca_message_channel(channel, MUKCA_LCM_COMMAND, o->prefix);
     return mukca_lcm_link_publish(c->link, channel, buffer, size, &c->call->error);
 }
 
@@ -130,7 +124,8 @@ static mukca_status run(cli_call *call)
     if (!status) status = mukca_lcm_link_open(&c->link, o->lcm_url, on_packet, c, error);
     if (!status && mukca_lcm_link_replays(c->link))
         status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
-    channel_name(c, channel, c->wants_status ? MUKCA_LCM_STATUS : MUKCA_LCM_RESULT);
+    mukca_message_channel(channel, c->wants_status ? MUKCA_LCM_STATUS : MUKCA_LCM_RESULT,
+                          o->prefix);
     if (!status) status = mukca_lcm_link_listen(c->link, channel, error);
     if (!status && !c->wants_status) status = send_command(c);
     double deadline = cli_elapsed(call) + o->timeout;

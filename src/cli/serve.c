@@ -43,7 +43,7 @@ static mukca_status begin(server *s)
         return status;
     }
     /* a row that came after the last save says where the session stands, too */
-    if (s->memory.placement[0] && atoi(s->memory.rows) == r->session.n_rows)
+    if (s->memory.placement[0] && strtol(s->memory.rows, NULL, 10) == r->session.n_rows)
         recorder_select(r, s->memory.placement, s->memory.socket, line);
     keep_place(s);
     recorder_say(r, "session %s: %d rows", path, r->session.n_rows);
@@ -275,7 +275,7 @@ static mukca_status run(cli_call *call)
         status = recorder_open(&s->engine, call, &s->options->recorder, &s->model, true, &hooks);
     if (!status) status = serve_remember(s);
     if (status) goto out;
-    recorder_own_channel(&s->engine, s->pose.channel, MUKCA_LCM_POSE);
+    mukca_message_channel(s->pose.channel, MUKCA_LCM_POSE, s->options->recorder.prefix);
     mukca_error error;
     if (serve_load_model(s, &error)) recorder_say(&s->engine, "%s", error.text);
     if (mukca_lcm_link_replays(s->engine.link)) status = recorder_connect(&s->engine, -1);

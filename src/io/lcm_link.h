@@ -32,9 +32,9 @@ mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mu
 /* Stop receiving all channels; those that were named stay. */
 void mukca_lcm_link_unlisten_all(mukca_lcm_link *link);
 
-/* Hand over what has come (one message; some hundred of a log); wait up to `timeout_ms` for it, or until descriptor `other` (-1: none)
- * is readable, which *readable (may be NULL) tells.  Returns MUKCA_OK, MUKCA_NEGATIVE at the end of
- * a log, MUKCA_TRANSPORT.  A signal ends the wait. */
+/* Hand over what has come (one message; some hundred of a log); wait up to `timeout_ms` for it, or
+ * until descriptor `other` (-1: none) is readable, which *readable (may be NULL) tells.  Returns
+ * MUKCA_OK, MUKCA_NEGATIVE at the end of a log, MUKCA_TRANSPORT.  A signal ends the wait. */
 mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other, bool *readable,
                                  mukca_error *error);
 

@@ -66,7 +66,7 @@ mukca_status mukca_lcm_log_create(mukca_lcm_log *log, const char *path, bool for
 
 bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
 {
-    unsigned char head[HEADER];
+    unsigned char head[HEADER] = {0};
     size_t have = 0;
     while (log->file) {
         have += fread(head + have, 1, sizeof head - have, log->file);

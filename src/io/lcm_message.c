@@ -1,6 +1,7 @@
 /* Our own LCM messages to the wire and back: one visitor per type serves both directions. */
 #include "io/lcm_message.h"
 
+#include <stdio.h>
 #include <string.h>
 
 typedef struct {
@@ -191,6 +192,13 @@ static void visit_pose(cursor *c, void *message)
 
 static void (*const visitors[])(cursor *, void *) = {visit_trigger, visit_command, visit_status,
                                                      visit_sample,  visit_result,  visit_pose};
+
+void mukca_message_channel(char channel[64], mukca_lcm_builtin kind, const char *prefix)
+{
+    static const char *const suffix[] = {"TRIGGER", "COMMAND", "STATUS",
+                                         "SAMPLE",  "RESULT",  "POSE"};
+    snprintf(channel, 64, "%.50s_%s", prefix ? prefix : "MUKCA", suffix[kind - MUKCA_LCM_TRIGGER]);
+}
 
 size_t mukca_message_encode(void *buffer, size_t size, mukca_lcm_builtin kind, const void *message,
                             const mukca_lcm_types *types)

@@ -63,6 +63,9 @@ typedef struct {
     double position[3], quaternion[4];
 } mukca_message_pose;
 
+/* Channel of our messages: PREFIX_TRIGGER and so on; `prefix` NULL is MUKCA. */
+void mukca_message_channel(char channel[64], mukca_lcm_builtin kind, const char *prefix);
+
 /* Encode `message` (the struct of `kind`, MUKCA_LCM_TRIGGER to MUKCA_LCM_POSE) to buffer[size].
  * Returns the bytes it takes, which may exceed `size` (then only the count is right); 0 where a
  * count in it is out of range.  Allocates nothing.  `buffer` may be NULL with size 0. */

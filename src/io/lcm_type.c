@@ -84,11 +84,9 @@ static const struct {
                   [MUKCA_LCM_ROLE_NAME] = "joint_name",
                   [MUKCA_LCM_ROLE_POSITION] = "joint_position"}},
     [MUKCA_LCM_TRIGGER] = {.text = "package mukca; struct trigger { int64_t utime; int64_t id;"
-                                   " string placement; string socket; }",
-                           .channel = "MUKCA_TRIGGER"},
+                                   " string placement; string socket; }"},
     [MUKCA_LCM_COMMAND] = {.text = "package mukca; struct command { int64_t utime; int64_t id;"
-                                   " string verb; int32_t n; string argument[n]; }",
-                           .channel = "MUKCA_COMMAND"},
+                                   " string verb; int32_t n; string argument[n]; }"},
     [MUKCA_LCM_STATUS] = {.text = "package mukca; struct status { int64_t utime; string state;"
                                   " string text; string session; string placement; string socket;"
                                   " int32_t rows; int32_t rows_here; string channel; string type;"
@@ -96,24 +94,20 @@ static const struct {
                                   " int64_t received; int64_t refused; boolean still;"
                                   " double spread_m; double expected_m; boolean more_rows_help;"
                                   " int32_t n; string joint[n]; double position[n];"
-                                  " double coverage[n]; }",
-                          .channel = "MUKCA_STATUS"},
+                                  " double coverage[n]; }"},
     [MUKCA_LCM_SAMPLE] = {.text = "package mukca; struct sample { int64_t utime; int64_t id;"
                                   " boolean accepted; string text; string placement;"
                                   " string socket; int32_t row; int32_t n; string joint[n];"
-                                  " double position[n]; double spread[n]; }",
-                          .channel = "MUKCA_SAMPLE"},
+                                  " double position[n]; double spread[n]; }"},
     [MUKCA_LCM_RESULT] = {.text = "package mukca; struct result { int64_t utime; int64_t id;"
                                   " string verb; int32_t code; string text; string robot;"
                                   " string urdf_sha256; string base; string tip; string stream;"
                                   " int32_t n; string joint[n]; string parameter[n];"
                                   " string unit[n]; double nominal[n]; double calibrated[n];"
                                   " double offset[n]; double sigma[n]; boolean identifiable[n];"
-                                  " string json; }",
-                          .channel = "MUKCA_RESULT"},
+                                  " string json; }"},
     [MUKCA_LCM_POSE] = {.text = "package mukca; struct pose { int64_t utime; double position[3];"
-                                " double quaternion[4]; }",
-                        .channel = "MUKCA_POSE"},
+                                " double quaternion[4]; }"},
 };
 
 mukca_status mukca_lcm_types_init(mukca_lcm_types *types, mukca_error *error)

@@ -242,8 +242,9 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
         if (at[0] == '#') {
             for (int k = 0; k < 2; k++) {
                 size_t n = strlen(head_key[k]);
-                if (strncmp(at, "# ", 2) || strncmp(at + 2, head_key[k], n) ||
-                    strncmp(at + 2 + n, ": ", 2) || strcmp(at + 4 + n, head_value(head, k)) == 0)
+                if (strncmp(at, "# ", 2) != 0 || strncmp(at + 2, head_key[k], n) != 0 ||
+                    strncmp(at + 2 + n, ": ", 2) != 0 ||
+                    strcmp(at + 4 + n, head_value(head, k)) == 0)
                     continue;
                 return mukca_fail(error, MUKCA_INPUT,
                                   k == 0 ? "session %s was recorded with another URDF (SHA-256 "
@@ -252,7 +253,7 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
                                   session->path, at + 4 + n);
             }
         } else if (at[0] && !*has_columns) {
-            if (strcmp(at, columns.text))
+            if (strcmp(at, columns.text) != 0)
                 return mukca_fail(error, MUKCA_INPUT,
                                   "session %s has other columns than this stream would record: "
                                   "begin another session",

@@ -130,7 +130,7 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
     capture->guided = reading->guided;
     /* A window always fits the ring, however fast the stream. */
     if (capture->count &&
-        reading->time - stored_time(capture, 0) < s->window / (MUKCA_CAPTURE_RING / 2))
+        reading->time - stored_time(capture, 0) < s->window / (0.5 * MUKCA_CAPTURE_RING))
         return found;
     const double *const kinds[] = {reading->q, reading->effort, reading->command};
     capture->time[capture->head] = reading->time;

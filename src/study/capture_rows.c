@@ -142,9 +142,9 @@ mukca_status mukca_capture_select(mukca_capture *capture, const char *placement,
 {
     mukca_dataset *rows = &capture->rows;
     int p = 0, s = 0;
-    while (p < rows->n_placements && strcmp(rows->placements[p].name, placement)) p++;
+    while (p < rows->n_placements && strcmp(rows->placements[p].name, placement) != 0) p++;
     while (s < rows->n_sockets &&
-           (rows->sockets[s].placement != p || strcmp(rows->sockets[s].label, socket)))
+           (rows->sockets[s].placement != p || strcmp(rows->sockets[s].label, socket) != 0))
         s++;
     if (p == MUKCA_CAPTURE_MAX_PLACEMENTS || s == MUKCA_CAPTURE_MAX_SOCKETS)
         return mukca_fail(error, MUKCA_INPUT, "too many placements: begin another session");
