@@ -1,0 +1,28 @@
+/* Tables for controllers: read or refused; what is read can be asked for positions and Jacobians. */
+#include <math.h>
+#include <string.h>
+
+#include "memory_file.h"
+#include "mukca/corrected.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    static mukca_corrected model;
+    mukca_error error = {MUKCA_OK, ""};
+    double q[MUKCA_MAX_JOINTS], J[6 * MUKCA_MAX_JOINTS], position[3];
+    mukca_frame tip;
+    char *text = malloc(size + 1);
+    if (!text) return 0;
+    memcpy(text, bytes, size);
+    text[size] = '\0';
+    mukca_status status = mukca_corrected_parse(&model, text, &error);
+    if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
+    for (int j = 0; j < MUKCA_MAX_JOINTS; j++) q[j] = 0.3 * j - 1;
+    if (status == MUKCA_OK) {
+        mukca_corrected_position(position, &model, q, NULL);
+        mukca_corrected_pose(&tip, &model, q, NULL);
+        mukca_corrected_jacobian(J, NULL, &model, q, NULL);
+    }
+    free(text);
+    return 0;
+}
