@@ -75,8 +75,9 @@ static void begin_table(FILE *out, const char *caption, const char *columns)
     while (*columns) {
         const size_t n = strcspn(columns, "|");
         const bool number = *columns == '#';
-        fprintf(out, "<th scope=\"col\"%s>%.*s</th>", number ? " class=\"n\"" : "", (int)n - number,
-                columns + number);
+        fprintf(out, "<th scope=\"col\"%s>", number ? " class=\"n\"" : "");
+        for (size_t c = number; c < n; c++) mukca_html_escape(out, (char[]){columns[c], '\0'});
+        fputs("</th>", out);
         columns += n + (columns[n] == '|');
     }
     fputs("</tr></thead>\n<tbody>\n", out);
@@ -335,22 +336,32 @@ void report_put_offsets(FILE *out, const mukca_report *r)
 
 void report_put_next_poses(FILE *out, const mukca_report *r)
 {
-    const json_t *poses = json_object_get(r->diagnosis, "next_poses"), *pose, *angle;
+    const json_t *poses = json_object_get(r->diagnosis, "next_poses"), *pose, *cause;
     size_t i, k;
     char columns[MUKCA_MAX_JOINTS * (MUKCA_NAME_SIZE + 2) + 64] = "placement|socket";
     if (json_array_size(poses) == 0) return;
+    fputs("<p>These poses would tell apart ", out);
+    json_array_foreach(json_object_get(json_array_get(poses, 0), "tells_apart"), k, cause)
+    {
+        char name[160];
+        report_name_cause(name, sizeof name, cause);
+        fputs(k ? " and " : "", out);
+        mukca_html_escape(out, name);
+    }
+    fputs(".</p>\n", out);
     for (int j = 0; j < r->chain->n_joints; j++) {
         strcat(columns, "|#");
         strcat(columns, r->chain->element[r->chain->joint_element[j]].name);
     }
-    begin_table(out, "Next poses, rad: record these to settle the ties", columns);
+    begin_table(out, "Next poses, rad", columns);
     json_array_foreach(poses, i, pose)
     {
         const json_t *q = json_object_get(pose, "q");
         fputs("<tr>", out);
         text_cell(out, report_text(pose, "placement"));
         text_cell(out, report_text(pose, "socket"));
-        json_array_foreach(q, k, angle) cell(out, json_number_value(angle), 1, 3);
+        for (int j = 0; j < r->chain->n_joints; j++)
+            cell(out, json_number_value(json_array_get(q, (size_t)j)), 1, 3);
         fputs("</tr>\n", out);
     }
     end_table(out);
