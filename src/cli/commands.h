@@ -7,6 +7,7 @@
     X(serve)                \
     X(send)                 \
     X(simulate)             \
+    X(plan)                 \
     X(calibrate)            \
     X(recalibrate)          \
     X(evaluate)             \

@@ -30,6 +30,9 @@ typedef struct {
 /* Fill a zeroed simulation from the options of the call.  Errors: MUKCA_USAGE, MUKCA_INPUT. */
 mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *simulation);
 
+/* One --place NAME[=X,Y,Z[,ROLL,PITCH,YAW]], of simulate and plan.  Errors: MUKCA_USAGE. */
+mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error);
+
 /* Write --labels: all that the recording hides. */
 mukca_status cli_write_labels(cli_call *call, const cli_simulation *simulation,
                               const mukca_dataset *data);

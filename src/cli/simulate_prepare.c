@@ -57,8 +57,7 @@ static int read_list(double *values, int most, const char *text)
     }
 }
 
-/* One --place. */
-static mukca_status read_place(mukca_place *place, const char *text, mukca_error *error)
+mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error)
 {
     double v[6] = {0};
     const size_t length = strcspn(text, "=");
@@ -94,7 +93,7 @@ static mukca_status name_places(cli_simulation *s, const cli_simulate_options *o
         mukca_place *p = &s->places[i];
         mukca_status status = MUKCA_OK;
         if (i < o->places.n)
-            status = read_place(p, o->places.items[i], error);
+            status = cli_read_place(p, o->places.items[i], error);
         else
             snprintf(p->name, sizeof p->name, i < n ? "p%d" : "held_out_%d",
                      i < n ? i + 1 : i - n + 1);

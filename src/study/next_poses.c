@@ -26,6 +26,15 @@ static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
     return false;
 }
 
+bool mukca_next_poses_tie(mukca_effect effects[2], const mukca_diagnosis *diagnosis)
+{
+    mukca_next_poses next;
+    if (!find_tie(&next, diagnosis)) return false;
+    effects[0] = diagnosis->causes[next.cause].effect;
+    effects[1] = diagnosis->causes[next.cause].ties[next.tie].rival;
+    return true;
+}
+
 mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *d,
                                      const mukca_chain *chain, const mukca_dataset *data,
                                      bool (*stop)(void *context), mukca_error *error)

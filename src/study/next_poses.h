@@ -21,6 +21,8 @@ typedef struct {
 mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *diagnosis,
                                      const mukca_chain *chain, const mukca_dataset *data,
                                      bool (*stop)(void *context), mukca_error *error);
+/* The first tied cause that poses can settle, and its rival; false where there is none. */
+bool mukca_next_poses_tie(mukca_effect effects[2], const mukca_diagnosis *diagnosis);
 void mukca_next_poses_free(mukca_next_poses *next); /* harmless on a zeroed one */
 
 #endif

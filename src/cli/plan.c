@@ -1,0 +1,374 @@
+/* mukca plan: the next poses to record, for accuracy or to tell two causes apart. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/simulate.h"
+#include "io/output.h"
+#include "study/next_poses.h"
+
+typedef struct {
+    cli_common common;
+    cli_list separate, places;
+    bool settle;
+    int rows, suggest, seed;
+    double noise, tilt, clearance;
+} plan_options;
+
+static const plan_options defaults = {.rows = 20, .noise = 1e-4, .tilt = 60, .clearance = 0.05};
+
+static const cli_option options[] = {
+    {"rows", 0, CLI_INTEGER, "N", "poses to propose, all sockets together (default: 20)", NULL,
+     offsetof(plan_options, rows)},
+    {"place", 0, CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
+     "a place where the tool shall stand: middle of the sockets, which lie on its x axis, m and "
+     "rad; "
+     "a centimetre does not matter",
+     NULL, offsetof(plan_options, places)},
+    {"suggest", 0, CLI_INTEGER, "N", "propose N places for the tool instead of poses", NULL,
+     offsetof(plan_options, suggest)},
+    {"settle", 0, CLI_FLAG, NULL, "diagnose DATA, and tell its first tied causes apart", NULL,
+     offsetof(plan_options, settle)},
+    {"separate", 0, CLI_TEXTS, "EFFECT",
+     "causes to tell apart, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or more, "
+     "with commas or repeated",
+     NULL, offsetof(plan_options, separate)},
+    {"noise", 0, CLI_NUMBER, "M", "of the ball per axis, m (default: 1e-4)", NULL,
+     offsetof(plan_options, noise)},
+    {"tilt", 0, CLI_NUMBER, "DEG",
+     "how far the tool may lean from straight down (default: 60; 180: any)", NULL,
+     offsetof(plan_options, tilt)},
+    {"clearance", 0, CLI_NUMBER, "M",
+     "that the joints keep above the plane of the base, m (default: 0.05)", NULL,
+     offsetof(plan_options, clearance)},
+    {"seed", 0, CLI_INTEGER, "N", "of the random candidates (default: 0)", NULL,
+     offsetof(plan_options, seed)},
+    CLI_OFFSETS_OPTION,
+    CLI_MODEL_OPTIONS,
+    CLI_DISTANCE_OPTIONS,
+    CLI_OUTPUT_OPTION("where to write the poses, a session file (default: standard output)"),
+    CLI_JSON_OPTION,
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+typedef struct {
+    cli_call *call;
+    cli_model model;
+    mukca_dataset data;
+    int n_sockets;
+    mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
+    cli_simulated causes;
+    mukca_diagnosis diagnosis;
+    mukca_plan_options how;
+    mukca_plan plan;
+    int n_places;
+    mukca_plan_place places[MUKCA_PLAN_MAX_SOCKETS / 2];
+} plan_run;
+
+static bool stop(void *context)
+{
+    (void)context;
+    return cli_interrupted();
+}
+
+static void progress(void *context, double share)
+{
+    cli_progress(context, "trying poses", share, 1);
+}
+
+static bool diagnosing(void *context, double share, const char *doing)
+{
+    cli_progress(context, doing, share, 1);
+    return !cli_interrupted();
+}
+
+static mukca_status check(cli_call *call)
+{
+    const plan_options *o = call->options;
+    mukca_error *e = &call->error;
+    if (o->rows < 1 || o->rows > 1000)
+        return mukca_fail(e, MUKCA_USAGE, "--rows %d: must be 1 to 1000", o->rows);
+    if (o->suggest < 0)
+        return mukca_fail(e, MUKCA_USAGE, "--suggest %d: must be 1 or more", o->suggest);
+    if (!(o->noise > 0) || o->noise > 0.1)
+        return mukca_fail(e, MUKCA_USAGE, "--noise %g: must be m, above 0 to 0.1", o->noise);
+    if (!(o->tilt > 0) || o->tilt > 180)
+        return mukca_fail(e, MUKCA_USAGE, "--tilt %g: must be degrees, above 0 to 180", o->tilt);
+    if (o->settle + (o->separate.n > 0) + (o->suggest > 0) > 1)
+        return mukca_fail(e, MUKCA_USAGE, "--settle, --separate and --suggest exclude each other");
+    if (o->settle && call->arguments.n == 0)
+        return mukca_fail(e, MUKCA_USAGE, "--settle needs the DATA that left a tie");
+    if (call->arguments.n == 0 && o->places.n == 0 && o->suggest == 0)
+        return mukca_fail(
+            e, MUKCA_USAGE,
+            "where is the tool?  Give recorded DATA, --place NAME=X,Y,Z, or --suggest "
+            "N to get places proposed");
+    return cli_check_outputs(call);
+}
+
+/* Sockets of the data, then two for each --place. */
+static mukca_status gather_sockets(plan_run *r)
+{
+    const plan_options *o = r->call->options;
+    mukca_error *error = &r->call->error;
+    const double distance = r->call->common->distance > 0 ? r->call->common->distance : 0.05;
+    int n = 0, place = 0;
+    if (r->data.n_rows > 0) {
+        n = mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model.geometry, &r->data);
+        place = r->data.n_placements;
+        if (n == 0)
+            return mukca_fail(error, MUKCA_INPUT,
+                              "these DATA hold no sockets; a pose log needs no plan of this kind");
+    }
+    for (int i = 0; i < o->places.n; i++, place++) {
+        mukca_place at = {.placed = false};
+        mukca_status status = cli_read_place(&at, o->places.items[i], error);
+        if (status != MUKCA_OK) return status;
+        if (!at.placed)
+            return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at.name);
+        for (int k = 0; k < n; k++)
+            if (strcmp(r->sockets[k].placement, at.name) == 0)
+                return mukca_fail(error, MUKCA_USAGE,
+                                  "--place %s: there is such a placement already; choose another "
+                                  "name",
+                                  at.name);
+        if (n + 2 > MUKCA_PLAN_MAX_SOCKETS)
+            return mukca_fail(error, MUKCA_USAGE, "more than %d sockets", MUKCA_PLAN_MAX_SOCKETS);
+        for (int side = 0; side < 2; side++) {
+            mukca_plan_socket *s = &r->sockets[n++];
+            s->place = place;
+            snprintf(s->label, sizeof s->label, "%d", side);
+            snprintf(s->placement, sizeof s->placement, "%s", at.name);
+            for (int a = 0; a < 3; a++)
+                s->centre[a] = at.pose.p[a] + (side - 0.5) * distance * at.pose.R[3 * a];
+        }
+    }
+    r->n_sockets = n;
+    return MUKCA_OK;
+}
+
+static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
+{
+    snprintf(name, 96, "%s%s%s", mukca_effect_table[effect->kind].name,
+             effect->joint < 0 ? "" : " of ",
+             effect->joint < 0 ? "" : chain->element[chain->joint_element[effect->joint]].name);
+}
+
+/* The causes of --separate, or the first tie of a diagnosis, into r->causes. */
+static mukca_status gather_causes(plan_run *r)
+{
+    const plan_options *o = r->call->options;
+    cli_simulated *c = &r->causes;
+    mukca_error *error = &r->call->error;
+    mukca_status status = MUKCA_OK;
+    c->chain = &r->model.chain;
+    c->rows = 2;
+    mukca_simulate_seed(&c->random, (uint64_t)o->seed, MUKCA_DRAW_EFFECTS);
+    for (int i = 0; i < o->separate.n && status == MUKCA_OK; i++)
+        status = cli_simulated_parse(c, o->separate.items[i], error);
+    if (status == MUKCA_OK && c->n_faults > 0)
+        status = mukca_fail(error, MUKCA_USAGE,
+                            "--separate: a fault of the recording is settled by recording again");
+    if (status != MUKCA_OK || !o->settle) return status;
+    const mukca_diagnose_options how = {
+        .no_folds = true, .progress = diagnosing, .progress_context = r->call};
+    status = mukca_diagnose(&r->diagnosis, &r->model.chain, &r->data, &how, error);
+    if (status != MUKCA_OK) return status;
+    if (!mukca_next_poses_tie(c->effects, &r->diagnosis))
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "the diagnosis (%s) ties no causes that poses could tell apart",
+                          mukca_verdict_name[r->diagnosis.verdict]);
+    c->n_effects = 2;
+    r->how.noise = r->diagnosis.sigma_m;
+    return MUKCA_OK;
+}
+
+static mukca_status plan(plan_run *r)
+{
+    const plan_options *o = r->call->options;
+    const mukca_offsets *table = &r->model.offsets;
+    const mukca_dataset *data = r->data.n_rows > 0 ? &r->data : NULL;
+    const double distance = r->call->common->distance > 0 ? r->call->common->distance : 0.05;
+    const double *theta = table->theta;
+    double fitted[MUKCA_MAX_THETA];
+    r->how = (mukca_plan_options){.rows = o->rows,
+                                  .seed = (uint64_t)o->seed,
+                                  .noise = o->noise,
+                                  .tilt = o->tilt >= 180 ? 4 : o->tilt * M_PI / 180,
+                                  .clearance = o->clearance != 0 ? o->clearance : 1e-9,
+                                  .stop = stop,
+                                  .progress = progress,
+                                  .context = r->call};
+    mukca_status status = gather_causes(r);
+    if (status != MUKCA_OK) return status;
+    if (o->settle) {
+        mukca_geometry_theta(fitted, &r->model.chain, &r->diagnosis.geometry);
+        mukca_geometry_set(&r->model.geometry, &r->model.chain, fitted);
+        theta = fitted;
+    }
+    r->how.effects = r->causes.effects;
+    r->how.n_effects = r->causes.n_effects;
+    status = gather_sockets(r);
+    if (status != MUKCA_OK) return status;
+    if (o->suggest > 0)
+        return o->suggest > MUKCA_PLAN_MAX_SOCKETS / 2
+                   ? mukca_fail(&r->call->error, MUKCA_USAGE, "--suggest %d: not that many",
+                                o->suggest)
+                   : mukca_plan_places(r->places, &r->n_places, o->suggest, &r->model.chain, theta,
+                                       data, distance, &r->how, &r->call->error);
+    return mukca_plan_run(&r->plan, &r->model.chain, theta, data, r->sockets, r->n_sockets, &r->how,
+                          &r->call->error);
+}
+
+/* The poses as a session file whose rows are yet to be recorded. */
+static mukca_status write_poses(plan_run *r)
+{
+    const cli_common *c = r->call->common;
+    const mukca_chain *chain = &r->model.chain;
+    mukca_output output = {0};
+    if (c->json && !c->output) return MUKCA_OK;
+    mukca_status status =
+        mukca_output_open(&output, c->output ? c->output : "-", c->force, &r->call->error);
+    if (status != MUKCA_OK) return status;
+    FILE *out = output.stream;
+    if (r->n_places > 0) {
+        fputs("place\tx_m\ty_m\tz_m\tyaw_rad\texpected_error_m\n", out);
+        for (int i = 0; i < r->n_places; i++)
+            fprintf(out, "%d\t%.3f\t%.3f\t%.3f\t%.3f\t%.3g\n", i + 1, r->places[i].centre[0],
+                    r->places[i].centre[1], r->places[i].centre[2], r->places[i].yaw,
+                    r->places[i].expected);
+    } else {
+        fprintf(
+            out,
+            "# poses proposed by mukca plan for %s; guide the arm there, the seated ball decides\n",
+            chain->robot);
+        fputs("placement\tsocket", out);
+        for (int j = 0; j < chain->n_joints; j++)
+            fprintf(out, "\t%s", chain->element[chain->joint_element[j]].name);
+        fputc('\n', out);
+        for (int i = 0; i < r->plan.n_rows; i++) {
+            const mukca_plan_row *row = &r->plan.rows[i];
+            fprintf(out, "%s\t%s", r->sockets[row->socket].placement,
+                    r->sockets[row->socket].label);
+            for (int j = 0; j < chain->n_joints; j++) fprintf(out, "\t%.6f", row->q[j]);
+            fputc('\n', out);
+        }
+    }
+    status = mukca_output_close(&output, &r->call->error);
+    mukca_output_abort(&output);
+    return status;
+}
+
+static json_t *result_json(const plan_run *r)
+{
+    const mukca_chain *chain = &r->model.chain;
+    json_t *rows = json_array(), *places = json_array();
+    for (int i = 0; i < r->plan.n_rows; i++) {
+        const mukca_plan_row *row = &r->plan.rows[i];
+        json_t *joints = json_object();
+        for (int j = 0; j < chain->n_joints; j++)
+            json_object_set_new(joints, chain->element[chain->joint_element[j]].name,
+                                json_real(row->q[j]));
+        json_array_append_new(
+            rows, json_pack("{s:s, s:s, s:o}", "placement", r->sockets[row->socket].placement,
+                            "socket", r->sockets[row->socket].label, "joints", joints));
+    }
+    for (int i = 0; i < r->n_places; i++)
+        json_array_append_new(
+            places,
+            json_pack("{s:o, s:f, s:f}", "centre_m", cli_json_reals(r->places[i].centre, 3),
+                      "yaw_rad", r->places[i].yaw, "expected_error_m", r->places[i].expected));
+    return json_pack("{s:s, s:i, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:f}", "schema",
+                     "mukca.plan/1", "recorded_rows", r->plan.n_recorded, "poses", rows, "places",
+                     places, "expected_error_m", "before", cli_json_real(r->plan.expected_before),
+                     "after", cli_json_real(r->plan.expected_after), "log_bayes_factor", "before",
+                     cli_json_real(r->plan.evidence_before), "after",
+                     cli_json_real(r->plan.evidence_after), "elapsed_s", cli_elapsed(r->call));
+}
+
+static void say(plan_run *r)
+{
+    const plan_options *o = r->call->options;
+    const mukca_plan *p = &r->plan;
+    if (r->n_places > 0) {
+        cli_say(r->call, "Places for the tool, best first (the later ones given the earlier):\n");
+        for (int i = 0; i < r->n_places; i++)
+            cli_say(
+                r->call,
+                "  %d. at %.2f %.2f %.2f m, sockets along %.0f deg: expected error %.3f mm with "
+                "%d rows there\n",
+                i + 1, r->places[i].centre[0], r->places[i].centre[1], r->places[i].centre[2],
+                r->places[i].yaw * 180 / M_PI, r->places[i].expected * 1e3, o->rows);
+        cli_say(r->call,
+                "Next: put the tool there and ask for poses with --place NAME=X,Y,Z,0,0,YAW.\n");
+        return;
+    }
+    cli_say(r->call, "%d poses in %d sockets, beside %d recorded rows.\n", p->n_rows, r->n_sockets,
+            p->n_recorded);
+    if (r->causes.n_effects > 0) {
+        char a[96], b[96];
+        name_cause(a, &r->causes.effects[0], &r->model.chain);
+        name_cause(b, &r->causes.effects[1], &r->model.chain);
+        cli_say(r->call, "To tell %s from %s:\n", a, b);
+        cli_say(r->call, "  expected log Bayes factor %.1f before, %.1f after (3 is a name).\n",
+                p->evidence_before, p->evidence_after);
+        if (p->evidence_after < 3)
+            cli_say(r->call, "That is not enough: ask for more --rows, or give more --place.\n");
+    } else {
+        cli_say(r->call, "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after.\n",
+                p->expected_before * 1e3, p->expected_after * 1e3);
+    }
+    if (p->n_rows < o->rows)
+        cli_say(r->call,
+                "Fewer than the %d asked for: the sockets allow no more different poses.\n",
+                o->rows);
+    cli_say(r->call,
+            "Check each pose for collisions: only joint limits, tilt and height are known here.\n");
+}
+
+static mukca_status run(cli_call *call)
+{
+    plan_run *r = calloc(1, sizeof *r);
+    if (!r) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    r->call = call;
+    cli_catch_interrupts();
+    mukca_status status = check(call);
+    if (status == MUKCA_OK) status = cli_load_model(call, &r->model);
+    if (status == MUKCA_OK && call->arguments.n > 0)
+        status = cli_load_data(call, &r->data, &r->model, &call->arguments);
+    if (status == MUKCA_OK) status = plan(r);
+    if (status == MUKCA_OK) status = write_poses(r);
+    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, result_json(r));
+    if (status == MUKCA_OK) say(r);
+    mukca_plan_free(&r->plan);
+    mukca_diagnosis_free(&r->diagnosis);
+    mukca_dataset_free(&r->data);
+    free(r);
+    return status;
+}
+
+const cli_command cli_command_plan = {
+    .name = "plan",
+    .group = CLI_MEASURE,
+    .summary = "the next poses to record, for accuracy or to tell two causes apart",
+    .synopsis = "[DATA...]",
+    .min_arguments = 0,
+    .max_arguments = -1,
+    .description =
+        "Finds poses with the ball in the sockets of DATA (as --offsets or the nominal model place "
+        "them) and of each --place, within the joint limits and with the tool pointing down, and "
+        "chooses those that tell most beside the rows of DATA: about the geometry (D-optimality), "
+        "or "
+        "with --settle or --separate about which of two causes it is (T-optimality). Writes them "
+        "as a "
+        "session file in the order to visit; the joints are where to guide the arm to, the seated "
+        "ball decides.",
+    .example =
+        "mukca plan --urdf data/demo/arm.urdf --place front=0.45,0,0.05,0,0,1.57 --rows 40 -o "
+        "build/demo/plan.tsv --force",
+    .options = options,
+    .options_size = sizeof(plan_options),
+    .defaults = &defaults,
+    .run = run,
+};
