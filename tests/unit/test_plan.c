@@ -1,0 +1,246 @@
+/* Planned poses: in their sockets, allowed, different from each other, and worth more than random
+ * ones; evidence between two causes grows. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "io/urdf.h"
+#include "study/plan_choose.h"
+#include "study/simulate.h"
+
+static mukca_chain chain;
+static mukca_geometry nominal;
+
+static int load(void **state)
+{
+    mukca_error error;
+    (void)state;
+    if (mukca_urdf_load(&chain, "data/demo/arm.urdf", NULL, NULL, NULL, &error)) return 1;
+    mukca_geometry_set(&nominal, &chain, NULL);
+    return 0;
+}
+
+static const mukca_plan_socket two_sockets[2] = {
+    {.placement = "front", .label = "0", .centre = {0.45, -0.025, 0.05}},
+    {.placement = "front", .label = "1", .centre = {0.45, 0.025, 0.05}}};
+
+static void test_rules(void **state)
+{
+    (void)state;
+    const mukca_plan_options options = {.rows = 20, .seed = 3, .tilt = 0.7};
+    mukca_plan plan, again;
+    mukca_error error;
+    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, NULL, two_sockets, 2, &options, &error),
+                     MUKCA_OK);
+    assert_int_equal(plan.n_rows, 20);
+    assert_int_equal(plan.n_recorded, 0);
+    int count[2] = {0};
+    for (int i = 0; i < 20; i++) {
+        const double *q = plan.rows[i].q;
+        mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
+        mukca_fk_frames(before, &tip, &nominal, q, NULL);
+        count[plan.rows[i].socket]++;
+        double stem = 0, down = 0, off = 0;
+        for (int a = 0; a < 3; a++) {
+            const double d = tip.p[a] - before[6].p[a];
+            off += pow(tip.p[a] - two_sockets[plan.rows[i].socket].centre[a], 2);
+            stem += d * d;
+            if (a == 2) down = -d;
+        }
+        assert_false(!(sqrt(off) <= 1e-8));
+        assert_true(acos(down / sqrt(stem)) <= 0.7);
+        for (int j = 0; j < 7; j++) {
+            const mukca_element *e = &chain.element[chain.joint_element[j]];
+            assert_true(q[j] >= e->lower + 0.02 && q[j] <= e->upper - 0.02);
+            if (j > 1) assert_true(before[j].p[2] >= 0.05);
+        }
+        for (int k = 0; k < i; k++)
+            assert_true(plan.rows[k].socket != plan.rows[i].socket ||
+                        plan_differs(plan.rows[k].q, q, 7, 0.2));
+    }
+    assert_int_equal(count[0], 10);
+    /* the same seed, the same plan */
+    assert_int_equal(mukca_plan_run(&again, &chain, NULL, NULL, two_sockets, 2, &options, &error),
+                     MUKCA_OK);
+    for (int i = 0; i < 20; i++)
+        assert_memory_equal(plan.rows[i].q, again.rows[i].q, 7 * sizeof(double));
+    mukca_plan_free(&plan);
+    mukca_plan_free(&again);
+}
+
+/* A session at one place, rows per socket. */
+static void record(mukca_dataset *data, int rows, uint64_t seed)
+{
+    static mukca_true_arm arm;
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    mukca_error error;
+    mukca_place place = {
+        .name = "front", .placed = true, .pose = {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {0.45, 0, 0.05}}};
+    const mukca_simulate_options how = {.rows = rows, .noise = 1e-4, .seed = seed};
+    mukca_chain_theta(theta, &chain);
+    mukca_simulate_arm(&arm, &chain, theta, 0, seed);
+    assert_int_equal(mukca_simulate_sockets(data, &arm, &place, 1, NULL, 0, &how, &error),
+                     MUKCA_OK);
+}
+
+static void test_better_than_random(void **state)
+{
+    (void)state;
+    const mukca_plan_options options = {.rows = 2 * 12, .seed = 1, .tilt = 4, .clearance = NAN};
+    int wins = 0;
+    for (uint64_t seed = 1; seed <= 5; seed++) {
+        mukca_dataset random;
+        mukca_plan beside, alone;
+        mukca_plan_socket sockets[2];
+        mukca_error error;
+        record(&random, 12, seed);
+        assert_int_equal(mukca_plan_sockets(sockets, 2, &nominal, &random), 2);
+        mukca_plan_options more = options;
+        more.rows = 4;
+        assert_int_equal(mukca_plan_run(&beside, &chain, NULL, &random, sockets, 2, &more, &error),
+                         MUKCA_OK);
+        assert_int_equal(beside.n_recorded, 24);
+        assert_true(beside.expected_after < beside.expected_before);
+        assert_int_equal(mukca_plan_run(&alone, &chain, NULL, NULL, sockets, 2, &options, &error),
+                         MUKCA_OK);
+        assert_true(alone.expected_before > 1e-3);
+        wins += alone.expected_after < beside.expected_before;
+        mukca_plan_free(&beside);
+        mukca_plan_free(&alone);
+        mukca_dataset_free(&random);
+    }
+    assert_int_equal(wins, 5);
+}
+
+/* The covariance that rows leave is that of the inverse information matrix. */
+static void test_covariance(void **state)
+{
+    (void)state;
+    const mukca_plan_options options = {.noise = 1e-3};
+    plan_state s;
+    mukca_error error;
+    assert_int_equal(plan_state_create(&s, &chain, NULL, 1, &options, &error), MUKCA_OK);
+    const int n = s.n;
+    double *prior = MUKCA_TAKE(&s.pool, double, n), *M = MUKCA_TAKE(&s.pool, double, n *n);
+    double *H = MUKCA_TAKE(&s.pool, double, 3 * s.n_known), *C = MUKCA_TAKE(&s.pool, double, n *n);
+    assert_false(s.pool.failed);
+    mukca_random random;
+    mukca_random_seed(&random, 4);
+    for (int i = 0; i < n; i++) M[i * n + i] = 1 / s.C[i * n + i];
+    for (int r = 0; r < 8; r++) {
+        double q[7];
+        for (int j = 0; j < 7; j++) q[j] = 2 * mukca_random_uniform(&random) - 1;
+        plan_design(H, &s, q, 0, NULL);
+        plan_state_row(&s, H, 0, 1);
+        for (int d = 0; d < 3; d++)
+            for (int a = 0; a < n; a++)
+                for (int b = 0; b < n; b++) {
+                    const double x = a < s.n_known ? H[d * s.n_known + a] : -(a - s.n_known == d);
+                    const double y = b < s.n_known ? H[d * s.n_known + b] : -(b - s.n_known == d);
+                    M[a * n + b] += x * y / 1e-6;
+                }
+    }
+    /* M C = I, in units of the prior's standard deviations */
+    for (int i = 0; i < n; i++) prior[i] = 1;
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < n; b++) {
+            double sum = 0, scale = 0;
+            for (int k = 0; k < n; k++) {
+                sum += M[a * n + k] * s.C[k * n + b];
+                scale += fabs(M[a * n + k] * s.C[k * n + b]);
+            }
+            assert_false(!(fabs(sum - (a == b)) <= 1e-9 * (1 + scale)));
+        }
+    /* forgetting a row is the same as never having had it */
+    memcpy(C, s.C, (size_t)(n * n) * sizeof *C);
+    plan_state_row(&s, H, 0, -1);
+    plan_state_row(&s, H, 0, 1);
+    for (int i = 0; i < n * n; i++)
+        assert_false(
+            !(fabs(s.C[i] - C[i]) <= 1e-8 * sqrt(C[i / n * (n + 1)] * C[i % n * (n + 1)])));
+    plan_state_free(&s);
+}
+
+static void test_causes(void **state)
+{
+    (void)state;
+    mukca_plan_socket sockets[2];
+    mukca_dataset data;
+    mukca_plan plan;
+    mukca_error error;
+    mukca_effect effects[2] = {{.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,
+                                .joint = 3,
+                                .placement = -1,
+                                .terms = 1,
+                                .coefficient = {3e-5}},
+                               {.kind = MUKCA_EFFECT_LINK_BENDING,
+                                .joint = 2,
+                                .placement = -1,
+                                .terms = 1,
+                                .coefficient = {2e-5}}};
+    const mukca_plan_options options = {.rows = 10, .effects = effects, .n_effects = 2};
+    record(&data, 12, 1);
+    mukca_plan_sockets(sockets, 2, &nominal, &data);
+    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, &data, sockets, 2, &options, &error),
+                     MUKCA_OK);
+    assert_true(plan.evidence_after > 2 * plan.evidence_before);
+    mukca_plan_free(&plan);
+    /* what cannot be settled by poses, or has no size, is refused with a reason */
+    effects[1].coefficient[0] = 0;
+    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, &data, sockets, 2, &options, &error),
+                     MUKCA_USAGE);
+    assert_non_null(strstr(error.text, "link_bending needs a size"));
+    effects[1] = (mukca_effect){.kind = MUKCA_EFFECT_TOOL_MOTION,
+                                .joint = -1,
+                                .placement = -1,
+                                .terms = 3,
+                                .coefficient = {1e-3}};
+    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, &data, sockets, 2, &options, &error),
+                     MUKCA_USAGE);
+    assert_non_null(strstr(error.text, "record again"));
+    mukca_dataset_free(&data);
+}
+
+static void test_out_of_reach(void **state)
+{
+    (void)state;
+    mukca_plan_socket far[1] = {{.placement = "moon", .label = "0", .centre = {5, 0, 0}}};
+    const mukca_plan_options options = {.rows = 4};
+    mukca_plan plan;
+    mukca_error error;
+    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, NULL, far, 1, &options, &error),
+                     MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "moon"));
+    assert_null(plan.rows);
+}
+
+static void test_places(void **state)
+{
+    (void)state;
+    const mukca_plan_options options = {.rows = 10};
+    mukca_plan_place places[2];
+    mukca_error error;
+    int found;
+    assert_int_equal(
+        mukca_plan_places(places, &found, 2, &chain, NULL, NULL, 0.05, &options, &error), MUKCA_OK);
+    assert_int_equal(found, 2);
+    /* a second placement halves what one leaves, or better; and it stands elsewhere */
+    assert_true(places[1].expected < 0.6 * places[0].expected);
+    assert_true(hypot(places[0].centre[0] - places[1].centre[0],
+                      places[0].centre[1] - places[1].centre[1]) > 0.2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rules),        cmocka_unit_test(test_better_than_random),
+        cmocka_unit_test(test_covariance),   cmocka_unit_test(test_causes),
+        cmocka_unit_test(test_out_of_reach), cmocka_unit_test(test_places),
+    };
+    return cmocka_run_group_tests_name("plan", tests, load, NULL);
+}
