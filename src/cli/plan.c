@@ -58,6 +58,7 @@ typedef struct {
     mukca_dataset data;
     int n_sockets;
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
+    mukca_place known[CLI_MAX_PLACES]; /* names of the placements that causes may refer to */
     cli_simulated causes;
     mukca_diagnosis diagnosis;
     mukca_plan_options how;
@@ -163,7 +164,14 @@ static mukca_status gather_causes(plan_run *r)
     mukca_error *error = &r->call->error;
     mukca_status status = MUKCA_OK;
     c->chain = &r->model.chain;
-    c->rows = 2;
+    c->places = r->known;
+    c->rows = r->data.n_rows;
+    for (int p = 0; p < r->data.n_placements && p < CLI_MAX_PLACES; p++)
+        snprintf(r->known[c->n_places++].name, MUKCA_NAME_SIZE, "%s", r->data.placements[p].name);
+    for (int i = 0; i < o->places.n && c->n_places < CLI_MAX_PLACES; i++) {
+        status = cli_read_place(&r->known[c->n_places++], o->places.items[i], error);
+        if (status != MUKCA_OK) return status;
+    }
     mukca_simulate_seed(&c->random, (uint64_t)o->seed, MUKCA_DRAW_EFFECTS);
     for (int i = 0; i < o->separate.n && status == MUKCA_OK; i++)
         status = cli_simulated_parse(c, o->separate.items[i], error);
