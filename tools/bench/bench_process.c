@@ -1,6 +1,7 @@
-/* Run a command REPEATS times, its output thrown away: prints the median wall time, s, and the
- * largest peak memory, KiB.  A small program of its own, because a child's peak counts what its
- * parent held when it was forked.
+/* Run a command REPEATS times, its output thrown away: prints the median wall time, s, the largest
+ * peak memory, KiB, and the median processor time, s, which others on the machine hardly touch.
+ * A small program of its own, because a child's peak counts what its parent held when it was
+ * forked.
  *
  * usage: bench_process REPEATS COMMAND [ARGUMENT...]
  */
@@ -21,6 +22,11 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+static double seconds(struct timeval t)
+{
+    return (double)t.tv_sec + 1e-6 * (double)t.tv_usec;
+}
+
 static int ascending(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -29,7 +35,7 @@ static int ascending(const void *a, const void *b)
 
 int main(int argc, char **argv)
 {
-    static double times[MAX_REPEATS];
+    static double times[MAX_REPEATS], busy[MAX_REPEATS];
     const int repeats = argc > 2 ? atoi(argv[1]) : 0;
     long peak = 0;
     if (repeats < 1 || repeats > MAX_REPEATS) {
@@ -53,9 +59,11 @@ int main(int argc, char **argv)
             return 1;
         }
         times[i] = now() - start;
+        busy[i] = seconds(usage.ru_utime) + seconds(usage.ru_stime);
         if (usage.ru_maxrss > peak) peak = usage.ru_maxrss;
     }
     qsort(times, (size_t)repeats, sizeof *times, ascending);
-    printf("%.6g %ld\n", times[repeats / 2], peak);
+    qsort(busy, (size_t)repeats, sizeof *busy, ascending);
+    printf("%.6g %ld %.6g\n", times[repeats / 2], peak, busy[repeats / 2]);
     return 0;
 }

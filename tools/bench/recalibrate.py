@@ -3,7 +3,6 @@
 lstsq on the same rows. usage: recalibrate.py PYTHON_WITH_NUMPY
 """
 import os
-import resource
 import subprocess
 import sys
 
@@ -19,12 +18,6 @@ def output(*command):
     return subprocess.run([str(c) for c in command], check=True, capture_output=True, text=True).stdout
 
 
-def cpu():
-    """Seconds of the processor that children have used: others may run beside us."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
-
 def line(what, rows, seconds, mib, remark):
     memory = f"{mib:9.1f} MiB" if mib else " " * 13
     print(f"  {what:34}{seconds:10.3f} s  {rows / seconds:10.0f} rows/s {memory}   {remark}")
@@ -38,10 +31,8 @@ def main():
     for count in (ROWS // 10, ROWS):
         with open(log, "w") as f:
             subprocess.run([BENCH, URDF, str(count), "-"], check=True, stdout=f)
-        before = cpu()
-        _, kib = output(os.path.join(BUILD, "bench", "bench_process"), 1, MUKCA, "recalibrate",
-                        "--urdf", URDF, log).split()
-        seconds = cpu() - before
+        _, kib, seconds = output(os.path.join(BUILD, "bench", "bench_process"), 1, MUKCA, "recalibrate",
+                                 "--urdf", URDF, log).split()
         line("with text, whole process", count, float(seconds), int(kib) / 1024, f"{count} rows")
     count, seconds, whole, left, kib = output(sys.argv[1], os.path.join(HERE, "peer_recalibrate.py"),
                                               URDF, log).split()

@@ -1,19 +1,17 @@
 #!/usr/bin/env python3
-"""make bench: the re-calibration (recalibrate.py), then the fit beside the method's published program and beside numpy, in one run.
+"""make bench: times and memory beside references, in one run.
 
-The published robots' data are not part of the project: MUKCA_REAL_DATA or ../shared/real. numpy is
-taken as it is found, else installed into build/venv.
+The re-calibration beside numpy (recalibrate.py), LCM (lcm_speed.py), the fit beside the method's published program and numpy,
+the diagnosis beside a numpy prototype, forward kinematics beside CasADi and Pinocchio. The published robots' data are not part of the project:
+MUKCA_REAL_DATA or ../shared/real. What PyPI gives is taken as found, else installed into build/venv.
 """
-import importlib.util
 import os
-import subprocess
 import sys
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-BUILD = os.environ.get("BUILD", "build")
-MUKCA = os.environ.get("MUKCA", os.path.join(BUILD, "mukca"))
-DATA = os.environ.get("MUKCA_REAL_DATA", "../shared/real")
-REPEATS = int(os.environ.get("BENCH_REPEATS", "31"))
+sys.dont_write_bytecode = True
+import diagnosis  # noqa: E402
+import kinematics  # noqa: E402
+from common import BUILD, DATA, HERE, MUKCA, REPEATS, output, process, python_with  # noqa: E402
 
 # What the method's published program needs, measured on one thread of a machine like ours: seconds
 # and MiB of the whole process, seconds of it in IPOPT.
@@ -21,41 +19,18 @@ PUBLISHED = {60: (5.3, 748, 0.17), 550: (53.0, 5157, 1.5)}
 CASES = [("panda_2_clean/front_center", ["panda_2_clean/front_center"]), ("panda_2, nine placements", None)]
 
 
-def output(*command):
-    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
-    if done.returncode != 0:
-        sys.exit(f"bench: {command[0]} {command[1]}: {done.stderr.strip()}")
-    return done.stdout
-
-
-def numpy_python():
-    if importlib.util.find_spec("numpy"):
-        return sys.executable
-    python = os.path.join(BUILD, "venv", "bin", "python3")
-    if not os.path.exists(python):
-        output(sys.executable, "-m", "venv", os.path.join(BUILD, "venv"))
-    if subprocess.run([python, "-c", "import numpy"], capture_output=True).returncode != 0:
-        output(python, "-m", "pip", "install", "-q", "numpy")
-    return python
-
-
 def milli(seconds):
     return f"{1e3 * seconds:10.3f} ms"
 
 
-def process(repeats, *command):
-    seconds, kib = output(os.path.join(BUILD, "bench/bench_process"), repeats, *command).split()
-    return float(seconds), int(kib) / 1024
-
-
-def main():
-    python = numpy_python()
-    print(output(sys.executable, os.path.join(HERE, "recalibrate.py"), python), end="")
-    print(output(sys.executable, os.path.join(HERE, "lcm_speed.py")), end="")
+def fit():
     if not os.path.isdir(DATA):
         print(f"SKIPPED bench of the fit: no data in {DATA}; set MUKCA_REAL_DATA")
-        return 0
-    urdf = os.path.join(DATA, "panda.urdf")
+        return
+    python, urdf = python_with("numpy"), os.path.join(DATA, "panda.urdf")
+    if not python:
+        print("SKIPPED bench of the fit: numpy cannot be installed")
+        return
     for name, folders in CASES:
         folders = folders or [f"panda_2/{f}" for f in sorted(os.listdir(os.path.join(DATA, "panda_2")))]
         paths = [os.path.join(DATA, f) for f in folders]
@@ -73,8 +48,8 @@ def main():
         for _, solver, gradient, cost, seconds in (line for line in lines if line[0] == "solve"):
             print(f"  {'  ' + solver + ', ' + gradient:34}{milli(float(seconds))}   "
                   f"{numpy_seconds / float(seconds):6.1f} times faster than numpy, J {float(cost):.8e}")
-        seconds, peak = process(REPEATS, MUKCA, "calibrate", "--urdf", urdf, *paths)
-        python_seconds, python_peak = process(max(3, REPEATS // 5), *peer, 1, *paths)
+        seconds, _, peak = process(REPEATS, MUKCA, "calibrate", "--urdf", urdf, *paths)
+        python_seconds, _, python_peak = process(max(3, REPEATS // 5), *peer, 1, *paths)
         print(f"  {'whole process':34}{milli(seconds)} {peak:8.1f} MiB   mukca calibrate")
         print(f"  {'':34}{milli(python_seconds)} {python_peak:8.1f} MiB   numpy: "
               f"{python_seconds / seconds:.0f} times the time, {python_peak / peak:.0f} times the memory")
@@ -83,8 +58,23 @@ def main():
         for _, kernel, n, seconds in (line for line in lines if line[0] == "kernel"):
             print(f"  {kernel + ', ' + n + ' rows':34}{1e6 * float(seconds):10.2f} us   "
                   f"{1e9 * float(seconds) / int(n):6.0f} ns per row")
-    return 0
+
+
+def others():
+    python = python_with("numpy")
+    if python:
+        print(output(sys.executable, os.path.join(HERE, "recalibrate.py"), python), end="")
+    else:
+        print("SKIPPED bench of the re-calibration: numpy cannot be installed")
+    print(output(sys.executable, os.path.join(HERE, "lcm_speed.py")), end="")
+
+
+def main():
+    others()
+    fit()
+    diagnosis.main()
+    kinematics.main()
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

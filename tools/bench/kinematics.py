@@ -1,0 +1,81 @@
+"""Forward kinematics of the demo arm beside CasADi's generated C and Pinocchio, on the same angles."""
+import array
+import os
+import random
+import subprocess
+
+from common import BUILD, HERE, REPEATS, output, python_with
+
+URDF, TIP, JOINTS, ROWS = "data/demo/arm.urdf", "ball_link", 7, 1000
+CC, CXX = os.environ.get("CC", "gcc"), os.environ.get("CXX", "g++")
+# as its CMake files have them
+PINOCCHIO_DEFINES = ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
+                     "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
+                     "-DPINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION"]
+
+
+def angles(path):
+    numbers = random.Random(1)
+    with open(path, "wb") as f:
+        array.array("d", [numbers.uniform(-2, 2) for _ in range(ROWS * JOINTS)]).tofile(f)
+
+
+def casadi_library(folder):
+    """The compiled functions' file in a list, empty where CasADi is not to be had."""
+    python = python_with("casadi", "numpy")
+    if not python:
+        print("  SKIPPED CasADi: it cannot be installed")
+        return []
+    source, library = (os.path.join(folder, name) for name in ("casadi_fk.c", "casadi_fk.so"))
+    output(python, os.path.join(HERE, "casadi_fk.py"), URDF, TIP, source)
+    output(CC, "-O3", "-fPIC", "-shared", "-o", library, source, "-lm")
+    return [library]
+
+
+def pinocchio(folder, rows, repeats):
+    """Lines of the Pinocchio program; none where it cannot be built."""
+    python = python_with("pinocchio", packages=["pin", "cmeel-eigen"])
+    if not python:
+        print("  SKIPPED Pinocchio: it cannot be installed")
+        return ""
+    module = output(python, "-c", "import pinocchio as p, os; print(os.path.abspath(p.__file__))")
+    prefix = module.strip().rpartition("/lib/python")[0]
+    program = os.path.join(folder, "pinocchio_fk")
+    lib = os.path.join(prefix, "lib")
+    done = subprocess.run(
+        [CXX, "-std=c++17", "-O3", "-DNDEBUG", "-w", *PINOCCHIO_DEFINES, "-isystem", os.path.join(prefix, "include"),
+         "-isystem", os.path.join(prefix, "include/eigen3"), "-o", program,
+         os.path.join(HERE, "pinocchio_fk.cc"), f"-L{lib}", f"-Wl,-rpath,{lib}",
+         "-lpinocchio_parsers", "-lpinocchio_default", "-lurdfdom_model"], capture_output=True, text=True)
+    if done.returncode != 0:
+        print("  SKIPPED Pinocchio: its headers do not compile here:", done.stderr.strip()[:200])
+        return ""
+    return output(program, URDF, TIP, repeats, rows)
+
+
+def main():
+    folder = os.path.join(BUILD, "bench")
+    rows, repeats = os.path.join(folder, "angles.bin"), 3 * REPEATS
+    print(f"\nforward kinematics, {URDF}, {JOINTS} joints, {ROWS} configurations, medians of {repeats} runs")
+    angles(rows)
+    ours = output(os.path.join(folder, "bench_fk"), URDF, repeats, rows, *casadi_library(folder))
+    theirs = pinocchio(folder, rows, repeats)
+    values = {name: numbers for name, *numbers in map(str.split, (ours + theirs).splitlines())}
+    checks = [line.split()[1:] for line in (ours + theirs).splitlines() if line.startswith("check")]
+    if any(abs(float(a) - float(b)) > 1e-6 for a, b in zip(checks[0], checks[-1])):
+        raise SystemExit("bench: Pinocchio's positions are not ours")
+
+    def line(words, name, best):
+        if name in values:
+            ns = float(values[name][0])
+            print(f"  {words:62}{ns:9.1f} ns" + (f"{ns / best:8.1f} times ours" if name not in mine else ""))
+    mine = ("position_one", "position_many", "jacobian")
+    one, jacobian = float(values["position_one"][0]), float(values["jacobian"][0])
+    line("position, one by one", "position_one", one)
+    line("position, many in one call", "position_many", one)
+    line("  CasADi's generated C, parameters folded into the code", "casadi_position", one)
+    line("  Pinocchio, forwardKinematics and the tip's frame", "pinocchio_position", one)
+    line(f"position and Jacobian by {6 * (JOINTS + 1)} parameters", "jacobian", jacobian)
+    line("  CasADi's generated C", "casadi_jacobian", jacobian)
+    line("  the same, parameters folded into the code", "casadi_jacobian_constant", jacobian)
+    line(f"  Pinocchio, kinematic regressor of {6 * JOINTS} parameters", "pinocchio_regressor", jacobian)
