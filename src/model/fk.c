@@ -151,21 +151,23 @@ void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geom
     }
     for (int k = n - 1; k >= 0; k--) {
         const int j = geometry->joint[k];
-        double dR[3][9], u[3], column[3];
+        const double *O = geometry->origin[k].R, yaw = theta[6 * k + 5];
+        /* roll, pitch and yaw turn about these axes of the parent's frame */
+        const double axes[3][3] = {{O[0], O[3], O[6]}, {-sin(yaw), cos(yaw), 0}, {0, 0, 1}};
+        double u[3], turned[3], column[3];
         if (j >= 0 && geometry->type[k] == MUKCA_PRISMATIC)
             for (int i = 0; i < 3; i++) v[i] += q[j] * geometry->axis[k][i];
         else if (j >= 0)
             turn_vector(v, geometry->axis[k], geometry->axis_z[k], s[j], c[j]);
-        mukca_rotation_from_rpy_derivative(dR, theta + 6 * k + 3);
+        mukca_mat3_vec(u, O, v);
         for (int i = 0; i < 3; i++) {
-            mukca_mat3_vec(u, dR[i], v);
-            mukca_mat3_vec(column, parent[k], u);
+            mukca_cross(turned, axes[i], u);
+            mukca_mat3_vec(column, parent[k], turned);
             for (int row = 0; row < 3; row++) {
                 J[row * width + 6 * k + i] = parent[k][3 * row + i];
                 J[row * width + 6 * k + 3 + i] = column[row];
             }
         }
-        mukca_mat3_vec(u, geometry->origin[k].R, v);
         for (int i = 0; i < 3; i++) v[i] = u[i] + geometry->origin[k].p[i];
     }
     if (position) memcpy(position, v, sizeof v);
