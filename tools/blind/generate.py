@@ -228,6 +228,13 @@ def draw_part(kind, arm, rng, st, joint, places):
     return Part(kind, [joint])
 
 
+def angle_rms(part, st):
+    """Rms turn of a joint (the one that turns most) or of the base per unit of amplitude."""
+    twist, base, _ = part.unit(st)
+    return max(np.sqrt((twist ** 2).sum(axis=2).mean(axis=0)).max(),
+               np.sqrt((base ** 2).sum(axis=1).mean()))
+
+
 def believable(part, st):
     """Largest amplitude of a cause."""
     top = CAP[part.kind]
@@ -235,9 +242,7 @@ def believable(part, st):
         return top
     if part.kind == "thermal_link":
         return top
-    twist, base, _ = part.unit(st)
-    size = max(np.sqrt((twist ** 2).sum(axis=2).mean(axis=0)).max(),
-               np.sqrt((base ** 2).sum(axis=1).mean()))
+    size = angle_rms(part, st)
     if size < 1e-12:
         raise Again
     top = min(top / size, {"joint_scale": 6e-3, "joint_coupling": 6e-3}.get(part.kind, 1e9))
@@ -298,6 +303,8 @@ def choose(kind, arm, rng, st, ses, places, aim, sigma, want=True):
     part.amplitude = sign * amplitude
     label = dict(effect=kind, amplitude=part.amplitude, visible_rms_m=amplitude * seen,
                  full_rms_m=amplitude * rms(move), snr=amplitude * seen / sigma)
+    if kind not in ("ball_shift", "thermal_link"):
+        label["rms_rad"] = amplitude * angle_rms(part, st)
     if part.joints:
         label["joints"] = [arm.joints[j] for j in part.joints]
         label["joint_index"] = part.joints[0]
