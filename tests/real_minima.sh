@@ -5,7 +5,7 @@ if ! command -v python3 >/dev/null 2>&1; then
     echo "SKIPPED real_minima: no python3"
     exit 77
 fi
-out=$(python3 tools/verify_real.py) && status=0 || status=1
+out=$(python3 tools/verify_real.py --calibration) && status=0 || status=1
 case $out in SKIPPED*)
     echo "$out"
     exit 77
