@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Table I of the MUKCa paper, the minima of the cost, and the diagnosis, on the published robots' data.
 
-Prints tables and exits with 1 where a figure is missed; --calibration leaves out the diagnosis. The data are not part of the project:
-MUKCA_REAL_DATA or ../shared/real; without them it says so, and only simulated logs are diagnosed.
+Prints tables and exits with 1 where a figure is missed; --calibration leaves out the diagnosis. The data
+are not part of the project: MUKCA_REAL_DATA or ../shared/real; without them it says so, and only simulated
+logs are diagnosed.
 """
 import json
 import os

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """make bench: times and memory beside references, in one run.
 
-The re-calibration beside numpy (recalibrate.py), LCM (lcm_speed.py), the fit beside the method's published program and numpy,
-the diagnosis beside a numpy prototype, forward kinematics beside CasADi and Pinocchio. The published robots' data are not part of the project:
-MUKCA_REAL_DATA or ../shared/real. What PyPI gives is taken as found, else installed into build/venv.
+The re-calibration beside numpy (recalibrate.py), LCM (lcm_speed.py), the fit beside the method's
+published program and numpy, the diagnosis beside a numpy prototype, forward kinematics beside CasADi and
+Pinocchio. The published robots' data are not part of the project: MUKCA_REAL_DATA or ../shared/real. What
+PyPI gives is taken as found, else installed into build/venv.
 """
 import os
 import sys
