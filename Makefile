@@ -65,7 +65,7 @@ $(BUILD)/config.mk: tools/deps tools/config
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all core demo check unit scripts asan memcheck tidy format tidy-format fuzz bench golden \
+.PHONY: all core demo check soak unit scripts asan memcheck tidy format tidy-format fuzz bench golden \
         verify-real verify-paper interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) ## the program build/mukca and the core library (default)
@@ -120,6 +120,9 @@ demo: all ## calibrate, diagnose and report the demo arm of data/ into build/dem
 
 check: $(PROGRAM) $(TESTS) $(EXAMPLES) ## build and run every test
 	@$(TEST_ENVIRONMENT) tests/run $(TESTS) $(SCRIPTS)
+
+soak: $(PROGRAM) ## the LCM tests in full: 60 s at 1 kHz, 100 kills, a million hostile messages
+	@$(TEST_ENVIRONMENT) MUKCA_LONG=1 tests/lcm/run.sh
 
 unit: $(TESTS) ## the cmocka tests only
 	@$(TEST_ENVIRONMENT) tests/run $(TESTS)
@@ -184,12 +187,15 @@ MAN1   := $(wildcard mukca.1)
 MAN5   := $(wildcard mukca-formats.5)
 
 install: all ## program, core library, headers, mukca.pc, man pages, completion (DESTDIR, PREFIX)
-	install -d $(bindir) $(libdir)/pkgconfig $(incdir) $(share)/man/man1 $(share)/man/man5 \
-	    $(share)/bash-completion/completions $(share)/zsh/site-functions
+	install -d $(bindir) $(libdir)/pkgconfig $(libdir)/systemd/system $(incdir) $(share)/man/man1 \
+	    $(share)/man/man5 $(share)/mukca/lcm $(share)/bash-completion/completions \
+	    $(share)/zsh/site-functions
 	install -m 755 $(BUILD)/mukca $(bindir)/mukca
 	install -m 644 $(CORE) $(libdir)/
 	install -m 644 $(HEADERS) $(incdir)/
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' tools/mukca.pc.in > $(libdir)/pkgconfig/mukca.pc
+	sed -e 's|/usr/local|$(PREFIX)|' data/systemd/mukca.service > $(libdir)/systemd/system/mukca.service
+	install -m 644 data/lcm/*.lcm $(share)/mukca/lcm/
 	install -m 644 $(MAN1) $(share)/man/man1/
 	$(if $(MAN5),install -m 644 $(MAN5) $(share)/man/man5/)
 	$(BUILD)/mukca completion bash > $(share)/bash-completion/completions/mukca
@@ -197,9 +203,10 @@ install: all ## program, core library, headers, mukca.pc, man pages, completion 
 
 uninstall: ## remove what install put there
 	rm -f $(bindir)/mukca $(libdir)/libmukca_core.a $(libdir)/pkgconfig/mukca.pc \
+	    $(libdir)/systemd/system/mukca.service \
 	    $(share)/man/man1/mukca.1 $(share)/man/man5/mukca-formats.5 \
 	    $(share)/bash-completion/completions/mukca $(share)/zsh/site-functions/_mukca
-	rm -rf $(incdir)
+	rm -rf $(incdir) $(share)/mukca
 
 clean: ## remove build/
 	rm -rf build $(filter-out build,$(BUILD))

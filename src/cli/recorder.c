@@ -245,13 +245,16 @@ mukca_status recorder_keep_log(recorder *r)
 void recorder_publish(recorder *r, mukca_lcm_builtin kind, const void *message)
 {
     char channel[64];
-    size_t size = mukca_message_encode(NULL, 0, kind, message, &r->types);
-    void *buffer = size ? malloc(size) : NULL;
-    if (!buffer) return;
-    mukca_message_encode(buffer, size, kind, message, &r->types);
+    void *buffer = r->outgoing, *more = NULL;
+    size_t size = mukca_message_encode(r->outgoing, sizeof r->outgoing, kind, message, &r->types);
+    if (size > sizeof r->outgoing) { /* a result with its JSON */
+        buffer = more = malloc(size);
+        if (more) mukca_message_encode(more, size, kind, message, &r->types);
+    }
+    if (!size || !buffer) return;
     mukca_message_channel(channel, kind, r->options->prefix);
     mukca_error error;
     if (mukca_lcm_link_publish(r->link, channel, buffer, size, &error))
         recorder_complain(r, RECORDER_OWN_MESSAGE, error.text);
-    free(buffer);
+    free(more);
 }

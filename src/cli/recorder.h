@@ -140,6 +140,7 @@ struct recorder {
     const char *placements[RECORDER_MAX_LABELS], *sockets[RECORDER_MAX_LABELS];
     char last_line[RECORDER_LINE];
     mukca_message_status status; /* scratch */
+    unsigned char outgoing[8192];
 };
 
 /* Open the link and prepare; nothing is recorded yet.  `r` is large: allocate it.  All that it

@@ -1,0 +1,180 @@
+/* `mukca serve --publish-pose` allocates nothing per message: a long log costs as many calls of the
+ * allocator as a short one. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "cli/cli.h"
+#include "io/lcm_log.h"
+#include "io/lcm_type.h"
+#include "io/urdf.h"
+
+static long calls;
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void __real_free(void *memory);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+void __wrap_free(void *memory);
+
+void *__wrap_malloc(size_t size)
+{
+    calls++;
+    return __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    calls++;
+    return __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+    calls++;
+    return __real_realloc(memory, size);
+}
+
+void __wrap_free(void *memory)
+{
+    __real_free(memory);
+}
+
+static char folder[] = "/tmp/mukca_test_serve_XXXXXX";
+static char urdf[] = "data/demo/arm.urdf";
+
+static void path_of(char path[128], const char *name)
+{
+    snprintf(path, 128, "%s/%s", folder, name);
+}
+
+static FILE *create(const char *name)
+{
+    char path[128];
+    path_of(path, name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    return file;
+}
+
+/* A calibration (of a kind) for the server to use. */
+static void write_model(void)
+{
+    static mukca_chain chain;
+    static mukca_offsets offsets;
+    mukca_urdf_options options = {.tip = NULL};
+    mukca_error error;
+    if (mukca_urdf_load(&chain, urdf, &options, NULL, NULL, &error)) fail_msg("%s", error.text);
+    mukca_offsets_init(&offsets, &chain);
+    for (int i = 0; i < 6 * chain.n_elements; i++) offsets.theta[i] += 1e-3;
+    memset(offsets.listed, 1, 6 * (size_t)chain.n_elements);
+    FILE *file = create("x.offsets.tsv");
+    assert_int_equal(mukca_offsets_write(file, &offsets, &chain, NULL, NULL, &error), MUKCA_OK);
+    fclose(file);
+    file = create("state.tsv");
+    fputs("model\tx.offsets.tsv\nmodel_stream\traw\n", file);
+    fclose(file);
+}
+
+static void put(unsigned char *bytes, size_t *at, uint64_t value, int size)
+{
+    while (size--) bytes[(*at)++] = (unsigned char)(value >> 8 * size);
+}
+
+/* n joint states of an iiwa at 1 kHz. */
+static void write_log(int n)
+{
+    static mukca_lcm_types types;
+    mukca_lcm_log log;
+    mukca_error error;
+    char path[128];
+    assert_int_equal(mukca_lcm_types_init(&types, &error), MUKCA_OK);
+    path_of(path, "in");
+    assert_int_equal(mukca_lcm_log_create(&log, path, true, &error), MUKCA_OK);
+    for (int i = 0; i < n; i++) {
+        unsigned char bytes[20 + 56 * 7];
+        size_t at = 0;
+        uint64_t time = 1700000000000000 + 1000 * (uint64_t)i;
+        put(bytes, &at, types.type[MUKCA_LCM_IIWA_STATUS].fingerprint, 8);
+        put(bytes, &at, time, 8);
+        put(bytes, &at, 7, 4);
+        for (int k = 0; k < 49; k++) {
+            double q = 0.01 * k + 1e-4 * i;
+            uint64_t bits;
+            memcpy(&bits, &q, sizeof bits);
+            put(bytes, &at, bits, 8);
+        }
+        assert_int_equal(
+            mukca_lcm_log_write(&log, "IIWA_STATUS", (int64_t)time, bytes, sizeof bytes, &error),
+            MUKCA_OK);
+    }
+    mukca_lcm_log_close(&log);
+}
+
+/* Run the command on the log; poses sent, and calls of the allocator. */
+static int serve(long *used)
+{
+    char in[128], out[128];
+    path_of(in, "in");
+    path_of(out, "out");
+    char line[600];
+    snprintf(line, sizeof line,
+             "--urdf %s --lcm-url file://%s --channel IIWA_STATUS --map order --state %s "
+             "--publish-pose -q --force --record %s",
+             urdf, in, folder, out);
+    char *argv[20];
+    int argc = 0;
+    for (char *word = strtok(line, " "); word; word = strtok(NULL, " ")) argv[argc++] = word;
+    cli_call call = {.command = cli_find_command("serve")};
+    bool help;
+    assert_int_equal(cli_parse(&call, &help, argc, argv), MUKCA_OK);
+    long before = calls;
+    if (call.command->run(&call)) fail_msg("%s", call.error.text);
+    *used = calls - before;
+    cli_call_free(&call);
+    mukca_lcm_log log;
+    mukca_lcm_event event;
+    mukca_error error;
+    int poses = 0;
+    assert_int_equal(mukca_lcm_log_open(&log, out, &error), MUKCA_OK);
+    while (mukca_lcm_log_read(&log, &event)) poses += strcmp(event.channel, "MUKCA_POSE") == 0;
+    mukca_lcm_log_close(&log);
+    return poses;
+}
+
+static void poses_cost_no_allocation(void **state)
+{
+    long few, many;
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    write_model();
+    write_log(1000);
+    assert_int_equal(serve(&few), 1000);
+    write_log(30000);
+    assert_int_equal(serve(&many), 30000);
+    assert_true(few > 0);
+    assert_int_equal(many, few);
+    static const char *const names[] = {"in", "out", "state.tsv", "x.offsets.tsv"};
+    for (int i = 0; i < 4; i++) {
+        char path[128];
+        path_of(path, names[i]);
+        unlink(path);
+    }
+    rmdir(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(poses_cost_no_allocation)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
