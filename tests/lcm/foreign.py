@@ -208,7 +208,7 @@ class Client:
             left = end - time.monotonic()
             if left <= 0:
                 return False
-            self.lc.handle_timeout(int(1000 * left) + 1)
+            self.lc.handle_timeout(min(50, int(1000 * left) + 1))
         return True
 
     def answer(self, kind, number, seconds):

@@ -103,7 +103,7 @@ static void bad_descriptions(void **state)
 /* ---- a writer that knows nothing of the decoder ---- */
 
 typedef struct {
-    unsigned char bytes[4096];
+    unsigned char bytes[8192];
     size_t n;
 } message;
 
