@@ -320,7 +320,9 @@ const cli_command cli_command_recalibrate = {
         "Where the poses only repeat the nominal model, that is said and the exit code is 5. Where "
         "a few constants explain the difference, they are named. A lag between angles and poses is "
         "found, told and taken into account.",
-    .example = "mukca recalibrate --urdf data/gen3.urdf build/demo/sweeps.tsv --iterate",
+    .example =
+        "mukca simulate --urdf data/gen3.urdf --recipe sweeps --perturb 1,2 --noise 1e-4 | "
+        "mukca recalibrate --urdf data/gen3.urdf - --iterate",
     .options = options,
     .options_size = sizeof(recalibrate_options),
     .run = run,

@@ -184,6 +184,7 @@ static int divide(double *z, const double *s, int n, double tolerance)
 
 int mukca_dense_lstsq(double *x, double *A, double *b, int m, int n, double tolerance, double *work)
 {
+    if (n < 1 || !work) return 0;
     double *s = work + (long)n * n;
     if (!(tolerance > 0)) tolerance = (m > n ? m : n) * DBL_EPSILON;
     if (m < n) { /* A' = U diag(s) V', x = U diag(1/s) V' b; V fits where A was */

@@ -59,8 +59,8 @@ void gap_compete_rank(gap_contest *contest)
     qsort(contest->table, (size_t)contest->n_table, sizeof *contest->table, by_odds);
 }
 
-/* Something that an accepted unknown function explains already: no function of the same argument may
- * be named after it.  What was accepted before (and is now left out) may come back. */
+/* Something that an accepted unknown function explains already: no function of the same argument
+ * may be named after it.  What was accepted before (and is now left out) may come back. */
 static bool shadowed(const gap_contest *contest, const gap_candidate *c, int without)
 {
     const gap_model *m = contest->m;

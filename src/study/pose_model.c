@@ -130,7 +130,7 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
     const mukca_geometry *g = &model->geometry;
     mukca_frame frame = model->base;
     for (int k = 0; k < g->n_elements; k++) {
-        const int j = g->joint[k];
+        const signed char j = g->joint[k];
         memcpy(look->parent[k], frame.R, sizeof frame.R);
         mukca_frame_multiply(&frame, &frame, &g->origin[k]);
         look->before[k] = frame;
@@ -179,7 +179,7 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
 static void set_turn(double *position, double *rotation, int stride, const double axis[3],
                      const double point[3], const mukca_pose_look *look)
 {
-    double lever[3], v[3];
+    double lever[3] = {0, 0, 0}, v[3];
     for (int i = 0; i < 3; i++) lever[i] = look->tip.p[i] - point[i];
     mukca_cross(v, axis, lever);
     for (int i = 0; position && i < 3; i++) position[i * stride] = v[i];
@@ -203,7 +203,7 @@ static void set_lag(double *position, double *rotation, int stride, const mukca_
     for (int k = 0; k < g->n_elements; k++) {
         if (g->joint[k] < 0) continue;
         const double rate = row->velocity[g->joint[k]];
-        double axis[3], p[3], w[3] = {0, 0, 0};
+        double axis[3] = {0, 0, 0}, p[3] = {0, 0, 0}, w[3] = {0, 0, 0};
         if (!(fabs(rate) > 0)) continue;
         mukca_mat3_vec(axis, look->before[k].R, g->axis[k]);
         if (turns(g, k))
@@ -224,7 +224,7 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
     for (int u = 0; u < n; u++) {
         const int k = unknowns[u].element, a = unknowns[u].axis;
         double *p = position ? position + u : NULL, *w = rotation ? rotation + u : NULL;
-        double v[3], e[2][3];
+        double v[3] = {0, 0, 0}, e[2][3];
         switch (unknowns[u].kind) {
             case MUKCA_UNKNOWN_ZERO:
                 mukca_mat3_vec(v, look->before[k].R, model->geometry.axis[k]);

@@ -305,8 +305,8 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_chain *c
     start_model(&s->model, chain, s->options);
     for (int i = 0; i < MUKCA_STAGES; i++) result->stage[i] = s->model;
 
-    bool oriented;
-    int unknowns;
+    bool oriented = false;
+    int unknowns = 0;
     mukca_status status = look_ahead(&oriented, &unknowns, s, error);
     const bool joint = s->options->joint || !oriented;
     if (status == MUKCA_OK) status = joint ? one_step(s, error) : two_steps(s, error);

@@ -216,9 +216,8 @@ static mukca_status measure(mukca_constants *out, const int *chosen, const searc
 {
     mukca_recalibration *alone = calloc(1, sizeof *alone);
     mukca_pose_errors *errors = calloc(MUKCA_STAGES, sizeof *errors);
-    mukca_status status =
-        alone && errors ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK) {
+    mukca_status status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (alone && errors) {
         mukca_pose_model model = r->stage[MUKCA_BEFORE];
         model.lag = r->lag;
         model.base = r->stage[MUKCA_WITH_BOTH].base;

@@ -18,7 +18,7 @@ static const double pi = 3.14159265358979323846;
 static void sweeps(double *q, int rows, const mukca_chain *chain)
 {
     const int n = chain->n_joints;
-    double way[MUKCA_MAX_JOINTS][2], length = 0;
+    double way[MUKCA_MAX_JOINTS][2] = {{0}}, length = 0;
     for (int j = 0; j < n; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
         const double reach = e->type == MUKCA_PRISMATIC ? 0.25 : j % 2 ? pi / 2 : pi;
@@ -57,10 +57,10 @@ static double halton(int index, int base)
 static void point_of(double p[3], mukca_recipe_kind kind, int i)
 {
     if (kind == MUKCA_RECIPE_RASTER) {
-        const int row = i / 11 % 5, column = row % 2 ? 10 - i % 11 : i % 11;
+        const int row = i / 11 % 5, layer = i / 55, column = row % 2 ? 10 - i % 11 : i % 11;
         p[0] = -0.40 + 0.08 * column;
         p[1] = 0.28 + 0.05 * row;
-        p[2] = 0.20 + 0.10 * (i / 55);
+        p[2] = 0.20 + 0.10 * layer;
     } else {
         const int k = 1 + i + (kind == MUKCA_RECIPE_TARGETED_TEST ? 58 : 0);
         p[0] = 0.10 + 0.30 * halton(k, 2);
@@ -77,7 +77,7 @@ static void posture_of(double *q, int which, const double target[3], const mukca
     double best = HUGE_VAL, first = 0;
     for (int j = 0; j < geometry->n_joints; j++) q[j] = j < 7 ? fold[which][j] : 0;
     for (int i = 0; i < 12; i++) {
-        double tip[3], d[3];
+        double tip[3], d[3] = {0, 0, 0};
         q[0] = pi * (i - 6) / 6;
         mukca_fk_position(tip, geometry, q, NULL);
         for (int a = 0; a < 3; a++) d[a] = tip[a] - target[a];
