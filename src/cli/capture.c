@@ -381,9 +381,8 @@ const cli_command cli_command_capture = {
         "Messages of drake's iiwa, Panda and Jaco drivers and of bot_core are understood, and any "
         "other type that --type describes.",
     .example =
-        "mukca capture --urdf arm.urdf --channel IIWA_STATUS -o session.tsv\n"
-        "mukca capture --urdf arm.urdf --lcm-url file://session.lcmlog --map order --trigger "
-        "-o session.tsv",
+        "mukca capture --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
+        "--trigger -o build/guided.tsv --force",
     .options = options,
     .options_size = sizeof(capture_options),
     .defaults = &defaults,

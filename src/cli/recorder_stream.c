@@ -184,12 +184,13 @@ static void hear(recorder *r, const mukca_lcm_packet *packet)
 void recorder_on_packet(void *context, const mukca_lcm_packet *packet)
 {
     recorder *r = context;
+    bool ahead = mukca_lcm_link_replays(r->link) && !r->connected; /* it will come again */
     r->packet_time = packet->time;
     if (strcmp(packet->channel, r->channel) == 0)
         on_joints(r, packet);
-    else if (r->takes_triggers && strcmp(packet->channel, r->trigger_channel) == 0)
+    else if (r->takes_triggers && strcmp(packet->channel, r->trigger_channel) == 0 && !ahead)
         on_trigger(r, packet);
-    else if (r->hooks.packet && strcmp(packet->channel, r->command_channel) == 0)
+    else if (r->hooks.packet && strcmp(packet->channel, r->command_channel) == 0 && !ahead)
         r->hooks.packet(r->hooks.context, packet);
     else
         hear(r, packet);

@@ -175,7 +175,7 @@ const cli_command cli_command_send = {
         "status message. What people want to know goes to standard error, the offsets table of "
         "calibrate, diagnose and result to standard output. The exit code is the command's; 4: no "
         "answer.",
-    .example = "mukca send calibrate > offsets.tsv",
+    .example = "mukca send status",
     .options = options,
     .options_size = sizeof(send_options),
     .defaults = &defaults,

@@ -1,9 +1,11 @@
 /* `mukca serve`: capture, calibrate and diagnose as a daemon, driven over LCM. */
 #include "cli/serve.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const double publish_period = 0.5;
@@ -158,11 +160,11 @@ static mukca_status do_result(server *s, const mukca_message_command *command,
 
 /* verb, usage, most arguments, sentence */
 #define VERB_LIST(X)                                                                    \
-    X(start, "[NAME]", 1, "begin the session NAME, or go on with it")                   \
-    X(add, "[PLACEMENT [SOCKET]]", 2, "take a sample now")                              \
+    X(start, " [NAME]", 1, "begin the session NAME, or go on with it")                  \
+    X(add, " [PLACEMENT [SOCKET]]", 2, "take a sample now")                             \
     X(delete, "", 0, "take the last row back")                                          \
-    X(socket, "[LABEL]", 1, "go on with that socket, or the other one")                 \
-    X(placement, "[NAME]", 1, "go on with that placement, or a new one")                \
+    X(socket, " [LABEL]", 1, "go on with that socket, or the other one")                \
+    X(placement, " [NAME]", 1, "go on with that placement, or a new one")               \
     X(finish, "", 0, "close the session")                                               \
     X(calibrate, "", 0, "calibrate on the session; the result holds the offsets table") \
     X(diagnose, "", 0, "diagnose the session; the result adds what effects were found") \
@@ -253,6 +255,8 @@ static mukca_status check_usage(server *s)
     if (!s->folder || !*s->folder)
         return mukca_fail(error, MUKCA_USAGE,
                           "--state DIR is needed: where sessions, results and state are kept");
+    if (mkdir(s->folder, 0777) && errno != EEXIST)
+        return mukca_fail(error, MUKCA_INPUT, "--state %s: %s", s->folder, strerror(errno));
     if (access(s->folder, R_OK | W_OK | X_OK))
         return mukca_fail(error, MUKCA_INPUT, "--state %s: must be a folder that can be written",
                           s->folder);
@@ -325,16 +329,19 @@ const cli_command cli_command_serve = {
         "Listens to the robot's joint states and to commands on MUKCA_COMMAND (`mukca send` sends "
         "them), records sessions, calibrates and diagnoses, and sends its status twice a second on "
         "MUKCA_STATUS, samples on MUKCA_SAMPLE and results on MUKCA_RESULT. Messages on "
-        "MUKCA_TRIGGER take a sample. The message types lie in data/lcm. It goes on where it was "
+        "MUKCA_TRIGGER take a sample. The message types lie in data/lcm (installed: "
+        "share/mukca/lcm). It goes on where it was "
         "after a restart; SIGTERM ends it cleanly.\n\n"
         "Commands:\n"
-#define VERB_HELP(name, usage, arguments, sentence) "  " #name " " usage "\n      " sentence "\n"
+#define VERB_HELP(name, usage, arguments, sentence) "  " #name usage "\n      " sentence "\n"
     VERB_LIST(VERB_HELP)
 #undef VERB_HELP
         "\nWith --publish-pose each joint state is answered by the pose of the tip by the last "
         "calibration (and diagnosis), for controllers that cannot load a URDF. Effects that depend "
         "on the recording's order or time are left out of it.",
-    .example = "mukca serve --urdf arm.urdf --channel IIWA_STATUS --map order --state .",
+    .example =
+        "mukca serve --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
+        "--state build/served",
     .options = options,
     .options_size = sizeof(serve_options),
     .run = run,
