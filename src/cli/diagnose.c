@@ -73,7 +73,7 @@ static mukca_status write_offsets(cli_call *call, const cli_diagnosed *r, bool f
     mukca_pool pool = {0};
     mukca_output output = {0};
     char comments[512];
-    int left_out;
+    int left_out = 0;
     if (!call->common->output) return MUKCA_OK;
     mukca_offsets *offsets = MUKCA_TAKE(&pool, mukca_offsets, 1);
     mukca_chain *chain = MUKCA_TAKE(&pool, mukca_chain, 1);

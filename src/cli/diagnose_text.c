@@ -422,7 +422,7 @@ static int by_value(const void *a, const void *b)
 /* Middle of the detection limits of a joint's effects, rad; NaN where it has none. */
 static double joint_limit(const mukca_diagnosis *d, int joint)
 {
-    double limit[MUKCA_EFFECT_COUNT];
+    double limit[MUKCA_EFFECT_COUNT] = {0};
     int n = 0;
     for (int i = 0; i < d->n_tested && n < MUKCA_EFFECT_COUNT; i++)
         if (d->tested[i].joint == joint && isfinite(d->tested[i].limit))

@@ -17,7 +17,7 @@ mukca_status report_join(mukca_dataset *all, unsigned char **held_out, mukca_poo
         all->position = calloc((size_t)all->n_rows, 3 * sizeof *all->position);
         if (!all->position) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     }
-    if (status != MUKCA_OK) return status;
+    if (status != MUKCA_OK || !*held_out) return status;
     for (int r = 0; r < all->n_rows; r++) {
         const bool second = r >= train->n_rows;
         const mukca_dataset *from = second ? test : train;

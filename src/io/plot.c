@@ -172,7 +172,7 @@ mukca_status mukca_plot_svg(FILE *out, const mukca_figure *figure, const char *s
              "svg size %d,%d dynamic noenhanced linewidth 1.2 font 'sans-serif,13'", figure->width,
              figure->height);
     mukca_status status = render(&text, terminal, NULL, script, error);
-    if (status != MUKCA_OK) return status;
+    if (!text) return status;
     const char *svg = strstr(text, "<svg"), *body = svg ? strchr(svg, '>') : NULL;
     if (body) {
         fprintf(out,

@@ -136,7 +136,7 @@ MUKCA_CLONES int mukca_dense_svd(double *A, double *s, double *V, int m, int n)
         double *x = A + j * column, norm = sqrt(dot(x, x, step, m));
         if (norm > 0)
             for (long i = 0; i < m * step; i += step) x[i] /= norm;
-        s[j] = ldexp(norm, exponent);
+        s[j] = ldexp(norm, exponent); /* NOLINT(*NullDereference): s is never NULL */
     }
     sort_columns(A, column, step, m, s, V, n);
     if (square) transpose(A, n);

@@ -138,7 +138,7 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
 {
     const int j = effect->joint;
     double basis[MUKCA_MAX_TERMS][3], direction[MUKCA_MAX_JOINTS];
-    double *into = NULL;
+    double *into = displacement->tip;
     switch (mukca_effect_table[effect->kind].site) {
         case MUKCA_SITE_ANGLES:
             mukca_effect_lag_direction(direction, chain->n_joints, effect->variant, state);
@@ -159,7 +159,6 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
             displacement->any_rotation = true;
             break;
         case MUKCA_SITE_TIP:
-            into = displacement->tip;
             break;
     }
     static const double none[3] = {0, 0, 0};

@@ -332,7 +332,7 @@ static int drop_doubtful(mukca_diagnosis *d, int used)
 static void tell(mukca_diagnosis *d, gap_contest *contest)
 {
     gap_model *m = contest->m;
-    standing place[GAP_MAX_CAUSES];
+    standing place[GAP_MAX_CAUSES] = {0};
     mukca_cause sorted[MUKCA_MAX_CAUSES];
     double leading = -HUGE_VAL, unknown = -HUGE_VAL, known = -HUGE_VAL;
     const int n = m->n_causes;

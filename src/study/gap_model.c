@@ -192,7 +192,7 @@ static void fill_moments(gap_model *m)
             }
             for (int j = 0; j < n_joints; j++) {
                 const size_t from = at * (size_t)n_joints + (size_t)j,
-                             to = (size_t)(row * n_joints + j);
+                             to = (size_t)row * (size_t)n_joints + (size_t)j;
                 m->torque[from] *= s;
                 m->total_torque[to] += m->torque[from];
                 for (int c = 0; c < 3; c++) {

@@ -50,7 +50,7 @@ typedef struct {
     gap_hypothesis hypothesis;
     double scale; /* prior sigma of coefficient * unit */
     double coefficient[GAP_MAX_TERMS];
-    int step;     /* of the competition, when it was accepted */
+    int step; /* of the competition, when it was accepted */
 } gap_cause;
 
 typedef struct {

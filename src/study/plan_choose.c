@@ -198,7 +198,7 @@ int plan_choose(planner *p, int *chosen, int rows, const int *recorded)
     const mukca_plan_options *o = p->state.options;
     for (int k = 0; k < p->n_sockets; k++) fresh += recorded[k] == 0;
     /* A session from nothing fills its sockets evenly; more rows go where they tell most. */
-    const int room = fresh == p->n_sockets ? (rows + fresh - 1) / fresh : rows;
+    const int room = fresh > 0 && fresh == p->n_sockets ? (rows + fresh - 1) / fresh : rows;
     for (int k = 0; k < p->n_sockets && n < rows; k++) {
         const int first = recorded[k] == 0 ? middle_pose(p, k) : -1;
         if (first >= 0) take(p, first, chosen, &n, count);

@@ -9,7 +9,7 @@
 
 size_t gap_projector_size(const gap_model *m)
 {
-    const size_t rows = (size_t)(m->data->n_rows * m->dim), n = (size_t)m->capacity;
+    const size_t rows = (size_t)m->data->n_rows * (size_t)m->dim, n = (size_t)m->capacity;
     return (size_t)m->data->n_distances + (size_t)m->data->n_sockets + 8 + n + 2 * rows +
            rows * (2 * n + 1) + 2 * rows * GAP_MAX_TERMS + n * 2 * GAP_MAX_TERMS;
 }
@@ -263,7 +263,7 @@ double gap_fault_log_bayes(gap_projector *p, const gap_hypothesis *h, double *in
         if (share == 0) continue;
         if (group->socket >= 0) mean += p->mean_weight[group->start + i] * share;
         for (int c = 0; c < 3; c++) {
-            const size_t r = (size_t)((group->start + i) * d + c);
+            const size_t r = (size_t)(group->start + i) * (size_t)d + (size_t)c;
             const double *z = p->Zt + r * (size_t)n;
             for (int k = 0; k < n; k++) T[c][k] -= share * z[k];
             g[c] -= share * p->u[r];

@@ -31,9 +31,9 @@ typedef struct {
     gap_hypotheses *all;
     gap_hypothesis *harmonic; /* [n_joints * GAP_HARMONICS_MOST], in the order they were found */
     int n_harmonic;
-    float *seen;       /* [GAP_STEPS][scores] log odds in each run against the whole model */
-    int steps;         /* such runs so far */
-    gap_score *score;  /* [all->count + harmonics], unsorted */
+    float *seen;      /* [GAP_STEPS][scores] log odds in each run against the whole model */
+    int steps;        /* such runs so far */
+    gap_score *score; /* [all->count + harmonics], unsorted */
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
     double sigma;
