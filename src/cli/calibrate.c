@@ -118,6 +118,30 @@ static mukca_status check(cli_call *call)
     return status;
 }
 
+/* A socket whose rows are all the same was recorded from a stream that had stopped. */
+static mukca_status check_alive(cli_call *call, const mukca_dataset *d)
+{
+    const size_t n = (size_t)d->n_joints;
+    for (int s = 0; s < d->n_sockets; s++) {
+        const double *first = NULL;
+        int rows = 0;
+        bool same = true;
+        for (int i = 0; i < d->n_rows && same; i++) {
+            if (d->socket[i] != s) continue;
+            if (!first) first = d->q + (size_t)i * n;
+            same = memcmp(d->q + (size_t)i * n, first, n * sizeof *first) == 0;
+            rows++;
+        }
+        if (same && rows > 2)
+            return mukca_fail(
+                &call->error, MUKCA_UNIDENTIFIABLE,
+                "placement '%s', socket '%s': all %d rows hold the same joint angles; "
+                "the stream had stopped, record them again",
+                d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows);
+    }
+    return MUKCA_OK;
+}
+
 static mukca_status fit_data(cli_call *call, mukca_fit *fit, const cli_model *model,
                              const mukca_dataset *train, const mukca_dataset *test)
 {
@@ -194,6 +218,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_load_model(call, model);
     if (status == MUKCA_OK) status = cli_load_data(call, &train, model, &call->arguments);
     if (status == MUKCA_OK && o->test.n > 0) status = cli_load_data(call, &test, model, &o->test);
+    if (status == MUKCA_OK) status = check_alive(call, &train);
     if (status == MUKCA_OK) status = fit_data(call, fit, model, &train, &test);
     if (status == MUKCA_OK && fit->identification.rank == 0)
         status = mukca_fail(

@@ -173,3 +173,8 @@ for locale in de_DE.UTF-8 de_DE tr_TR.UTF-8 xx_YY; do
     expect "$locale changes nothing" cmp plain.tsv foreign.tsv
 done
 expect "no source sets the locale" sh -c "! grep -rn setlocale '$root/src'"
+
+# a stream that had stopped
+awk 'NR > 1 && !row { row = $3 "\t" $4 "\t" $5 } NR == 1 { print; next }
+    { print $1 "\t" $2 "\t" row }' session.tsv >dead.tsv
+refuse 5 "socket '1': all 6 rows hold the same joint angles" calibrate $a dead.tsv -o new.tsv
