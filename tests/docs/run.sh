@@ -1,0 +1,177 @@
+#!/bin/bash
+# The documents say what the program does: every option is in man page and completion, every
+# `--option` that a document mentions exists, every effect, JSON key and column is described, and
+# every example of help, README and man page runs, in a scratch copy of the source folder.
+# UPDATE_GOLDEN=1 (`make golden`) rewrites the COMMANDS of mukca.1.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+root=$PWD
+MUKCA=${MUKCA:-$root/build/mukca}
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+export NO_COLOR=1 MUKCA
+failures=0
+
+check() { # NAME TEXT: passes where TEXT is empty
+    if [ -z "$2" ]; then
+        echo "ok $1"
+    else
+        echo "not ok $1"
+        printf '%s\n' "$2" | head -n 40 | sed 's/^/    /'
+        failures=$((failures + 1))
+    fi
+}
+
+# ---- tables and documents agree
+"$MUKCA" completion options | tail -n +2 >"$scratch/options"
+"$MUKCA" completion man >"$scratch/commands"
+if [ -n "${UPDATE_GOLDEN-}" ]; then
+    { sed '/^\.SH COMMANDS/,$d' mukca.1; cat "$scratch/commands"
+      sed '1,/^\.SH COMMANDS/d' mukca.1 | sed -n '/^\.SH/,$p'; } >"$scratch/page" && cp "$scratch/page" mukca.1
+fi
+sed -n '/^\.SH COMMANDS/,$p' mukca.1 | sed '2,$ { /^\.SH/,$d }' >"$scratch/page"
+check "the commands of mukca.1 are those of the program (else: make golden)" \
+    "$(diff "$scratch/page" "$scratch/commands")"
+check "the man pages name the version" \
+    "$(grep -L "^.TH .* \"$("$MUKCA" --version)\" " mukca.1 mukca-formats.5)"
+for shell in bash zsh; do
+    "$MUKCA" completion $shell >"$scratch/$shell"
+    check "$shell completion has every command and option" "$(
+        while IFS=$'\t' read -r command option _; do
+            case $shell in
+            bash) grep -q "^ *$command:\*) words=.* $option[ \"]" "$scratch/bash" ;;
+            zsh) sed -n "/^    $command) _arguments/,/;;/p" "$scratch/zsh" | grep -q -- "$option\[" ;;
+            esac || echo "$command $option"
+        done <"$scratch/options")"
+done
+check "options that documents mention exist" "$(
+    for page in README.md ARCHITECTURE.md CONTRIBUTING.md mukca.1 mukca-formats.5; do
+        sed 's/\\-/-/g' $page | grep -oE '(^|[^-a-z])--[a-z][a-z-]+' | grep -oE -- '--[a-z-]+' | sort -u |
+            grep -vxF -e --version -e --help -e --dev -e --array -e --cpus-per-task -e --mem -e --time \
+                -e --joblog -e --resume -e "$(cut -f 2 "$scratch/options")" | sed "s/^/$page: /"
+    done)"
+check "make targets that documents mention exist" "$(
+    grep -ohE '`make [a-z][a-z-]+' README.md CONTRIBUTING.md ARCHITECTURE.md mukca.1 | sort -u | cut -d ' ' -f 2 |
+        while read -r target; do grep -qE "^$target:|^\.PHONY:.* $target( |\\\\|$)|^ .* $target( |$)" Makefile || echo "$target"; done)"
+check "files that documents mention exist" "$(
+    grep -ohE '\]\([^)#:]+' README.md CONTRIBUTING.md ARCHITECTURE.md CHANGELOG.md | cut -c 3- | grep -v '^https' | sort -u |
+        while read -r file; do [ -e "$file" ] || echo "$file"; done)"
+for page in README.md mukca-formats.5; do
+    check "$page describes every effect" "$(
+        "$MUKCA" help effects | sed -n 's/^\([a-z_]*\) (.*/\1/p' | while read -r effect; do
+            sed 's/\\-/-/g' $page | grep -q "$effect" || echo "$effect"; done)"
+done
+for page in mukca.1 mukca-formats.5; do
+    check "man reads $page without a complaint" \
+        "$(if command -v groff >/dev/null; then groff -man -Tutf8 -ww -z $page 2>&1; fi)"
+done
+
+# ---- examples run: a copy of what a clone holds, `mukca` in the path
+cp -r data tools docs include src Makefile README.md "$scratch"
+mkdir -p "$scratch/build"
+ln -s "$MUKCA" "$scratch/build/mukca"
+cd "$scratch" || exit 1
+export PATH="${MUKCA%/*}:$PATH" BUILD=$scratch/build
+
+# Blocks of ```sh one after the other in one shell, each output kept; a ```text block after one must
+# be found in its output, line by line, whatever the numbers.
+awk '/^```/ { if (open) { open = 0; close(file) } else { open = 1; n++; kind = substr($0, 4)
+        file = sprintf("block-%02d.%s", n, kind); printf "" >file } next }
+    open { print >file }' README.md
+loose() { tr -s ' ' | sed -E 's/[0-9]+(\.[0-9]+)?/#/g; s/^ //'; }
+previous=
+for block in block-*; do
+    case $block in
+    *.sh)
+        previous=
+        name="README example: $(head -n 1 "$block" | cut -c 1-60)"
+        if grep -q '^parallel ' "$block" && ! command -v parallel >/dev/null; then
+            echo "skip $name (no GNU parallel)"
+            continue
+        fi
+        bash -eu "$block" >"$block.out" 2>&1 </dev/null
+        code=$?
+        check "$name" "$([ $code -eq 0 ] || { echo "exit $code"; tail -n 8 "$block.out"; })"
+        previous=$block.out ;;
+    *.text)
+        [ -n "$previous" ] || continue
+        loose <"$previous" >said
+        check "README shows what its example prints" \
+            "$(loose <"$block" | while IFS= read -r line; do grep -qxF -- "$line" said || echo "$line"; done)"
+        previous= ;;
+    esac
+done
+
+# Examples of the man page, between .EX and .EE.
+for page in mukca.1 mukca-formats.5; do
+    sed -n '/^\.EX/,/^\.EE/ { /^\.E[XE]/d; s/\\-/-/g; s/\\e/\\/g; p }' "$root/$page" >page.sh
+    grep -q . page.sh || continue
+    bash -eu page.sh >page.out 2>&1 </dev/null
+    code=$?
+    check "examples of $page" "$([ $code -eq 0 ] || { echo "exit $code"; tail -n 8 page.out; })"
+done
+
+# Examples of help.  Those that talk to a robot have one in a network of their own (live.sh).
+cp data/demo/arm.urdf arm.urdf
+awk '/^#/ || /^placement/ { print; next } n[$1, $2]++ < 4' data/demo/train.tsv >short.tsv
+tools/demo/lcm_log short.tsv session.lcmlog
+mkdir -p build/demo
+while IFS= read -r example; do
+    case $example in
+    *"mukca serve "* | *"mukca send "* | *IIWA_STATUS*) continue ;;
+    *"mukca calibrate "*) rm -f build/demo/offsets.tsv ;;
+    esac
+    rm -f session.tsv
+    bash -euc "$example" >example.out 2>&1 </dev/null
+    code=$?
+    check "help example: $example" "$([ $code -eq 0 ] || { echo "exit $code"; tail -n 8 example.out; })"
+done < <("$MUKCA" completion examples)
+if ! command -v lcm-logplayer >/dev/null || ! unshare -rnm true 2>/dev/null; then
+    echo "skip help examples that need a network: no lcm-logplayer or no network namespaces"
+else
+    check "help examples with a robot (capture, serve, send)" \
+        "$(mkdir live && cd live && cp ../arm.urdf ../session.lcmlog . &&
+            unshare -rnm bash "$root/tests/docs/live.sh" 2>&1)"
+fi
+
+# ---- every JSON key and column of what the examples wrote is described
+sed 's/\\-/-/g; s/\\f.//g' "$root/mukca-formats.5" >formats.txt
+a="--urdf data/demo/arm.urdf" d="data/demo/train.tsv --test data/demo/test.tsv"
+# shellcheck disable=SC2086
+{
+    mukca calibrate $a $d --json calibrate.json --trace trace.tsv
+    mukca evaluate $a $d --matrix --json evaluate.json -o evaluate.tsv
+    mukca diagnose $a $d --json diagnose.json
+    mukca recalibrate --urdf data/gen3.urdf build/demo/sweeps.tsv --json recalibrate.json
+    mukca compensate $a --offsets build/demo/arm.tsv --json compensate.json -o compensate.tsv block.tsv
+    mukca simulate $a --effort --command --labels labels.json --seed 1 --rows 3 -o simulate.tsv
+    grep -v '^#' data/demo/test.tsv | mukca compensate $a --offsets build/demo/arm.tsv --json compensate.json -o compensate.tsv
+} >json.out 2>&1
+check "every JSON key is in mukca-formats.5" "$("${PYTHON:-python3}" - *.json <<'PY'
+import json, re, sys
+text = open("formats.txt").read()
+words = set(re.findall(r"[A-Za-z_0-9]+", text))
+arms = {"front", "left", "right", "held_out_1"}
+def walk(value, file):
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            for word in re.findall(r"[A-Za-z_0-9]+", key):
+                if word not in words and word not in arms:
+                    print(file + ": " + key)
+            walk(inner, file)
+    elif isinstance(value, list):
+        for inner in value:
+            walk(inner, file)
+for file in sys.argv[1:]:
+    walk(json.load(open(file)), file)
+if len(sys.argv) < 7:
+    print("only " + " ".join(sys.argv[1:]))
+PY
+)"
+check "every column is in mukca-formats.5" "$(
+    for table in *.tsv build/demo/*.tsv; do
+        grep -v '^#' "$table" | head -n 1 | tr '\t' '\n' | sed -E 's/^joint_[0-9]\.?//; s/^(front|left|right)_//' |
+            grep . | sort -u | while read -r column; do
+            grep -qw -- "$column" formats.txt || echo "$table: $column"; done
+    done)"
+[ $failures -eq 0 ]
