@@ -157,8 +157,9 @@ script = $(or $(firstword $(wildcard $(1:%=tools/%/run) $(1:%=tools/%/run.sh) $(
 bench: $(PROGRAM) $(BENCHES) ## times and memory beside the references
 	@$(TEST_ENVIRONMENT) $(call script,bench)
 
-golden: $(PROGRAM) ## rewrite the expected output of the command-line tests
+golden: $(PROGRAM) ## rewrite the expected output of the command-line tests and the man page's COMMANDS
 	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/cli/run.sh
+	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/docs/run.sh
 
 verify-real: $(PROGRAM) ## the published real robots: Table I, minima of J, diagnosis (needs the data)
 	@$(TEST_ENVIRONMENT) $(call script,verify_real)
