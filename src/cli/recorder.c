@@ -229,7 +229,9 @@ mukca_status recorder_step(recorder *r, int timeout_ms, int other, bool *readabl
 double recorder_age(const recorder *r)
 {
     if (!r->last_arrival) return HUGE_VAL;
-    double age = 1e-6 * (double)(mukca_lcm_link_clock(r->link) - r->last_arrival);
+    /* a trigger is as old as it was when it came, so that a replay decides alike */
+    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
+    double age = 1e-6 * (double)(now - r->last_arrival);
     return age > 0 ? age : 0;
 }
 

@@ -123,7 +123,7 @@ struct recorder {
     mukca_lcm_joints joints; /* the last message */
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
     int64_t received, refused, last_arrival, opened; /* arrival: us */
-    int64_t packet_time;                             /* us, of the message at hand */
+    int64_t packet_time;                             /* us, of the message at hand, 0: none is */
     int64_t rate_since, rate_count;
     double rate, longest_gap; /* Hz; s between arrivals */
     bool listens_to_all, silent;

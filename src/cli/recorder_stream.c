@@ -194,4 +194,5 @@ void recorder_on_packet(void *context, const mukca_lcm_packet *packet)
         r->hooks.packet(r->hooks.context, packet);
     else
         hear(r, packet);
+    r->packet_time = 0;
 }
