@@ -3,11 +3,13 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <lcm/lcm.h>
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "io/lcm_log.h"
 
@@ -78,6 +80,18 @@ static mukca_status open_log(mukca_lcm_link *link, const char *url, mukca_error 
     return mukca_lcm_log_open(&link->log, name, error);
 }
 
+/* lcm_create, whose screenful about a missing route is left to our one line. */
+static lcm_t *create_quietly(const char *url)
+{
+    int silence = open("/dev/null", O_WRONLY | O_CLOEXEC), kept = dup(STDERR_FILENO);
+    bool quiet = silence >= 0 && kept >= 0 && dup2(silence, STDERR_FILENO) >= 0;
+    lcm_t *lcm = lcm_create(url);
+    if (quiet) dup2(kept, STDERR_FILENO);
+    if (kept >= 0) close(kept);
+    if (silence >= 0) close(silence);
+    return lcm;
+}
+
 mukca_status mukca_lcm_link_open(mukca_lcm_link **out, const char *url,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error)
 {
@@ -92,7 +106,7 @@ mukca_status mukca_lcm_link_open(mukca_lcm_link **out, const char *url,
     if (url && strncmp(url, "file://", 7) == 0) {
         status = open_log(link, url, error);
     } else {
-        link->lcm = lcm_create(url);
+        link->lcm = create_quietly(url);
         if (!link->lcm)
             status = mukca_fail(
                 error, MUKCA_TRANSPORT,
