@@ -16,6 +16,28 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
+#ifdef __SIZEOF_INT128__
+__extension__ typedef unsigned __int128 wide;
+
+/* m / 10^k rounded to nearest even, for m > 0 and k of 0 .. 19: by long division. */
+static double divide(uint64_t m, int k)
+{
+    uint64_t power = 1, left;
+    for (int i = 0; i < k; i++) power *= 10;
+    const int lead = __builtin_clzll(m);
+    const wide numerator = (wide)(m << lead) << 63; /* m 2^(lead + 63) */
+    const wide quotient = numerator / power;        /* 62 bits at least */
+    const bool rest = quotient * power != numerator;
+    const uint64_t high = (uint64_t)(quotient >> 64);
+    const int bits = high ? 128 - __builtin_clzll(high) : 64 - __builtin_clzll((uint64_t)quotient);
+    const int drop = bits - 53;
+    left = (uint64_t)(quotient >> drop);
+    const wide cut = quotient & (((wide)1 << drop) - 1), half = (wide)1 << (drop - 1);
+    if (cut > half || (cut == half && (rest || (left & 1)))) left++;
+    return ldexp((double)left, drop - lead - 63);
+}
+#endif
+
 bool mukca_number_parse(double *value, const char *text)
 {
     const char *c = text;
@@ -46,13 +68,20 @@ bool mukca_number_parse(double *value, const char *text)
         exponent += down ? -power : power;
     }
     if (*c) return false;
-    /* Both factors exact: one rounding, the right one (Clinger).  Else the C library's way. */
+    /* Both factors exact: one rounding, the right one (Clinger). */
     if (exact && mantissa <= (UINT64_C(1) << 53) && exponent >= -22 && exponent <= 22) {
         double m = (double)mantissa;
         m = exponent < 0 ? m / exact_power[-exponent] : m * exact_power[exponent];
         *value = negative ? -m : m;
         return true;
     }
+#ifdef __SIZEOF_INT128__
+    if (exact && mantissa > 0 && exponent <= 0 && exponent >= -19) { /* %.17g */
+        const double m = divide(mantissa, -exponent);
+        *value = negative ? -m : m;
+        return true;
+    }
+#endif
     *value = strtod(text, NULL);
     return isfinite(*value);
 }
