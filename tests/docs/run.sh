@@ -68,7 +68,7 @@ done
 
 # ---- examples run: a copy of what a clone holds, `mukca` in the path
 cp -r data tools docs include src Makefile README.md "$scratch"
-mkdir -p "$scratch/build"
+mkdir -p "$scratch/build/demo"
 ln -s "$MUKCA" "$scratch/build/mukca"
 cd "$scratch" || exit 1
 export PATH="${MUKCA%/*}:$PATH" BUILD=$scratch/build
@@ -127,10 +127,10 @@ a="--urdf data/demo/arm.urdf" d="data/demo/train.tsv --test data/demo/test.tsv"
     mukca calibrate $a $d --json calibrate.json --trace trace.tsv
     mukca evaluate $a $d --matrix --json evaluate.json -o evaluate.tsv
     mukca diagnose $a $d --json diagnose.json
-    mukca recalibrate --urdf data/gen3.urdf build/demo/sweeps.tsv --json recalibrate.json
+    mukca recalibrate --urdf data/gen3.urdf build/first/sweeps.tsv --json recalibrate.json
     mukca plan $a data/demo/train.tsv --rows 2 --json plan.json -o plan.tsv
     mukca simulate $a --effort --command --labels labels.json --seed 1 --rows 3 -o simulate.tsv
-    grep -v '^#' data/demo/test.tsv | mukca compensate $a --offsets build/demo/arm.tsv --json compensate.json -o compensate.tsv
+    grep -v '^#' data/demo/test.tsv | mukca compensate $a --offsets build/first/arm.tsv --json compensate.json -o compensate.tsv
 } >json.out 2>&1
 check "every JSON key is in mukca-formats.5" "$("${PYTHON:-python3}" - *.json <<'PY'
 import json, re, sys
@@ -154,7 +154,7 @@ if len(sys.argv) < 8:
 PY
 )"
 check "every column is in mukca-formats.5" "$(
-    for table in *.tsv build/demo/*.tsv; do
+    for table in *.tsv build/first/*.tsv build/demo/*.tsv; do
         grep -v '^#' "$table" | head -n 1 | tr '\t' '\n' | sed -E 's/^joint_[0-9]\.?//; s/^(front|left|right)_//' |
             grep . | sort -u | while read -r column; do
             grep -qw -- "$column" formats.txt || echo "$table: $column"; done
