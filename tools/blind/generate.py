@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Make sealed cases for `mukca diagnose`: data with one hidden cause each, labels kept apart.
 
-usage: generate.py [--seed S] [--cases N] [--hard X] [--real DIR] OUT
+usage: generate.py [--seed S] [--cases N] [--hard X] [--rows N] [--placements N] [--real DIR] OUT
 
 OUT/case_NNN/{robot.urdf,session.tsv,holdout.tsv} and OUT/labels.json are socket sessions;
 OUT/logs/log_NNN/{robot.urdf,log.tsv} and OUT/logs/labels.json are tracker pose logs (a tenth of N
@@ -228,9 +228,11 @@ def draw_part(kind, arm, rng, st, joint, places):
     return Part(kind, [joint])
 
 
-def angle_rms(part, st):
+def angle_rms(part, st, about_mean=False):
     """Rms turn of a joint (the one that turns most) or of the base per unit of amplitude."""
     twist, base, _ = part.unit(st)
+    if about_mean:
+        twist, base = twist - twist.mean(axis=0), base - base.mean(axis=0)
     return max(np.sqrt((twist ** 2).sum(axis=2).mean(axis=0)).max(),
                np.sqrt((base ** 2).sum(axis=1).mean()))
 
@@ -304,7 +306,7 @@ def choose(kind, arm, rng, st, ses, places, aim, sigma, want=True):
     label = dict(effect=kind, amplitude=part.amplitude, visible_rms_m=amplitude * seen,
                  full_rms_m=amplitude * rms(move), snr=amplitude * seen / sigma)
     if kind not in ("ball_shift", "thermal_link"):
-        label["rms_rad"] = amplitude * angle_rms(part, st)
+        label["rms_rad"] = amplitude * angle_rms(part, st, about_mean=True)
     if part.joints:
         label["joints"] = [arm.joints[j] for j in part.joints]
         label["joint_index"] = part.joints[0]
@@ -373,7 +375,7 @@ def record(arm, ses, rng, sigma, rho, heavy, parts, move=None, session=True):
     return q, State(arm, q, ses.time, ses.place).hold
 
 
-def make_case(kind, rng, hard, stock, use_real):
+def make_case(kind, rng, hard, stock, use_real, size_asked=(0, 0)):
     """One session: returns everything to write."""
     tough = hard > 1
     places = int(rng.choice([2, 3, 4] if tough else [2, 3, 4, 5, 6],
@@ -381,6 +383,7 @@ def make_case(kind, rng, hard, stock, use_real):
     if kind in ("zero_jump", "ball_shift", "socket_distance"):
         places = max(places, 3)
     rows = int(rng.choice([12, 15, 18, 24, 30] if tough else [15, 20, 25, 30, 40]))
+    places, rows = size_asked[0] or places, size_asked[1] or rows
     sweep = bool(rng.random() < 0.4)
     sigma = rng.uniform(0.4e-4, 1.1e-4)
     rho = float(rng.uniform(0.2, 0.75 if tough else 0.6)) if rng.random() < 0.4 else 0.0
@@ -567,7 +570,7 @@ def make_log(kind, rng, hard):
 
 def job(task):
     """Make and write one case; the seed and the number alone decide what it is."""
-    seed, number, kind, hard, out, real, use_real, is_log = task
+    seed, number, kind, hard, out, real, use_real, is_log, size = task
     stock = arms.recorded(real) if use_real else None
     for attempt in range(60):
         rng = np.random.default_rng([seed, number, int(is_log), attempt])
@@ -582,7 +585,8 @@ def job(task):
                     for r in rows:
                         f.write("\t".join(f"{v:.9f}" for v in r) + "\n")
             else:
-                arm, tables, with_time, label = make_case(kind, rng, hard, stock, use_real)
+                arm, tables, with_time, label = make_case(kind, rng, hard, stock, use_real,
+                                                           size)
                 os.makedirs(folder, exist_ok=True)
                 for name, (ses, q, effort) in zip(("session", "holdout"), tables):
                     write_table(os.path.join(folder, name + ".tsv"), arm, ses, q, effort, with_time)
@@ -612,6 +616,8 @@ def main():
     ap.add_argument("--seed", type=int, default=1)
     ap.add_argument("--cases", type=int, default=300)
     ap.add_argument("--hard", type=float, default=1.0)
+    ap.add_argument("--rows", type=int, default=0, help="per socket, in place of drawn")
+    ap.add_argument("--placements", type=int, default=0, help="in place of drawn")
     ap.add_argument("--jobs", type=int, default=2)
     ap.add_argument("--kinds", help="only these kinds, comma-separated")
     ap.add_argument("--real", default=os.environ.get(
@@ -627,10 +633,12 @@ def main():
         weights = {k: 1 for k in a.kinds.split(",")}
     kinds = deal(weights, a.cases, rng)
     third = np.arange(a.cases) % 3 == 2
-    tasks = [(a.seed, i, k, a.hard, a.out, a.real, bool(real and third[i]), False)
+    tasks = [(a.seed, i, k, a.hard, a.out, a.real, bool(real and third[i]), False,
+              (a.placements, a.rows))
              for i, k in enumerate(kinds)]
     if not a.kinds:
-        tasks += [(a.seed, i, LOGS[i % len(LOGS)], a.hard, a.out, a.real, False, True)
+        tasks += [(a.seed, i, LOGS[i % len(LOGS)], a.hard, a.out, a.real, False, True,
+                   (0, 0))
                   for i in range(a.cases // 10)]
     if os.path.exists(os.path.join(a.out, "labels.json")):
         shutil.rmtree(a.out)

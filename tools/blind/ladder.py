@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Make single-effect cases harder rung by rung, to find where `mukca diagnose` breaks.
 
-usage: ladder.py MUKCA_BINARY OUT [--hard 1,2,3,5,8,12] [--cases 150] [--seed 21] [--jobs 2]
+usage: ladder.py MUKCA_BINARY OUT [--cases 150] [--seed 21] [--jobs 2]
 
 Prints Markdown: what became of the detectable cases of each rung; of all cases by strength, rows and
 placements; of strength against the program's own detection limit; what was taken for what.
@@ -21,6 +21,9 @@ from score import SURE, alias, call, effect_ok, right  # noqa: E402
 
 OUTCOMES = ("right", "right class", "tied, truth inside", "declared alias", "none", "unknown",
             "wrong, tied", "WRONG")
+# strength divided by, rows per socket, placements (0: as drawn)
+RUNGS = [(1, 0, 0), (2, 0, 0), (3, 0, 0), (5, 0, 0), (8, 0, 0), (12, 0, 0),
+         (2, 8, 0), (2, 6, 0), (2, 0, 2), (2, 0, 1)]
 FAINT, PLAIN = 4, 16    # snr*sqrt(3 rows) between which rows, placements and kinds are compared
 
 
@@ -72,7 +75,7 @@ class Table:
         print("| --- |" + " --- |" * (len(used) + 2))
 
         def order(key):
-            text = str(key).lstrip("<>= ").split("-")[0]
+            text = str(key).lstrip("<>= ").split("-")[0].split(",")[0]
             number = float(text) if text.replace(".", "").isdigit() else 0.0
             return (number - ("<" in str(key)), ">" in str(key), str(key))
         for key in sorted(self.rows, key=order):
@@ -86,7 +89,6 @@ def main():
     ap = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     ap.add_argument("binary")
     ap.add_argument("out")
-    ap.add_argument("--hard", default="1,2,3,5,8,12")
     ap.add_argument("--cases", type=int, default=150)
     ap.add_argument("--seed", type=int, default=21, help="of the first rung")
     ap.add_argument("--jobs", type=int, default=2)
@@ -94,18 +96,22 @@ def main():
     binary = os.path.abspath(a.binary)
     here = os.path.dirname(os.path.abspath(__file__))
     tables = {key: Table(title) for key, title in (
-        ("all", "hardness, all cases"), ("hard", "hardness, detectable cases"),
+        ("all", "strength divided by, all cases"), ("hard", "strength divided by, detectable cases"),
         ("strength", "snr·√(3·rows), all cases"), ("rows", "rows per socket, faint to plain"),
         ("placements", "placements, faint to plain"), ("effect", "effect, faint to plain"),
         ("limit", "rms angle over the program's own limit"))}
     confused, pool = collections.Counter(), ThreadPoolExecutor(a.jobs)
-    for rung, hard in enumerate(a.hard.split(",")):
-        folder = os.path.join(a.out, f"hard_{hard}")
+    for rung, (hard, rows, placements) in enumerate(RUNGS):
+        few = f", {rows} rows" * (rows > 0) + f", {placements} placements" * (placements > 0)
+        folder = os.path.join(a.out, f"hard_{hard}_{rows}_{placements}")
+        kinds = [k for k in generate.SINGLE
+                 if not 0 < placements < 3 or k not in ("zero_jump", "ball_shift", "socket_distance")]
         if not os.path.exists(os.path.join(folder, "labels.json")):
             subprocess.run([sys.executable, "-B", os.path.join(here, "generate.py"), "--seed",
-                            str(a.seed + rung), "--cases", str(a.cases), "--hard", hard, "--jobs",
-                            str(a.jobs), "--kinds", ",".join(generate.SINGLE), folder],
-                           check=True, stdout=subprocess.DEVNULL)
+                            str(a.seed + rung), "--cases", str(a.cases), "--hard", str(hard), "--rows",
+                            str(rows), "--placements", str(placements), "--jobs", str(a.jobs),
+                            "--kinds", ",".join(kinds), folder], check=True,
+                           stdout=subprocess.DEVNULL)
         with open(os.path.join(folder, "labels.json")) as f:
             labels = json.load(f)
 
@@ -117,7 +123,7 @@ def main():
             label = labels[name]
             truth = label["effects"][0]
             if answer is None:
-                print(f"hard {hard} {name}: FAILED {why}", file=sys.stderr)
+                print(f"hard {hard}{few} {name}: FAILED {why}", file=sys.stderr)
                 continue
             what = outcome(answer, truth)
             strength = truth["snr"] * math.sqrt(3 * label["rows"])
@@ -125,9 +131,9 @@ def main():
             limit = limit_of(answer, truth)
             if limit and truth.get("rms_rad"):
                 tables["limit"].add(band(truth["rms_rad"] / limit, (0.5, 0.8, 1, 1.25, 2)), what)
-            tables["all"].add(hard, what)
+            tables["all"].add(f"{hard}{few}", what)
             if strength >= SURE:
-                tables["hard"].add(hard, what)
+                tables["hard"].add(f"{hard}{few}", what)
             if FAINT <= strength < PLAIN:
                 tables["rows"].add(label["per_socket"], what)
                 tables["placements"].add(label["placements"], what)

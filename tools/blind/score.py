@@ -14,6 +14,7 @@ import collections
 import json
 import math
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -419,6 +420,9 @@ def main():
           f"of {len(brier['all'])}")
     print(f"{'seconds per case: median, largest':46s} {mid(times):.3f} "
           f"{times[-1] if times else float('nan'):.3f}; failures {failures}; {a.jobs} at a time")
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    print(f"{'processor seconds per case, mean':46s} "
+          f"{(used.ru_utime + used.ru_stime) / max(1, len(times)):.3f}")
     if by_kind:
         print("\n| effect | detectable | class | class and joint | in tie set | unknown | none "
               "| faint: named wrongly |\n| --- | --- | --- | --- | --- | --- | --- | --- |")
