@@ -141,7 +141,7 @@ bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model
                       h->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC ||
                       h->effect.kind == MUKCA_EFFECT_AXIS_WOBBLE;
     for (int t = 0; t < h->terms; t++) {
-        double square = 0;
+        double square = 0, whole = 0;
         int used = 0;
         for (int i = 0; i < h->width; i++) {
             double sum = 0, sum2 = 0;
@@ -152,10 +152,12 @@ bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model
                                                   (size_t)(t * h->width + i)];
                 sum += x, sum2 += x * x, used++;
             }
-            if (used) square += sum2 / used - (sum / used) * (sum / used);
+            if (used) square += sum2 / used - (sum / used) * (sum / used), whole += sum2 / used;
         }
         if (site == MUKCA_SITE_ANGLES) square /= n_joints;
-        h->unit[t] = wave ? WAVE_UNIT : fmax(sqrt(fmax(square, 0)), 1e-9);
+        /* what hardly varies is rounding about a constant */
+        square = fmax(square, fmax(1e-18, 1e-8 * whole));
+        h->unit[t] = wave ? WAVE_UNIT : sqrt(square);
         if (uses_masses(h) && t > 0) h->unit[t] = h->unit[0] / m->options.mass_spread;
     }
     return true;

@@ -128,7 +128,9 @@ double gap_block_log_bayes(double *G, double *g, const gap_hypothesis *h, double
         g[i] /= h->unit[i];
         for (int j = 0; j < k; j++) G[i * k + j] /= h->unit[i] * h->unit[j];
     }
-    for (int i = 0; i < k; i++) trace = fmax(trace, G[i * k + i]);
+    /* the terms behind the effect's own are what the masses may be off by */
+    const int own = h->kind == GAP_EFFECT && h->basis ? h->effect.terms : k;
+    for (int i = 0; i < own; i++) trace = fmax(trace, G[i * k + i]);
     if (information) *information = trace;
     for (int s = 0; s < n_scales; s++) {
         const double s2 = scales[s] * scales[s];

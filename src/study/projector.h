@@ -38,7 +38,8 @@ void gap_ar_row(double *own, double *before, int i, double rho);
 
 /* Log Bayes factor of a block with projected Gram G[k][k] (leading dimension k) and gradient g[k]
  * (both destroyed), averaged over prior scales; noise profiled, sign of the first coefficient
- * honoured.  *information (may be NULL): largest diagonal entry in units, 1/rad^2. */
+ * honoured.  *information (may be NULL): largest diagonal entry of the effect's own
+ * terms in units, 1/rad^2. */
 double gap_block_log_bayes(double *G, double *g, const gap_hypothesis *h, double residual, int dof,
                            double *information);
 
