@@ -119,7 +119,8 @@ static int best_pose(planner *p, int socket, const int *count, int room, const d
         int next = -1;
         for (int i = 0; i < p->n_poses; i++) {
             plan_pose *pose = &p->poses[i];
-            if (pose->used || (socket >= 0 ? pose->socket != socket : count[pose->socket] >= room))
+            if (pose->used ||
+                (socket >= 0 ? pose->socket != socket : count && count[pose->socket] >= room))
                 continue;
             if (!bounds) {
                 const double gain = renew(p, pose, before);
@@ -170,7 +171,7 @@ static void take(planner *p, int pose, int *chosen, int *n_chosen, int *count)
 {
     plan_state_row(&p->state, p->poses[pose].H, p->poses[pose].socket, 1);
     p->poses[pose].used = true;
-    if (count) count[p->poses[pose].socket]++;
+    count[p->poses[pose].socket]++;
     chosen[(*n_chosen)++] = pose;
 }
 
