@@ -25,7 +25,7 @@ def main():
             moment = time.monotonic() + random.uniform(0, 0.4)
             client.answers.clear()
             while time.monotonic() < moment:  # triggers and undos as fast as they are answered
-                sample = client.trigger(str(len(acknowledged) // 7), str(len(acknowledged) % 2),
+                sample = client.trigger(str(len(acknowledged) // 100), str(len(acknowledged) % 2),
                                         seconds=max(0.001, moment - time.monotonic()))
                 if sample and sample.accepted:
                     acknowledged.append(list(sample.position))
