@@ -65,8 +65,8 @@ $(BUILD)/config.mk: tools/deps tools/config
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all core demo check soak unit scripts asan memcheck tidy format tidy-format fuzz bench golden \
-        verify-real verify-paper interop blind install uninstall deb dist clean help FORCE
+.PHONY: all core demo check soak unit asan memcheck tidy format fuzz bench golden verify-real \
+        verify-paper verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) ## the program build/mukca and the core library (default)
 
@@ -172,6 +172,13 @@ interop: $(PROGRAM) ## exported models in Pinocchio and MuJoCo (PyPI) against mu
 
 blind: $(PROGRAM) ## sealed cases of the independent generator, scored
 	@$(TEST_ENVIRONMENT) $(call script,blind)
+
+verify-plan: $(BENCHES) ## what planned poses are worth on simulated arms
+	@$(BUILD)/bench/bench_plan accuracy 50
+	@$(BUILD)/bench/bench_plan ties 30
+
+verify-report: $(PROGRAM) ## reports of the demo and of real robots in a headless browser
+	@$(TEST_ENVIRONMENT) $(call script,verify_report)
 
 deb: $(PROGRAM) $(CORE) ## a Debian package in build/
 	@$(TEST_ENVIRONMENT) VERSION=$(VERSION) $(call script,deb)

@@ -25,7 +25,8 @@ static const cli_option options[] = {
      "rad; "
      "a centimetre does not matter",
      NULL, offsetof(plan_options, places)},
-    {"suggest", 0, CLI_INTEGER, "N", "propose N places for the tool instead of poses", NULL,
+    {"suggest", 0, CLI_INTEGER, "N",
+     "propose N places for the tool instead of poses, each with --rows N rows", NULL,
      offsetof(plan_options, suggest)},
     {"settle", 0, CLI_FLAG, NULL, "diagnose DATA, and tell its first tied causes apart", NULL,
      offsetof(plan_options, settle)},
@@ -96,8 +97,8 @@ static mukca_status check(cli_call *call)
         return mukca_fail(e, MUKCA_USAGE, "--noise %g: must be m, above 0 to 0.1", o->noise);
     if (!(o->tilt > 0) || o->tilt > 180)
         return mukca_fail(e, MUKCA_USAGE, "--tilt %g: must be degrees, above 0 to 180", o->tilt);
-    if (o->settle + (o->separate.n > 0) + (o->suggest > 0) > 1)
-        return mukca_fail(e, MUKCA_USAGE, "--settle, --separate and --suggest exclude each other");
+    if (o->settle && o->separate.n > 0)
+        return mukca_fail(e, MUKCA_USAGE, "--settle and --separate exclude each other");
     if (o->settle && call->arguments.n == 0)
         return mukca_fail(e, MUKCA_USAGE, "--settle needs the DATA that left a tie");
     if (call->arguments.n == 0 && o->places.n == 0 && o->suggest == 0)
@@ -241,11 +242,14 @@ static mukca_status write_poses(plan_run *r)
     if (status != MUKCA_OK) return status;
     FILE *out = output.stream;
     if (r->n_places > 0) {
-        fputs("place\tx_m\ty_m\tz_m\tyaw_rad\texpected_error_m\n", out);
-        for (int i = 0; i < r->n_places; i++)
-            fprintf(out, "%d\t%.3f\t%.3f\t%.3f\t%.3f\t%.3g\n", i + 1, r->places[i].centre[0],
-                    r->places[i].centre[1], r->places[i].centre[2], r->places[i].yaw,
-                    r->places[i].expected);
+        fputs("place\tx_m\ty_m\tz_m\tyaw_rad\texpected_error_m\tlog_bayes_factor\n", out);
+        for (int i = 0; i < r->n_places; i++) {
+            const mukca_plan_place *at = &r->places[i];
+            fprintf(out, "%d\t%.3f\t%.3f\t%.3f\t%.3f\t%.3g\t", i + 1, at->centre[0], at->centre[1],
+                    at->centre[2], at->yaw, at->expected);
+            if (isfinite(at->evidence)) fprintf(out, "%.3g", at->evidence);
+            fputc('\n', out);
+        }
     } else {
         fprintf(
             out,
@@ -285,14 +289,16 @@ static json_t *result_json(const plan_run *r)
     for (int i = 0; i < r->n_places; i++)
         json_array_append_new(
             places,
-            json_pack("{s:o, s:f, s:f}", "centre_m", cli_json_reals(r->places[i].centre, 3),
-                      "yaw_rad", r->places[i].yaw, "expected_error_m", r->places[i].expected));
+            json_pack("{s:o, s:f, s:f, s:o}", "centre_m", cli_json_reals(r->places[i].centre, 3),
+                      "yaw_rad", r->places[i].yaw, "expected_error_m", r->places[i].expected,
+                      "log_bayes_factor", cli_json_real(r->places[i].evidence)));
     return json_pack("{s:s, s:i, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:f}", "schema",
                      "mukca.plan/1", "recorded_rows", r->plan.n_recorded, "poses", rows, "places",
                      places, "expected_error_m", "before", cli_json_real(r->plan.expected_before),
                      "after", cli_json_real(r->plan.expected_after), "log_bayes_factor", "before",
                      cli_json_real(r->plan.evidence_before), "after",
-                     cli_json_real(r->plan.evidence_after), "elapsed_s", cli_elapsed(r->call));
+                     cli_json_real(r->plan.evidence_after), "rows_to_name", r->plan.rows_to_name,
+                     "elapsed_s", cli_elapsed(r->call));
 }
 
 static void say(plan_run *r)
@@ -301,13 +307,16 @@ static void say(plan_run *r)
     const mukca_plan *p = &r->plan;
     if (r->n_places > 0) {
         cli_say(r->call, "Places for the tool, best first (the later ones given the earlier):\n");
-        for (int i = 0; i < r->n_places; i++)
-            cli_say(
-                r->call,
-                "  %d. at %.2f %.2f %.2f m, sockets along %.0f deg: expected error %.3f mm with "
-                "%d rows there\n",
-                i + 1, r->places[i].centre[0], r->places[i].centre[1], r->places[i].centre[2],
-                r->places[i].yaw * 180 / M_PI, r->places[i].expected * 1e3, o->rows);
+        for (int i = 0; i < r->n_places; i++) {
+            const mukca_plan_place *at = &r->places[i];
+            cli_say(r->call,
+                    "  %d. at %.2f %.2f %.2f m, sockets along %.0f deg: with %d rows there ", i + 1,
+                    at->centre[0], at->centre[1], at->centre[2], at->yaw * 180 / M_PI, o->rows);
+            if (r->causes.n_effects > 0)
+                cli_say(r->call, "expected log Bayes factor %.1f\n", at->evidence);
+            else
+                cli_say(r->call, "expected error %.3f mm\n", at->expected * 1e3);
+        }
         cli_say(r->call,
                 "Next: put the tool there and ask for poses with --place NAME=X,Y,Z,0,0,YAW.\n");
         return;
@@ -319,10 +328,18 @@ static void say(plan_run *r)
         name_cause(a, &r->causes.effects[0], &r->model.chain);
         name_cause(b, &r->causes.effects[1], &r->model.chain);
         cli_say(r->call, "To tell %s from %s:\n", a, b);
-        cli_say(r->call, "  expected log Bayes factor %.1f before, %.1f after (3 is a name).\n",
-                p->evidence_before, p->evidence_after);
-        if (p->evidence_after < 3)
-            cli_say(r->call, "That is not enough: ask for more --rows, or give more --place.\n");
+        cli_say(r->call, "  expected log Bayes factor %.1f before, %.1f after (%g settles it).\n",
+                p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+        if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
+            cli_say(
+                r->call,
+                "That is not enough: it takes about --rows %d, or another place (--suggest 1).\n",
+                p->rows_to_name);
+        else if (p->evidence_after < MUKCA_PLAN_NAME)
+            cli_say(
+                r->call,
+                "No number of rows here is enough: see what --suggest 1 gains, or live with the "
+                "tie.\n");
     } else {
         cli_say(r->call, "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after.\n",
                 p->expected_before * 1e3, p->expected_after * 1e3);

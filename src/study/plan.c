@@ -59,6 +59,16 @@ static mukca_status check(const mukca_chain *chain, int n_sockets, const mukca_p
     return MUKCA_OK;
 }
 
+/* The strength grows by about the same with each row. */
+static int rows_to_name(double before, double after, int rows)
+{
+    double wanted = 1;
+    if (!(after > before) || rows < 1) return 0;
+    while (plan_evidence(wanted) < MUKCA_PLAN_NAME) wanted *= 1.01;
+    const double needed = ceil(rows * (wanted - before) / (after - before));
+    return needed > 1000 ? 0 : (int)fmax(needed, 1);
+}
+
 mukca_status mukca_plan_run(mukca_plan *plan, const mukca_chain *chain, const double *theta,
                             const mukca_dataset *data, const mukca_plan_socket *sockets,
                             int n_sockets, const mukca_plan_options *options, mukca_error *error)
@@ -85,7 +95,8 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_chain *chain, const do
     plan_look_elsewhere(s, &p.allow, options->seed);
     plan->n_recorded = plan_take_recorded(&p, H, recorded);
     plan->expected_before = plan_expected(s);
-    plan->evidence_before = plan_evidence(s);
+    const double weak = plan_strength(s);
+    plan->evidence_before = plan_evidence(weak);
     mukca_random random;
     mukca_random_seed(&random, options->seed);
     for (int k = 0; k < n_sockets && !plan_stopped(options); k++) {
@@ -116,7 +127,8 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_chain *chain, const do
     }
     if (!p.ordered) put_in_order(plan->rows, plan->n_rows, chain->n_joints);
     plan->expected_after = plan_expected(s);
-    plan->evidence_after = plan_evidence(s);
+    plan->evidence_after = plan_evidence(plan_strength(s));
+    plan->rows_to_name = rows_to_name(weak, plan_strength(s), plan->n_rows);
     goto out;
 memory:
     status = mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");

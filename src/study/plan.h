@@ -13,6 +13,9 @@
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
 
+/* Log Bayes factor from which a diagnosis names one of two causes however alike they are. */
+#define MUKCA_PLAN_NAME 6.0
+
 enum { MUKCA_PLAN_MAX_SOCKETS = 64, MUKCA_PLAN_MAX_EFFECTS = 4 };
 
 /* A seat for the ball, in the base frame of the model in use. */
@@ -53,7 +56,9 @@ typedef struct {
                                                geometry's uncertainty leaves, m */
     double evidence_before, evidence_after; /* expected log Bayes factor of the weaker cause when it
                                                is the true one; NaN for accuracy */
-    int tried, reached;                     /* candidate poses */
+    int rows_to_name;   /* about how many rows like these would bring the evidence to
+                           MUKCA_PLAN_NAME; 0: more than 1000, or not asked for */
+    int tried, reached; /* candidate poses */
 } mukca_plan;
 
 /* Sockets of the rows of a dataset, centres predicted by `geometry`.  Returns their number. */
@@ -72,12 +77,13 @@ void mukca_plan_free(mukca_plan *plan);
 /* A place for the tool and what recording there would bring. */
 typedef struct {
     double centre[3],
-        yaw;         /* middle of the two sockets, m; direction from the first to the other, rad */
-    double expected; /* as expected_after, m, with options->rows rows there */
+        yaw; /* middle of the two sockets, m; direction from the first to the other, rad */
+    double expected, evidence; /* as expected_after and evidence_after, options->rows rows there */
 } mukca_plan_place;
 
-/* Best `n_places` places of a grid around the arm, best first.  Returns in *n_found how many there
- * are.  `distance` between the sockets, m.  Errors: as mukca_plan_run. */
+/* The `n_places` places of a grid around the arm that are worth most, for accuracy or (with
+ * effects) for evidence; the later ones given the earlier.  Returns in *n_found how many there are.
+ * `distance` between the sockets, m.  Errors: as mukca_plan_run. */
 mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_places,
                                const mukca_chain *chain, const double *theta,
                                const mukca_dataset *data, double distance,

@@ -38,7 +38,7 @@ void plan_exchange(planner *p, int *chosen, int n_chosen, mukca_random *random);
 enum { PLAN_AZIMUTHS = 8, PLAN_CELLS = 3 * 3 * PLAN_AZIMUTHS };
 void plan_grid_place(double centre[3], double *yaw, int cell, const plan_state *s);
 
-/* Fill s->elsewhere with poses at the places of the grid that the arm reaches. */
+/* Fill s->elsewhere: spots all over what the arm reaches by the rules, and poses at each. */
 void plan_look_elsewhere(plan_state *s, const plan_allowance *allow, uint64_t seed);
 
 #endif

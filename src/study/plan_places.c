@@ -5,7 +5,7 @@
 
 #include "study/plan_choose.h"
 
-enum { ELSEWHERE = 12, PLACE_CANDIDATES = 30, PLACE_ROWS = 20 };
+enum { SPOTS = 50, POSES = 12, PLACE_CANDIDATES = 30, PLACE_ROWS = 20 };
 
 void plan_grid_place(double centre[3], double *yaw, int cell, const plan_state *s)
 {
@@ -24,21 +24,20 @@ void plan_grid_place(double centre[3], double *yaw, int cell, const plan_state *
 void plan_look_elsewhere(plan_state *s, const plan_allowance *allow, uint64_t seed)
 {
     const int p = s->n_geometry, k = s->n_known;
-    double *H = MUKCA_TAKE(&s->pool, double, ELSEWHERE * 3 * k);
-    s->elsewhere = MUKCA_TAKE(&s->pool, double, PLAN_CELLS *ELSEWHERE * 3 * p);
-    double centre[3], yaw;
+    double *H = MUKCA_TAKE(&s->pool, double, POSES * 3 * k);
+    s->elsewhere = MUKCA_TAKE(&s->pool, double, SPOTS *POSES * 3 * p);
     mukca_random random;
     mukca_random_seed(&random, seed + 1);
     if (s->pool.failed) return;
-    for (int cell = 0; cell < PLAN_CELLS; cell++) {
+    for (int spot = 0, tries = 0; spot < SPOTS && tries < 20 * SPOTS; tries++) {
+        double q[MUKCA_MAX_JOINTS], centre[3];
         int found = 0;
-        plan_grid_place(centre, &yaw, cell, s);
-        for (int t = 0; t < 2 * ELSEWHERE && found < ELSEWHERE; t++) {
-            double q[MUKCA_MAX_JOINTS];
+        if (!plan_draw_anywhere(q, centre, s->chain, &s->geometry, allow, &random)) continue;
+        for (int t = 0; t < 3 * POSES && found < POSES; t++)
             if (plan_draw_pose(q, s->chain, &s->geometry, centre, allow, &random))
                 plan_design(H + 3 * k * found++, s, q, 0, NULL);
-        }
-        if (found < ELSEWHERE / 3) continue;
+        if (found < POSES / 2) continue;
+        spot++;
         for (int d = 0; d < 3; d++)
             for (int c = 0; c < p; c++) {
                 double mean = 0;
@@ -87,9 +86,7 @@ mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_pla
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
     int recorded[MUKCA_PLAN_MAX_SOCKETS] = {0};
     mukca_geometry geometry;
-    mukca_plan_options accuracy = *options;
     const int rows = options->rows > 0 ? options->rows : PLACE_ROWS;
-    accuracy.n_effects = 0;
     *n_found = 0;
     mukca_geometry_set(&geometry, chain, theta);
     const int old = data ? mukca_plan_sockets(sockets, MUKCA_PLAN_MAX_SOCKETS, &geometry, data) : 0;
@@ -102,11 +99,11 @@ mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_pla
         snprintf(sockets[k].label, sizeof sockets[k].label, "%d", (k - old) % 2);
     }
     planner p = {.data = data, .sockets = sockets, .n_sockets = old};
-    mukca_status status = plan_state_create(&p.state, chain, theta, all, &accuracy, error);
+    mukca_status status = plan_state_create(&p.state, chain, theta, all, options, error);
     if (status != MUKCA_OK) return status;
     plan_state *s = &p.state;
     const size_t bytes = (size_t)(s->n * s->n) * sizeof *s->C;
-    p.allow = plan_allow(&accuracy);
+    p.allow = plan_allow(options);
     p.poses = MUKCA_TAKE(&s->pool, plan_pose, 2 * PLACE_CANDIDATES);
     for (int i = 0; i < 2 * PLACE_CANDIDATES && p.poses; i++)
         p.poses[i].H = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
@@ -114,17 +111,17 @@ mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_pla
     double *before = mukca_pool_take(&s->pool, bytes, 1),
            *best = mukca_pool_take(&s->pool, bytes, 1);
     int *chosen = MUKCA_TAKE(&s->pool, int, rows + all);
-    plan_look_elsewhere(s, &p.allow, accuracy.seed);
+    plan_look_elsewhere(s, &p.allow, options->seed);
     if (s->pool.failed) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
         goto out;
     }
     plan_take_recorded(&p, H, recorded);
     mukca_random random;
-    mukca_random_seed(&random, accuracy.seed);
+    mukca_random_seed(&random, options->seed);
     for (int i = 0; i < n_places; i++) {
         mukca_plan_place *place = &places[i];
-        place->expected = HUGE_VAL;
+        double most = -HUGE_VAL;
         p.n_sockets += 2;
         memcpy(before, s->C, bytes);
         for (int cell = 0; cell < PLAN_CELLS && !plan_stopped(options); cell++) {
@@ -133,9 +130,12 @@ mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_pla
             plan_state_distance(s, p.n_sockets - 1, p.n_sockets - 2,
                                 sockets[p.n_sockets - 1].centre, sockets[p.n_sockets - 2].centre);
             plan_choose(&p, chosen, rows, recorded);
-            const double expected = plan_expected(s);
-            if (expected < place->expected) {
-                place->expected = expected;
+            const double worth =
+                s->n_effects > 0 ? plan_evidence(plan_strength(s)) : -plan_expected(s);
+            if (worth > most) {
+                most = worth;
+                place->expected = plan_expected(s);
+                place->evidence = plan_evidence(plan_strength(s));
                 plan_grid_place(place->centre, &place->yaw, cell, s);
                 memcpy(best, s->C, bytes);
             }
@@ -146,7 +146,7 @@ mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_pla
             status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
             goto out;
         }
-        if (!isfinite(place->expected)) break;
+        if (!isfinite(most)) break;
         memcpy(s->C, best, bytes);
         recorded[p.n_sockets - 1] = recorded[p.n_sockets - 2] = rows / 2;
         ++*n_found;

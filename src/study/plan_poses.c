@@ -60,14 +60,28 @@ static bool seat(double *q, const mukca_chain *chain, const mukca_geometry *geom
     return allowed(q, chain, geometry, allow);
 }
 
-bool plan_draw_pose(double *q, const mukca_chain *chain, const mukca_geometry *geometry,
-                    const double centre[3], const plan_allowance *allow, mukca_random *random)
+static void draw(double *q, const mukca_chain *chain, mukca_random *random)
 {
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
         const double low = fmax(e->lower, -M_PI), high = fmin(e->upper, M_PI);
         q[j] = low + (high - low) * mukca_random_uniform(random);
     }
+}
+
+bool plan_draw_anywhere(double *q, double centre[3], const mukca_chain *chain,
+                        const mukca_geometry *geometry, const plan_allowance *allow,
+                        mukca_random *random)
+{
+    draw(q, chain, random);
+    mukca_fk_position(centre, geometry, q, NULL);
+    return allowed(q, chain, geometry, allow);
+}
+
+bool plan_draw_pose(double *q, const mukca_chain *chain, const mukca_geometry *geometry,
+                    const double centre[3], const plan_allowance *allow, mukca_random *random)
+{
+    draw(q, chain, random);
     return seat(q, chain, geometry, centre, allow);
 }
 

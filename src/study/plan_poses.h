@@ -15,7 +15,12 @@ plan_allowance plan_allow(const mukca_plan_options *options);
 bool plan_draw_pose(double *q, const mukca_chain *chain, const mukca_geometry *geometry,
                     const double centre[3], const plan_allowance *allow, mukca_random *random);
 
-/* The same near the pose that q holds: joints moved by some `spread` (rad or m) first. */
+/* A random posture that the rules allow, and where its ball is. */
+bool plan_draw_anywhere(double *q, double centre[3], const mukca_chain *chain,
+                        const mukca_geometry *geometry, const plan_allowance *allow,
+                        mukca_random *random);
+
+/* As plan_draw_pose, near the pose that q holds: joints moved by some `spread` (rad or m) first. */
 bool plan_draw_near(double *q, double spread, const mukca_chain *chain,
                     const mukca_geometry *geometry, const double centre[3],
                     const plan_allowance *allow, mukca_random *random);

@@ -276,7 +276,7 @@ void plan_state_weigh(plan_state *s)
     s->accuracy = true;
 }
 
-double plan_evidence(const plan_state *s)
+double plan_strength(const plan_state *s)
 {
     double least = NAN;
     for (int e = 0; e < s->n_effects; e++) {
@@ -289,9 +289,14 @@ double plan_evidence(const plan_state *s)
         if (!(factor(L, m) > -HUGE_VAL)) return NAN;
         mukca_dense_forward(c, 1, L, m);
         for (int i = 0; i < m; i++) strength += c[i] * c[i];
-        /* Less the price of fitting it, with a prior as wide as the cause is large. */
-        const double evidence = 0.5 * (strength - m * log1p(strength / m));
-        least = isnan(least) ? evidence : fmin(least, evidence);
+        least = isnan(least) ? strength : fmin(least, strength);
     }
     return least;
+}
+
+double plan_evidence(double strength)
+{
+    /* What a fit gains, less the price of a coefficient whose prior is as wide as the cause is
+     * large. */
+    return 0.5 * (strength - log1p(strength));
 }

@@ -72,7 +72,11 @@ double plan_expected(const plan_state *s);
  * so that the sum of the squares falls as the sum of the errors does. */
 void plan_state_weigh(plan_state *s);
 
-/* Expected log Bayes factor of the weakest cause; NaN without causes. */
-double plan_evidence(const plan_state *s);
+/* The square of the weakest cause's size over its standard error, which grows as rows are added;
+ * NaN without causes. */
+double plan_strength(const plan_state *s);
+
+/* The expected log Bayes factor that goes with it. */
+double plan_evidence(double strength);
 
 #endif

@@ -6,7 +6,7 @@ refuse 2 "needs NAME=X,Y,Z" plan --urdf "$demo/arm.urdf" --place front=1,2
 refuse 2 "such a placement already" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --place a=0.4,0.2,0.1
 refuse 2 "rows 0: must be 1 to 1000" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --rows 0
 refuse 2 "must be degrees" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --tilt 200
-refuse 2 "exclude each other" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --settle --suggest 2
+refuse 2 "exclude each other" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --settle --separate joint_scale:joint_2=1e-3
 refuse 2 "settle needs the DATA" plan --urdf "$demo/arm.urdf" --settle
 refuse 2 "2 to 4 causes, not 1" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --separate joint_scale:joint_2=1e-3
 refuse 2 "settled by recording again" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --separate outlier:front/0@3=1e-3

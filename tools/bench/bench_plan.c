@@ -1,0 +1,362 @@
+/* What plans are worth, on simulated arms: `make verify-plan`.
+ *   bench_plan accuracy ARMS   held-out error after 20 planned rows per socket beside 40 random
+ * ones bench_plan ties TIES       how often 10 planned rows turn a tied diagnosis into the right
+ * name Everything true (origins, effects, noise) is drawn from seeds; a planned row is one where
+ * the true arm, led to the proposed joints, seats its ball in the true socket. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fit/fit.h"
+#include "io/urdf.h"
+#include "study/diagnose.h"
+#include "study/evaluate.h"
+#include "study/inverse.h"
+#include "study/next_poses.h"
+#include "study/plan.h"
+#include "study/simulate.h"
+
+enum { PLACES = 5, RANDOM_ROWS = 40, PLANNED_ROWS = 20, TIE_ROWS = 10, MOST_TIE_ROWS = 60 };
+static const double noise = 1e-4;
+
+static const char *const urdfs[] = {"data/demo/arm.urdf", "data/gen3.urdf"};
+
+static void fail(const char *text)
+{
+    fprintf(stderr, "bench_plan: %s\n", text);
+    exit(1);
+}
+
+static void sag(mukca_displacement *displacement, const double *q, void *context)
+{
+    const mukca_true_arm *arm = context;
+    const double still[MUKCA_MAX_JOINTS] = {0};
+    const mukca_joint_state state = {.q = q, .move = still, .placement = -1};
+    mukca_effects_displacement(displacement, arm->effects, arm->n_effects, &arm->chain,
+                               &arm->geometry, q, &state);
+}
+
+/* Lead the true arm from q to where its ball sits in the socket, but for noise. */
+static bool seat(double *q, mukca_true_arm *arm, const mukca_place *place, int socket,
+                 mukca_random *random)
+{
+    mukca_frame target = place->pose;
+    const mukca_inverse_options options = {.displace = sag, .context = arm};
+    for (int a = 0; a < 3; a++)
+        target.p[a] +=
+            (socket - 0.5) * 0.05 * place->pose.R[3 * a] + noise * mukca_random_normal(random);
+    return mukca_inverse_solve(q, &arm->chain, &arm->geometry, &target, false, &options).reached;
+}
+
+static void sockets_of(mukca_plan_socket sockets[2], const mukca_place *place, int number)
+{
+    for (int k = 0; k < 2; k++) {
+        memset(&sockets[k], 0, sizeof sockets[k]);
+        sockets[k].place = number;
+        snprintf(sockets[k].placement, sizeof sockets[k].placement, "%s", place->name);
+        snprintf(sockets[k].label, sizeof sockets[k].label, "%d", k);
+        for (int a = 0; a < 3; a++)
+            sockets[k].centre[a] = place->pose.p[a] + (k - 0.5) * 0.05 * place->pose.R[3 * a];
+    }
+}
+
+/* `base` with the rows of a plan, as the true arm records them, after its own; sockets by label. */
+static void extend(mukca_dataset *out, const mukca_dataset *base, const mukca_plan *plan,
+                   const mukca_plan_socket *sockets, mukca_true_arm *arm, const mukca_place *places,
+                   bool keep, mukca_random *random)
+{
+    mukca_error error;
+    const int n = base->n_joints, old = keep ? base->n_rows : 0;
+    if (mukca_dataset_create(out, old + plan->n_rows, n, base->n_sockets, base->n_placements,
+                             &error))
+        fail(error.text);
+    memcpy(out->sockets, base->sockets, (size_t)base->n_sockets * sizeof *out->sockets);
+    memcpy(out->placements, base->placements, (size_t)base->n_placements * sizeof *out->placements);
+    out->distances = calloc((size_t)base->n_distances, sizeof *out->distances);
+    if (!out->distances) fail("out of memory");
+    memcpy(out->distances, base->distances, (size_t)base->n_distances * sizeof *out->distances);
+    out->n_distances = base->n_distances;
+    /* rows of a socket together, as a session has them */
+    int row = 0;
+    for (int k = 0; k < base->n_sockets; k++) {
+        const char *label = base->sockets[k].label;
+        const char *name = base->placements[base->sockets[k].placement].name;
+        for (int r = 0; r < old; r++)
+            if (base->socket[r] == k) {
+                memcpy(out->q + row * n, base->q + r * n, (size_t)n * sizeof *out->q);
+                out->socket[row++] = k;
+            }
+        for (int i = 0; i < plan->n_rows; i++) {
+            const mukca_plan_socket *s = &sockets[plan->rows[i].socket];
+            if (strcmp(s->label, label) != 0 || strcmp(s->placement, name) != 0) continue;
+            double q[MUKCA_MAX_JOINTS];
+            memcpy(q, plan->rows[i].q, sizeof q);
+            if (!seat(q, arm, &places[base->sockets[k].placement], label[0] - '0', random))
+                continue;
+            memcpy(out->q + row * n, q, (size_t)n * sizeof *out->q);
+            out->socket[row++] = k;
+        }
+    }
+    out->n_rows = row;
+    for (int r = 0; r < row; r++) out->row[r] = r + 1;
+}
+
+static double held_out(const mukca_chain *chain, const mukca_dataset *train,
+                       const mukca_dataset *test)
+{
+    static mukca_fit fit;
+    mukca_score scores[PLACES + 1], mean;
+    mukca_error error;
+    if (mukca_fit_run(&fit, chain, train, NULL, &error)) fail(error.text);
+    if (mukca_evaluate(scores, &mean, chain, fit.theta, NULL, 0, test) < 0) fail("out of memory");
+    mukca_fit_free(&fit);
+    return mean.mae;
+}
+
+/* Rows of a plan at a place, as the true arm records them. */
+static void follow(mukca_dataset *data, mukca_true_arm *arm, mukca_place *place, int rows,
+                   const mukca_dataset *like, mukca_random *random)
+{
+    mukca_plan_socket sockets[2];
+    mukca_plan plan;
+    mukca_error error;
+    /* random rows stand on their head as they like: so may planned ones */
+    const mukca_plan_options options = {
+        .rows = rows, .noise = noise, .tilt = 4, .clearance = (double)NAN};
+    sockets_of(sockets, place, 0);
+    if (mukca_plan_run(&plan, &arm->chain, NULL, NULL, sockets, 2, &options, &error))
+        fail(error.text);
+    extend(data, like, &plan, sockets, arm, place, false, random);
+    mukca_plan_free(&plan);
+}
+
+static void accuracy(int arms)
+{
+    enum { RANDOM, SWEEP, SAME_PLACE, OWN_PLACE, WAYS };
+    double sums[WAYS] = {0};
+    int wins[WAYS] = {0};
+    printf(
+        "# Held-out error on %d other places, mm (rows per socket in brackets; noise %.2g mm per "
+        "axis)\n"
+        "arm\trobot\trandom[%d]\tsweep[%d]\tplanned, same place[%d]\tplanned, suggested "
+        "place[%d]\n",
+        PLACES - 1, noise * 1e3, RANDOM_ROWS, RANDOM_ROWS, PLANNED_ROWS, PLANNED_ROWS);
+    for (int a = 0; a < arms; a++) {
+        static mukca_chain chain;
+        static mukca_true_arm arm;
+        const uint64_t seed = 1000 + (uint64_t)a;
+        double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS], errors[WAYS];
+        mukca_place places[PLACES] = {{.placed = false}}, own = {.name = "p0", .placed = true};
+        mukca_dataset sets[WAYS], test;
+        mukca_plan_place suggested;
+        mukca_error error;
+        mukca_random random;
+        int found;
+        if (mukca_urdf_load(&chain, urdfs[a % 2], NULL, NULL, NULL, &error)) fail(error.text);
+        mukca_random_seed(&random, seed);
+        mukca_chain_theta(theta, &chain);
+        mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
+        mukca_simulate_arm(&arm, &chain, theta, 0, seed);
+        for (int p = 0; p < PLACES; p++) snprintf(places[p].name, sizeof places[p].name, "p%d", p);
+        mukca_simulate_options how = {.rows = RANDOM_ROWS, .noise = noise, .seed = seed};
+        if (mukca_simulate_places(places, PLACES, &chain, 0.05, seed, &error) ||
+            mukca_simulate_sockets(&sets[RANDOM], &arm, places, 1, NULL, 0, &how, &error))
+            fail(error.text);
+        how.sweep = true;
+        if (mukca_simulate_sockets(&sets[SWEEP], &arm, places, 1, NULL, 0, &how, &error))
+            fail(error.text);
+        how.sweep = false;
+        how.seed += 500;
+        if (mukca_simulate_sockets(&test, &arm, places + 1, PLACES - 1, NULL, 0, &how, &error))
+            fail(error.text);
+        follow(&sets[SAME_PLACE], &arm, &places[0], 2 * PLANNED_ROWS, &sets[RANDOM], &random);
+        const mukca_plan_options anywhere = {.rows = 2 * PLANNED_ROWS, .noise = noise};
+        if (mukca_plan_places(&suggested, &found, 1, &chain, NULL, NULL, 0.05, &anywhere, &error))
+            fail(error.text);
+        memcpy(own.pose.p, suggested.centre, sizeof own.pose.p);
+        mukca_rotation_from_rpy(own.pose.R, (double[3]){0, 0, suggested.yaw});
+        follow(&sets[OWN_PLACE], &arm, &own, 2 * PLANNED_ROWS, &sets[RANDOM], &random);
+        printf("%d\t%s", a + 1, chain.robot);
+        for (int w = 0; w < WAYS; w++) {
+            errors[w] = held_out(&chain, &sets[w], &test);
+            sums[w] += errors[w] / arms;
+            wins[w] += errors[w] <= errors[RANDOM];
+            printf("\t%.4f", errors[w] * 1e3);
+            mukca_dataset_free(&sets[w]);
+        }
+        printf("\n");
+        mukca_dataset_free(&test);
+    }
+    printf("mean\t");
+    for (int w = 0; w < WAYS; w++) printf("\t%.4f", sums[w] * 1e3);
+    printf("\nnot worse than random\t\t");
+    for (int w = 1; w < WAYS; w++) printf("\t%d of %d", wins[w], arms);
+    printf("\n");
+}
+
+/* The truth of a case: an elastic effect or another that has a near relation. */
+static mukca_effect draw_effect(const mukca_chain *chain, mukca_random *random)
+{
+    static const struct {
+        mukca_effect_kind kind;
+        int variant;
+        double size;
+    } kinds[] = {{MUKCA_EFFECT_JOINT_COMPLIANCE, 0, 2e-5},
+                 {MUKCA_EFFECT_LINK_BENDING, 0, 2e-5},
+                 {MUKCA_EFFECT_JOINT_SCALE, 0, 5e-4},
+                 {MUKCA_EFFECT_ENCODER_ECCENTRICITY, 0, 5e-4},
+                 {MUKCA_EFFECT_BACKLASH, 1000, 8e-4}};
+    const int k = mukca_random_below(random, (int)(sizeof kinds / sizeof *kinds));
+    mukca_effect e = {.kind = kinds[k].kind, .placement = -1, .variant = kinds[k].variant};
+    e.joint = 1 + mukca_random_below(random, chain->n_joints - 3);
+    e.terms = mukca_effect_terms(e.kind, e.variant);
+    const double size = kinds[k].size * exp2(2 * mukca_random_uniform(random) - 1);
+    const double phase = 2 * M_PI * mukca_random_uniform(random);
+    e.coefficient[0] = e.terms == 2 ? size * cos(phase) : size;
+    if (e.terms == 2) e.coefficient[1] = size * sin(phase);
+    return e;
+}
+
+static bool same(const mukca_effect *a, const mukca_effect *b)
+{
+    return a->kind == b->kind && a->joint == b->joint;
+}
+
+/* What came of a tied case with more rows. */
+typedef struct {
+    int right, tied, other, told, told_right, rows;
+} outcome;
+
+/* Plan `rows` rows for the first tie of `before`, record them, diagnose again. */
+static int settle(outcome *sum, const char **verdict, int rows, const mukca_diagnosis *before,
+                  const mukca_dataset *data, mukca_true_arm *arm, const mukca_place *places,
+                  mukca_random *random)
+{
+    static mukca_diagnosis after;
+    const mukca_diagnose_options quick = {.no_folds = true};
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    mukca_effect rivals[2];
+    mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
+    mukca_plan plan;
+    mukca_dataset more;
+    mukca_error error;
+    mukca_next_poses_tie(rivals, before);
+    mukca_geometry_theta(theta, &arm->chain, &before->geometry);
+    const int n = mukca_plan_sockets(sockets, MUKCA_PLAN_MAX_SOCKETS, &before->geometry, data);
+    const mukca_plan_options options = {.rows = rows,
+                                        .noise = before->sigma_m,
+                                        .tilt = 4,
+                                        .clearance = (double)NAN,
+                                        .effects = rivals,
+                                        .n_effects = 2};
+    if (mukca_plan_run(&plan, &arm->chain, theta, data, sockets, n, &options, &error))
+        fail(error.text);
+    extend(&more, data, &plan, sockets, arm, places, true, random);
+    if (mukca_diagnose(&after, &arm->chain, &more, &quick, &error)) fail(error.text);
+    const bool right = after.verdict == MUKCA_VERDICT_NAMED && after.n_causes == 1 &&
+                       same(&after.causes[0].effect, &arm->effects[0]);
+    const bool told = plan.evidence_after >= MUKCA_PLAN_NAME;
+    const int needed = plan.rows_to_name;
+    sum->right += right;
+    sum->tied += after.verdict == MUKCA_VERDICT_TIED;
+    sum->other += after.verdict != MUKCA_VERDICT_TIED && !right;
+    sum->told += told;
+    sum->told_right += told && right;
+    sum->rows += plan.n_rows;
+    *verdict = right ? "right" : mukca_verdict_name[after.verdict];
+    mukca_plan_free(&plan);
+    mukca_dataset_free(&more);
+    mukca_diagnosis_free(&after);
+    return needed;
+}
+
+static void tell(const char *what, const outcome *o, int n)
+{
+    printf(
+        "%s: %d of %d right (%.0f %%), %d still tied, %d otherwise; where the plan promised it "
+        "%d of %d; %.0f rows on average\n",
+        what, o->right, n, 100.0 * o->right / n, o->tied, o->other, o->told_right, o->told,
+        (double)o->rows / n);
+}
+
+static void ties(int wanted)
+{
+    static mukca_chain chain;
+    static mukca_true_arm arm;
+    static mukca_diagnosis before;
+    outcome ten = {0}, advised = {0};
+    int found = 0, within = 0, tried = 0;
+    printf("case\trobot\ttruth\tjoint\trows\tten_rows_more\trows_advised\twith_those\n");
+    for (uint64_t seed = 1; found < wanted && seed < 100000; seed++) {
+        double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+        mukca_place places[4] = {{.placed = false}};
+        mukca_dataset data;
+        mukca_error error;
+        mukca_random random;
+        if (mukca_urdf_load(&chain, urdfs[seed % 2], NULL, NULL, NULL, &error)) fail(error.text);
+        mukca_random_seed(&random, seed);
+        mukca_chain_theta(theta, &chain);
+        mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
+        mukca_simulate_arm(&arm, &chain, theta, 0, seed);
+        arm.effects[0] = draw_effect(&chain, &random);
+        arm.n_effects = 1;
+        const int n_places = 2 + mukca_random_below(&random, 3);
+        for (int p = 0; p < n_places; p++)
+            snprintf(places[p].name, sizeof places[p].name, "p%d", p);
+        const mukca_simulate_options how = {
+            .rows = 12 + mukca_random_below(&random, 19), .noise = noise, .seed = seed};
+        if (mukca_simulate_places(places, n_places, &chain, 0.05, seed, &error) ||
+            mukca_simulate_sockets(&data, &arm, places, n_places, NULL, 0, &how, &error))
+            continue;
+        const mukca_diagnose_options quick = {.no_folds = true};
+        if (mukca_diagnose(&before, &chain, &data, &quick, &error)) fail(error.text);
+        tried++;
+        if (before.verdict == MUKCA_VERDICT_TIED &&
+            mukca_next_poses_tie((mukca_effect[2]){{0}}, &before)) {
+            const char *verdict[2];
+            bool listed = false;
+            for (int c = 0; c < before.n_causes; c++) {
+                listed |= same(&before.causes[c].effect, &arm.effects[0]);
+                for (int t = 0; t < before.causes[c].n_ties; t++)
+                    listed |= same(&before.causes[c].ties[t].rival, &arm.effects[0]);
+            }
+            found++;
+            within += listed;
+            int rows = settle(&ten, &verdict[0], TIE_ROWS, &before, &data, &arm, places, &random);
+            rows = rows < TIE_ROWS ? MOST_TIE_ROWS : rows > MOST_TIE_ROWS ? MOST_TIE_ROWS : rows;
+            verdict[1] = verdict[0];
+            if (strcmp(verdict[0], "right") == 0) {
+                rows = TIE_ROWS;
+                advised.right++;
+                advised.rows += rows;
+            } else {
+                settle(&advised, &verdict[1], rows, &before, &data, &arm, places, &random);
+            }
+            printf("%d\t%s\t%s\t%d\t%d\t%s\t%d\t%s\n", found, chain.robot,
+                   mukca_effect_table[arm.effects[0].kind].name, arm.effects[0].joint + 1,
+                   data.n_rows, verdict[0], rows, verdict[1]);
+            fflush(stdout);
+        }
+        mukca_diagnosis_free(&before);
+        mukca_dataset_free(&data);
+    }
+    if (found == 0) return;
+    printf("%d sessions, %d of them tied, the truth among the ties in %d\n", tried, found, within);
+    tell("10 planned rows more", &ten, found);
+    printf("of those where the plan promised that 10 would do: %d of %d right\n", ten.told_right,
+           ten.told);
+    tell("as many as the plan advises (at most 60)", &advised, found);
+}
+
+int main(int argc, char **argv)
+{
+    const int n = argc > 2 ? atoi(argv[2]) : 50;
+    if (argc > 1 && strcmp(argv[1], "accuracy") == 0)
+        accuracy(n);
+    else if (argc > 1 && strcmp(argv[1], "ties") == 0)
+        ties(n);
+    else
+        fail("usage: bench_plan accuracy|ties [N]");
+    return 0;
+}
