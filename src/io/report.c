@@ -8,7 +8,9 @@
 #include "io/report_style.h"
 #include "mukca/version.h"
 
-enum { BROAD = 800 /* px; wider figures take the whole width of the page */ };
+/* px; figures from BROAD on take the whole width of the page, those above NARROW scroll on a
+ * telephone */
+enum { NARROW = 480, BROAD = 800 };
 
 static void put_explanation(FILE *out, const mukca_report *r)
 {
@@ -60,7 +62,10 @@ static mukca_status put_figures(FILE *out, bool *any, report_section section,
             mukca_status status =
                 report_draw(&figure, &sheet, &report_figures[k], i, report, error);
             if (status != MUKCA_OK) return status;
-            fprintf(out, "<figure%s>\n", figure.width >= BROAD ? " class=\"broad\"" : "");
+            fprintf(out, "<figure%s>\n",
+                    figure.width >= BROAD   ? " class=\"broad\""
+                    : figure.width > NARROW ? " class=\"middling\""
+                                            : "");
             status = mukca_plot_svg(out, &figure, sheet.text, error);
             fputs("<figcaption><strong>", out);
             mukca_html_escape(out, figure.title);

@@ -293,8 +293,8 @@ static void draw_bars(report_sheet *sheet, const mukca_report *r, int index)
     }
     fprintf(
         s,
-        ")\nset yrange [0.4:%g]\nset xrange [0:*]\nset xlabel 'mean absolute error on the other "
-        "placements, mm (line: least to most)'\nset style fill solid 0.45 border\n"
+        ")\nset yrange [0.4:%g]\nset xrange [0:*]\nset xlabel 'mean error on the others, mm "
+        "(least to most)'\nset style fill solid 0.45 border\n"
         "set boxwidth 0.6\nplot $d using ($2/2):1:($2/2):(0.3) with boxxyerror lc rgb " PLOT_AFTER
         " notitle, $d using 2:1:3:4 with xerrorbars lc rgb 'black' pt 0 notitle\n",
         r->n_bars + 0.6);

@@ -61,10 +61,19 @@ void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
     }
     if (json_array_size(causes) > 1)
         n = add_held_out(rungs, n, ROOM, "all causes together", json_object_get(gap, "held_out"));
-    report_begin(sheet, "gap-ladder", "Held-out error, step by step", 640, 120 + 28 * n);
+    /* The nominal model is so far off that it would press the others together: it stands at the
+     * edge. */
+    size_t longest = 0;
+    double most = floor > 0 ? floor : 0;
+    for (int k = 0; k < n; k++) {
+        longest = strlen(rungs[k].name) > longest ? strlen(rungs[k].name) : longest;
+        if (k > 0) most = fmax(most, fmax(rungs[k].value, rungs[k].high));
+    }
+    const double edge = 1.25 * most * mm;
+    report_begin(sheet, "gap-ladder", "Held-out error, step by step", 720, 130 + 26 * n);
     FILE *s = sheet->script;
     fputs("$d << EOD\n", s);
-    for (int k = 0; k < n; k++)
+    for (int k = 1; k < n; k++)
         fprintf(s, "%d %.6g %.6g %.6g\n", n - k, rungs[k].value * mm, rungs[k].low * mm,
                 rungs[k].high * mm);
     fputs("EOD\nset ytics (", s);
@@ -73,20 +82,24 @@ void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
         mukca_plot_quote(s, rungs[k].name);
         fprintf(s, " %d", n - k);
     }
-    fprintf(s,
-            ")\nset yrange [0.4:%g]\nset logscale x\nset format x '%%g'\n"
-            "set xlabel 'mean error on placements left out of the fit, mm'\n",
-            n + 0.6);
+    fprintf(
+        s,
+        ")\nset yrange [0.4:%g]\nset xrange [0:%g]\nset lmargin %d\nset rmargin 3\nset tmargin 2\n"
+        "set xlabel 'mean error on placements left out of the fit, mm'\n"
+        "set arrow from first %g, %d to first %g, %d linecolor rgb " PLOT_BEFORE
+        " linewidth 2\nset label '%.3g ' at first %g, %d right\n",
+        n + 0.6, edge, 2 + (int)(0.88 * (double)longest), 0.94 * edge, n, edge, n,
+        rungs[0].value * mm, 0.94 * edge, n);
     if (floor > 0)
         fprintf(s,
                 "set arrow from first %g, graph 0 to first %g, graph 1 nohead linecolor 'black' "
-                "dashtype 2\nset label 'noise floor' at first %g, graph 1.04 center\n",
+                "dashtype 2\nset label 'noise floor' at first %g, graph 1 offset 0, 0.6 center\n",
                 floor * mm, floor * mm, floor * mm);
-    fputs("set lmargin 28\nplot $d using 2:1 with points lc rgb " PLOT_AFTER
+    fputs("plot $d using 2:1 with points lc rgb " PLOT_AFTER
           " pt 7 notitle, "
           "$d using 2:1:3:4 with xerrorbars lc rgb " PLOT_AFTER
           " pt 7 ps 0 lw 1.5 notitle, "
-          "$d using 2:1:(sprintf('  %.3g', $2)) with labels left notitle\n",
+          "$d using 2:1:(sprintf('%.3g', $2)) with labels left offset 0.8, 0.55 notitle\n",
           s);
     report_describe(sheet, "Mean held-out error in mm:");
     for (int k = 0; k < n; k++)

@@ -4,8 +4,15 @@
 
 #include "io/plot.h"
 
-/* The figures carry the light colours as attributes; a rule for the attribute's value restates each
+/* The figures carry the light colours as attributes; rules for an attribute's value restate each
  * for the scheme in use.  (gnuplot writes a colour as rgb with padded numbers.) */
+#define REPORT_COLOUR(value, variable)                    \
+    ".plot [stroke=\"" value "\"]{stroke:var(--" variable \
+    ")}"                                                  \
+    ".plot [fill=\"" value "\"]{fill:var(--" variable     \
+    ")}"                                                  \
+    ".plot [color=\"" value "\"]{color:var(--" variable ")}\n"
+
 static const char report_style[] =
     ":root{--ink:#1a1a1a;--paper:#fff;--soft:#f3f4f6;--line:#8a8f98;"
     "--before:#c35200;--after:#0072b2;--third:#007a58;--grid:#b0b4ba}\n"
@@ -28,22 +35,23 @@ static const char report_style[] =
     ".8rem}\n"
     ".figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));"
     "gap:1rem}\n"
-    "figure{margin:0;min-width:0}figure.broad{grid-column:1/-1;overflow-x:auto}\n"
+    "figure{margin:0;min-width:0;overflow-x:auto}figure.broad{grid-column:1/-1}\n"
     "figcaption{font-size:.9rem}figcaption strong{display:block}\n"
-    ".plot{display:block;width:100%;max-width:40rem;height:auto}.broad "
+    ".plot{display:block;width:100%;max-width:40rem;height:auto}.middling .plot{min-width:30rem}.broad "
     ".plot{min-width:40rem;max-width:none}\n"
-    ".plot [stroke=\"black\"]{stroke:var(--ink)}.plot [fill=\"black\"]{fill:var(--ink)}\n"
-    ".plot [color=\"black\"]{color:var(--ink)}.plot [color=\"white\"]{color:var(--paper)}\n"
-    ".plot [stroke=\"gray\"]{stroke:var(--grid)}.plot [color=\"gray\"]{color:var(--grid)}\n"
+    REPORT_COLOUR("black", "ink") REPORT_COLOUR("rgb(  0,   0,   0)", "ink")
+    REPORT_COLOUR("gray", "grid") REPORT_COLOUR("rgb(190, 190, 190)", "grid")
+    REPORT_COLOUR("white", "paper") REPORT_COLOUR("rgb(213,  94,   0)", "before")
+    REPORT_COLOUR("rgb(  0, 114, 178)", "after") REPORT_COLOUR("rgb(  0, 158, 115)", "third")
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem;margin:.5rem 0}\n"
     "caption{text-align:left;font-weight:600;padding:.3rem 0}\n"
     "th,td{padding:.2rem .6rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:"
-    "top}\n"
+    "top}th{min-width:4.5rem}td:last-child:not(.n):not(:first-child){min-width:9rem}\n"
     ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
     "anywhere}\n"
     "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"
     "--after:#0072b2;--third:#007a58;--grid:#b0b4ba}body{max-width:none;font-size:10pt;padding:0}"
     "nav{display:none}figure,tr,.tiles{break-inside:avoid}h2{break-after:avoid}"
-    ".wide,figure.broad{overflow:visible}.broad .plot{min-width:0}}\n";
+    ".wide,figure{overflow:visible}.plot.plot{min-width:0}}\n";
 
 #endif
