@@ -175,7 +175,8 @@ blind: $(PROGRAM) ## sealed cases of the independent generator, scored
 
 verify-plan: $(BENCHES) ## what planned poses are worth on simulated arms
 	@$(BUILD)/bench/bench_plan accuracy 50
-	@$(BUILD)/bench/bench_plan ties 30
+	@$(BUILD)/bench/bench_plan ties 50
+	@$(BUILD)/bench/bench_plan ties 50 random
 
 verify-report: $(PROGRAM) ## reports of the demo and of real robots in a headless browser
 	@$(TEST_ENVIRONMENT) $(call script,verify_report)

@@ -486,8 +486,8 @@ static void print_poses(FILE *stream, const cli_diagnosed *r)
     }
     put(&p,
         "Record these poses (joints in degrees): of those in these sockets they best tell %s from "
-        "%s.",
-        words[0], words[1]);
+        "%s.  Expected log Bayes factor: %.1f now, %.1f with them; %g settles it.",
+        words[0], words[1], plan->evidence_before, plan->evidence_after, MUKCA_PLAN_NAME);
     print(stream, 2, &p);
     for (int i = 0; i < plan->n_rows; i++) {
         const mukca_plan_row *row = &plan->rows[i];
@@ -499,6 +499,13 @@ static void print_poses(FILE *stream, const cli_diagnosed *r)
                 slides ? " mm" : "");
         }
         print(stream, 4, &p);
+    }
+    if (plan->evidence_after < MUKCA_PLAN_NAME) {
+        put(&p,
+            "They are not enough%s: `mukca plan --settle --suggest 1` with the same options and ",
+            plan->rows_to_name > 0 ? "" : ", nor is any number of them");
+        put(&p, "data names a place for the tool that tells more.");
+        print(stream, 2, &p);
     }
 }
 

@@ -15,7 +15,8 @@ typedef struct {
     double noise, tilt, clearance;
 } plan_options;
 
-static const plan_options defaults = {.rows = 20, .noise = 1e-4, .tilt = 60, .clearance = 0.05};
+static const plan_options defaults = {
+    .rows = 20, .noise = 1e-4, .tilt = (double)NAN, .clearance = (double)NAN};
 
 static const cli_option options[] = {
     {"rows", 0, CLI_INTEGER, "N", "poses to propose, all sockets together (default: 20)", NULL,
@@ -37,11 +38,12 @@ static const cli_option options[] = {
     {"noise", 0, CLI_NUMBER, "M", "of the ball per axis, m (default: 1e-4)", NULL,
      offsetof(plan_options, noise)},
     {"tilt", 0, CLI_NUMBER, "DEG",
-     "how far the tool may lean from straight down (default: 60; 180: any)", NULL,
-     offsetof(plan_options, tilt)},
+     "how far the tool may lean from straight down (default: 60, or as far as in DATA; 180: any)",
+     NULL, offsetof(plan_options, tilt)},
     {"clearance", 0, CLI_NUMBER, "M",
-     "that the joints keep above the plane of the base, m (default: 0.05)", NULL,
-     offsetof(plan_options, clearance)},
+     "that the joints keep above the plane of the base, m (default: 0.05, or less where DATA show "
+     "it)",
+     NULL, offsetof(plan_options, clearance)},
     {"seed", 0, CLI_INTEGER, "N", "of the random candidates (default: 0)", NULL,
      offsetof(plan_options, seed)},
     CLI_OFFSETS_OPTION,
@@ -95,7 +97,7 @@ static mukca_status check(cli_call *call)
         return mukca_fail(e, MUKCA_USAGE, "--suggest %d: must be 1 or more", o->suggest);
     if (!(o->noise > 0) || o->noise > 0.1)
         return mukca_fail(e, MUKCA_USAGE, "--noise %g: must be m, above 0 to 0.1", o->noise);
-    if (!(o->tilt > 0) || o->tilt > 180)
+    if (o->tilt <= 0 || o->tilt > 180)
         return mukca_fail(e, MUKCA_USAGE, "--tilt %g: must be degrees, above 0 to 180", o->tilt);
     if (o->settle && o->separate.n > 0)
         return mukca_fail(e, MUKCA_USAGE, "--settle and --separate exclude each other");
@@ -204,8 +206,12 @@ static mukca_status plan(plan_run *r)
     r->how = (mukca_plan_options){.rows = o->rows,
                                   .seed = (uint64_t)o->seed,
                                   .noise = o->noise,
-                                  .tilt = o->tilt >= 180 ? 4 : o->tilt * M_PI / 180,
-                                  .clearance = o->clearance != 0 ? o->clearance : 1e-9,
+                                  .tilt = isnan(o->tilt)   ? 0
+                                          : o->tilt >= 180 ? 4
+                                                           : o->tilt * M_PI / 180,
+                                  .clearance = isnan(o->clearance) ? 0
+                                               : o->clearance != 0 ? o->clearance
+                                                                   : 1e-9,
                                   .stop = stop,
                                   .progress = progress,
                                   .context = r->call};

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { CANDIDATES = 20 };
+enum { CANDIDATES = 40 };
 
 static bool settled_by_poses(const mukca_effect *effect)
 {

@@ -5,7 +5,7 @@
 #include "study/diagnose.h"
 #include "study/plan.h"
 
-enum { MUKCA_NEXT_POSES = 6 };
+enum { MUKCA_NEXT_POSES = 10 };
 
 typedef struct {
     int cause,

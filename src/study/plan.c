@@ -83,7 +83,7 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_chain *chain, const do
     status = plan_state_create(&p.state, chain, theta, n_sockets, options, error);
     if (status != MUKCA_OK) return status;
     plan_state *s = &p.state;
-    p.allow = plan_allow(options);
+    p.allow = plan_allow(options, chain, &s->geometry, data);
     p.poses = MUKCA_TAKE(&s->pool, plan_pose, n_sockets * candidates);
     double *H = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
     p.spare = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);

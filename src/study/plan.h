@@ -31,9 +31,10 @@ typedef struct {
     int candidates; /* poses tried per socket; 0: 150 */
     uint64_t seed;
     double noise;      /* of one coordinate of a row, m; 0: 1e-4 */
-    double tilt;       /* of the tool from straight down, at most, rad; 0: pi / 3; > pi: any */
-    double clearance;  /* of the joints above the base's plane (or a lower socket), m; 0: 0.05; NaN:
-                          any */
+    double tilt;       /* of the tool from straight down, at most, rad; 0: pi / 3, or what the data
+                          show; > pi: any */
+    double clearance;  /* of the joints above the base's plane (or a lower socket), m; 0: 0.05, or
+                          what the data show; NaN: any */
     double separation; /* least difference to other poses in some joint, rad; 0: 0.2 */
     double margin;     /* kept from the joint limits, rad or m; 0: 0.02 */
     const mukca_effect *effects;                  /* causes in question; NULL: plan for accuracy */

@@ -103,7 +103,7 @@ mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_pla
     if (status != MUKCA_OK) return status;
     plan_state *s = &p.state;
     const size_t bytes = (size_t)(s->n * s->n) * sizeof *s->C;
-    p.allow = plan_allow(options);
+    p.allow = plan_allow(options, chain, &s->geometry, data);
     p.poses = MUKCA_TAKE(&s->pool, plan_pose, 2 * PLACE_CANDIDATES);
     for (int i = 0; i < 2 * PLACE_CANDIDATES && p.poses; i++)
         p.poses[i].H = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);

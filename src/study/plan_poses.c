@@ -6,12 +6,47 @@
 
 #include "study/inverse.h"
 
-plan_allowance plan_allow(const mukca_plan_options *o)
+/* How a pose stands to gravity: the lean of the ball's stem (from the last joint to the tip), rad,
+ * 0 where there is no stem, and the height of the lowest joint beyond the first two, which stand
+ * where the base puts them, above the base's plane or above the ball where that is lower, m. */
+typedef struct {
+    double lean, clear;
+} standing;
+
+static standing stand(const double *q, const mukca_chain *chain, const mukca_geometry *geometry)
 {
-    return (plan_allowance){.tilt = o->tilt > 0 ? o->tilt : M_PI / 3,
+    mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
+    double up[3], stem[3];
+    standing s = {.lean = 0, .clear = HUGE_VAL};
+    const double weight = sqrt(mukca_dot3(chain->gravity, chain->gravity));
+    if (!(weight > 0)) return s;
+    mukca_fk_frames(before, &tip, geometry, q, NULL);
+    const mukca_frame *last = &before[chain->joint_element[chain->n_joints - 1]];
+    for (int i = 0; i < 3; i++) {
+        up[i] = -chain->gravity[i] / weight;
+        stem[i] = last->p[i] - tip.p[i];
+    }
+    const double length = sqrt(mukca_dot3(stem, stem));
+    if (length > 1e-3) s.lean = acos(fmax(-1, fmin(1, mukca_dot3(stem, up) / length)));
+    const double floor = fmin(0, mukca_dot3(tip.p, up));
+    for (int j = 2; j < chain->n_joints; j++)
+        s.clear = fmin(s.clear, mukca_dot3(before[chain->joint_element[j]].p, up) - floor);
+    return s;
+}
+
+plan_allowance plan_allow(const mukca_plan_options *o, const mukca_chain *chain,
+                          const mukca_geometry *geometry, const mukca_dataset *data)
+{
+    plan_allowance allow = {.tilt = o->tilt > 0 ? o->tilt : M_PI / 3,
                             .clearance = o->clearance != 0 ? o->clearance : 0.05,
                             .separation = o->separation > 0 ? o->separation : 0.2,
                             .margin = o->margin > 0 ? o->margin : 0.02};
+    for (int r = 0; data && r < data->n_rows; r++) {
+        const standing s = stand(data->q + r * data->n_joints, chain, geometry);
+        if (!(o->tilt > 0)) allow.tilt = fmax(allow.tilt, s.lean);
+        if (o->clearance == 0) allow.clearance = fmin(allow.clearance, s.clear);
+    }
+    return allow;
 }
 
 bool plan_differs(const double *a, const double *b, int n_joints, double separation)
@@ -21,29 +56,11 @@ bool plan_differs(const double *a, const double *b, int n_joints, double separat
     return false;
 }
 
-/* The ball's stem (from the last joint to the tip) leans from gravity by no more than `tilt`, and
- * the joints stay `clearance` above the base's plane, or above the socket where that is lower. */
 static bool allowed(const double *q, const mukca_chain *chain, const mukca_geometry *geometry,
                     const plan_allowance *allow)
 {
-    mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
-    double up[3], stem[3];
-    const double weight = sqrt(mukca_dot3(chain->gravity, chain->gravity));
-    if (!(weight > 0)) return true;
-    mukca_fk_frames(before, &tip, geometry, q, NULL);
-    const mukca_frame *last = &before[chain->joint_element[chain->n_joints - 1]];
-    for (int i = 0; i < 3; i++) {
-        up[i] = -chain->gravity[i] / weight;
-        stem[i] = last->p[i] - tip.p[i];
-    }
-    const double length = sqrt(mukca_dot3(stem, stem));
-    if (length > 1e-3 && allow->tilt <= M_PI && mukca_dot3(stem, up) < length * cos(allow->tilt))
-        return false;
-    const double floor = fmin(0, mukca_dot3(tip.p, up)) + allow->clearance;
-    /* The first two joints stand where the base puts them. */
-    for (int j = 2; j < chain->n_joints && !isnan(floor); j++)
-        if (mukca_dot3(before[chain->joint_element[j]].p, up) < floor) return false;
-    return true;
+    const standing s = stand(q, chain, geometry);
+    return s.lean <= allow->tilt && !(s.clear < allow->clearance);
 }
 
 /* From the start q to the socket, and whether the result will do. */

@@ -9,7 +9,10 @@ typedef struct {
     double tilt, clearance, separation, margin; /* as in mukca_plan_options, defaults filled in */
 } plan_allowance;
 
-plan_allowance plan_allow(const mukca_plan_options *options);
+/* What `options` allow; where they leave a default, all that a recorded row did (data may be NULL)
+ * is allowed, too. */
+plan_allowance plan_allow(const mukca_plan_options *options, const mukca_chain *chain,
+                          const mukca_geometry *geometry, const mukca_dataset *data);
 
 /* One pose q[n_joints] with the tip at `centre` (m), anywhere; false when this draw led to none. */
 bool plan_draw_pose(double *q, const mukca_chain *chain, const mukca_geometry *geometry,

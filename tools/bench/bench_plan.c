@@ -1,8 +1,12 @@
 /* What plans are worth, on simulated arms: `make verify-plan`.
- *   bench_plan accuracy ARMS   held-out error after 20 planned rows per socket beside 40 random
- * ones bench_plan ties TIES       how often 10 planned rows turn a tied diagnosis into the right
- * name Everything true (origins, effects, noise) is drawn from seeds; a planned row is one where
- * the true arm, led to the proposed joints, seats its ball in the true socket. */
+ *
+ *   bench_plan accuracy ARMS: held-out error after 20 planned rows per socket beside 40 random ones
+ *
+ *   bench_plan ties TIES [random]: how often 10 planned rows turn a tied diagnosis of a guided
+ *   session (or of one of random postures) into the right name, beside 10 random ones
+ *
+ * Everything true (origins, effects, noise) is drawn from seeds; a planned row is one where the
+ * true arm, led to the proposed joints, seats its ball in the true socket. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,8 +21,8 @@
 #include "study/plan.h"
 #include "study/simulate.h"
 
-enum { PLACES = 5, RANDOM_ROWS = 40, PLANNED_ROWS = 20, TIE_ROWS = 10, MOST_TIE_ROWS = 60 };
-static const double noise = 1e-4;
+enum { PLACES = 5, RANDOM_ROWS = 40, PLANNED_ROWS = 20, TIE_ROWS = 10 };
+static const double noise = 1e-4, apart = 0.05; /* m */
 
 static const char *const urdfs[] = {"data/demo/arm.urdf", "data/gen3.urdf"};
 
@@ -45,7 +49,7 @@ static bool seat(double *q, mukca_true_arm *arm, const mukca_place *place, int s
     const mukca_inverse_options options = {.displace = sag, .context = arm};
     for (int a = 0; a < 3; a++)
         target.p[a] +=
-            (socket - 0.5) * 0.05 * place->pose.R[3 * a] + noise * mukca_random_normal(random);
+            (socket - 0.5) * apart * place->pose.R[3 * a] + noise * mukca_random_normal(random);
     return mukca_inverse_solve(q, &arm->chain, &arm->geometry, &target, false, &options).reached;
 }
 
@@ -57,31 +61,43 @@ static void sockets_of(mukca_plan_socket sockets[2], const mukca_place *place, i
         snprintf(sockets[k].placement, sizeof sockets[k].placement, "%s", place->name);
         snprintf(sockets[k].label, sizeof sockets[k].label, "%d", k);
         for (int a = 0; a < 3; a++)
-            sockets[k].centre[a] = place->pose.p[a] + (k - 0.5) * 0.05 * place->pose.R[3 * a];
+            sockets[k].centre[a] = place->pose.p[a] + (k - 0.5) * apart * place->pose.R[3 * a];
     }
 }
 
-/* `base` with the rows of a plan, as the true arm records them, after its own; sockets by label. */
+/* `base` with the rows of a plan, as the true arm records them, after its own; sockets by label.
+ * With `added`, the plan's last place is a new one. */
 static void extend(mukca_dataset *out, const mukca_dataset *base, const mukca_plan *plan,
                    const mukca_plan_socket *sockets, mukca_true_arm *arm, const mukca_place *places,
-                   bool keep, mukca_random *random)
+                   bool keep, bool added, mukca_random *random)
 {
     mukca_error error;
-    const int n = base->n_joints, old = keep ? base->n_rows : 0;
-    if (mukca_dataset_create(out, old + plan->n_rows, n, base->n_sockets, base->n_placements,
-                             &error))
+    const int n = base->n_joints, old = keep ? base->n_rows : 0, more = added ? 1 : 0;
+    if (mukca_dataset_create(out, old + plan->n_rows, n, base->n_sockets + 2 * more,
+                             base->n_placements + more, &error))
         fail(error.text);
     memcpy(out->sockets, base->sockets, (size_t)base->n_sockets * sizeof *out->sockets);
     memcpy(out->placements, base->placements, (size_t)base->n_placements * sizeof *out->placements);
-    out->distances = calloc((size_t)base->n_distances, sizeof *out->distances);
+    out->distances = calloc((size_t)(base->n_distances + more), sizeof *out->distances);
     if (!out->distances) fail("out of memory");
     memcpy(out->distances, base->distances, (size_t)base->n_distances * sizeof *out->distances);
-    out->n_distances = base->n_distances;
+    out->n_distances = base->n_distances + more;
+    if (added) {
+        mukca_socket *s = &out->sockets[base->n_sockets];
+        snprintf(out->placements[base->n_placements].name, MUKCA_NAME_SIZE, "%s",
+                 places[base->n_placements].name);
+        for (int k = 0; k < 2; k++) {
+            s[k].placement = base->n_placements;
+            snprintf(s[k].label, sizeof s[k].label, "%d", k);
+        }
+        out->distances[base->n_distances] =
+            (mukca_distance){base->n_sockets, base->n_sockets + 1, apart};
+    }
     /* rows of a socket together, as a session has them */
     int row = 0;
-    for (int k = 0; k < base->n_sockets; k++) {
-        const char *label = base->sockets[k].label;
-        const char *name = base->placements[base->sockets[k].placement].name;
+    for (int k = 0; k < out->n_sockets; k++) {
+        const char *label = out->sockets[k].label;
+        const char *name = out->placements[out->sockets[k].placement].name;
         for (int r = 0; r < old; r++)
             if (base->socket[r] == k) {
                 memcpy(out->q + row * n, base->q + r * n, (size_t)n * sizeof *out->q);
@@ -92,8 +108,7 @@ static void extend(mukca_dataset *out, const mukca_dataset *base, const mukca_pl
             if (strcmp(s->label, label) != 0 || strcmp(s->placement, name) != 0) continue;
             double q[MUKCA_MAX_JOINTS];
             memcpy(q, plan->rows[i].q, sizeof q);
-            if (!seat(q, arm, &places[base->sockets[k].placement], label[0] - '0', random))
-                continue;
+            if (!seat(q, arm, &places[out->sockets[k].placement], label[0] - '0', random)) continue;
             memcpy(out->q + row * n, q, (size_t)n * sizeof *out->q);
             out->socket[row++] = k;
         }
@@ -127,7 +142,7 @@ static void follow(mukca_dataset *data, mukca_true_arm *arm, mukca_place *place,
     sockets_of(sockets, place, 0);
     if (mukca_plan_run(&plan, &arm->chain, NULL, NULL, sockets, 2, &options, &error))
         fail(error.text);
-    extend(data, like, &plan, sockets, arm, place, false, random);
+    extend(data, like, &plan, sockets, arm, place, false, false, random);
     mukca_plan_free(&plan);
 }
 
@@ -160,7 +175,7 @@ static void accuracy(int arms)
         mukca_simulate_arm(&arm, &chain, theta, 0, seed);
         for (int p = 0; p < PLACES; p++) snprintf(places[p].name, sizeof places[p].name, "p%d", p);
         mukca_simulate_options how = {.rows = RANDOM_ROWS, .noise = noise, .seed = seed};
-        if (mukca_simulate_places(places, PLACES, &chain, 0.05, seed, &error) ||
+        if (mukca_simulate_places(places, PLACES, &chain, apart, seed, &error) ||
             mukca_simulate_sockets(&sets[RANDOM], &arm, places, 1, NULL, 0, &how, &error))
             fail(error.text);
         how.sweep = true;
@@ -172,7 +187,7 @@ static void accuracy(int arms)
             fail(error.text);
         follow(&sets[SAME_PLACE], &arm, &places[0], 2 * PLANNED_ROWS, &sets[RANDOM], &random);
         const mukca_plan_options anywhere = {.rows = 2 * PLANNED_ROWS, .noise = noise};
-        if (mukca_plan_places(&suggested, &found, 1, &chain, NULL, NULL, 0.05, &anywhere, &error))
+        if (mukca_plan_places(&suggested, &found, 1, &chain, NULL, NULL, apart, &anywhere, &error))
             fail(error.text);
         memcpy(own.pose.p, suggested.centre, sizeof own.pose.p);
         mukca_rotation_from_rpy(own.pose.R, (double[3]){0, 0, suggested.yaw});
@@ -225,13 +240,64 @@ static bool same(const mukca_effect *a, const mukca_effect *b)
 
 /* What came of a tied case with more rows. */
 typedef struct {
-    int right, tied, other, told, told_right, rows;
+    int right, tied, other, told, told_right, moved;
 } outcome;
 
-/* Plan `rows` rows for the first tie of `before`, record them, diagnose again. */
-static int settle(outcome *sum, const char **verdict, int rows, const mukca_diagnosis *before,
-                  const mukca_dataset *data, mukca_true_arm *arm, const mukca_place *places,
-                  mukca_random *random)
+enum { HERE, ADVISED, RANDOM_TEN, TIE_WAYS };
+
+/* The best other place for the tool, planned for beside the n sockets, if it is worth more. */
+static bool plan_elsewhere(mukca_plan *plan, mukca_plan_socket *sockets, int n,
+                           const mukca_true_arm *arm, const double *theta,
+                           const mukca_dataset *data, mukca_place *place,
+                           const mukca_plan_options *options)
+{
+    mukca_plan_place best;
+    mukca_error error;
+    int found = 0;
+    if (mukca_plan_places(&best, &found, 1, &arm->chain, theta, data, apart, options, &error) ||
+        found < 1 || !(best.evidence > plan->evidence_after))
+        return false;
+    snprintf(place->name, sizeof place->name, "other");
+    place->placed = true;
+    memcpy(place->pose.p, best.centre, sizeof place->pose.p);
+    mukca_rotation_from_rpy(place->pose.R, (double[3]){0, 0, best.yaw});
+    sockets_of(sockets + n, place, data->n_placements);
+    mukca_plan_free(plan);
+    if (mukca_plan_run(plan, &arm->chain, theta, data, sockets, n + 2, options, &error))
+        fail(error.text);
+    return true;
+}
+
+/* Put as many rows at random into the plan as it has. */
+static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
+                    const mukca_true_arm *arm, const mukca_place *places, int n_places,
+                    uint64_t seed)
+{
+    mukca_dataset any;
+    mukca_error error;
+    mukca_random random;
+    const mukca_simulate_options how = {.rows = plan->n_rows, .seed = seed + 77};
+    mukca_random_seed(&random, seed);
+    if (mukca_simulate_sockets(&any, arm, places, n_places, NULL, 0, &how, &error))
+        fail(error.text);
+    for (int i = 0; i < plan->n_rows; i++) {
+        const int k = mukca_random_below(&random, any.n_sockets);
+        for (int j = 0; j < n; j++)
+            if (strcmp(sockets[j].label, any.sockets[k].label) == 0 &&
+                strcmp(sockets[j].placement, any.placements[any.sockets[k].placement].name) == 0)
+                plan->rows[i].socket = j;
+        for (int r = 0, of_socket = 0; r < any.n_rows; r++)
+            if (any.socket[r] == k && of_socket++ == i)
+                memcpy(plan->rows[i].q, any.q + r * any.n_joints,
+                       (size_t)any.n_joints * sizeof *any.q);
+    }
+    mukca_dataset_free(&any);
+}
+
+/* Ten rows more for the first tie of `before`, and the diagnosis again: its verdict. */
+static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
+                          const mukca_dataset *data, mukca_true_arm *arm, mukca_place *places,
+                          uint64_t seed)
 {
     static mukca_diagnosis after;
     const mukca_diagnose_options quick = {.no_folds = true};
@@ -241,56 +307,59 @@ static int settle(outcome *sum, const char **verdict, int rows, const mukca_diag
     mukca_plan plan;
     mukca_dataset more;
     mukca_error error;
+    mukca_random random;
+    bool added = false;
+    mukca_random_seed(&random, seed + 31);
     mukca_next_poses_tie(rivals, before);
     mukca_geometry_theta(theta, &arm->chain, &before->geometry);
     const int n = mukca_plan_sockets(sockets, MUKCA_PLAN_MAX_SOCKETS, &before->geometry, data);
-    const mukca_plan_options options = {.rows = rows,
-                                        .noise = before->sigma_m,
-                                        .tilt = 4,
-                                        .clearance = (double)NAN,
-                                        .effects = rivals,
-                                        .n_effects = 2};
+    const mukca_plan_options options = {
+        .rows = TIE_ROWS, .noise = before->sigma_m, .effects = rivals, .n_effects = 2};
     if (mukca_plan_run(&plan, &arm->chain, theta, data, sockets, n, &options, &error))
         fail(error.text);
-    extend(&more, data, &plan, sockets, arm, places, true, random);
+    if (way == ADVISED && plan.evidence_after < MUKCA_PLAN_NAME)
+        added = plan_elsewhere(&plan, sockets, n, arm, theta, data, &places[data->n_placements],
+                               &options);
+    if (way == RANDOM_TEN) shuffle(&plan, sockets, n, arm, places, data->n_placements, seed);
+    extend(&more, data, &plan, sockets, arm, places, true, added, &random);
     if (mukca_diagnose(&after, &arm->chain, &more, &quick, &error)) fail(error.text);
     const bool right = after.verdict == MUKCA_VERDICT_NAMED && after.n_causes == 1 &&
                        same(&after.causes[0].effect, &arm->effects[0]);
-    const bool told = plan.evidence_after >= MUKCA_PLAN_NAME;
-    const int needed = plan.rows_to_name;
+    const bool told = way != RANDOM_TEN && plan.evidence_after >= MUKCA_PLAN_NAME;
+    const char *verdict = right ? "right" : mukca_verdict_name[after.verdict];
     sum->right += right;
     sum->tied += after.verdict == MUKCA_VERDICT_TIED;
     sum->other += after.verdict != MUKCA_VERDICT_TIED && !right;
     sum->told += told;
     sum->told_right += told && right;
-    sum->rows += plan.n_rows;
-    *verdict = right ? "right" : mukca_verdict_name[after.verdict];
+    sum->moved += added;
     mukca_plan_free(&plan);
     mukca_dataset_free(&more);
     mukca_diagnosis_free(&after);
-    return needed;
+    return verdict;
 }
 
 static void tell(const char *what, const outcome *o, int n)
 {
-    printf(
-        "%s: %d of %d right (%.0f %%), %d still tied, %d otherwise; where the plan promised it "
-        "%d of %d; %.0f rows on average\n",
-        what, o->right, n, 100.0 * o->right / n, o->tied, o->other, o->told_right, o->told,
-        (double)o->rows / n);
+    printf("%s: %d of %d right (%.0f %%), %d still tied, %d otherwise", what, o->right, n,
+           100.0 * o->right / n, o->tied, o->other);
+    if (o->told > 0) printf("; %d of the %d where the plan promised it", o->told_right, o->told);
+    if (o->moved > 0) printf("; %d in another place", o->moved);
+    printf("\n");
 }
 
-static void ties(int wanted)
+/* Sessions as a person guides them (postures follow each other), or of random postures. */
+static void ties(int wanted, bool sweep)
 {
     static mukca_chain chain;
     static mukca_true_arm arm;
     static mukca_diagnosis before;
-    outcome ten = {0}, advised = {0};
+    outcome sums[TIE_WAYS] = {{0}};
     int found = 0, within = 0, tried = 0;
-    printf("case\trobot\ttruth\tjoint\trows\tten_rows_more\trows_advised\twith_those\n");
+    printf("case\trobot\ttruth\tjoint\trows\tten_planned_here\tten_as_advised\tten_random\n");
     for (uint64_t seed = 1; found < wanted && seed < 100000; seed++) {
         double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
-        mukca_place places[4] = {{.placed = false}};
+        mukca_place places[5] = {{.placed = false}};
         mukca_dataset data;
         mukca_error error;
         mukca_random random;
@@ -304,9 +373,11 @@ static void ties(int wanted)
         const int n_places = 2 + mukca_random_below(&random, 3);
         for (int p = 0; p < n_places; p++)
             snprintf(places[p].name, sizeof places[p].name, "p%d", p);
-        const mukca_simulate_options how = {
-            .rows = 12 + mukca_random_below(&random, 19), .noise = noise, .seed = seed};
-        if (mukca_simulate_places(places, n_places, &chain, 0.05, seed, &error) ||
+        const mukca_simulate_options how = {.rows = 12 + mukca_random_below(&random, 19),
+                                            .noise = noise,
+                                            .sweep = sweep,
+                                            .seed = seed};
+        if (mukca_simulate_places(places, n_places, &chain, apart, seed, &error) ||
             mukca_simulate_sockets(&data, &arm, places, n_places, NULL, 0, &how, &error))
             continue;
         const mukca_diagnose_options quick = {.no_folds = true};
@@ -314,7 +385,7 @@ static void ties(int wanted)
         tried++;
         if (before.verdict == MUKCA_VERDICT_TIED &&
             mukca_next_poses_tie((mukca_effect[2]){{0}}, &before)) {
-            const char *verdict[2];
+            const char *verdict[TIE_WAYS];
             bool listed = false;
             for (int c = 0; c < before.n_causes; c++) {
                 listed |= same(&before.causes[c].effect, &arm.effects[0]);
@@ -323,19 +394,11 @@ static void ties(int wanted)
             }
             found++;
             within += listed;
-            int rows = settle(&ten, &verdict[0], TIE_ROWS, &before, &data, &arm, places, &random);
-            rows = rows < TIE_ROWS ? MOST_TIE_ROWS : rows > MOST_TIE_ROWS ? MOST_TIE_ROWS : rows;
-            verdict[1] = verdict[0];
-            if (strcmp(verdict[0], "right") == 0) {
-                rows = TIE_ROWS;
-                advised.right++;
-                advised.rows += rows;
-            } else {
-                settle(&advised, &verdict[1], rows, &before, &data, &arm, places, &random);
-            }
-            printf("%d\t%s\t%s\t%d\t%d\t%s\t%d\t%s\n", found, chain.robot,
+            for (int way = 0; way < TIE_WAYS; way++)
+                verdict[way] = settle(&sums[way], way, &before, &data, &arm, places, seed);
+            printf("%d\t%s\t%s\t%d\t%d\t%s\t%s\t%s\n", found, chain.robot,
                    mukca_effect_table[arm.effects[0].kind].name, arm.effects[0].joint + 1,
-                   data.n_rows, verdict[0], rows, verdict[1]);
+                   data.n_rows, verdict[HERE], verdict[ADVISED], verdict[RANDOM_TEN]);
             fflush(stdout);
         }
         mukca_diagnosis_free(&before);
@@ -343,10 +406,9 @@ static void ties(int wanted)
     }
     if (found == 0) return;
     printf("%d sessions, %d of them tied, the truth among the ties in %d\n", tried, found, within);
-    tell("10 planned rows more", &ten, found);
-    printf("of those where the plan promised that 10 would do: %d of %d right\n", ten.told_right,
-           ten.told);
-    tell("as many as the plan advises (at most 60)", &advised, found);
+    tell("10 planned rows more in the same sockets", &sums[HERE], found);
+    tell("10 planned rows more, in another place where the plan advises it", &sums[ADVISED], found);
+    tell("10 random rows more in the same sockets", &sums[RANDOM_TEN], found);
 }
 
 int main(int argc, char **argv)
@@ -355,8 +417,8 @@ int main(int argc, char **argv)
     if (argc > 1 && strcmp(argv[1], "accuracy") == 0)
         accuracy(n);
     else if (argc > 1 && strcmp(argv[1], "ties") == 0)
-        ties(n);
+        ties(n, argc <= 3);
     else
-        fail("usage: bench_plan accuracy|ties [N]");
+        fail("usage: bench_plan accuracy|ties [N [random]]");
     return 0;
 }
