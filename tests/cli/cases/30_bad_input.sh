@@ -135,8 +135,8 @@ refuse 3 'offsets.tsv: exists already' export $a -o offsets.tsv
 refuse 3 '/dev/full: cannot write: No space left on device' calibrate $a good -o /dev/full
 refuse 3 '/dev/full: cannot write: No space left on device' calibrate $a good --json /dev/full
 refuse 3 '/dev/full: cannot write: No space left on device' export $a -o /dev/full
-refuse 3 '/sys/new.tsv: cannot write' calibrate $a good -o /sys/new.tsv
-refuse 3 '/sys/new.json: cannot write' calibrate $a good --json /sys/new.json
+refuse 3 '/proc/new.tsv: cannot write' calibrate $a good -o /proc/new.tsv
+refuse 3 '/proc/new.json: cannot write' calibrate $a good --json /proc/new.json
 refuse 3 'nowhere/new.tsv: cannot write: No such file' calibrate $a good -o nowhere/new.tsv
 refuse 3 'good: is a folder' calibrate $a good -o good
 refuse 2 'cannot both go to -' calibrate $a good -o - --json -
