@@ -51,7 +51,7 @@ LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed
 
 # Flags of the libraries come from a small makefile that is made first; make then starts anew.
 # `demo` and `check` install what is missing, the other targets only say so.
-NEEDS_LIBRARIES := $(filter-out core core-check clean help dist uninstall tidy-format format,$(or $(MAKECMDGOALS),all))
+NEEDS_LIBRARIES := $(filter-out core clean help dist uninstall format,$(or $(MAKECMDGOALS),all))
 ifneq ($(NEEDS_LIBRARIES),)
 include $(BUILD)/config.mk
 endif
