@@ -28,11 +28,10 @@ static void print_bash(void)
         puts("\" ;;");
     }
     puts(
-        "        esac\n    fi\n"
-        "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
-        "    [[ $word == -* ]] || [ \"$COMP_CWORD\" -eq 1 ] || "
-        "COMPREPLY+=($(compgen -f -- \"$word\"))\n}\n"
-        "complete -o filenames -F _mukca mukca");
+        "        esac\n        # options only after a dash; where nothing fits, files: -o default\n"
+        "        [[ $words != --* || $word == -* ]] || words=\n    fi\n"
+        "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n}\n"
+        "complete -o default -F _mukca mukca");
 }
 
 /* Print text with `special` characters behind a backslash. */
