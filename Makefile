@@ -113,7 +113,8 @@ $(FUZZERS): $(BUILD)/fuzzers/%: $(BUILD)/obj/tests/fuzz/%.o $(CLI_LIB) $(REST_OB
 	@mkdir -p $(@D)
 	$(CXX) $(LD_FLAGS) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS) -lm
 
-TEST_ENVIRONMENT := MUKCA=$(abspath $(BUILD))/mukca BUILD=$(abspath $(BUILD)) LC_ALL=C.UTF-8
+TEST_ENVIRONMENT := MUKCA=$(abspath $(BUILD))/mukca BUILD=$(abspath $(BUILD)) LC_ALL=C.UTF-8 \
+    PYTHONDONTWRITEBYTECODE=1
 
 demo: all ## calibrate, diagnose and report the demo arm of data/ into build/demo
 	@$(TEST_ENVIRONMENT) $(call script,demo) build/demo
@@ -195,7 +196,14 @@ share  := $(DESTDIR)$(PREFIX)/share
 MAN1   := $(wildcard mukca.1)
 MAN5   := $(wildcard mukca-formats.5)
 
-install: all ## program, core library, headers, mukca.pc, man pages, completion (DESTDIR, PREFIX)
+# Folders that install may have made, inner ones first; those of a system's own prefix are left.
+emptied := $(libdir)/pkgconfig $(libdir)/systemd/system $(libdir)/systemd $(share)/man/man1 \
+    $(share)/man/man5 $(share)/bash-completion/completions $(share)/bash-completion \
+    $(share)/zsh/site-functions $(share)/zsh \
+    $(if $(filter /usr /usr/local,$(DESTDIR)$(PREFIX)),,$(bindir) $(libdir) $(dir $(incdir)) \
+    $(share)/man $(share) $(DESTDIR)$(PREFIX))
+
+install: all ## program, core library, headers, mukca.pc, unit, man pages, completion (DESTDIR, PREFIX)
 	install -d $(bindir) $(libdir)/pkgconfig $(libdir)/systemd/system $(incdir) $(share)/man/man1 \
 	    $(share)/man/man5 $(share)/mukca/lcm $(share)/bash-completion/completions \
 	    $(share)/zsh/site-functions
@@ -216,6 +224,7 @@ uninstall: ## remove what install put there
 	    $(share)/man/man1/mukca.1 $(share)/man/man5/mukca-formats.5 \
 	    $(share)/bash-completion/completions/mukca $(share)/zsh/site-functions/_mukca
 	rm -rf $(incdir) $(share)/mukca
+	@rmdir $(emptied) 2>/dev/null || true
 
 clean: ## remove build/
 	rm -rf build $(filter-out build,$(BUILD))
