@@ -96,9 +96,11 @@ static void draw_training(report_sheet *sheet, const mukca_report *r, int index)
     if (r->repeatability > 0)
         fprintf(
             s,
-            "set arrow from graph 0, first %g to graph 1, first %g nohead linecolor 'black' "
+            "set yrange [*<%g:*]\nset arrow from graph 0, first %g to graph 1, first %g nohead "
+            "linecolor 'black' "
             "dashtype 2\nset label 'repeatability' at graph 0.99, first %g right offset 0, 0.5\n",
-            r->repeatability * mm, r->repeatability * mm, r->repeatability * mm);
+            0.5 * r->repeatability * mm, r->repeatability * mm, r->repeatability * mm,
+            r->repeatability * mm);
     fputs("plot $d using 1:2 with linespoints lc rgb " PLOT_AFTER
           " pt 7 ps 0.5 title 'consistency, train', "
           "$d using 1:3 with linespoints lc rgb " PLOT_BEFORE

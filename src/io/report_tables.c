@@ -31,13 +31,14 @@ static void say_effect(char *text, size_t size, const char *name)
 
 void report_name_cause(char *text, size_t size, const json_t *cause)
 {
-    const char *joint = report_text(cause, "joint"), *place = report_text(cause, "placement");
+    const char *joint = report_text(cause, "joint"), *place = report_text(cause, "placement"),
+               *socket = report_text(cause, "socket");
     const double order = report_real(cause, "order");
     char effect[64], often[48] = "";
     say_effect(effect, sizeof effect, report_text(cause, "effect"));
     if (order > 0) snprintf(often, sizeof often, " %g per turn", order);
-    snprintf(text, size, "%s%s%s%s%s%s", effect, often, *joint ? " of " : "", joint,
-             *place ? " in " : "", place);
+    snprintf(text, size, "%s%s%s%s%s%s%s%s", effect, often, *joint ? " of " : "", joint,
+             *place ? " in " : "", place, *socket ? " socket " : "", socket);
 }
 
 /* A cell: value times `factor`, with so many decimals, or -decimals significant digits; a dash
@@ -118,7 +119,8 @@ static void say_verdict(FILE *out, const json_t *diagnosis)
         {"none", "What remains after calibration is noise: no effect can be told from it."},
         {"named", "The gap that remains after calibration has a name: "},
         {"tied",
-         "Several causes explain the remaining gap, and these data cannot tell them apart: "},
+         "The gap that remains after calibration has names that these data cannot all tell "
+         "from others: "},
         {"unknown", "A gap remains that no effect of the catalogue explains."},
         {"untestable", "These data are too few to test causes of what remains."},
     };

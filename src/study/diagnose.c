@@ -204,6 +204,7 @@ static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, stan
     if (class >= MUKCA_EFFECT_COUNT || d->n_causes == MUKCA_MAX_CAUSES) return;
     mukca_cause *out = &d->causes[d->n_causes];
     memset(out, 0, sizeof *out);
+    out->held_out = d->held_out; /* not measured yet */
     out->socket = -1;
     effect_coefficients(out, m, &m->cause[index]);
     out->log_bayes_factor = mine ? contest->scan->score[mine->best].log_bayes : -HUGE_VAL;

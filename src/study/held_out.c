@@ -33,7 +33,6 @@ void gap_held_out_nothing(mukca_diagnosis *d)
     d->noise_floor_m = d->noise_shrink_percent = NAN;
     d->test_nominal_m = d->test_geometry_m = d->test_explained_m = NAN;
     d->held_out = (mukca_shrink){NAN, NAN, NAN, NAN, NAN, 0, 0};
-    for (int i = 0; i < d->n_causes; i++) d->causes[i].held_out = d->held_out;
 }
 
 /* Distance of each row's prediction from its socket's mean (of the rows that `of` marks), about
