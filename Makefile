@@ -47,7 +47,8 @@ OPTIMISE := -O3 -g -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-
 DEFINES  := -D_DEFAULT_SOURCE -D_XOPEN_SOURCE=700
 C_FLAGS   = -std=c11 $(OPTIMISE) $(C_WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
 CXX_FLAGS = -std=c++17 $(OPTIMISE) $(WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
-LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed
+# A build id hashes the build's path; without one a package is the same wherever it is built.
+LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none
 
 # Flags of the libraries come from a small makefile that is made first; make then starts anew.
 # `demo` and `check` install what is missing, the other targets only say so.
