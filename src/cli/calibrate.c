@@ -257,7 +257,8 @@ const cli_command cli_command_calibrate = {
     .min_arguments = 1,
     .max_arguments = -1,
     .description =
-        "Each DATA is a folder with hole_0.csv and hole_1.csv, a session file or a pose log. The "
+        "Each DATA is a session file, a folder with hole_0.csv and hole_1.csv, or a pose log (see "
+        "mukca-formats(5)). The "
         "fit "
         "moves the origins of the chain's joints so that all rows of a socket put the ball in one "
         "place and the sockets come out their given distance apart (the MUKCa cost); a pull to "
@@ -272,7 +273,7 @@ const cli_command cli_command_calibrate = {
         "5: the rows say nothing.",
     .example =
         "mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv "
-        "-o build/demo/offsets.tsv",
+        "-o build/demo/offsets.tsv --force",
     .options = options,
     .options_size = sizeof(calibrate_options),
     .defaults = &defaults,

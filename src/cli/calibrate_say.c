@@ -4,6 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Beyond this scatter per axis, m, the rows are not those of this arm (as diagnose has it). */
+static const double foreign = 10e-3;
+
 /* A coefficient smaller than this beside the 1 of its direction is not worth a word. */
 static const double worth = 0.05;
 
@@ -15,11 +18,11 @@ static int terms_of(const mukca_fit *fit, int direction)
     return terms;
 }
 
-/* Words on a line of at most 96 columns, indented. */
+/* Words on a line of at most 79 columns, indented. */
 static void say_word(cli_call *call, int *column, const char *word)
 {
     const int length = (int)strlen(word);
-    if (*column > 0 && *column + length > 94) {
+    if (*column > 0 && *column + 1 + length > 79) {
         cli_say(call, "\n");
         *column = 0;
     }
@@ -47,25 +50,36 @@ static void say_alone(cli_call *call, const mukca_fit *fit, const unsigned char 
     cli_say(call, "\n");
 }
 
-/* "panda_joint2.y with panda_joint3.z": free to move together. */
+/* "panda_joint2.y~panda_joint3.z": free to move together. */
+static void together_word(char word[4 * MUKCA_PARAMETER_TEXT], const mukca_fit *fit, int direction)
+{
+    const int n = fit->parameters.n, room = 4 * MUKCA_PARAMETER_TEXT;
+    int seen = 0, used = 0;
+    for (int i = 0; i < n && seen < 3; i++) {
+        char name[MUKCA_PARAMETER_TEXT];
+        if (fabs(fit->null_space[direction * n + i]) <= worth) continue;
+        mukca_parameters_text(name, &fit->chain, fit->parameters.index[i]);
+        used += snprintf(word + used, (size_t)(room - used), seen++ ? "~%s" : "%s", name);
+    }
+    if (terms_of(fit, direction) > 3) snprintf(word + used, (size_t)(room - used), "~...");
+}
+
+/* Each word once, though several directions may begin alike. */
 static void say_together(cli_call *call, const mukca_fit *fit)
 {
-    const int n = fit->parameters.n;
+    const int hidden = fit->parameters.n - fit->identification.rank;
     int column = 0;
-    for (int r = 0; r < n - fit->identification.rank; r++) {
-        int seen = 0;
-        char word[4 * MUKCA_PARAMETER_TEXT] = "";
-        size_t used = 0;
-        if (terms_of(fit, r) < 2) continue;
-        for (int i = 0; i < n && seen < 3; i++) {
-            char name[MUKCA_PARAMETER_TEXT];
-            if (fabs(fit->null_space[r * n + i]) <= worth) continue;
-            mukca_parameters_text(name, &fit->chain, fit->parameters.index[i]);
-            used += (size_t)snprintf(word + used, sizeof word - used, seen++ ? "~%s" : "%s", name);
+    for (int r = 0; r < hidden; r++) {
+        char word[4 * MUKCA_PARAMETER_TEXT], earlier[4 * MUKCA_PARAMETER_TEXT];
+        bool told = terms_of(fit, r) < 2;
+        if (told) continue;
+        together_word(word, fit, r);
+        for (int k = 0; k < r && !told; k++) {
+            if (terms_of(fit, k) < 2) continue;
+            together_word(earlier, fit, k);
+            told = strcmp(word, earlier) == 0;
         }
-        if (used < sizeof word - 4)
-            snprintf(word + used, sizeof word - used, terms_of(fit, r) > 3 ? "~..;" : ";");
-        say_word(call, &column, word);
+        if (!told) say_word(call, &column, word);
     }
     if (column > 0) cli_say(call, "\n");
 }
@@ -75,10 +89,8 @@ static void say_identifiability(cli_call *call, const mukca_fit *fit)
     const int n = fit->parameters.n, hidden = n - fit->identification.rank;
     unsigned char alone[MUKCA_MAX_FREE] = {0};
     int singles = 0;
-    cli_say(
-        call,
-        "The rows see %d of %d directions of the parameters; the pull to nominal holds the rest.\n",
-        fit->identification.rank, n);
+    cli_tell(call, "The rows see %d of %d parameter directions%s.", fit->identification.rank, n,
+             hidden ? "; the pull to nominal holds the rest" : "");
     if (hidden == 0) return;
     for (int r = 0; r < hidden; r++) {
         if (terms_of(fit, r) != 1) continue;
@@ -96,27 +108,47 @@ static void say_identifiability(cli_call *call, const mukca_fit *fit)
     }
 }
 
+static bool fits(const mukca_fit *fit)
+{
+    return fit->identification.noise < foreign;
+}
+
+static bool enough_rows(const mukca_fit *fit)
+{
+    return fit->n_measured > fit->parameters.n;
+}
+
 static void say_warnings(cli_call *call, const calibrate_result *r)
 {
     const mukca_fit *fit = r->fit;
-    if (fit->n_measured <= fit->parameters.n)
-        cli_say(call,
-                "warning: %d rows give %d numbers for %d parameters, rank %d: record more postures "
-                "(30 per socket)\n",
-                r->train->n_rows, fit->n_measured, fit->parameters.n, fit->identification.rank);
+    const mukca_score *nominal = &r->train_scores.nominal_mean;
+    const double distance = call->common->distance > 0 ? call->common->distance : 0.05;
+    if (!enough_rows(fit))
+        cli_tell(call, "warning: %d rows give %d numbers for %d parameters", r->train->n_rows,
+                 fit->n_measured, fit->parameters.n);
+    if (!call->common->distances && nominal->distance_error > 0.2 * distance &&
+        nominal->distance_error > nominal->mae)
+        cli_tell(call,
+                 "warning: the nominal arm finds the sockets %.1f mm off their --distance of %.1f "
+                 "mm: measure the tool again",
+                 1e3 * nominal->distance_error, 1e3 * distance);
     for (int i = 0; i < r->train_scores.n; i++) {
-        const mukca_score *nominal = &r->train_scores.nominal[i];
-        if (nominal->placement < 0 && nominal->mae < 5e-5)
-            cli_say(call,
-                    "warning: the measured poses repeat the nominal model (within %.2g mm): they "
-                    "seem to "
-                    "come from the controller, not from a tracker, and cannot calibrate it\n",
-                    1e3 * nominal->mae);
+        const mukca_score *poses = &r->train_scores.nominal[i];
+        if (poses->placement < 0 && poses->mae < 5e-5)
+            cli_tell(call,
+                     "warning: the measured poses repeat the nominal model (within %.2g mm): they "
+                     "seem to come from the controller, not from a tracker, and cannot calibrate "
+                     "it",
+                     1e3 * poses->mae);
     }
+    for (int t = 0; t < r->test->n_files; t++)
+        for (int k = 0; k < r->train->n_files; k++)
+            if (strcmp(r->test->files[t], r->train->files[k]) == 0)
+                cli_tell(call, "warning: %s is trained on and tested on: that test proves nothing",
+                         r->test->files[t]);
     if (r->test_scores.n > 0 &&
         r->test_scores.calibrated_mean.mae > r->test_scores.nominal_mean.mae)
-        cli_say(call,
-                "warning: on the test data the calibrated model is worse than the nominal one\n");
+        cli_tell(call, "warning: on the test data the calibrated model is worse than the nominal");
 }
 
 static void say_next(cli_call *call, const calibrate_result *r)
@@ -124,26 +156,32 @@ static void say_next(cli_call *call, const calibrate_result *r)
     const double train = r->train_scores.calibrated_mean.mae,
                  test = r->test_scores.calibrated_mean.mae;
     const cli_common *c = call->common;
-    cli_say(call, "Next: ");
-    if (!r->fit->converged)
-        cli_say(call,
-                "do not use this result; look at the rows with `mukca diagnose`, or try --solver "
-                "gauss-newton.\n");
-    else if (!c->output)
-        cli_say(call, "keep the result with -o offsets.tsv.\n");
+    const bool usable = r->fit->converged && fits(r->fit);
+    if (!fits(r->fit))
+        cli_tell(call,
+                 "Next: do not use this result: the rows do not fit this arm. Check the URDF, the "
+                 "tip, the columns and their order, the socket labels and --distance.");
+    else if (!r->fit->converged)
+        cli_tell(call,
+                 "Next: do not use this result; look at the rows with `mukca diagnose`, or try "
+                 "--solver gauss-newton.");
+    else if (!enough_rows(r->fit))
+        cli_tell(call, "Next: record more postures, 20 in each socket.");
+    else if (r->train->n_sockets > 0 && r->train->n_placements < 2)
+        cli_tell(call, "Next: move the tool and record it in two or three more places.");
     else if (r->test_scores.n == 0)
-        cli_say(
-            call,
-            "see whether it holds elsewhere: record another placement, give it as --test DATA.\n");
+        cli_tell(call,
+                 "Next: see whether it holds elsewhere: record another placement, give it as "
+                 "--test DATA.");
     else if (test > 1.5 * train)
-        cli_say(call,
-                "the test error is %.1f times the training error: train on more placements, or "
-                "find the "
-                "cause with `mukca diagnose`.\n",
-                test / train);
-    else
-        cli_say(call, "`mukca export --urdf %s --offsets %s` writes the calibrated URDF.\n",
+        cli_tell(call,
+                 "Next: the test error is %.1f times the training error: train on more "
+                 "placements, or find the cause with `mukca diagnose`.",
+                 test / train);
+    else if (c->output)
+        cli_say(call, "Next: write the calibrated URDF:\n  mukca export --urdf %s --offsets %s\n",
                 c->urdf, c->output);
+    if (usable && !c->output) cli_tell(call, "-o offsets.tsv keeps the result.");
 }
 
 /* "60 rows of 1 placement", "1000 measured poses". */
@@ -172,9 +210,12 @@ void calibrate_say(cli_call *call, const calibrate_result *r)
     cli_scores_say(call, &r->train_scores, "train", true);
     if (r->test_scores.n > 0) cli_scores_say(call, &r->test_scores, "test", true);
     cli_millimetres(noise, fit->identification.noise);
-    cli_say(call, "%s%s after %d evaluations (%s); a row scatters by %s per axis.%s\n",
-            cli_bold(stderr), fit->converged ? "Converged" : "NOT CONVERGED",
-            fit->outcome.evaluations, mukca_stop_text(fit->outcome.stop), noise, cli_plain(stderr));
+    if (fit->converged)
+        cli_say(call, "Converged after %d evaluations; ", fit->outcome.evaluations);
+    else
+        cli_say(call, "%sNOT CONVERGED after %d evaluations (%s)%s;\n", cli_bold(stderr),
+                fit->outcome.evaluations, mukca_stop_text(fit->outcome.stop), cli_plain(stderr));
+    cli_say(call, "a row scatters by %s per axis.\n", noise);
     say_identifiability(call, fit);
     say_warnings(call, r);
     say_next(call, r);

@@ -129,7 +129,7 @@ static void draw_view(session *s)
     else
         draw(s, width, "accuracy     %.2f mm to expect, %.2f mm with ten more rows here%s",
              1e3 * r->advice.expected, 1e3 * r->advice.expected_more,
-             r->advice.more_rows_help ? "" : ": go on with another socket or placement");
+             r->advice.more_rows_help ? "" : ": go on elsewhere");
     draw_coverage(s, width);
     if (s->raw)
         draw(s, width,
@@ -259,15 +259,15 @@ static json_t *summary(const session *s)
 static void conclude(session *s)
 {
     const recorder *r = &s->engine;
-    cli_say(s->call,
-            "%d rows in %s; %lld joint states received, %lld refused, longest gap %.3f s\n",
-            r->session.n_rows, r->session.path, (long long)r->received, (long long)r->refused,
-            r->longest_gap);
+    cli_tell(s->call,
+             "%d rows in %s; %lld joint states received, %lld refused, longest gap %.3f s.",
+             r->session.n_rows, r->session.path, (long long)r->received, (long long)r->refused,
+             r->longest_gap);
     if (mukca_lcm_link_skipped(r->link))
         cli_say(s->call, "the log is damaged: %lld bytes of it were skipped\n",
                 (long long)mukca_lcm_link_skipped(r->link));
     if (r->session.n_rows)
-        cli_say(s->call, "next: mukca calibrate --urdf %s %s -o offsets.tsv\n",
+        cli_say(s->call, "Next:\n  mukca calibrate --urdf %s %s -o offsets.tsv\n",
                 s->call->common->urdf, r->session.path);
 }
 

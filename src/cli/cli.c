@@ -88,6 +88,17 @@ static mukca_status wrong_choice(cli_call *call, const cli_option *option, const
                       text, list);
 }
 
+/* ", in m", by the argument's name in help; "" where it has no unit. */
+static const char *unit_words(const cli_option *option)
+{
+    static const char *const table[][2] = {{"M", ", in m"},     {"S", ", in s"},
+                                           {"RAD", ", in rad"}, {"DEG", ", in degrees"},
+                                           {"NM", ", in N m"},  {"PERCENT", ", in percent"}};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (strcmp(option->argument, table[i][0]) == 0) return table[i][1];
+    return "";
+}
+
 static mukca_status set_value(cli_call *call, const cli_option *option, const char *text)
 {
     void *at = (char *)call->options + option->offset;
@@ -101,13 +112,14 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
             return MUKCA_OK;
         case CLI_NUMBER:
             if (!parse_number((double *)at, text, '\0', &end))
-                return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be a number",
-                                  option->name, text);
+                return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be a number%s",
+                                  option->name, text, unit_words(option));
             return MUKCA_OK;
         case CLI_POSITIVE:
             if (!parse_number((double *)at, text, '\0', &end) || !(*(double *)at > 0))
-                return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be a number above 0",
-                                  option->name, text);
+                return mukca_fail(&call->error, MUKCA_USAGE,
+                                  "--%s %.40s: must be a number above 0%s", option->name, text,
+                                  unit_words(option));
             return MUKCA_OK;
         case CLI_INTEGER: {
             char *rest;

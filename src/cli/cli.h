@@ -161,6 +161,12 @@ void cli_print_command_help(FILE *stream, const cli_command *command);
 void cli_print_effects(FILE *stream); /* `mukca help effects` */
 void cli_format_option(char *text, size_t size, const cli_option *option); /* "-o, --output FILE" */
 
+/* The commands of an example, each line longer than `width` columns broken with a backslash. */
+void cli_print_example(FILE *stream, int indent, int width, const char *example);
+
+/* "command [options] DATA...", --urdf among them where the command needs it. */
+void cli_format_usage(char *text, size_t size, const cli_command *command);
+
 /* `mukca completion bash|zsh|man|options` (hidden): scripts and the man page from the tables. */
 mukca_status cli_completion(mukca_error *error, const char *what);
 
@@ -171,6 +177,10 @@ void cli_note(void *call, const char *text);
 
 /* printf to standard error; silent with -q. */
 void cli_say(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The same for whole lines, which are wrapped to 79 columns; lines that begin with a space are kept
+ * as they are. */
+void cli_tell(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Progress on a terminal once the command has run for 2 s; `done` of `total`. */
 void cli_progress(cli_call *call, const char *what, double done, double total);

@@ -152,7 +152,7 @@ static void say(cli_call *call, const tally *t, bool poses)
         cli_say(call, "%ld rows: error %.6f mm mean, %.6f mm at most\n", t->rows,
                 1e3 * t->after.mean, 1e3 * t->after.max);
     else
-        cli_say(call, "%ld rows: error %.4f mm (mean), %.4f mm (max) -> %.6f mm, %.6f mm\n",
+        cli_say(call, "%ld rows: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
                 t->rows, 1e3 * t->before.mean, 1e3 * t->before.max, 1e3 * t->after.mean,
                 1e3 * t->after.max);
     for (int r = 1; r < MUKCA_REACH_COUNT; r++)
@@ -192,7 +192,14 @@ static mukca_status run(cli_call *call)
     arm->geometry = model->geometry;
     arm->n_effects = model->offsets.n_effects;
     memcpy(arm->effects, model->offsets.effects, sizeof arm->effects);
-    status = mukca_output_open(&output, c->output ? c->output : "-", c->force, &call->error);
+    if (!c->offsets)
+        cli_note(call, "no --offsets: targets are those of the nominal arm, nothing is corrected");
+    const bool json_takes_it = c->json && strcmp(c->json, "-") == 0 && !c->output;
+    status = mukca_output_open(&output,
+                               json_takes_it ? "/dev/null"
+                               : c->output   ? c->output
+                                             : "-",
+                               c->force, &call->error);
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
         status = o->poses ? from_poses(call, output.stream, &t, arm, input.items[i], i == 0)
                           : from_joints(call, output.stream, &t, arm, input.items[i], i == 0);

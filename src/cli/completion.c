@@ -1,25 +1,48 @@
 /* Shell completion, the man page and a plain list of options, all from the tables. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
+#include "cli/serve.h"
+
+static void print_effect_names(void)
+{
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
+        printf("%s%s", kind ? " " : "", mukca_effect_table[kind].name);
+}
+
+/* Lines of the case for values that are words of a list, not files. */
+static void print_bash_values(const cli_command *c, const cli_option *o)
+{
+    const bool effect = o->argument && strncmp(o->argument, "EFFECT", 6) == 0;
+    if (o->kind != CLI_CHOICE && !effect) return;
+    printf("            %s:--%s", c->name, o->name);
+    if (o->letter) printf("|%s:-%c", c->name, o->letter);
+    printf(") files= words=\"");
+    if (effect) print_effect_names();
+    for (int i = 0; !effect && o->choices[i]; i++) printf("%s%s", i ? " " : "", o->choices[i]);
+    puts("\" ;;");
+}
 
 static void print_bash(void)
 {
     puts(
         "# bash completion for mukca\n_mukca() {\n"
-        "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n"
-        "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        words=\"help --version\"");
+        "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}\n"
+        "    local words= files=yes\n"
+        "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
+        "        files= words=\"help completion --version\"");
     for (const cli_command *const *c = cli_commands; *c; c++)
         printf("        words+=\" %s\"\n", (*c)->name);
-    puts("    else\n        case ${COMP_WORDS[1]}:$before in");
+    printf(
+        "    elif [ \"$COMP_CWORD:${COMP_WORDS[1]}\" = 2:send ] && [[ $word != -* ]]; then\n"
+        "        files= words=\"status");
+    for (int i = 0; serve_verbs[i]; i++) printf(" %s", serve_verbs[i]);
+    puts("\"\n    else\n        case ${COMP_WORDS[1]}:$before in");
     for (const cli_command *const *c = cli_commands; *c; c++)
-        for (const cli_option *o = (*c)->options; o->name; o++) {
-            if (o->kind != CLI_CHOICE) continue;
-            printf("            %s:--%s) words=\"", (*c)->name, o->name);
-            for (int i = 0; o->choices[i]; i++) printf("%s%s", i ? " " : "", o->choices[i]);
-            puts("\" ;;");
-        }
-    printf("            help:*) words=\"effects");
+        for (const cli_option *o = (*c)->options; o->name; o++) print_bash_values(*c, o);
+    printf("            completion:*) files= words=\"bash zsh\" ;;\n");
+    printf("            help:*) files= words=\"effects");
     for (const cli_command *const *c = cli_commands; *c; c++) printf(" %s", (*c)->name);
     puts("\" ;;");
     for (const cli_command *const *c = cli_commands; *c; c++) {
@@ -28,8 +51,9 @@ static void print_bash(void)
         puts("\" ;;");
     }
     puts(
-        "        esac\n        # options only after a dash; where nothing fits, files: -o default\n"
-        "        [[ $words != --* || $word == -* ]] || words=\n    fi\n"
+        "        esac\n    fi\n"
+        "    # options only after a dash; where no list fits, files: -o default\n"
+        "    [[ $files && $word != -* ]] && words=\n"
         "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n}\n"
         "complete -o default -F _mukca mukca");
 }
@@ -103,7 +127,13 @@ static void print_roff(const char *text, size_t length)
 
 static void print_man_command(const cli_command *c)
 {
+    char usage[120], *example;
+    size_t size;
+    cli_format_usage(usage, sizeof usage, c);
     printf(".SS \"mukca %s\"\n", c->name);
+    fputs(".B mukca ", stdout);
+    print_roff(usage, strlen(usage));
+    puts("\n.PP");
     print_roff(c->summary, strlen(c->summary));
     puts(".\n.PP");
     for (const char *line = c->description; *line;) {
@@ -130,8 +160,14 @@ static void print_man_command(const cli_command *c)
         puts(o->kind == CLI_CHOICE ? ")" : "");
     }
     puts(".PP\nExample:\n.PP\n.nf");
-    print_roff(c->example, strlen(c->example));
-    puts("\n.fi");
+    FILE *lines = open_memstream(&example, &size);
+    if (lines) {
+        cli_print_example(lines, 0, 72, c->example);
+        fclose(lines);
+        print_roff(example, strlen(example));
+        free(example);
+    }
+    puts(".fi");
 }
 
 /* The COMMANDS section of mukca(1). */

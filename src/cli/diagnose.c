@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/suggest.h"
 #include "io/output.h"
 
 typedef struct {
@@ -33,24 +34,28 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
+static mukca_status no_effect(mukca_error *error, const char *option, const char *name)
+{
+    const char *meant = NULL;
+    int best = 99;
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
+        if (mukca_suggest_better(&best, name, mukca_effect_table[kind].name))
+            meant = mukca_effect_table[kind].name;
+    return mukca_fail(error, MUKCA_USAGE, "%s: no effect is called '%.60s'; %s%s%s", option, name,
+                      meant ? "did you mean " : "`mukca help effects` lists them",
+                      meant ? meant : "", meant ? "?" : "");
+}
+
 static mukca_status disable(unsigned char *disabled, const char *list, mukca_error *error)
 {
     char name[64];
     while (list && *list) {
         const size_t length = strcspn(list, ",");
-        if (length < sizeof name) {
-            memcpy(name, list, length);
-            name[length] = '\0';
-            const int kind = mukca_effect_find(name);
-            if (kind >= 0) {
-                disabled[kind] = 1;
-                list += length + (list[length] == ',');
-                continue;
-            }
-        }
-        return mukca_fail(error, MUKCA_USAGE,
-                          "no effect is called '%.*s'; `mukca help effects` lists them",
-                          (int)(length < 60 ? length : 60), list);
+        snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), list);
+        const int kind = mukca_effect_find(name);
+        if (kind < 0) return no_effect(error, "--without", name);
+        disabled[kind] = 1;
+        list += length + (list[length] == ',');
     }
     return MUKCA_OK;
 }
@@ -113,9 +118,7 @@ static mukca_status run(cli_call *call)
     mukca_status status = disable(disabled, o->without, &call->error);
     int expected = -1;
     if (status == MUKCA_OK && o->expect && (expected = mukca_effect_find(o->expect)) < 0)
-        status =
-            mukca_fail(&call->error, MUKCA_USAGE,
-                       "--expect %s: no such effect; `mukca help effects` lists them", o->expect);
+        status = no_effect(&call->error, "--expect", o->expect);
     if (status == MUKCA_OK) status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_load_model(call, &model);
     if (status == MUKCA_OK) status = cli_load_data(call, &data, &model, &call->arguments);

@@ -180,8 +180,8 @@ static void print_gap(FILE *stream, const cli_diagnosed *r)
     heading(stream, "Gap");
     put(&p, "Mean error");
     if (d->folds > 1 && isfinite(d->geometry_m))
-        put(&p, ", each %s predicted from the others", left_out);
-    put(&p, ":");
+        put(&p, ", each %s in turn (a fold) predicted from the others", left_out);
+    put(&p, "%s:", d->n_causes ? "; [95 %]" : "");
     print(stream, 2, &p);
     print_step(stream, "nominal model", d->nominal_m, "");
     print_step(stream, "geometry fitted", d->geometry_m, "");
@@ -439,8 +439,8 @@ static void print_untested(FILE *stream, const cli_diagnosed *r)
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE) return;
     for (int j = 0; j < r->chain->n_joints; j++) any_slides |= cli_joint_slides(r->chain, j);
     heading(stream, "What these rows would show, and what not");
-    put(&p, "Seen would be a cause that moves a joint by, rms in arcmin%s:",
-        any_slides ? " or mm" : "");
+    put(&p,
+        "A cause would be seen that moves a joint by (rms, arcmin%s):", any_slides ? " or mm" : "");
     for (int j = 0, n = 0; j < r->chain->n_joints; j++) {
         const double limit = joint_limit(d, j);
         const bool slides = cli_joint_slides(r->chain, j);
@@ -505,8 +505,10 @@ static void print_poses(FILE *stream, const cli_diagnosed *r)
             "They are not enough%s: `mukca plan --settle --suggest 1` with the same options and ",
             plan->rows_to_name > 0 ? "" : ", nor is any number of them");
         put(&p, "data names a place for the tool that tells more.");
-        print(stream, 2, &p);
+    } else {
+        put(&p, "`mukca plan --settle -o FILE` writes them, in rad.");
     }
+    print(stream, 2, &p);
 }
 
 static void print_next(FILE *stream, const cli_diagnosed *r)
@@ -519,8 +521,8 @@ static void print_next(FILE *stream, const cli_diagnosed *r)
     if (tied) print_poses(stream, r);
     if (causes && !r->kept)
         put(&p,
-            "Keep geometry and causes with -o offsets.tsv: evaluate, fk, compensate and export "
-            "apply them.");
+            "-o offsets.tsv keeps geometry and causes: evaluate, fk, compensate and export apply "
+            "them.");
     print(stream, 2, &p);
 }
 

@@ -1,4 +1,6 @@
 /* mukca export: the calibrated model in the formats of others. */
+#include <string.h>
+
 #include "cli/cli.h"
 #include "io/export_check.h"
 #include "io/output.h"
@@ -16,7 +18,8 @@ static const char *const formats[] = {
         NULL};
 
 static const cli_option options[] = {
-    {"format", 'f', CLI_CHOICE, "FORMAT", "what to write (default: urdf)", formats,
+    {"format", 'f', CLI_CHOICE, "FORMAT",
+     "what to write (default: by the file's ending, .yaml .h .mjcf; else urdf)", formats,
      offsetof(export_options, format)},
     {"check", 0, CLI_TEXT, "FILE",
      "write nothing: compare FILE, of that format, with the table; exit code 1 where they differ",
@@ -28,6 +31,20 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
+static const export_options defaults = {.format = -1};
+
+/* The format that the ending of a file means; 0, URDF, where it means none. */
+static int format_of(const char *path)
+{
+    static const char *const endings[][2] = {
+        {".yaml", "yaml"}, {".yml", "yaml"}, {".h", "c"}, {".mjcf", "mjcf"}};
+    const char *dot = path ? strrchr(path, '.') : NULL;
+    for (size_t e = 0; dot && e < sizeof endings / sizeof *endings; e++)
+        for (int i = 0; formats[i] && strcmp(dot, endings[e][0]) == 0; i++)
+            if (strcmp(formats[i], endings[e][1]) == 0) return i;
+    return 0;
+}
+
 static mukca_status check(cli_call *call, const mukca_export_input *input)
 {
     const export_options *o = call->options;
@@ -36,8 +53,8 @@ static mukca_status check(cli_call *call, const mukca_export_input *input)
         mukca_export_check(&d, o->check, &mukca_exporters[o->format], input, &call->error);
     if (status) return status;
     if (d.agrees) {
-        cli_say(call, "%s agrees with the table: %d places, largest difference %.3g m, %.3g rad\n",
-                o->check, d.compared, d.position, d.angle);
+        cli_tell(call, "%s agrees with the table: %d places, largest difference %.3g m, %.3g rad",
+                 o->check, d.compared, d.position, d.angle);
         return MUKCA_OK;
     }
     return mukca_fail(&call->error, MUKCA_NEGATIVE,
@@ -47,8 +64,9 @@ static mukca_status check(cli_call *call, const mukca_export_input *input)
 
 static mukca_status run(cli_call *call)
 {
-    const export_options *o = call->options;
+    export_options *o = call->options;
     const cli_common *c = call->common;
+    if (o->format < 0) o->format = format_of(o->check ? o->check : c->output);
     const char *path = c->output ? c->output : "-";
     cli_model model;
     mukca_output output = {0};
@@ -83,5 +101,6 @@ const cli_command cli_command_export = {
         "mukca export --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv --format yaml",
     .options = options,
     .options_size = sizeof(export_options),
+    .defaults = &defaults,
     .run = run,
 };

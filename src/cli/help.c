@@ -70,6 +70,44 @@ static void print_option(FILE *stream, const cli_option *option)
     fputc('\n', stream);
 }
 
+void cli_format_usage(char *text, size_t size, const cli_command *command)
+{
+    bool urdf = false;
+    for (const cli_option *o = command->options; o->name; o++) urdf |= strcmp(o->name, "urdf") == 0;
+    snprintf(text, size, "%s%s [options]%s%s", command->name, urdf ? " --urdf FILE" : "",
+             *command->synopsis ? " " : "", command->synopsis);
+}
+
+/* Length of what stays on one line: words up to the next option or pipe. */
+static size_t piece_length(const char *text)
+{
+    size_t n = strcspn(text, " \n");
+    while (text[n] == ' ' && text[n + 1] != '|' &&
+           (text[n + 1] != '-' || text[n + 2] == ' ' || text[n + 2] == '\n' || !text[n + 2]))
+        n += 1 + strcspn(text + n + 1, " \n");
+    return n;
+}
+
+void cli_print_example(FILE *stream, int indent, int width, const char *example)
+{
+    while (*example) {
+        const size_t length = strcspn(example, "\n");
+        int column = fprintf(stream, "%*s", indent, "");
+        for (size_t at = 0, piece; at < length; at += piece + 1) {
+            piece = piece_length(example + at);
+            if (at > 0 && column + 1 + (int)piece > width - (at + piece < length ? 2 : 0)) {
+                fputs(" \\\n", stream);
+                column = fprintf(stream, "%*s", indent + 4, "");
+            } else if (at > 0) {
+                column += fprintf(stream, " ");
+            }
+            column += fprintf(stream, "%.*s", (int)piece, example + at);
+        }
+        fputc('\n', stream);
+        example += length + (example[length] == '\n');
+    }
+}
+
 void cli_print_command_help(FILE *stream, const cli_command *command)
 {
     const char *bold = cli_bold(stream), *plain = cli_plain(stream);
@@ -77,17 +115,14 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
     print_words(stream, 0, (int)strlen(command->name) + 8, command->summary,
                 strlen(command->summary));
     fputc('\n', stream);
-    fprintf(stream, "%sUsage:%s mukca %s [options]%s%s\n\n", bold, plain, command->name,
-            *command->synopsis ? " " : "", command->synopsis);
+    char usage[120];
+    cli_format_usage(usage, sizeof usage, command);
+    fprintf(stream, "%sUsage:%s mukca %s\n\n", bold, plain, usage);
     cli_print_wrapped(stream, 0, command->description);
     fprintf(stream, "\n%sOptions:%s\n", bold, plain);
     for (const cli_option *o = command->options; o->name; o++) print_option(stream, o);
     fprintf(stream, "\n%sExample:%s\n", bold, plain);
-    for (const char *line = command->example; *line;) {
-        size_t length = strcspn(line, "\n");
-        fprintf(stream, "  %.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
+    cli_print_example(stream, 2, WIDTH, command->example);
 }
 
 static void print_commands(FILE *stream)
@@ -121,7 +156,9 @@ void cli_print_overview(FILE *stream)
     fputs(
         "  mukca help COMMAND   options and an example\n"
         "  mukca help effects   the causes that a diagnosis can name\n"
-        "  mukca --version\n\n"
+        "  mukca --version\n"
+        "  source <(mukca completion bash)    completes commands and options (or zsh)\n\n"
+        "Files, columns and JSON keys: man mukca-formats.\n"
         "Exit codes: 0 done; 1 done, and the answer is a negative verdict; 2 bad usage;\n"
         "3 bad input; 4 transport or time-out; 5 not identifiable; 130 interrupted.\n",
         stream);
@@ -144,17 +181,17 @@ void cli_print_effects(FILE *stream)
 {
     static const struct {
         const char *name, *unit, *sentence;
-        int needs;
+        int site, needs;
     } effects[] = {
 #define EFFECT_ROW(kind, name, site, terms, unit, factor, display, sign, needs, sentence) \
-    {name, unit, sentence, needs},
+    {name, unit, sentence, MUKCA_SITE_##site, needs},
         MUKCA_EFFECT_LIST(EFFECT_ROW)
 #undef EFFECT_ROW
     };
     static const struct {
         int bit;
         const char *text;
-    } needs[] = {{MUKCA_NEEDS_MASSES, "link masses or measured efforts"},
+    } needs[] = {{MUKCA_NEEDS_MASSES, "link masses"},
                  {MUKCA_NEEDS_ORDER, "rows in recording order"},
                  {MUKCA_NEEDS_TIME, "the time_s column"},
                  {MUKCA_NEEDS_PLACEMENTS, "two placements or more"},
@@ -172,6 +209,9 @@ void cli_print_effects(FILE *stream)
             if (!(effects[i].needs & needs[k].bit)) continue;
             fprintf(stream, "%s%s", any ? ", " : "    needs ", needs[k].text);
             any = true;
+            /* a measured torque tells what acts about the joint's own axis, and no more */
+            if (needs[k].bit == MUKCA_NEEDS_MASSES && effects[i].site == MUKCA_SITE_ANGLE)
+                fputs(" or measured efforts", stream);
         }
         if (any) fputc('\n', stream);
     }

@@ -32,9 +32,10 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
 {
     const cli_common *c = call->common;
     memset(data, 0, sizeof *data);
-    if (c->distance > 10)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--distance %g looks like millimetres; give m",
-                          c->distance);
+    if (c->distance >= 2)
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "--distance %g looks like %s; give m, as in 0.05", c->distance,
+                          c->distance > 10 ? "millimetres" : "centimetres");
     const mukca_dataset_options options = {.distance = c->distance, .distances = c->distances};
     return mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, cli_note, call,
                               &call->error);

@@ -10,15 +10,19 @@
 
 static mukca_status unknown_command(const char *name)
 {
-    const char *meant = NULL;
+    static const char *const others[] = {"help", "completion", "--version", "--help"};
+    const char *meant = NULL, *what = name[0] == '-' ? "option" : "command";
     int best = 99;
     for (const cli_command *const *c = cli_commands; *c; c++)
         if (mukca_suggest_better(&best, name, (*c)->name)) meant = (*c)->name;
-    if (mukca_suggest_better(&best, name, "help")) meant = "help";
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (mukca_suggest_better(&best, name, others[i])) meant = others[i];
+    if (strcmp(name, "-V") == 0 || strcmp(name, "version") == 0) meant = "--version";
+    if (strncmp(name, "effect", 6) == 0) meant = "help effects";
     if (meant)
-        fprintf(stderr, "mukca: unknown command '%s'; did you mean %s?\n", name, meant);
+        fprintf(stderr, "mukca: unknown %s '%s'; did you mean %s?\n", what, name, meant);
     else
-        fprintf(stderr, "mukca: unknown command '%s'; `mukca help` lists them\n", name);
+        fprintf(stderr, "mukca: unknown %s '%s'; `mukca help` lists them\n", what, name);
     return MUKCA_USAGE;
 }
 

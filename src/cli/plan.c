@@ -188,7 +188,8 @@ static mukca_status gather_causes(plan_run *r)
     if (status != MUKCA_OK) return status;
     if (!mukca_next_poses_tie(c->effects, &r->diagnosis))
         return mukca_fail(error, MUKCA_NEGATIVE,
-                          "the diagnosis (%s) ties no causes that poses could tell apart",
+                          "the diagnosis (%s) ties no causes that poses could tell apart; without "
+                          "--settle poses are chosen for accuracy",
                           mukca_verdict_name[r->diagnosis.verdict]);
     c->n_effects = 2;
     r->how.noise = r->diagnosis.sigma_m;
@@ -257,10 +258,10 @@ static mukca_status write_poses(plan_run *r)
             fputc('\n', out);
         }
     } else {
-        fprintf(
-            out,
-            "# poses proposed by mukca plan for %s; guide the arm there, the seated ball decides\n",
-            chain->robot);
+        fprintf(out,
+                "# poses proposed by mukca plan for %s, joints in rad; guide the arm there\n"
+                "# and record the row anew: the ball in its socket decides\n",
+                chain->robot);
         fputs("placement\tsocket", out);
         for (int j = 0; j < chain->n_joints; j++)
             fprintf(out, "\t%s", chain->element[chain->joint_element[j]].name);
@@ -315,16 +316,15 @@ static void say(plan_run *r)
         cli_say(r->call, "Places for the tool, best first (the later ones given the earlier):\n");
         for (int i = 0; i < r->n_places; i++) {
             const mukca_plan_place *at = &r->places[i];
-            cli_say(r->call,
-                    "  %d. at %.2f %.2f %.2f m, sockets along %.0f deg: with %d rows there ", i + 1,
-                    at->centre[0], at->centre[1], at->centre[2], at->yaw * 180 / M_PI, o->rows);
+            cli_say(r->call, "  %d. at %.2f %.2f %.2f m, yaw %.2f rad: with %d rows there ", i + 1,
+                    at->centre[0], at->centre[1], at->centre[2], at->yaw, o->rows);
             if (r->causes.n_effects > 0)
                 cli_say(r->call, "expected log Bayes factor %.1f\n", at->evidence);
             else
                 cli_say(r->call, "expected error %.3f mm\n", at->expected * 1e3);
         }
-        cli_say(r->call,
-                "Next: put the tool there and ask for poses with --place NAME=X,Y,Z,0,0,YAW.\n");
+        cli_tell(r->call,
+                 "Next: put the tool there and ask for poses with --place NAME=X,Y,Z,0,0,YAW.");
         return;
     }
     cli_say(r->call, "%d poses in %d sockets, beside %d recorded rows.\n", p->n_rows, r->n_sockets,
@@ -337,25 +337,24 @@ static void say(plan_run *r)
         cli_say(r->call, "  expected log Bayes factor %.1f before, %.1f after (%g settles it).\n",
                 p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
         if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
-            cli_say(
-                r->call,
-                "That is not enough: it takes about --rows %d, or another place (--suggest 1).\n",
-                p->rows_to_name);
+            cli_tell(r->call,
+                     "That is not enough: it takes about --rows %d, or another place (--suggest "
+                     "1).",
+                     p->rows_to_name);
         else if (p->evidence_after < MUKCA_PLAN_NAME)
-            cli_say(
-                r->call,
-                "No number of rows here is enough: see what --suggest 1 gains, or live with the "
-                "tie.\n");
+            cli_tell(r->call,
+                     "No number of rows here is enough: see what --suggest 1 gains, or live with "
+                     "the tie.");
     } else {
         cli_say(r->call, "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after.\n",
                 p->expected_before * 1e3, p->expected_after * 1e3);
     }
     if (p->n_rows < o->rows)
-        cli_say(r->call,
-                "Fewer than the %d asked for: the sockets allow no more different poses.\n",
-                o->rows);
-    cli_say(r->call,
-            "Check each pose for collisions: only joint limits, tilt and height are known here.\n");
+        cli_tell(r->call, "Fewer than the %d asked for: the sockets allow no more different poses.",
+                 o->rows);
+    cli_tell(r->call,
+             "Next: check each pose for collisions (only joint limits, tilt and height are known "
+             "here), guide the arm there, and record the row with the ball in its socket.");
 }
 
 static mukca_status run(cli_call *call)

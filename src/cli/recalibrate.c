@@ -93,12 +93,12 @@ static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_opt
     const char *link = chain->element[c->position_element].child;
     snprintf(r->arm.tip, sizeof r->arm.tip, "%s", link);
     if (c->position_element != chain->n_elements - 1)
-        cli_say(call, "the poses are those of link '%s', not of the tip '%s': taken as such\n",
-                link, chain->tip);
+        cli_tell(call, "the poses are those of link '%s', not of the tip '%s': taken as such", link,
+                 chain->tip);
     if (c->rotations && c->rotation_element != c->position_element)
-        cli_say(call,
-                "rotation and position are in different frames: orientations are those of '%s'\n",
-                chain->element[c->rotation_element].child);
+        cli_tell(call,
+                 "rotation and position are in different frames: orientations are those of '%s'",
+                 chain->element[c->rotation_element].child);
     if (c->order == MUKCA_QUATERNION_W_LAST)
         cli_say(call, "the quaternions fit only when read as x y z w: taken as such\n");
     o->order = c->order;

@@ -29,27 +29,26 @@ static void show_errors(cli_call *call, const char *title, const mukca_pose_erro
 {
     cli_say(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.n);
     cli_say(call,
-            "  position, mm          max      mean +- std       |x|     |y|     |z|   removed %% "
-            "of max, mean\n");
+            "  position, mm         max   mean +- std       |x|    |y|    |z|  removed, %%\n"
+            "                                                                 of max, mean\n");
     for (int s = 0; s < MUKCA_STAGES; s++) {
         const mukca_moments *p = &e[s].position;
         if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
-        cli_say(call, "    %-15s %8.4f  %8.4f +- %-8.4f %7.4f %7.4f %7.4f", stage_text[s],
+        cli_say(call, "    %-15s %7.3f %6.3f +- %-6.3f %6.3f %6.3f %6.3f", stage_text[s],
                 1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p),
                 1e3 * e[s].position_axis[0].mean, 1e3 * e[s].position_axis[1].mean,
                 1e3 * e[s].position_axis[2].mean);
         if (s != MUKCA_BEFORE)
-            cli_say(call, "   %.2f  %.2f", removed(e[MUKCA_BEFORE].position.max, p->max),
+            cli_say(call, " %6.1f %6.1f", removed(e[MUKCA_BEFORE].position.max, p->max),
                     removed(e[MUKCA_BEFORE].position.mean, p->mean));
         cli_say(call, "\n");
     }
     if (e[MUKCA_BEFORE].rotation.n == 0) return;
-    cli_say(call,
-            "  orientation, mrad     |ex| max, mean +- std      |ey|                       |ez|\n");
+    cli_say(call, "  orientation, mrad    |ex|: max, mean +- std    |ey|                  |ez|\n");
     for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_BOTH) {
-        cli_say(call, "    %-15s", s == MUKCA_BEFORE ? "before" : "after");
+        cli_say(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
         for (int a = 0; a < 3; a++)
-            cli_say(call, "  %7.4f, %7.4f +- %-7.4f", 1e3 * e[s].rotation_axis[a].max,
+            cli_say(call, " %7.3f, %6.3f +-%6.3f", 1e3 * e[s].rotation_axis[a].max,
                     1e3 * e[s].rotation_axis[a].mean,
                     1e3 * mukca_moments_std(&e[s].rotation_axis[a]));
         cli_say(call, "\n");
@@ -79,7 +78,7 @@ static void show_unknowns(cli_call *call, const mukca_recalibration *f, const mu
         cli_say(call, "   ");
         for (int u = 0; u < f->n; u++) {
             if (f->null[k][u] == 0) continue;
-            if (fabs(f->null[k][u]) < 0.01 || shown == 6) {
+            if (fabs(f->null[k][u]) < 0.01 || shown == 3) {
                 small++;
                 continue;
             }
@@ -99,33 +98,36 @@ static bool never_moved(const mukca_recalibration *f, int j)
 static void show_findings(cli_call *call, const cli_recalibrated *r)
 {
     const mukca_recalibration *f = &r->fit[0];
-    char text[MUKCA_UNKNOWN_TEXT];
+    char text[MUKCA_UNKNOWN_TEXT], line[800];
+    int used;
     for (int j = 0; j < r->arm.n_joints; j++)
         if (never_moved(f, j))
-            cli_say(call,
-                    "joint '%s' never moved: its zero offset cannot be told from what is mounted "
-                    "before and behind it (not identifiable)\n",
-                    r->arm.element[r->arm.joint_element[j]].name);
+            cli_tell(call,
+                     "joint '%s' never moved: its zero offset cannot be told from what is mounted "
+                     "before and behind it (not identifiable)",
+                     r->arm.element[r->arm.joint_element[j]].name);
     if (f->lag_found)
-        cli_say(call,
-                "the samples were taken while moving: joint angles are %.4g %s older than poses "
-                "(%.0f standard errors); taken into account\n",
-                f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms", f->lag_score);
+        cli_tell(call,
+                 "the samples were taken while moving: joint angles are %.4g %s older than poses "
+                 "(%.0f standard errors); taken into account",
+                 f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms", f->lag_score);
     if (!r->oracle.calibrated) return;
-    cli_say(call,
-            "the poses hold a calibration: %.4f mm (median) off nominal, %.4f mm after the fit\n",
-            1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+    cli_tell(call,
+             "the poses hold a calibration: %.4f mm (median) off nominal, %.4f mm after the fit",
+             1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
     if (r->constants.n == 0) return;
-    cli_say(call, "%d constant%s explain%s the difference:", r->constants.n,
-            r->constants.n > 1 ? "s" : "", r->constants.n > 1 ? "" : "s");
-    for (int c = 0; c < r->constants.n; c++) {
+    used = snprintf(line, sizeof line, "%d constant%s explain%s the difference:", r->constants.n,
+                    r->constants.n > 1 ? "s" : "", r->constants.n > 1 ? "" : "s");
+    for (int c = 0; c < r->constants.n && used < (int)sizeof line; c++) {
         cli_constant_text(text, &r->constants, c, &r->arm);
-        cli_say(call, "%s %s %+.4f +- %.4f %s", c > 0 ? "," : "", text, 1e3 * r->constants.value[c],
-                1e3 * r->constants.sigma[c], angular(r->constants.unknown[c].kind) ? "mrad" : "mm");
+        used += snprintf(line + used, sizeof line - (size_t)used, "%s %s %+.4f +- %.4f %s",
+                         c > 0 ? "," : "", text, 1e3 * r->constants.value[c],
+                         1e3 * r->constants.sigma[c],
+                         angular(r->constants.unknown[c].kind) ? "mrad" : "mm");
     }
-    cli_say(call, "; with these alone %.4f mm (median), %.4f mm (mean) are left\n",
-            1e3 * mukca_histogram_median(&r->constants.errors.position_histogram),
-            1e3 * r->constants.errors.position.mean);
+    cli_tell(call, "%s; with these alone %.4f mm (median), %.4f mm (mean) are left", line,
+             1e3 * mukca_histogram_median(&r->constants.errors.position_histogram),
+             1e3 * r->constants.errors.position.mean);
 }
 
 void cli_recalibrate_show(cli_call *call, const cli_recalibrated *r)

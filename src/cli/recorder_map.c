@@ -94,6 +94,7 @@ void recorder_describe_map(const recorder *r, char *text, size_t size)
         (size_t)snprintf(text, size, "%s (%s), %d readings, mapped by %s:\n", r->channel,
                          r->types.type[r->type].name, r->n_readings, r->by_name ? "name" : "order");
     for (int j = 0; j < r->model->chain.n_joints && used < size; j++)
-        used += (size_t)snprintf(text + used, size - used, "  reading %2d  ->  %-24s now %9.4f\n",
-                                 r->map[j] + 1, recorder_joint_name(r, j), r->q[j]);
+        used +=
+            (size_t)snprintf(text + used, size - used, "  reading %2d  ->  %-24s now %9.4f rad\n",
+                             r->map[j] + 1, recorder_joint_name(r, j), r->q[j]);
 }

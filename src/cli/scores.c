@@ -88,8 +88,8 @@ static void say_line(cli_call *call, const char *kind, const char *what, double 
 
 void cli_scores_say_header(cli_call *call, bool calibrated)
 {
-    cli_say(call, "%s  %-18s %12s %12s%s\n", cli_bold(stderr), "", "nominal",
-            calibrated ? "calibrated" : "", cli_plain(stderr));
+    cli_say(call, "%s  %-18s %12s%s%s\n", cli_bold(stderr), "", "nominal",
+            calibrated ? "   calibrated" : "", cli_plain(stderr));
 }
 
 void cli_scores_say(cli_call *call, const cli_scores *scores, const char *what, bool calibrated)

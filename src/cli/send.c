@@ -5,7 +5,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/suggest.h"
 #include "cli/cli.h"
+#include "cli/serve.h"
 #include "io/lcm_link.h"
 #include "io/lcm_message.h"
 #include "io/output.h"
@@ -107,6 +109,21 @@ static mukca_status send_command(client *c)
     return mukca_lcm_link_publish(c->link, channel, buffer, size, &c->call->error);
 }
 
+static mukca_status check_verb(cli_call *call, const char *verb)
+{
+    const char *meant = NULL;
+    int best = 99;
+    if (strcmp(verb, "status") == 0) return MUKCA_OK;
+    for (int i = 0; serve_verbs[i]; i++) {
+        if (strcmp(verb, serve_verbs[i]) == 0) return MUKCA_OK;
+        if (mukca_suggest_better(&best, verb, serve_verbs[i])) meant = serve_verbs[i];
+    }
+    if (mukca_suggest_better(&best, verb, "status")) meant = "status";
+    return mukca_fail(&call->error, MUKCA_USAGE, "serve knows no command '%.40s'; %s%s%s", verb,
+                      meant ? "did you mean " : "`mukca help serve` lists them", meant ? meant : "",
+                      meant ? "?" : "");
+}
+
 static mukca_status run(cli_call *call)
 {
     const send_options *o = call->options;
@@ -119,7 +136,8 @@ static mukca_status run(cli_call *call)
     clock_gettime(CLOCK_REALTIME, &t);
     c->id = (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
     c->wants_status = strcmp(call->arguments.items[0], "status") == 0;
-    mukca_status status = cli_check_outputs(call);
+    mukca_status status = check_verb(call, call->arguments.items[0]);
+    if (!status) status = cli_check_outputs(call);
     if (!status) status = mukca_lcm_types_init(&c->types, error);
     if (!status) status = mukca_lcm_link_open(&c->link, o->lcm_url, on_packet, c, error);
     if (!status && mukca_lcm_link_replays(c->link))

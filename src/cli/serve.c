@@ -170,6 +170,12 @@ static mukca_status do_result(server *s, const mukca_message_command *command,
     X(diagnose, "", 0, "diagnose the session; the result adds what effects were found") \
     X(result, "", 0, "send the table that is in use")
 
+const char *const serve_verbs[] = {
+#define VERB_NAME(name, usage, arguments, sentence) #name,
+    VERB_LIST(VERB_NAME)
+#undef VERB_NAME
+        NULL};
+
 static const struct {
     const char *name;
     int arguments;

@@ -19,6 +19,9 @@ typedef struct {
     bool publish_pose;
 } serve_options;
 
+/* What `mukca send` may send, ended by NULL. */
+extern const char *const serve_verbs[];
+
 /* What survives a restart. */
 typedef struct {
     char session[MUKCA_NAME_SIZE]; /* name, without ending; empty: none */

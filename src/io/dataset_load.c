@@ -176,8 +176,10 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
     base_name(s.stem, path, 0, true);
     if (s.rows.socket < 0 && (s.rows.position[0] < 0 || s.rows.placement >= 0))
         status = mukca_table_fail(b->error, &s.rows.table, -1,
-                                  "neither a session (placement, socket) nor a pose log (x_m, y_m, "
-                                  "z_m): the header lacks such columns");
+                                  s.rows.placement >= 0
+                                      ? "no column 'socket': which socket held the ball?"
+                                      : "neither a session (placement, socket) nor a pose log "
+                                        "(x_m, y_m, z_m): the header lacks such columns");
     if (status == MUKCA_OK) status = mukca_build_file(&file, b, path);
     while (status == MUKCA_OK) {
         bool more;

@@ -20,6 +20,7 @@ static mukca_status fail_errno(mukca_error *error, const char *path, const char 
 {
     const char *hint = errno == EACCES || errno == EROFS || errno == EPERM
                            ? "; choose a folder that you may write to"
+                       : errno == ENOENT ? "; make its folder first"
                        : errno == ENOSPC ? "; free some space"
                                          : "";
     return mukca_fail(error, MUKCA_INPUT, "%s: %s: %s%s", path, what, strerror(errno), hint);

@@ -97,10 +97,10 @@ static void draw_training(report_sheet *sheet, const mukca_report *r, int index)
         fprintf(
             s,
             "set yrange [*<%g:*]\nset arrow from graph 0, first %g to graph 1, first %g nohead "
-            "linecolor 'black' "
-            "dashtype 2\nset label 'repeatability' at graph 0.99, first %g right offset 0, 0.5\n",
+            "linecolor 'black' dashtype 2\nset label 'repeatability, %g mm' at graph 0.99, first "
+            "%g right offset 0, 0.5\n",
             0.5 * r->repeatability * mm, r->repeatability * mm, r->repeatability * mm,
-            r->repeatability * mm);
+            r->repeatability * mm, r->repeatability * mm);
     fputs("plot $d using 1:2 with linespoints lc rgb " PLOT_AFTER
           " pt 7 ps 0.5 title 'consistency, train', "
           "$d using 1:3 with linespoints lc rgb " PLOT_BEFORE
@@ -296,7 +296,7 @@ static void draw_bars(report_sheet *sheet, const mukca_report *r, int index)
     fprintf(
         s,
         ")\nset yrange [0.4:%g]\nset xrange [0:*]\nset xlabel 'mean error on the others, mm "
-        "(least to most)'\nset style fill solid 0.45 border\n"
+        "(bar: mean, line: best to worst)'\nset style fill solid 0.45 border\n"
         "set boxwidth 0.6\nplot $d using ($2/2):1:($2/2):(0.3) with boxxyerror lc rgb " PLOT_AFTER
         " notitle, $d using 2:1:3:4 with xerrorbars lc rgb 'black' pt 0 notitle\n",
         r->n_bars + 0.6);

@@ -147,7 +147,7 @@ void report_draw_joint(report_sheet *sheet, const mukca_report *r, int index)
                     "The part of each row's error along which the ball moves with %s, over the "
                     "joint's %s: %.3g mm rms after geometry",
                     e->name, turns ? "angle" : "position", residual);
-    if (r->joint_effect) report_describe(sheet, ", %.3g once the causes are modelled", left);
+    if (r->joint_effect) report_describe(sheet, ", %.3g mm once the causes are modelled", left);
     report_describe(sheet, ".");
 }
 

@@ -156,6 +156,7 @@ void report_put_verdict(FILE *out, const mukca_report *r)
 {
     const json_t *gap = json_object_get(r->diagnosis, "gap");
     bool held_out;
+    char of[24];
     const double nominal = mean_error(r->calibration, "mae_nominal_m", &held_out);
     const double calibrated = mean_error(r->calibration, "mae_m", &held_out);
     if (!json_is_true(json_object_get(r->calibration, "converged")))
@@ -166,15 +167,17 @@ void report_put_verdict(FILE *out, const mukca_report *r)
             out);
     if (r->diagnosis) say_verdict(out, r->diagnosis);
     fputs("<dl class=\"tiles\">\n", out);
-    tile(out, held_out ? "nominal, held out" : "nominal, on the training rows", nominal, mm, "mm");
-    tile(out, held_out ? "calibrated, held out" : "calibrated, on the training rows", calibrated,
-         mm, "mm");
-    tile(out, "left-out placements, geometry", report_real(gap, "geometry_m"), mm, "mm");
-    tile(out, "left-out placements, with the causes", report_real(gap, "explained_m"), mm, "mm");
+    tile(out, held_out ? "nominal, test data" : "nominal, training data", nominal, mm, "mm");
+    tile(out, held_out ? "calibrated, test data" : "calibrated, training data", calibrated, mm,
+         "mm");
+    tile(out, "cross-validated, geometry", report_real(gap, "geometry_m"), mm, "mm");
+    tile(out, "cross-validated, with the causes", report_real(gap, "explained_m"), mm, "mm");
     tile(out, "noise floor", report_real(gap, "noise_floor_m"), mm, "mm");
     tile(out, "rows", r->data->n_rows, 1, "");
     tile(out, "placements", r->data->n_placements, 1, "");
-    tile(out, "identifiable parameters", report_real(r->calibration, "rank"), 1, "");
+    snprintf(of, sizeof of, "of %zu",
+             json_array_size(json_object_get(r->calibration, "parameters")));
+    tile(out, "parameter directions seen", report_real(r->calibration, "rank"), 1, of);
     fputs("</dl>\n", out);
 }
 
@@ -210,7 +213,10 @@ void report_put_causes(FILE *out, const mukca_report *r)
                     json_number_value(json_array_get(ci, 1)) * factor);
         fputs("</td>", out);
         text_cell(out, unit);
-        cell(out, report_real(cause, "probability"), 1, 3);
+        if (report_real(cause, "probability") > 0.999)
+            fputs("<td class=\"n\">&gt; 0.999</td>", out);
+        else
+            cell(out, report_real(cause, "probability"), 1, 3);
         cell(out, report_real(held, "shrink_percent"), 1, 0);
         text_cell(out, kind >= 0 ? mukca_effect_table[kind].sentence : "");
         fputs("</tr>\n", out);
@@ -267,7 +273,7 @@ void report_put_placements(FILE *out, const mukca_report *r)
     const json_t *p;
     size_t i;
     begin_table(out, "Errors by placement, mm",
-                "placement|used for|#rows|#error nominal|#error calibrated|#spread nominal|#spread "
+                "placement|used for|#rows|#error nominal|#error calibrated|#rms nominal|#rms "
                 "calibrated|#distance error nominal|#distance error calibrated");
     for (int k = 0; k < 2; k++) {
         json_array_foreach(json_object_get(r->calibration, lists[k]), i, p)
@@ -317,7 +323,9 @@ void report_put_offsets(FILE *out, const mukca_report *r)
 {
     const json_t *p;
     size_t i;
-    begin_table(out, "Offsets: calibrated = nominal + offset, in the URDF's origins (m, rad)",
+    begin_table(out,
+                "Offsets: calibrated = nominal + offset, in the URDF's origins; no sigma: the rows "
+                "alone do not tell it",
                 "joint|parameter|unit|#nominal|#calibrated|#offset|#sigma|identifiable");
     json_array_foreach(json_object_get(r->calibration, "parameters"), i, p)
     {

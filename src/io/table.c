@@ -148,6 +148,9 @@ static mukca_status set_shape(mukca_table *t, mukca_error *error)
         return mukca_table_fail(
             error, t, -1, "columns are parted by ';': use tabs, or commas with decimal points");
     t->n_columns = count_cells(line, t->delimiter);
+    if (*line == '<') return mukca_table_fail(error, t, -1, "is XML or HTML, not a table of rows");
+    if (t->n_columns == 1 && line[strcspn(line, " ")])
+        return mukca_table_fail(error, t, -1, "columns are parted by blanks: use tabs or commas");
     if (t->n_columns > MOST_COLUMNS)
         return mukca_table_fail(error, t, -1, "has %d columns, more than any table here",
                                 t->n_columns);
@@ -262,5 +265,6 @@ mukca_status mukca_table_number(double *value, const mukca_table *t, int column,
     if (strchr(text, ',') && strspn(text, "+-0123456789,eE") == strlen(text))
         return mukca_table_fail(error, t, column, "'%.30s' has a decimal comma; write a point",
                                 text);
-    return mukca_table_fail(error, t, column, "'%.30s' is not a finite number", text);
+    return mukca_table_fail(error, t, column, "'%.30s' is not a finite number%s", text,
+                            t->header || t->row > 1 ? "" : "; this file has no header line");
 }

@@ -215,7 +215,7 @@ def keys():
         check("keys: a adds to it", until("row 2: placement left, socket 0"), screen)
         check("keys: the view counts", until("1 rows here, 2 in all"), screen)
         press("q")
-        check("keys: q finishes", until("next: mukca calibrate"), screen)
+        check("keys: q finishes", until("mukca calibrate --urdf"), screen)
         p.wait(10)
         check("keys: exit 0", p.returncode == 0, p.returncode)
         check("keys: the terminal is as it was", termios.tcgetattr(slave) == before)

@@ -156,6 +156,10 @@ static void help_wraps_and_names_everything(void **state)
     for (const cli_command *const *c = cli_commands; *c; c++) cli_print_command_help(file, *c);
     fclose(file);
     char *text = scratch_read(path);
+    for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n')
+        assert_in_range(strcspn(line, "\n"), 0, 80);
+    for (char *end; (end = strstr(text, " \\\n      ")) != NULL;) /* join broken examples */
+        memmove(end, end + 8, strlen(end + 8) + 1);
     for (const cli_command *const *c = cli_commands; *c; c++) {
         for (const char *line = (*c)->example; *line;
              line += strcspn(line, "\n"), line += *line == '\n') {

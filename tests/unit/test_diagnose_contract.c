@@ -218,7 +218,7 @@ static void noise_is_called_noise(void **state)
     json_decref(root);
     char *all = screen(&result);
     assert_part(all, "What geometry leaves is noise");
-    assert_part(all, "Seen would be a cause");
+    assert_part(all, "A cause would be seen");
     free(all);
     mukca_dataset_free(&data);
 }

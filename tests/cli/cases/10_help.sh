@@ -5,6 +5,12 @@ golden help_effects help effects
 refuse 2 "unknown command 'calibarte'; did you mean calibrate?" calibarte
 refuse 2 "unknown command 'zzz'; .mukca help. lists them" zzz
 refuse 2 "unknown command 'zzz'" help zzz
+refuse 2 "unknown command 'version'; did you mean --version?" version
+refuse 2 "unknown option '--verzion'; did you mean --version?" --verzion
+refuse 2 "unknown command 'effect'; did you mean help effects?" help effect
+refuse 2 "serve knows no command 'statsu'; did you mean status?" send statsu
+refuse 2 "no effect is called 'joint_complience'; did you mean joint_compliance?" diagnose --expect joint_complience x
+refuse 2 "no effect is called 'lag'" diagnose --without backlash,lag x
 refuse 2 "mukca fk: unknown option --urfd; did you mean --urdf?" fk --urfd x
 refuse 2 "mukca fk: --urdf needs FILE" fk --urdf
 refuse 2 "mukca fk: --urdf FILE is needed" fk
@@ -22,7 +28,8 @@ for command in $("$MUKCA" completion options | cut -f 1 | tail -n +2 | sort -u);
     run "$command" --help
     expect "$command --help is help $command" sh -c "'$MUKCA' help $command | cmp - '$scratch/out'"
     expect "help of $command ends in an example" \
-        sh -c "tail -n 1 '$scratch/out' | grep -q '^  .*mukca'"
+        sh -c "sed -n '/^Example:/,\$p' '$scratch/out' | sed -n 2p | grep -q '^  .*mukca'"
+    expect "help of $command fits 80 columns" sh -c "! grep -E '.{81}' '$scratch/out'"
 done
 "$MUKCA" completion bash >completion.bash
 expect "bash reads its completion" bash -n completion.bash
@@ -34,6 +41,14 @@ _mukca
 COMP_WORDS=(mukca export --format y) COMP_CWORD=3
 _mukca
 [ "${COMPREPLY[*]}" = yaml ] || exit 1
+for typed in "export -f :urdf yaml c mjcf" "help ef:effects" "send st:status start" \
+    "diagnose --expect backl:backlash" "diagnose ye:" "diagnose --urdf ye:"; do
+    IFS=" " read -ra words <<<"${typed%%:*}"
+    [[ ${typed%%:*} == *" " ]] && words+=("")
+    COMP_WORDS=(mukca "${words[@]}") COMP_CWORD=${#words[@]}
+    _mukca
+    [ "${COMPREPLY[*]}" = "${typed#*:}" ] || { echo "$typed: ${COMPREPLY[*]}"; exit 1; }
+done
 COMP_WORDS=(mukca ex) COMP_CWORD=1
 _mukca
 [ "${COMPREPLY[*]}" = export ]

@@ -109,7 +109,7 @@ rows 1 2 >bad/hole_0.csv
 rows 9 2 >bad/hole_1.csv
 run calibrate $a bad
 if [ $code -le 1 ] || [ $code -eq 5 ]; then
-    expect "few rows are told, with the rank" grep -qi 'rank\|tell apart\|identif' "$scratch/err"
+    expect "few rows are told, with the rank" grep -q 'numbers for .* parameters' "$scratch/err"
 else
     fail "few rows are told, with the rank" "exit $code: $(cat "$scratch/err")"
 fi
@@ -118,6 +118,11 @@ fi
 refuse 2 'distance 0: must be a number above 0' calibrate $a --distance 0 good -o new.tsv
 refuse 2 'distance -0.05: must be a number above 0' calibrate $a --distance -0.05 good
 refuse 2 'distance 50 looks like millimetres' calibrate $a --distance 50 good
+refuse 2 'distance 5 looks like centimetres' calibrate $a --distance 5 good
+refuse 2 'distance 50mm: must be a number above 0, in m' calibrate $a --distance 50mm good
+accept 'finds the sockets 495.6 mm off' calibrate $a --distance 0.5 good
+accept 'good/hole_0.csv is trained on and tested on' calibrate $a good --test good
+refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv
 printf 'socket_a\tsocket_b\tdistance_m\n0\t1\t0\n' >distances.tsv
 refuse 3 "distances.tsv:2: column 'distance_m': 0: a distance must be above 0" calibrate $a --distances distances.tsv good
 refuse 3 'nix.tsv: cannot read' calibrate $a --distances nix.tsv good
