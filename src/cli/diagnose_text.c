@@ -180,8 +180,8 @@ static void print_gap(FILE *stream, const cli_diagnosed *r)
     heading(stream, "Gap");
     put(&p, "Mean error");
     if (d->folds > 1 && isfinite(d->geometry_m))
-        put(&p, ", each %s in turn (a fold) predicted from the others", left_out);
-    put(&p, "%s:", d->n_causes ? "; [95 %]" : "");
+        put(&p, ", each %s left out in turn (a fold)", left_out);
+    put(&p, "%s:", d->n_causes ? "; 95 % in brackets" : "");
     print(stream, 2, &p);
     print_step(stream, "nominal model", d->nominal_m, "");
     print_step(stream, "geometry fitted", d->geometry_m, "");

@@ -316,7 +316,7 @@ static void say(plan_run *r)
         cli_say(r->call, "Places for the tool, best first (the later ones given the earlier):\n");
         for (int i = 0; i < r->n_places; i++) {
             const mukca_plan_place *at = &r->places[i];
-            cli_say(r->call, "  %d. at %.2f %.2f %.2f m, yaw %.2f rad: with %d rows there ", i + 1,
+            cli_say(r->call, "  %d. %.2f %.2f %.2f m, yaw %.2f rad; %d rows there: ", i + 1,
                     at->centre[0], at->centre[1], at->centre[2], at->yaw, o->rows);
             if (r->causes.n_effects > 0)
                 cli_say(r->call, "expected log Bayes factor %.1f\n", at->evidence);

@@ -44,11 +44,11 @@ static void show_errors(cli_call *call, const char *title, const mukca_pose_erro
         cli_say(call, "\n");
     }
     if (e[MUKCA_BEFORE].rotation.n == 0) return;
-    cli_say(call, "  orientation, mrad    |ex|: max, mean +- std    |ey|                  |ez|\n");
+    cli_say(call, "  orientation, mrad |ex|: max, mean +- std   |ey|                   |ez|\n");
     for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_BOTH) {
         cli_say(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
         for (int a = 0; a < 3; a++)
-            cli_say(call, " %7.3f, %6.3f +-%6.3f", 1e3 * e[s].rotation_axis[a].max,
+            cli_say(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation_axis[a].max,
                     1e3 * e[s].rotation_axis[a].mean,
                     1e3 * mukca_moments_std(&e[s].rotation_axis[a]));
         cli_say(call, "\n");

@@ -19,7 +19,7 @@ expect "a plan is a session file" "$MUKCA" evaluate -q --urdf "$demo/arm.urdf" p
 expect "its rows sit in the sockets" awk -F '\t' 'NR == 2 && $4 < 1e-6 && $8 < 1e-6 {good = 1} END {exit !good}' planned.tsv
 accept "expected log Bayes factor" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --rows 4 \
     --separate joint_compliance:joint_4=3e-5,link_bending:joint_3=2e-5 -o separated.tsv
-accept "2\. at .* expected error" plan --urdf "$demo/arm.urdf" --suggest 2 --rows 6 -o places.tsv
+accept "2\. .* m, yaw .* rad; .* expected error" plan --urdf "$demo/arm.urdf" --suggest 2 --rows 6 -o places.tsv
 run plan -q --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 2 --json -
 expect "plan --json - prints JSON alone" sh -c "grep -q '\"schema\": *\"mukca.plan/1\"' '$scratch/out' && ! grep -q '^#' '$scratch/out'"
 refuse 2 "repeatability" report --urdf "$demo/arm.urdf" "$demo/train.tsv" --repeatability -1 -o r.html
