@@ -114,7 +114,7 @@ refuses "too few rows" 5 "5 poses" "$mukca" recalibrate "${arm[@]}" "$dir/few.ts
 refuses "a cut-off last line" 3 "cut.tsv:" "$mukca" recalibrate "${arm[@]}" "$dir/cut.tsv"
 refuses "no poses at all" 3 "x_m" "$mukca" recalibrate "${arm[@]}" "$dir/joints.tsv"
 refuses "w last is told, and read" 0 "x y z w" "$mukca" recalibrate "${arm[@]}" "$dir/last.tsv"
-refuses "flipped signs do no harm" 0 "both  *0.0001  *0.0001" "$mukca" recalibrate "${arm[@]}" "$dir/sign.tsv"
+refuses "flipped signs do no harm" 0 "both  *0.000  *0.000" "$mukca" recalibrate "${arm[@]}" "$dir/sign.tsv"
 awk 'BEGIN { FS = OFS = "\t" } NR == 1 || $4 == 0' "$dir/plain.tsv" >"$dir/still.tsv"
 refuses "a joint that never moved" 0 "'joint_3' never moved" "$mukca" recalibrate "${arm[@]}" "$dir/still.tsv"
 "$mukca" simulate "${arm[@]}" --recipe sweeps --noise 1e-5 --rotation-noise 1e-5 -o "$dir/nominal.tsv" -q

@@ -11,7 +11,8 @@ os.makedirs(os.path.join(work, "build"))
 
 def example(command):
     text = subprocess.run([MUKCA, "help", command], capture_output=True, text=True).stdout
-    return [line.split() for line in text.split("Example:")[1].splitlines() if line.strip()]
+    text = text.split("Example:")[1].replace("\\\n", " ")
+    return [line.split() for line in text.splitlines() if line.strip()]
 
 
 def run(command):

@@ -161,8 +161,8 @@ def its_client(client, state):
     same = [(r[0], r[1], float(r[4])) for r in rows[1:]] == list(
         zip(direct.joint, direct.parameter, direct.calibrated))
     check("send result prints the table", answer.returncode == 0 and same, answer.stderr)
-    answer = send("dance")
-    check("send: the exit code is the command's", answer.returncode == 2 and "unknown verb" in
+    answer = send("delete", "x")
+    check("send: the exit code is the command's", answer.returncode == 2 and "too many arguments" in
           answer.stderr, answer.stderr)
     answer = send("socket", "1")
     check("send with an argument", answer.returncode == 0 and "socket 1" in answer.stderr, answer.stderr)
