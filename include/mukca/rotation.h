@@ -29,6 +29,9 @@ void mukca_rotation_exp(double R[9], const double w[3]);
 /* Rotation vector of R, |w| in [0, pi]; accurate near 0 and near pi. */
 void mukca_rotation_log(double w[3], const double R[9]);
 
+/* Angle of the rotation that takes A to B, rad, in [0, pi]. */
+double mukca_rotation_between(const double A[9], const double B[9]);
+
 /* R about a unit axis by angle (Rodrigues). */
 void mukca_rotation_about(double R[9], const double axis[3], double angle);
 

@@ -95,12 +95,6 @@ static void trace(void *context, const double *theta, const mukca_cost_value *va
     fputc('\n', t->stream);
 }
 
-static bool stop(void *context)
-{
-    (void)context;
-    return cli_interrupted();
-}
-
 static mukca_status check(cli_call *call)
 {
     const calibrate_options *o = call->options;
@@ -160,7 +154,7 @@ static mukca_status fit_data(cli_call *call, mukca_fit *fit, const cli_model *mo
                  .no_distortion = o->no_distortion,
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
         .solver = mukca_solver_table[o->solver],
-        .limits = {.stop = stop, .progress = trace, .context = &t}};
+        .limits = {.stop = cli_stop, .progress = trace, .context = &t}};
     if (o->trace) {
         t.scores = calloc((size_t)room + 1, sizeof *t.scores);
         status = t.scores ? mukca_output_open(&output, o->trace, call->common->force, &call->error)

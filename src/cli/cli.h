@@ -197,6 +197,10 @@ const char *cli_plain(FILE *stream);
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 
+/* Callbacks for the library's long runs; the context of the second is the call. */
+bool cli_stop(void *context);
+bool cli_show_progress(void *call, double share, const char *doing);
+
 /* ---- what commands share (common.c) ---- */
 
 /* The arm from --urdf, --base, --tip, --inertials, --gravity, --offsets. */

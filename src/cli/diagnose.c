@@ -60,18 +60,6 @@ static mukca_status disable(unsigned char *disabled, const char *list, mukca_err
     return MUKCA_OK;
 }
 
-static bool stop(void *context)
-{
-    (void)context;
-    return cli_interrupted();
-}
-
-static bool progress(void *context, double share, const char *doing)
-{
-    cli_progress(context, doing, share, 1);
-    return !cli_interrupted();
-}
-
 static mukca_status write_offsets(cli_call *call, const cli_diagnosed *r, bool free_base)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -135,7 +123,7 @@ static mukca_status run(cli_call *call)
                                         .free_base = o->free_base,
                                         .free_tool = o->free_tool,
                                         .applied = call->common->output != NULL,
-                                        .progress = progress,
+                                        .progress = cli_show_progress,
                                         .progress_context = call};
     status = mukca_diagnose(d, &model.chain, &data, &how, &call->error);
     if (status != MUKCA_OK) goto out;
@@ -145,7 +133,7 @@ static mukca_status run(cli_call *call)
                                   .test = o->test.n ? &test : NULL,
                                   .next = next,
                                   .kept = call->common->output != NULL};
-    status = mukca_next_poses_choose(next, d, &model.chain, &data, stop, &call->error);
+    status = mukca_next_poses_choose(next, d, &model.chain, &data, cli_stop, &call->error);
     if (status == MUKCA_OK) status = write_offsets(call, &result, o->free_base && data.position);
     if (status == MUKCA_OK && call->common->json)
         status = cli_write_json(call, cli_diagnosis_json(&result));

@@ -70,21 +70,9 @@ typedef struct {
     mukca_plan_place places[MUKCA_PLAN_MAX_SOCKETS / 2];
 } plan_run;
 
-static bool stop(void *context)
-{
-    (void)context;
-    return cli_interrupted();
-}
-
 static void progress(void *context, double share)
 {
     cli_progress(context, "trying poses", share, 1);
-}
-
-static bool diagnosing(void *context, double share, const char *doing)
-{
-    cli_progress(context, doing, share, 1);
-    return !cli_interrupted();
 }
 
 static mukca_status check(cli_call *call)
@@ -183,7 +171,7 @@ static mukca_status gather_causes(plan_run *r)
                             "--separate: a fault of the recording is settled by recording again");
     if (status != MUKCA_OK || !o->settle) return status;
     const mukca_diagnose_options how = {
-        .no_folds = true, .progress = diagnosing, .progress_context = r->call};
+        .no_folds = true, .progress = cli_show_progress, .progress_context = r->call};
     status = mukca_diagnose(&r->diagnosis, &r->model.chain, &r->data, &how, error);
     if (status != MUKCA_OK) return status;
     if (!mukca_next_poses_tie(c->effects, &r->diagnosis))
@@ -213,7 +201,7 @@ static mukca_status plan(plan_run *r)
                                   .clearance = isnan(o->clearance) ? 0
                                                : o->clearance != 0 ? o->clearance
                                                                    : 1e-9,
-                                  .stop = stop,
+                                  .stop = cli_stop,
                                   .progress = progress,
                                   .context = r->call};
     mukca_status status = gather_causes(r);

@@ -75,18 +75,6 @@ static void watch(void *context, const double *theta, const mukca_cost_value *va
                     r->scores);
 }
 
-static bool stop(void *context)
-{
-    (void)context;
-    return cli_interrupted();
-}
-
-static bool progress(void *context, double share, const char *doing)
-{
-    cli_progress(context, doing, share, 1);
-    return !cli_interrupted();
-}
-
 /* Fit, or take the table of --offsets; then score and describe. */
 static mukca_status calibrate(report_run *r)
 {
@@ -98,7 +86,7 @@ static mukca_status calibrate(report_run *r)
     const mukca_fit_options how = {.free_base = o->free_base,
                                    .free_tool = o->free_tool,
                                    .solver = mukca_solver_table[0],
-                                   .limits = {.stop = stop, .progress = watch, .context = r}};
+                                   .limits = {.stop = cli_stop, .progress = watch, .context = r}};
     mukca_status status = MUKCA_OK;
     r->scores = MUKCA_TAKE(&r->pool, mukca_score, room);
     if (!r->scores) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
@@ -136,14 +124,14 @@ static mukca_status diagnose(report_run *r)
                                         .free_base = o->free_base,
                                         .free_tool = o->free_tool,
                                         .applied = true,
-                                        .progress = progress,
+                                        .progress = cli_show_progress,
                                         .progress_context = r->call};
     mukca_status status =
         mukca_diagnose(&r->diagnosis, &r->model.chain, &r->train, &how, &r->call->error);
     if (status != MUKCA_OK) return status;
     mukca_next_poses *next = MUKCA_TAKE(&r->pool, mukca_next_poses, 1);
     if (!next) return mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory");
-    status = mukca_next_poses_choose(next, &r->diagnosis, &r->model.chain, &r->train, stop,
+    status = mukca_next_poses_choose(next, &r->diagnosis, &r->model.chain, &r->train, cli_stop,
                                      &r->call->error);
     if (status != MUKCA_OK) return status;
     const cli_diagnosed result = {.diagnosis = &r->diagnosis,

@@ -109,3 +109,15 @@ bool cli_interrupted(void)
 {
     return interrupted != 0;
 }
+
+bool cli_stop(void *context)
+{
+    (void)context;
+    return cli_interrupted();
+}
+
+bool cli_show_progress(void *call, double share, const char *doing)
+{
+    cli_progress(call, doing, share, 1);
+    return !cli_interrupted();
+}

@@ -38,15 +38,6 @@ static double distance(const double *a, const double *b)
                 (a[2] - b[2]) * (a[2] - b[2]));
 }
 
-static double angle_between(const double A[9], const double B[9])
-{
-    double off[9], w[3];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) off[3 * i + j] = mukca_dot3(A + 3 * i, B + 3 * j);
-    mukca_rotation_log(w, off);
-    return sqrt(mukca_dot3(w, w));
-}
-
 static mukca_status check_urdf(mukca_export_difference *d, const char *path,
                                const mukca_export_input *input, mukca_error *error)
 {
@@ -65,8 +56,8 @@ static mukca_status check_urdf(mukca_export_difference *d, const char *path,
         mukca_export_origin(xyz, rpy, quaternion, input, k);
         mukca_rotation_from_rpy(R, rpy);
         mukca_rotation_from_rpy(S, chain->element[at].rpy);
-        note_difference(d, distance(xyz, chain->element[at].xyz), angle_between(R, S), wanted->name,
-                        "");
+        note_difference(d, distance(xyz, chain->element[at].xyz), mukca_rotation_between(R, S),
+                        wanted->name, "");
     }
     free(chain);
     return status;
@@ -109,7 +100,7 @@ static void check_body(mukca_export_difference *d, xmlNode *found, xmlNode *want
             p[i][0] = (double)NAN;
         mukca_rotation_from_quaternion(R[i], q[i]);
     }
-    note_difference(d, distance(p[0], p[1]), angle_between(R[0], R[1]), name, "pos, quat");
+    note_difference(d, distance(p[0], p[1]), mukca_rotation_between(R[0], R[1]), name, "pos, quat");
 }
 
 static void check_joint(mukca_export_difference *d, xmlNode *found, xmlNode *wanted,

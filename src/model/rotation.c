@@ -103,6 +103,15 @@ void mukca_rotation_log(double w[3], const double R[9])
     for (int i = 0; i < 3; i++) w[i] = scale * q[1 + i];
 }
 
+double mukca_rotation_between(const double A[9], const double B[9])
+{
+    double off[9], w[3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) off[3 * i + j] = mukca_dot3(A + 3 * i, B + 3 * j);
+    mukca_rotation_log(w, off);
+    return sqrt(mukca_dot3(w, w));
+}
+
 void mukca_rotation_about(double R[9], const double axis[3], double angle)
 {
     const double w[3] = {axis[0] * angle, axis[1] * angle, axis[2] * angle};

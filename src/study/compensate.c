@@ -70,15 +70,6 @@ static mukca_compensation outcome(const mukca_inverse_result *found)
                                 .rotation_error = found->rotation_error};
 }
 
-static double angle_between(const double A[9], const double B[9])
-{
-    double off[9], w[3];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) off[3 * i + j] = mukca_dot3(A + 3 * i, B + 3 * j);
-    mukca_rotation_log(w, off);
-    return sqrt(mukca_dot3(w, w));
-}
-
 mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
                                            const mukca_joint_state *state)
 {
@@ -98,7 +89,7 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     double d[3];
     for (int i = 0; i < 3; i++) d[i] = uncorrected.p[i] - target.p[i];
     result.position_before = sqrt(mukca_dot3(d, d));
-    result.rotation_before = c->position_only ? 0 : angle_between(uncorrected.R, target.R);
+    result.rotation_before = c->position_only ? 0 : mukca_rotation_between(uncorrected.R, target.R);
     for (int j = 0; j < n; j++) {
         correction[j] = q[j] - meant[j];
         before[j] = c->sent[j] - c->target[j];

@@ -70,16 +70,6 @@ static double distance(const double a[3], const double b[3])
                 (a[2] - b[2]) * (a[2] - b[2]));
 }
 
-static double angle_between(const double A[9], const double B[9])
-{
-    double back[9], off[9], w[3];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) back[3 * i + j] = A[3 * j + i];
-    mukca_mat3_mul(off, back, B);
-    mukca_rotation_log(w, off);
-    return sqrt(mukca_dot3(w, w));
-}
-
 static double position_median(preview *p)
 {
     for (int i = 0; i < p->n; i++) p->work[i] = distance(p->nominal[i].p, p->measured[i].p);
@@ -90,7 +80,7 @@ static double rotation_median(preview *p)
 {
     int n = 0;
     for (int i = 0; i < p->n; i++)
-        if (turned(p, i)) p->work[n++] = angle_between(p->nominal[i].R, p->measured[i].R);
+        if (turned(p, i)) p->work[n++] = mukca_rotation_between(p->nominal[i].R, p->measured[i].R);
     return mukca_stats_median(p->work, n);
 }
 
@@ -102,7 +92,8 @@ static double step_median(preview *p, bool rotations)
         const mukca_frame *a = &p->nominal[i - 1], *b = &p->nominal[i];
         const mukca_frame *c = &p->measured[i - 1], *d = &p->measured[i];
         if (rotations && turned(p, i) && turned(p, i - 1))
-            p->work[n++] = fabs(angle_between(a->R, b->R) - angle_between(c->R, d->R));
+            p->work[n++] =
+                fabs(mukca_rotation_between(a->R, b->R) - mukca_rotation_between(c->R, d->R));
         else if (!rotations)
             p->work[n++] = fabs(distance(a->p, b->p) - distance(c->p, d->p));
     }

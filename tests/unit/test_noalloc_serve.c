@@ -15,40 +15,7 @@
 #include "io/lcm_log.h"
 #include "io/lcm_type.h"
 #include "io/urdf.h"
-
-static long calls;
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void __real_free(void *memory);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-void __wrap_free(void *memory);
-
-void *__wrap_malloc(size_t size)
-{
-    calls++;
-    return __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-    calls++;
-    return __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-    calls++;
-    return __real_realloc(memory, size);
-}
-
-void __wrap_free(void *memory)
-{
-    __real_free(memory);
-}
+#include "noalloc.h"
 
 static char folder[] = "/tmp/mukca_test_serve_XXXXXX";
 static char urdf[] = "data/demo/arm.urdf";
