@@ -3,7 +3,8 @@
 # Sources are found by wildcard: src/*/*.c make the program, tests/unit/test_*.c one cmocka program
 # each, tests/*.sh and tests/*/run.sh the script tests of `make check` (MUKCA and BUILD are in their
 # environment; they print `ok NAME` or `not ok NAME` lines, and exit 77 when skipped).
-# Objects lie in $(BUILD); `make BUILD=build/x CFLAGS=...` builds a variant beside the usual one.
+# Objects lie in $(BUILD); `make BUILD=build/x CFLAGS=...` builds a variant beside the usual one;
+# `make V=1` shows the commands in full.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -62,6 +63,8 @@ $(BUILD)/config.mk: tools/deps tools/config
 	@tools/deps $(if $(filter demo check,$(MAKECMDGOALS)),,--check)
 	@tools/config > $@.new && mv $@.new $@
 
+quietly = $(if $(V),,@echo '  $(1)'; )
+
 # ---- targets -------------------------------------------------------------------------------------
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
@@ -75,10 +78,10 @@ core: $(CORE) ## build/libmukca_core.a: plain C11 and libm only, cross-compiles 
 
 $(CORE): $(CORE_OBJ)
 	@rm -f $@
-	$(AR) rcsD $@ $^
+	$(call quietly,AR $@)$(AR) rcsD $@ $^
 
 $(BUILD)/mukca: $(CLI_OBJ) $(REST_OBJ) $(CORE)
-	$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm
+	$(call quietly,LD $@)$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm
 
 # A changed compiler or flag rebuilds everything.
 $(BUILD)/flags: FORCE
@@ -89,30 +92,30 @@ $(BUILD)/flags: FORCE
 $(CORE_OBJ): LIB_CFLAGS :=
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(C_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+	$(call quietly,CC $<)$(CC) $(C_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 $(BUILD)/obj/%.o: %.cc $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CXX) $(CXX_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) -c -o $@ $<
+	$(call quietly,CXX $<)$(CXX) $(CXX_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) -c -o $@ $<
 
 # Tests of "kernels allocate nothing" count the calls of a wrapped malloc.
 $(BUILD)/tests/test_noalloc%: LD_FLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/unit/%.o $(CLI_LIB) $(REST_OBJ) $(CORE)
 	@mkdir -p $(@D)
-	$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lcmocka -lm
+	$(call quietly,LD $@)$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lcmocka -lm
 
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tools/bench/%.o $(REST_OBJ) $(CORE)
 	@mkdir -p $(@D)
-	$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm
+	$(call quietly,LD $@)$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm
 
 # Examples show the core library to others: nothing but it and libm.
 $(EXAMPLES): $(BUILD)/examples/%: $(BUILD)/obj/tools/%.o $(CORE)
 	@mkdir -p $(@D)
-	$(CC) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ -lm
+	$(call quietly,LD $@)$(CC) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ -lm
 
 $(FUZZERS): $(BUILD)/fuzzers/%: $(BUILD)/obj/tests/fuzz/%.o $(CLI_LIB) $(REST_OBJ) $(CORE)
 	@mkdir -p $(@D)
-	$(CXX) $(LD_FLAGS) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS) -lm
+	$(call quietly,LD $@)$(CXX) $(LD_FLAGS) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS) -lm
 
 TEST_ENVIRONMENT := MUKCA=$(abspath $(BUILD))/mukca BUILD=$(abspath $(BUILD)) LC_ALL=C.UTF-8 \
     PYTHONDONTWRITEBYTECODE=1
