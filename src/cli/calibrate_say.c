@@ -103,7 +103,7 @@ static void say_identifiability(cli_call *call, const mukca_fit *fit)
         say_alone(call, fit, alone);
     }
     if (singles < hidden) {
-        cli_say(call, "  seen only together:\n");
+        cli_say(call, "  seen only together (a~b: a combination of a and b):\n");
         say_together(call, fit);
     }
 }

@@ -142,6 +142,7 @@ void cli_recalibrate_show(cli_call *call, const cli_recalibrated *r)
         if (r->test) show_errors(call, "test", r->test[m], f->has_angles);
         show_unknowns(call, f, &r->arm);
     }
+    if (!call->common->output) cli_say(call, "-o offsets.tsv keeps the result.\n");
 }
 
 /* ---- JSON ---- */

@@ -49,7 +49,7 @@ void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
     size_t i;
     n = add_rung(rungs, n, ROOM, "nominal model", report_real(gap, "nominal_m"));
     n = add_rung(rungs, n, ROOM, "calibrated geometry", geometry);
-    if (fabs(excused - geometry) > 0.002 * geometry)
+    if (json_array_size(json_object_get(r->diagnosis, "data_faults")) > 0)
         n = add_rung(rungs, n, ROOM, "faulty rows excused", excused);
     json_array_foreach(causes, i, cause)
     {

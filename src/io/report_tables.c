@@ -230,12 +230,13 @@ void report_put_causes(FILE *out, const mukca_report *r)
             char left[160], right[160];
             if (!any)
                 begin_table(out, "Ties: causes that these data tell apart badly",
-                            "cause|or|#log Bayes factor|#correlation");
+                            "cause|#log Bayes factor|or|#log Bayes factor|#correlation");
             any = true;
             report_name_cause(left, sizeof left, cause);
             report_name_cause(right, sizeof right, tie);
             fputs("<tr>", out);
             text_cell(out, left);
+            cell(out, report_real(cause, "log_bayes_factor"), 1, 1);
             text_cell(out, right);
             cell(out, report_real(tie, "log_bayes_factor"), 1, 1);
             cell(out, report_real(tie, "correlation"), 1, 2);

@@ -17,6 +17,13 @@ golden fk_offsets fk --urdf arm.urdf --offsets offsets.tsv zero.csv
 golden export_urdf export --urdf arm.urdf --offsets offsets.tsv
 golden export_yaml export --urdf arm.urdf --offsets offsets.tsv --format yaml
 golden export_c export --urdf arm.urdf --offsets offsets.tsv --format c
+run export --urdf arm.urdf --offsets offsets.tsv --format yaml
+"$MUKCA" export --urdf arm.urdf --offsets offsets.tsv -o ending.yaml
+expect "the file's ending means a format" cmp "$scratch/out" ending.yaml
+run compensate --urdf arm.urdf --offsets offsets.tsv --json - zero.csv
+expect "compensate --json - prints JSON alone" \
+    sh -c "grep -q '\"schema\": *\"mukca.compensate/1\"' '$scratch/out' && ! grep -q error_before_m '$scratch/out'"
+accept "no --offsets" compensate --urdf arm.urdf zero.csv
 run export --urdf arm.urdf
 expect "an export without offsets changes no byte" cmp "$scratch/out" arm.urdf
 

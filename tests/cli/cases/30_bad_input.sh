@@ -121,6 +121,7 @@ refuse 2 'distance 50 looks like millimetres' calibrate $a --distance 50 good
 refuse 2 'distance 5 looks like centimetres' calibrate $a --distance 5 good
 refuse 2 'distance 50mm: must be a number above 0, in m' calibrate $a --distance 50mm good
 accept 'finds the sockets 495.6 mm off' calibrate $a --distance 0.5 good
+accept 'do not use this result: the rows do not fit this arm' calibrate $a --distance 0.5 good
 accept 'good/hole_0.csv is trained on and tested on' calibrate $a good --test good
 refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv
 printf 'socket_a\tsocket_b\tdistance_m\n0\t1\t0\n' >distances.tsv

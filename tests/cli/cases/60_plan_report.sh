@@ -14,6 +14,7 @@ refuse 3 "placement far: no pose was found" plan --urdf "$demo/arm.urdf" --place
 refuse 1 "ties no causes" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --settle
 accept "12 poses in 2 sockets, beside 0 recorded rows" \
     plan --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 12 -o plan.tsv
+expect "a plan tells its unit" grep -q '^# .*joints in rad' plan.tsv
 expect "a plan is a session file" "$MUKCA" evaluate -q --urdf "$demo/arm.urdf" plan.tsv -o planned.tsv
 # every planned row puts the nominal ball into its socket: 50 mm apart, no spread
 expect "its rows sit in the sockets" awk -F '\t' 'NR == 2 && $4 < 1e-6 && $8 < 1e-6 {good = 1} END {exit !good}' planned.tsv
