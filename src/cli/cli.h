@@ -103,7 +103,7 @@ typedef struct {
     CLI_COMMON(force, 0, CLI_FLAG, NULL, "overwrite existing files, accept another arm's offsets")
 #define CLI_TALK_OPTIONS                                                                \
     CLI_COMMON(quiet, 'q', CLI_FLAG, NULL, "say nothing but errors on standard error"), \
-        CLI_COMMON(verbose, 'v', CLI_FLAG, NULL, "say more on standard error")
+        CLI_COMMON(verbose, 'v', CLI_FLAG, NULL, "tell what was read, and the time taken")
 #define CLI_END_OPTIONS                        \
     {                                          \
         NULL, 0, CLI_FLAG, NULL, NULL, NULL, 0 \

@@ -18,6 +18,10 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     mukca_status status =
         mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
     if (status) return status;
+    if (c->verbose)
+        cli_tell(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...", c->urdf,
+                 model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,
+                 model->chain.n_masses, model->chain.urdf_sha256);
     if (c->offsets)
         status = mukca_offsets_read(&model->offsets, &model->chain, c->offsets, c->force, cli_note,
                                     call, &call->error);
@@ -37,8 +41,14 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
                           "--distance %g looks like %s; give m, as in 0.05", c->distance,
                           c->distance > 10 ? "millimetres" : "centimetres");
     const mukca_dataset_options options = {.distance = c->distance, .distances = c->distances};
-    return mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, cli_note, call,
-                              &call->error);
+    const mukca_status status = mukca_dataset_load(data, &model->chain, paths->items, paths->n,
+                                                   &options, cli_note, call, &call->error);
+    for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {
+        int rows = 0;
+        for (int i = 0; i < data->n_rows; i++) rows += data->file[i] == f;
+        cli_tell(call, "%s: %d rows", data->files[f], rows);
+    }
+    return status;
 }
 
 mukca_status cli_check_effects(cli_call *call, const cli_model *model)

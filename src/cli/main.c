@@ -52,6 +52,8 @@ static mukca_status run_command(const cli_command *command, int argc, char **arg
         cli_print_command_help(stdout, command);
     else if (status == MUKCA_OK)
         status = command->run(&call);
+    if (call.common && call.common->verbose)
+        cli_say(&call, "%s took %.3g s\n", command->name, cli_elapsed(&call));
     if (status != MUKCA_OK && cli_interrupted()) {
         if (status != MUKCA_INTERRUPTED || !call.error.text[0])
             snprintf(call.error.text, sizeof call.error.text, "interrupted; nothing was written");
