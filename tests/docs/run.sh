@@ -62,8 +62,7 @@ for page in README.md mukca-formats.5; do
             sed 's/\\-/-/g' $page | grep -q "$effect" || echo "$effect"; done)"
 done
 for page in mukca.1 mukca-formats.5; do
-    check "man reads $page without a complaint" \
-        "$(if command -v groff >/dev/null; then groff -man -Tutf8 -ww -z $page 2>&1; fi)"
+    check "man reads $page without a complaint" "$(groff -man -Tutf8 -ww -z $page 2>&1)"
     check "$page fits 80 columns" \
         "$(if command -v groff >/dev/null; then groff -man -Tascii -P-cbou -rLL=78n $page 2>/dev/null | grep -E '.{81}'; fi)"
 done
