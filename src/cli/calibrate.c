@@ -211,7 +211,7 @@ static mukca_status run(cli_call *call)
     status = check(call);
     if (status == MUKCA_OK) status = cli_load_model(call, model);
     if (status == MUKCA_OK) status = cli_load_data(call, &train, model, &call->arguments);
-    if (status == MUKCA_OK && o->test.n > 0) status = cli_load_data(call, &test, model, &o->test);
+    if (status == MUKCA_OK) status = cli_load_test(call, &test, model, &o->test, &train);
     if (status == MUKCA_OK) status = check_alive(call, &train);
     if (status == MUKCA_OK) status = fit_data(call, fit, model, &train, &test);
     if (status == MUKCA_OK && fit->identification.rank == 0)

@@ -7,6 +7,9 @@
 /* Beyond this scatter per axis, m, the rows are not those of this arm (as diagnose has it). */
 static const double foreign = 10e-3;
 
+/* Nor is a nominal arm that is so far off, m. */
+static const double far_off = 0.1;
+
 /* A coefficient smaller than this beside the 1 of its direction is not worth a word. */
 static const double worth = 0.05;
 
@@ -126,8 +129,18 @@ static void say_warnings(cli_call *call, const calibrate_result *r)
     if (!enough_rows(fit))
         cli_tell(call, "warning: %d rows give %d numbers for %d parameters", r->train->n_rows,
                  fit->n_measured, fit->parameters.n);
-    if (!call->common->distances && nominal->distance_error > 0.2 * distance &&
-        nominal->distance_error > nominal->mae)
+    if (r->train->n_sockets > 0 && fit->chain.element[fit->chain.n_elements - 1].joint >= 0)
+        cli_tell(call,
+                 "warning: no fixed joint ends the chain at %s, so the ball's place is not fitted: "
+                 "add it to the URDF as ball_link",
+                 fit->chain.tip);
+    if (nominal->mae > far_off)
+        cli_tell(call,
+                 "warning: the nominal arm is %.0f mm off: check the URDF's units (m, rad) and the "
+                 "order of the columns",
+                 1e3 * nominal->mae);
+    else if (!call->common->distances && nominal->distance_error > 0.2 * distance &&
+             nominal->distance_error > nominal->mae)
         cli_tell(call,
                  "warning: the nominal arm finds the sockets %.1f mm off their --distance of %.1f "
                  "mm: measure the tool again",
@@ -141,11 +154,6 @@ static void say_warnings(cli_call *call, const calibrate_result *r)
                      "it",
                      1e3 * poses->mae);
     }
-    for (int t = 0; t < r->test->n_files; t++)
-        for (int k = 0; k < r->train->n_files; k++)
-            if (strcmp(r->test->files[t], r->train->files[k]) == 0)
-                cli_tell(call, "warning: %s is trained on and tested on: that test proves nothing",
-                         r->test->files[t]);
     if (r->test_scores.n > 0 &&
         r->test_scores.calibrated_mean.mae > r->test_scores.nominal_mean.mae)
         cli_tell(call, "warning: on the test data the calibrated model is worse than the nominal");
@@ -171,8 +179,8 @@ static void say_next(cli_call *call, const calibrate_result *r)
         cli_tell(call, "Next: move the tool and record it in two or three more places.");
     else if (r->test_scores.n == 0)
         cli_tell(call,
-                 "Next: see whether it holds elsewhere: record another placement, give it as "
-                 "--test DATA.");
+                 "Next: see whether it holds elsewhere: `mukca evaluate --matrix` with these data, "
+                 "or --test with another placement's.");
     else if (test > 1.5 * train)
         cli_tell(call,
                  "Next: the test error is %.1f times the training error: train on more "

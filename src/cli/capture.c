@@ -127,7 +127,7 @@ static void draw_view(session *s)
     if (isnan(r->advice.expected))
         draw(s, width, "accuracy     nothing to expect yet");
     else
-        draw(s, width, "accuracy     %.2f mm to expect, %.2f mm with ten more rows here%s",
+        draw(s, width, "accuracy     %.2f mm expected, %.2f mm with ten more rows here%s",
              1e3 * r->advice.expected, 1e3 * r->advice.expected_more,
              r->advice.more_rows_help ? "" : ": go on elsewhere");
     draw_coverage(s, width);

@@ -218,6 +218,13 @@ mukca_status cli_load_model(cli_call *call, cli_model *model);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
+/* Read held-out DATA alike, none where there are no paths; a file of `train` among them is told. */
+mukca_status cli_load_test(cli_call *call, mukca_dataset *test, const cli_model *model,
+                           const cli_list *paths, const mukca_dataset *train);
+
+/* The positional arguments; without any standard input, which a person at a terminal is told. */
+cli_list cli_inputs(cli_call *call);
+
 /* For commands that apply the effects of --offsets: are the masses there that they need?  Errors:
  * MUKCA_INPUT. */
 mukca_status cli_check_effects(cli_call *call, const cli_model *model);

@@ -152,9 +152,9 @@ static void say(cli_call *call, const tally *t, bool poses)
         cli_say(call, "%ld rows: error %.6f mm mean, %.6f mm at most\n", t->rows,
                 1e3 * t->after.mean, 1e3 * t->after.max);
     else
-        cli_say(call, "%ld rows: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
-                t->rows, 1e3 * t->before.mean, 1e3 * t->before.max, 1e3 * t->after.mean,
-                1e3 * t->after.max);
+        cli_say(call, "%ld row%s: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
+                t->rows, t->rows == 1 ? "" : "s", 1e3 * t->before.mean, 1e3 * t->before.max,
+                1e3 * t->after.mean, 1e3 * t->after.max);
     for (int r = 1; r < MUKCA_REACH_COUNT; r++)
         if (t->count[r] > 0)
             cli_say(call, "%ld rows '%s': %s\n", t->count[r], mukca_reach_text[r],
@@ -177,8 +177,6 @@ static mukca_status run(cli_call *call)
 {
     const compensate_options *o = call->options;
     const cli_common *c = call->common;
-    static const char *standard[] = {"-"};
-    const cli_list input = call->arguments.n ? call->arguments : (cli_list){standard, 1};
     cli_model *model = calloc(1, sizeof *model);
     mukca_corrected *arm = calloc(1, sizeof *arm);
     mukca_output output = {0};
@@ -200,6 +198,7 @@ static mukca_status run(cli_call *call)
                                : c->output   ? c->output
                                              : "-",
                                c->force, &call->error);
+    const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
         status = o->poses ? from_poses(call, output.stream, &t, arm, input.items[i], i == 0)
                           : from_joints(call, output.stream, &t, arm, input.items[i], i == 0);

@@ -110,7 +110,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_load_model(call, &model);
     if (status == MUKCA_OK) status = cli_load_data(call, &data, &model, &call->arguments);
-    if (status == MUKCA_OK && o->test.n) status = cli_load_data(call, &test, &model, &o->test);
+    if (status == MUKCA_OK) status = cli_load_test(call, &test, &model, &o->test, &data);
     if (status != MUKCA_OK) goto out;
     d = MUKCA_TAKE(&pool, mukca_diagnosis, 1);
     next = MUKCA_TAKE(&pool, mukca_next_poses, 1);

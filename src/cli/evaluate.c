@@ -143,12 +143,13 @@ static mukca_status matrix_rows(cli_call *call, const matrix *m)
             }
     }
     static const char *const names[3] = {"one placement", "two", "all"};
-    cli_say(call, "Mean error on what was not trained on:");
+    const char *before = "Mean error elsewhere, trained on";
     for (int i = 0; i < 3; i++) {
         char text[24];
         if (have[i] == 0) continue;
         cli_millimetres(text, sums[i] / have[i]);
-        cli_say(call, " %s trained on %s;", text, names[i]);
+        cli_say(call, "%s %s: %s", before, names[i], text);
+        before = ", on";
     }
     cli_say(call, "\n");
     return MUKCA_OK;

@@ -1,6 +1,7 @@
 /* The arm and the data that the common options name. */
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/cli.h"
 #include "io/dataset_load.h"
@@ -49,6 +50,31 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
         cli_tell(call, "%s: %d rows", data->files[f], rows);
     }
     return status;
+}
+
+mukca_status cli_load_test(cli_call *call, mukca_dataset *test, const cli_model *model,
+                           const cli_list *paths, const mukca_dataset *train)
+{
+    if (paths->n == 0) return MUKCA_OK;
+    const mukca_status status = cli_load_data(call, test, model, paths);
+    for (int t = 0; t < test->n_files && status == MUKCA_OK; t++)
+        for (int k = 0; k < train->n_files; k++) {
+            char text[640];
+            if (strcmp(test->files[t], train->files[k]) != 0) continue;
+            snprintf(text, sizeof text, "%s is trained on and tested on: that test proves nothing",
+                     test->files[t]);
+            cli_note(call, text);
+        }
+    return status;
+}
+
+cli_list cli_inputs(cli_call *call)
+{
+    static const char *standard[] = {"-"};
+    if (call->arguments.n) return call->arguments;
+    if (isatty(STDIN_FILENO))
+        cli_note(call, "rows are read from standard input, to its end (Ctrl-D)");
+    return (cli_list){standard, 1};
 }
 
 mukca_status cli_check_effects(cli_call *call, const cli_model *model)

@@ -64,12 +64,13 @@ static bool angular(mukca_unknown_kind kind)
 static void show_unknowns(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
 {
     char text[MUKCA_UNKNOWN_TEXT];
-    cli_say(call, "offsets (rank %d of %d)\n", f->rank, f->n);
+    cli_say(call, "offsets (rank %d of %d; not alone: told only in combination with others)\n",
+            f->rank, f->n);
     for (int u = 0; u < f->n; u++) {
         mukca_unknown_text(text, &f->unknown[u], arm);
         cli_say(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
                 1e3 * f->sigma[u], angular(f->unknown[u].kind) ? "mrad" : "mm",
-                f->identifiable[u] ? "" : "  (not identifiable alone)");
+                f->identifiable[u] ? "" : "  (not alone)");
     }
     if (f->n_null > 0)
         cli_say(call, "these data cannot tell (any multiple may be added; the least was taken)\n");

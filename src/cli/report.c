@@ -266,8 +266,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_load_model(call, &r->model);
     if (status == MUKCA_OK) status = cli_check_effects(call, &r->model);
     if (status == MUKCA_OK) status = cli_load_data(call, &r->train, &r->model, &call->arguments);
-    if (status == MUKCA_OK && o->test.n > 0)
-        status = cli_load_data(call, &r->test, &r->model, &o->test);
+    if (status == MUKCA_OK) status = cli_load_test(call, &r->test, &r->model, &o->test, &r->train);
     if (status == MUKCA_OK) status = prepare(r);
     if (status != MUKCA_OK) goto out;
     FILE *line = open_memstream(&command, &size);

@@ -120,7 +120,10 @@ refuse 2 'distance -0.05: must be a number above 0' calibrate $a --distance -0.0
 refuse 2 'distance 50 looks like millimetres' calibrate $a --distance 50 good
 refuse 2 'distance 5 looks like centimetres' calibrate $a --distance 5 good
 refuse 2 'distance 50mm: must be a number above 0, in m' calibrate $a --distance 50mm good
-accept 'finds the sockets 495.6 mm off' calibrate $a --distance 0.5 good
+run simulate $a --seed 1 --rows 20 --placements 2 -o sim.tsv
+accept 'finds the sockets 30.0 mm off their --distance of 20.0' calibrate $a --distance 0.02 sim.tsv
+accept 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
+accept 'nominal arm is [0-9]* mm off: check the URDF' calibrate $a --distance 0.5 --tip hand good
 accept 'do not use this result: the rows do not fit this arm' calibrate $a --distance 0.5 good
 accept 'good/hole_0.csv is trained on and tested on' calibrate $a good --test good
 refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv
