@@ -49,7 +49,7 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
     const mukca_effect_info *info = &mukca_effect_table[c->effect.kind];
     const bool of_command = c->effect.kind == MUKCA_EFFECT_READBACK_LAG && c->effect.variant;
     return json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:o, s:o, s:o}", "effect",
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:o, s:o, s:b, s:o}", "effect",
         info->name, "joint", joint_name(chain, c->effect.joint), "placement",
         placement_name(data, c->effect.placement), "socket", socket_label(data, c->socket), "row",
         c->row > 0 ? json_integer(c->row) : json_null(), "order",
@@ -61,8 +61,8 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
         "amplitude", cli_json_real(c->amplitude), "unit",
         of_command ? "rad/rad" : cli_effect_unit(c->effect.kind, chain, c->effect.joint), "ci95",
         interval(c->low, c->high), "log_bayes_factor", cli_json_real(c->log_bayes_factor),
-        "probability", cli_json_real(c->probability), "ties", ties, "held_out",
-        shrink_object(&c->held_out));
+        "probability", cli_json_real(c->probability), "ties", ties, "or_unknown", c->or_unknown,
+        "held_out", shrink_object(&c->held_out));
 }
 
 static json_t *fault_object(const mukca_data_fault *f, const mukca_dataset *data)

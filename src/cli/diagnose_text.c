@@ -71,7 +71,7 @@ static void put_tie(paragraph *p, const cli_diagnosed *r, const mukca_cause *c)
         cli_effect_words(words, c->ties[t].effect, r->chain, c->ties[t].joint);
         put(p, "%s %s", t + 1 < c->n_ties ? "," : " or", words);
     }
-    put(p, "; these rows cannot tell which.");
+    put(p, "%s; these rows cannot tell which.", c->or_unknown ? ", or something unknown" : "");
 }
 
 /* Without masses flexibility goes by the name of whatever varies slowly with the joints' angles. */
@@ -128,8 +128,10 @@ static void print_verdict(FILE *stream, const cli_diagnosed *r)
             d->n_causes ? "The tool was moved while it was recorded; beside that the arm shows "
                           "no effect but its geometry."
                         : "What geometry leaves is noise: these rows show no further effect.");
+        if (d->verdict == MUKCA_VERDICT_TIED)
+            put(&p, " Or a joint slipped: these rows cannot tell which.");
     } else {
-        if (first->n_ties) {
+        if (first->n_ties || first->or_unknown) {
             put_tie(&p, r, first);
         } else {
             cli_cause_words(words, first, r->chain, r->data);
@@ -137,7 +139,7 @@ static void print_verdict(FILE *stream, const cli_diagnosed *r)
                 mukca_effect_table[first->effect.kind].sentence);
         }
         if (causes > 1) put(&p, " %d more %s found.", causes - 1, causes == 2 ? "is" : "are");
-        if (d->verdict == MUKCA_VERDICT_TIED && !first->n_ties)
+        if (d->verdict == MUKCA_VERDICT_TIED && !first->n_ties && !first->or_unknown)
             put(&p, " Not all of them can be told from others.");
         if (d->unexplained) put(&p, " Structure remains that no effect explains.");
         if (imitates(d, first))
@@ -255,6 +257,12 @@ static void print_cause(FILE *stream, const cli_diagnosed *r, const mukca_cause 
             put(&p, ": they move the ball alike (correlation %.3f)", c->ties[t].correlation);
         else
             put(&p, ": these rows are too few to choose");
+        print(stream, 5, &p);
+    }
+    if (c->or_unknown) {
+        put(&p,
+            "or something that no effect of the catalogue makes: these rows are too few to "
+            "choose");
         print(stream, 5, &p);
     }
 }

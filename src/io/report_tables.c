@@ -144,6 +144,8 @@ static void say_verdict(FILE *out, const json_t *diagnosis)
                 fputs(" or ", out);
                 mukca_html_escape(out, name);
             }
+            if (json_is_true(json_object_get(cause, "or_unknown")))
+                fputs(" or something unknown", out);
         }
         fputs(".", out);
     }

@@ -29,6 +29,8 @@ const char *const mukca_fault_name[] = {
  * correlation after geometry is projected out). */
 #define TIE_ODDS 3.0
 #define TIE_CORRELATION 0.9
+/* Probability from which a function that no effect makes is told beside a cause. */
+#define UNKNOWN_SHARE 0.25
 
 /* Noise per axis above which no arm is so bad but the rows belong to another one, m. */
 #define MOST_SIGMA 10e-3
@@ -210,6 +212,9 @@ static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, stan
     out->log_bayes_factor = mine ? contest->scan->score[mine->best].log_bayes : -HUGE_VAL;
     out->probability = fmin(own / total, 1);
     add_ties(out, contest, index);
+    double unknown = 0;
+    for (int j = 0; j < MUKCA_MAX_JOINTS; j++) unknown += place->unknown_share[j];
+    out->or_unknown = unknown > UNKNOWN_SHARE;
     tie_untested_flexibility(out, contest);
     if (h.kind == GAP_STEP || h.kind == GAP_CREEP) {
         out->socket = m->groups[h.group].socket;
@@ -330,6 +335,27 @@ static int drop_doubtful(mukca_diagnosis *d, int used)
     return kept;
 }
 
+/* Is a cause unknown, or a smooth function of the angle of a joint in which something unknown was
+ * found, too, of about its weight: a part of that?  (A single bad row is neither.) */
+static bool part_of_unknown(const gap_model *m, const standing *place, int cause)
+{
+    const gap_hypothesis *h = &m->cause[cause].hypothesis;
+    const mukca_effect_kind kind = h->effect.kind;
+    if (gap_hypothesis_class(h) == GAP_CLASS_UNKNOWN) return true;
+    if (h->kind != GAP_EFFECT ||
+        !(kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY || kind == MUKCA_EFFECT_JOINT_SCALE ||
+          kind == MUKCA_EFFECT_GEAR_HARMONIC))
+        return false;
+    for (int c = 0; c < m->n_causes; c++) {
+        const gap_hypothesis *other = &m->cause[c].hypothesis;
+        if (gap_hypothesis_class(other) == GAP_CLASS_UNKNOWN &&
+            other->effect.joint == h->effect.joint &&
+            place[c].log_odds > 0.5 * place[cause].log_odds)
+            return true;
+    }
+    return false;
+}
+
 static void tell(mukca_diagnosis *d, gap_contest *contest)
 {
     gap_model *m = contest->m;
@@ -345,10 +371,11 @@ static void tell(mukca_diagnosis *d, gap_contest *contest)
             continue;
         }
         tell_cause(d, contest, c, &place[c]);
-        const bool strange = gap_hypothesis_class(&m->cause[c].hypothesis) == GAP_CLASS_UNKNOWN;
-        double *of = strange ? &unknown : &known;
-        *of = fmax(*of, place[c].log_odds);
         leading = fmax(leading, place[c].log_odds);
+    }
+    for (int c = 0; c < n; c++) {
+        double *of = part_of_unknown(m, place, c) ? &unknown : &known;
+        *of = fmax(*of, place[c].log_odds);
     }
     /* Intervals need the factor of the full model. */
     for (int i = 0; i < GAP_RHOS; i++)
@@ -378,7 +405,7 @@ static void tell(mukca_diagnosis *d, gap_contest *contest)
     const bool any_unknown = unknown > -HUGE_VAL;
     if (any_unknown && unknown >= known) used = drop_doubtful(d, used);
     bool ties = false;
-    for (int i = 0; i < used; i++) ties |= d->causes[i].n_ties > 0;
+    for (int i = 0; i < used; i++) ties |= d->causes[i].n_ties > 0 || d->causes[i].or_unknown;
     d->verdict = !(leading > -HUGE_VAL)            ? MUKCA_VERDICT_NONE
                  : any_unknown && unknown >= known ? MUKCA_VERDICT_UNKNOWN
                  : ties                            ? MUKCA_VERDICT_TIED

@@ -65,6 +65,7 @@ typedef struct {
     double probability;
     int n_ties;
     mukca_tie ties[MUKCA_MAX_TIES];
+    bool or_unknown; /* a function that no effect makes would do as well, by these rows */
     mukca_shrink held_out;
 } mukca_cause;
 
