@@ -138,11 +138,12 @@ json_t *cli_diagnosis_json(const cli_diagnosed *r)
                              "causes", causes, "data_faults", faults);
     json_object_set_new(
         root, "gap",
-        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:o, s:o}", "nominal_m",
+        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:o, s:o}", "nominal_m",
                   cli_json_real(d->nominal_m), "geometry_m", cli_json_real(d->geometry_m),
                   "faults_excused_m", cli_json_real(d->faults_excused_m), "explained_m",
                   cli_json_real(d->explained_m), "with_unknown_m", cli_json_real(d->structure_m),
-                  "noise_floor_m", cli_json_real(d->noise_floor_m), "folds", d->folds, "held_out",
+                  "surprise", cli_json_real(d->surprise), "noise_floor_m",
+                  cli_json_real(d->noise_floor_m), "folds", d->folds, "held_out",
                   shrink_object(&d->held_out), "noise_shrink_percent",
                   cli_json_real(d->noise_shrink_percent)));
     json_object_set_new(

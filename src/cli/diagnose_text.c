@@ -130,6 +130,7 @@ static void print_verdict(FILE *stream, const cli_diagnosed *r)
                         : "What geometry leaves is noise: these rows show no further effect.");
         if (d->verdict == MUKCA_VERDICT_TIED)
             put(&p, " Or a joint slipped: these rows cannot tell which.");
+        if (d->unexplained) put(&p, " Yet structure remains that no effect explains.");
     } else {
         if (first->n_ties || first->or_unknown) {
             put_tie(&p, r, first);
@@ -198,6 +199,14 @@ static void print_gap(FILE *stream, const cli_diagnosed *r)
     if (isfinite(d->structure_m))
         print_step(stream, "unknown fitted too", d->structure_m, "structure without a name");
     print_step(stream, "noise floor", d->noise_floor_m, "");
+    if (d->unexplained || d->verdict == MUKCA_VERDICT_UNKNOWN) {
+        if (d->surprise > 1.02)
+            put(&p,
+                "Left-out rows miss %.2f times as far as noise and what the others leave open of "
+                "the geometry allow.",
+                d->surprise);
+        print(stream, 2, &p);
+    }
     if (r->test && isfinite(d->test_geometry_m)) {
         char text[3][24];
         cli_millimetres(text[0], d->test_nominal_m);

@@ -120,6 +120,9 @@ typedef struct {
     /* held-out mean errors, leave one placement out, m; NaN: not measurable */
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
     double structure_m; /* as explained_m, but with the functions that nobody can name; NaN: none */
+    double surprise;    /* left-out rows' rms misfit with everything told, in units of what noise
+                           and the other rows' ignorance allow; NaN: not measurable */
+    double surprise_sigmas;      /* how far its square is above 1, in standard deviations */
     mukca_shrink held_out;       /* from faults_excused_m to explained_m */
     double noise_shrink_percent; /* what the best of the catalogue gains on pure noise */
     int folds;

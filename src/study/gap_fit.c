@@ -143,6 +143,7 @@ double gap_model_evidence(gap_model *m, const gap_pack *pack, const double *prio
         quadratic -= z[i] * z[i];
         log_diagonal += log(L[i * n + i]);
     }
+    m->quadratic = quadratic;
     if (mean) {
         memcpy(mean, z, sizeof *mean * (size_t)n);
         mukca_dense_backward(mean, 1, L, n);

@@ -124,6 +124,8 @@ typedef struct {
     int n_causes;
     gap_cause *cause;
     double sigma, rho, log_evidence;
+    double quadratic; /* of the last evidence: squared misfit and departure from the priors, each in
+                         units of its sigma */
 
     /* linearisation */
     mukca_geometry geometry;

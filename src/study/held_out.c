@@ -25,12 +25,14 @@ typedef struct {
     double *distance; /* the pack's, kept while a fold's rows are blanked */
     double *position; /* [n_rows][3] predictions of the rows while they were left out */
     double *error;    /* [n_rows], NaN: not measured */
+    double surprise;  /* squared misfit of the left-out rows in units of what it should be */
+    int freedom;      /* of the left-out rows: what `surprise` would be if nothing were missing */
 } bench;
 
 void gap_held_out_nothing(mukca_diagnosis *d)
 {
     d->structure_m = d->nominal_m = d->geometry_m = d->faults_excused_m = d->explained_m = NAN;
-    d->noise_floor_m = d->noise_shrink_percent = NAN;
+    d->noise_floor_m = d->noise_shrink_percent = d->surprise = d->surprise_sigmas = NAN;
     d->test_nominal_m = d->test_geometry_m = d->test_explained_m = NAN;
     d->held_out = (mukca_shrink){NAN, NAN, NAN, NAN, NAN, 0, 0};
 }
@@ -110,7 +112,10 @@ static void priors_of(bench *b, const unsigned char *use)
     }
 }
 
-/* Fit without each fold in turn and predict it; the model must be linearised, `pack` filled. */
+/* Fit without each fold in turn and predict it; the model must be linearised, `pack` filled.
+ *
+ * With Gaussians, -2 log p(fold | rest) has the quadratic part Q(all) - Q(rest): the fold's squared
+ * misfit with noise and with what the rest leaves open, all correlations of its rows included. */
 static void cross_predict(bench *b, gap_pack *pack, const unsigned char *use)
 {
     gap_model *m = b->m;
@@ -125,6 +130,9 @@ static void cross_predict(bench *b, gap_pack *pack, const unsigned char *use)
     memcpy(causes, m->cause, sizeof *causes * (size_t)m->n_causes);
     memcpy(b->distance, pack->distance, sizeof *b->distance * (size_t)(m->n_pairs * size));
     priors_of(b, use);
+    b->surprise = 0, b->freedom = 0;
+    const bool whole = gap_model_evidence(m, pack, b->prior, m->sigma, NULL) > -HUGE_VAL;
+    const double quadratic = m->quadratic;
     for (int f = 0; f < b->n_folds; f++) {
         memset(b->gram, 0, sizeof *b->gram * (size_t)(size * size));
         for (int i = 0; i < m->n; i++)
@@ -143,6 +151,11 @@ static void cross_predict(bench *b, gap_pack *pack, const unsigned char *use)
                 memset(pack->distance + p * size, 0, sizeof *b->distance * (size_t)size);
         }
         if (gap_model_evidence(m, pack, b->prior, m->sigma, mean) > -HUGE_VAL) {
+            if (whole) b->surprise += quadratic - m->quadratic;
+            for (int g = 0; whole && g < m->n_groups; g++)
+                for (int i = 0; i < m->groups[g].count; i++)
+                    if (b->fold[m->order[m->groups[g].start + i]] == f)
+                        b->freedom += m->groups[g].socket < 0 ? d : i > 0 ? d : 0;
             memcpy(m->theta, mean, sizeof *mean * (size_t)m->n_geometry);
             int column = m->n_geometry;
             for (int c = 0; c < m->n_causes; c++)
@@ -385,6 +398,10 @@ mukca_status gap_held_out(mukca_diagnosis *d, gap_model *m, const mukca_diagnose
         cross_predict(&b, pack, use);
         row_errors(b.error, m, b.position, kept, true);
         d->explained_m = mean_error(b.error, rows, NULL);
+        if (b.freedom > 0) {
+            d->surprise = sqrt(fmax(b.surprise, 0) / b.freedom);
+            d->surprise_sigmas = (b.surprise - b.freedom) / sqrt(2.0 * b.freedom);
+        }
         compare(&d->held_out, &b, excused, b.error);
         for (int p = 0; p < m->data->n_placements; p++) {
             double sum = 0;
