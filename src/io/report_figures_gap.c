@@ -39,7 +39,7 @@ void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
 {
     (void)index;
     enum { ROOM = 24 };
-    rung rungs[ROOM];
+    rung rungs[ROOM] = {0};
     const json_t *gap = json_object_get(r->diagnosis, "gap"), *cause;
     const json_t *causes = json_object_get(r->diagnosis, "causes");
     const double floor = report_real(gap, "noise_floor_m");
