@@ -253,8 +253,11 @@ static void print_cause(FILE *stream, const cli_diagnosed *r, const mukca_cause 
     put(&p, "%s; %s", size, sure);
     print(stream, 5, &p);
     if (isfinite(c->held_out.shrink_percent)) {
+        const mukca_diagnosis *d = r->diagnosis;
         shrink_words(words, &c->held_out);
         put(&p, "alone it shrinks the gap by %s", words);
+        if (c->held_out.folds != d->folds && d->folds > 0) /* of one placement */
+            put(&p, " (sockets left out, for its placement must be seen)");
         print(stream, 5, &p);
     }
     for (int t = 0; t < c->n_ties; t++) {

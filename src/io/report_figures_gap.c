@@ -10,7 +10,7 @@ static const double mm = 1e3;
 /* ---- gap ladder ---- */
 
 typedef struct {
-    char name[160];
+    char name[200];
     double value, low, high; /* m; NaN where not known */
 } rung;
 
@@ -23,11 +23,16 @@ static int add_rung(rung *rungs, int n, int room, const char *name, double value
 }
 
 /* A rung of a contract's held_out object; its interval is one of the shrink in per cent. */
-static int add_held_out(rung *rungs, int n, int room, const char *name, const json_t *held_out)
+static int add_held_out(rung *rungs, int n, int room, const char *name, const json_t *held_out,
+                        double usual)
 {
     const json_t *ci = json_object_get(held_out, "ci95");
     const double before = report_real(held_out, "before_m");
-    const int m = add_rung(rungs, n, room, name, report_real(held_out, "after_m"));
+    char text[200];
+    snprintf(text, sizeof text, "%s", name);
+    if (fabs(before - usual) > 0.01 * usual) /* sockets were left out, not placements */
+        snprintf(text, sizeof text, "%.160s (from %.3g)", name, before * mm);
+    const int m = add_rung(rungs, n, room, text, report_real(held_out, "after_m"));
     if (m > n && json_array_size(ci) == 2 && isfinite(before)) {
         rungs[n].low = before * (1 - json_number_value(json_array_get(ci, 1)) / 100);
         rungs[n].high = before * (1 - json_number_value(json_array_get(ci, 0)) / 100);
@@ -57,10 +62,11 @@ void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
         report_name_cause(name, sizeof name, cause);
         snprintf(name + strlen(name), sizeof name - strlen(name), "%s",
                  json_array_size(causes) > 1 ? " alone" : "");
-        n = add_held_out(rungs, n, ROOM - 1, name, json_object_get(cause, "held_out"));
+        n = add_held_out(rungs, n, ROOM - 1, name, json_object_get(cause, "held_out"), excused);
     }
     if (json_array_size(causes) > 1)
-        n = add_held_out(rungs, n, ROOM, "all causes together", json_object_get(gap, "held_out"));
+        n = add_held_out(rungs, n, ROOM, "all causes together", json_object_get(gap, "held_out"),
+                         excused);
     /* The nominal model is so far off that it would press the others together: it stands at the
      * edge. */
     size_t longest = 0;
