@@ -14,8 +14,8 @@ void gap_fault_add(mukca_diagnosis *diagnosis, const gap_model *m, mukca_fault_k
  * on the way (m->theta) and leaves the rows regrouped. */
 void gap_screen(mukca_diagnosis *diagnosis, gap_model *m);
 
-/* Rows that were cut as outliers and that the present model explains after all come back; returns
- * how many. */
+/* Rows that were cut as outliers or mislabelled and that the present model explains after all come
+ * back; returns how many. */
 int gap_reinstate(mukca_diagnosis *diagnosis, gap_model *m);
 
 #endif
