@@ -1,8 +1,10 @@
 /* The program: finds the command, parses its options, runs it, and says what went wrong. */
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "base/suggest.h"
 #include "cli/cli.h"
@@ -29,7 +31,7 @@ static mukca_status unknown_command(const char *name)
 static mukca_status help(const char *topic)
 {
     const cli_command *command = topic ? cli_find_command(topic) : NULL;
-    if (!topic)
+    if (!topic || strcmp(topic, "help") == 0)
         cli_print_overview(stdout);
     else if (strcmp(topic, "effects") == 0)
         cli_print_effects(stdout);
@@ -89,8 +91,19 @@ static mukca_status dispatch(int argc, char **argv)
     return command ? run_command(command, argc - 2, argv + 2) : unknown_command(word);
 }
 
+/* A file opened while a standard stream is closed would take its number, and what is said to people
+ * would land in that file.  The stand-in cannot be written: a lost result is still told. */
+static void occupy_standard_streams(void)
+{
+    int file;
+    do file = open("/dev/null", O_RDONLY);
+    while (file >= 0 && file <= STDERR_FILENO);
+    if (file >= 0) close(file);
+}
+
 int main(int argc, char **argv)
 {
+    occupy_standard_streams();
     cli_catch_interrupts();
     mukca_status status = dispatch(argc, argv);
     if ((fflush(stdout) != 0 || ferror(stdout)) &&

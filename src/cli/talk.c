@@ -103,6 +103,7 @@ void cli_catch_interrupts(void)
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is then a write error, told in one line */
+    signal(SIGXFSZ, SIG_IGN); /* and so is a file beyond the shell's limit */
 }
 
 bool cli_interrupted(void)
