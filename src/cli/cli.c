@@ -103,6 +103,9 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
 {
     void *at = (char *)call->options + option->offset;
     const char *end;
+    if (text && !*text) /* as of an unset variable in a script */
+        return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s, and not an empty text",
+                          option->name, option->argument);
     switch (option->kind) {
         case CLI_FLAG:
             *(bool *)at = true;
@@ -238,6 +241,9 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
         int used = 1;
         mukca_status status = MUKCA_OK;
         if (plain || word[0] != '-' || word[1] == '\0') {
+            if (!*word)
+                return mukca_fail(&call->error, MUKCA_USAGE,
+                                  "an argument is empty; see `mukca help %s`", call->command->name);
             if (!append(&call->arguments, word)) return out_of_memory(call);
         } else if (strcmp(word, "--") == 0) {
             plain = true;

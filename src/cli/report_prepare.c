@@ -28,8 +28,8 @@ mukca_status report_join(mukca_dataset *all, unsigned char **held_out, mukca_poo
         for (int i = 0; all->position && i < 3; i++)
             all->position[3 * r + i] = from->position ? from->position[3 * at + i] : (double)NAN;
     }
-    memcpy(all->sockets, train->sockets, (size_t)sockets * sizeof *all->sockets);
-    memcpy(all->placements, train->placements, (size_t)places * sizeof *all->placements);
+    for (int k = 0; k < sockets; k++) all->sockets[k] = train->sockets[k];
+    for (int p = 0; p < places; p++) all->placements[p] = train->placements[p];
     for (int k = 0; k < test->n_sockets; k++) {
         all->sockets[sockets + k] = test->sockets[k];
         all->sockets[sockets + k].placement += places;
