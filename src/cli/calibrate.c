@@ -102,8 +102,7 @@ static mukca_status check(cli_call *call)
     if (!(o->lambda >= 0))
         return mukca_fail(&call->error, MUKCA_USAGE, "--lambda %g: a weight cannot be negative",
                           o->lambda);
-    if (o->trace && ((c->json && strcmp(o->trace, c->json) == 0) ||
-                     (c->output && strcmp(o->trace, c->output) == 0)))
+    if (mukca_output_same(o->trace, c->json) || mukca_output_same(o->trace, c->output))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--trace and another output cannot both go to %s", o->trace);
     mukca_status status = cli_check_outputs(call);

@@ -274,20 +274,28 @@ static void conclude(session *s)
 static mukca_status check_usage(const session *s)
 {
     const capture_options *o = s->options;
+    const cli_common *c = s->call->common;
     mukca_error *error = &s->call->error;
-    if (!s->call->common->output)
+    if (!c->output || strcmp(c->output, "-") == 0)
         return mukca_fail(error, MUKCA_USAGE, "-o FILE is needed: where the session goes");
     if (!s->keys && !o->trigger && !o->recorder.still)
         return mukca_fail(error, MUKCA_USAGE,
                           "without a terminal there are no keys: say --trigger (LCM messages) or "
                           "--still");
     if (o->rows < 0) return mukca_fail(error, MUKCA_USAGE, "--rows must be above 0");
-    if (!o->resume && !s->call->common->force && access(s->call->common->output, F_OK) == 0)
+    if (!o->resume && !c->force && access(c->output, F_OK) == 0)
         return mukca_fail(error, MUKCA_INPUT,
-                          "%s exists: --resume goes on with it, --force overwrites it",
-                          s->call->common->output);
-    if (s->call->common->json)
-        return mukca_output_check(s->call->common->json, s->call->common->force, error);
+                          "%s exists: --resume goes on with it, --force overwrites it", c->output);
+    const char *url = o->recorder.lcm_url;
+    const char *files[] = {c->output, c->json, o->recorder.record,
+                           url && strncmp(url, "file://", 7) == 0 ? url + 7 : NULL};
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < i; k++)
+            if (mukca_output_same(files[i], files[k]))
+                return mukca_fail(error, MUKCA_USAGE,
+                                  "session, --json and logs cannot be the same file: %.100s",
+                                  files[i]);
+    if (c->json) return mukca_output_check(c->json, c->force, error);
     return MUKCA_OK;
 }
 

@@ -44,7 +44,7 @@ json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
 mukca_status cli_check_outputs(cli_call *call)
 {
     const char *const paths[] = {call->common->json, call->common->output};
-    if (paths[0] && paths[1] && strcmp(paths[0], paths[1]) == 0)
+    if (mukca_output_same(paths[0], paths[1]))
         return mukca_fail(&call->error, MUKCA_USAGE, "--json and -o cannot both go to %s",
                           paths[0]);
     for (int i = 0; i < 2; i++) {

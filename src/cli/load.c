@@ -1,23 +1,56 @@
 /* The arm and the data that the common options name. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
 #include "io/dataset_load.h"
+#include "io/output.h"
 #include "io/urdf.h"
+
+static const double most_gravity = 1e3; /* m/s^2 */
+
+/* Not even --force overwrites what the command reads: recordings cannot be had again. */
+static mukca_status keep_inputs(cli_call *call)
+{
+    const cli_common *c = call->common;
+    const char *const outputs[] = {c->output, c->json};
+    const char *const inputs[] = {c->urdf, c->inertials, c->offsets, c->distances};
+    for (int k = 0; k < 2; k++) {
+        bool same = false;
+        for (int i = 0; i < 4; i++) same |= mukca_output_same(outputs[k], inputs[i]);
+        for (int i = 0; i < call->arguments.n; i++)
+            same |= mukca_output_same(outputs[k], call->arguments.items[i]);
+        for (const cli_option *o = call->command->options; o->name; o++) {
+            const cli_list *rest = (const cli_list *)(void *)((char *)call->options + o->offset);
+            for (int i = 0; o->kind == CLI_REST && i < rest->n; i++)
+                same |= mukca_output_same(outputs[k], rest->items[i]);
+        }
+        if (same)
+            return mukca_fail(&call->error, MUKCA_USAGE,
+                              "%.120s is read here, and so cannot be written; name another file",
+                              outputs[k]);
+    }
+    return MUKCA_OK;
+}
 
 mukca_status cli_load_model(cli_call *call, cli_model *model)
 {
     const cli_common *c = call->common;
     memset(model, 0, sizeof *model);
+    mukca_status status = keep_inputs(call);
+    if (status) return status;
     if (!c->urdf)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--urdf FILE is needed: the arm's nominal model");
     mukca_urdf_options options = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
+    for (int i = 0; i < 3; i++)
+        if (fabs(c->gravity[i]) > most_gravity)
+            return mukca_fail(&call->error, MUKCA_USAGE, "--gravity: %g is none; give m/s^2",
+                              c->gravity[i]);
     memcpy(options.gravity, c->gravity, sizeof options.gravity);
-    mukca_status status =
-        mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
+    status = mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
     if (status) return status;
     if (c->verbose)
         cli_tell(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...", c->urdf,

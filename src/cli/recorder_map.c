@@ -24,6 +24,11 @@ static mukca_status parse_map(recorder *r, mukca_error *error)
     if (n != joints)
         return mukca_fail(error, MUKCA_USAGE, "--map names %d readings, but the arm has %d joints",
                           n, joints);
+    for (int j = 0; j < joints; j++)
+        for (int k = 0; k < j; k++)
+            if (r->map[j] == r->map[k])
+                return mukca_fail(error, MUKCA_USAGE, "--map %.40s: names reading %d twice",
+                                  r->options->map, r->map[j] + 1);
     return MUKCA_OK;
 }
 

@@ -23,6 +23,9 @@ static mukca_status split_labels(recorder *r, const char **labels, int *n, char 
         if (!mukca_session_label_ok(at) || *n == RECORDER_MAX_LABELS)
             return mukca_fail(error, MUKCA_USAGE, "%s \"%.60s\": at most %d names, commas between",
                               option, list, RECORDER_MAX_LABELS);
+        for (int k = 0; k < *n; k++)
+            if (strcmp(labels[k], at) == 0)
+                return mukca_fail(error, MUKCA_USAGE, "%s: '%s' comes twice", option, at);
         labels[(*n)++] = at;
         at = comma ? comma + 1 : NULL;
     }
@@ -36,6 +39,8 @@ mukca_status recorder_prepare(recorder *r)
         split_labels(r, r->placements, &r->n_placements, r->labels[0], o->placement, "--placement");
     if (!status)
         status = split_labels(r, r->sockets, &r->n_sockets, r->labels[1], o->sockets, "--sockets");
+    if (!status && r->n_sockets == 1)
+        status = mukca_fail(&r->call->error, MUKCA_USAGE, "--sockets: a tool has two or more");
     if (status) return status;
     mukca_capture_settings settings = {.window = o->window,
                                        .range = o->motion,

@@ -158,7 +158,7 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
     for (int i = 0; i < 4 && status == MUKCA_OK; i++) {
         if (!files[i]) continue;
         for (int k = 0; k < i && status == MUKCA_OK; k++)
-            if (files[k] && strcmp(files[i], files[k]) == 0)
+            if (mukca_output_same(files[i], files[k]))
                 status = mukca_fail(&call->error, MUKCA_USAGE, "two outputs cannot both go to %s",
                                     files[i]);
         if (status == MUKCA_OK)

@@ -50,10 +50,38 @@ static mukca_status resolve(mukca_output *output, const char *path, bool force, 
     return MUKCA_OK;
 }
 
+/* The file without `.`, `..` and links in its folder; as it is where the folder is not there. */
+static void normalise(char whole[PATH_MAX + NAME_MAX + 2], const char *path)
+{
+    char folder[PATH_MAX];
+    const int length = folder_length(path);
+    if (realpath(path, whole)) return;
+    snprintf(folder, sizeof folder, "%.*s", length ? length : 1, length ? path : ".");
+    if (realpath(folder, whole))
+        snprintf(whole + strlen(whole), NAME_MAX + 2, "/%.*s", (int)NAME_MAX, path + length);
+    else
+        snprintf(whole, PATH_MAX, "%s", path);
+}
+
+bool mukca_output_same(const char *a, const char *b)
+{
+    char one[PATH_MAX + NAME_MAX + 2], other[PATH_MAX + NAME_MAX + 2];
+    struct stat info;
+    if (!a || !b) return false;
+    if (stat(a, &info) == 0 && !S_ISREG(info.st_mode)) return false; /* /dev/null takes all */
+    if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return strcmp(a, b) == 0;
+    normalise(one, a);
+    normalise(other, b);
+    return strcmp(one, other) == 0;
+}
+
 mukca_status mukca_output_check(const char *path, bool force, mukca_error *error)
 {
     if (strcmp(path, "-") == 0) return MUKCA_OK;
     mukca_output output;
+    struct stat info;
+    if (stat(path, &info) == 0 && S_ISFIFO(info.st_mode)) /* closing it would end its reader */
+        return access(path, W_OK) == 0 ? MUKCA_OK : fail_errno(error, path, "cannot write");
     mukca_status status = mukca_output_open(&output, path, force, error);
     mukca_output_abort(&output);
     return status;

@@ -16,6 +16,9 @@ typedef struct {
 /* Check that `path` can be opened below, without leaving a trace: call it before long work. */
 mukca_status mukca_output_check(const char *path, bool force, mukca_error *error);
 
+/* Do both name one regular file, or both standard output?  Neither need exist; NULL names none. */
+bool mukca_output_same(const char *a, const char *b);
+
 /* Open `path` for writing; `-` is standard output, devices and pipes are written directly.  Without
  * `force` an existing file is refused (exit code MUKCA_INPUT, as all failures here). */
 mukca_status mukca_output_open(mukca_output *output, const char *path, bool force,

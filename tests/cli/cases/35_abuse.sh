@@ -1,0 +1,61 @@
+# Odd but possible: streams closed, one file under two names, sizes that no arm has.
+. "$here/fixture.sh"
+a='--urdf arm.urdf'
+
+# what is said to people must not land in a file that took the number of a closed stream
+for closed in '2>&-' '>&-' '<&-' '<&- >&- 2>&-'; do
+    eval "\"\$MUKCA\" evaluate $a --matrix good session.tsv -o closed.tsv 2>closed.err $closed"
+    expect "streams closed ($closed): the table begins with its header" \
+        sh -c 'head -n 1 closed.tsv | grep -q "^train"'
+    rm -f closed.tsv
+done
+"$MUKCA" fk $a good/hole_0.csv 2>err >&-
+code=$?
+expect "a closed standard output is told" test "$code $(wc -l <err)" = "3 1"
+
+# a file beyond the shell's limit is a full disk, and leaves nothing
+rows 1 200 >many.csv
+(ulimit -f 1 && exec "$MUKCA" fk $a many.csv -o large.tsv) 2>err
+code=$?
+expect "a file beyond ulimit -f: exit 3, one line, no file" test \
+    "$code $(wc -l <err) $(find . -name '*large*' | wc -l)" = "3 1 0"
+
+# a named pipe: looking whether it can be written must not end its reader
+mkfifo pipe
+cat pipe >piped.tsv &
+reader=$!
+timeout 60 "$MUKCA" evaluate -q $a good -o pipe
+expect "a named pipe is written" test $? -eq 0
+wait $reader
+expect "and read to its end" sh -c 'head -n 1 piped.tsv | grep -q "^set"'
+
+# neither what is read nor another output is overwritten, whatever it is called
+refuse 2 'session.tsv is read here' calibrate $a session.tsv -o ./session.tsv --force
+refuse 2 'session.tsv is read here' calibrate $a good --test session.tsv --json session.tsv --force
+refuse 2 'hole_0.csv is read here' fk $a good/hole_0.csv -o good/../good/hole_0.csv --force
+refuse 2 'arm.urdf is read here' export $a -o arm.urdf --force
+ln -s session.tsv link.tsv
+refuse 2 'link.tsv is read here' evaluate $a session.tsv -o link.tsv --force
+refuse 2 'cannot both go to' evaluate $a good -o new.tsv --json ./new.tsv --force
+refuse 2 'cannot both go to' calibrate $a good -o new.tsv --trace good/../new.tsv
+refuse 2 'cannot both go to' simulate $a -o new.tsv --truth ./new.tsv
+run evaluate $a good -o /dev/null --json /dev/null -q
+expect "/dev/null takes all outputs" test $code -eq 0
+
+# as of an unset variable in a script
+refuse 2 '--output needs FILE, and not an empty text' calibrate $a good -o ''
+refuse 2 'an argument is empty' calibrate $a ''
+run help help
+expect "help help is help" test $code -eq 0
+
+# recordings
+demo=$root/data/demo
+cp "$demo/guided.lcmlog" log
+c="capture --urdf $demo/arm.urdf --trigger --force"
+refuse 2 'cannot be the same file' $c --lcm-url file://log -o new.tsv --json ./new.tsv
+refuse 2 'cannot be the same file' $c --lcm-url file://log -o new.tsv --record new.tsv
+refuse 2 'cannot be the same file' $c --lcm-url file://log -o new.tsv --record ./log
+refuse 2 '-o FILE is needed' $c --lcm-url file://log -o -
+refuse 2 "'a' comes twice" $c --lcm-url file://log -o new.tsv --sockets a,a
+refuse 2 'a tool has two or more' $c --lcm-url file://log -o new.tsv --sockets a
+refuse 2 'names reading 2 twice' $c --lcm-url file://log -o new.tsv --map 1,2,3,4,5,6,2
