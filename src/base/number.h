@@ -4,6 +4,10 @@
 
 #include <stdbool.h>
 
+/* No arm has a length (m), a mass (kg) or an effect's coefficient beyond it; what is computed from
+ * numbers below it is finite. */
+#define MUKCA_NUMBER_LARGEST 1e6
+
 /* True where all of `text` is one finite decimal number ("-1.5e-3"); hexadecimal, nan, inf, spaces
  * and decimal commas are none. */
 bool mukca_number_parse(double *value, const char *text);

@@ -58,6 +58,7 @@ static mukca_status split(piece *p, const char **text, mukca_error *error)
             if (p->n_values) break; /* the next piece */
             return wrong(error, p, "a number must follow the =");
         }
+        if (fabs(value) > MUKCA_NUMBER_LARGEST) return wrong(error, p, "is larger than any arm's");
         if (p->n_values == MAX_VALUES) return wrong(error, p, "too many values");
         p->value[p->n_values++] = value;
         at = next;

@@ -1,9 +1,11 @@
 /* Link masses from a table. */
 #include "io/inertials.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "io/table.h"
 
 static mukca_status read_row(mukca_inertial *row, const mukca_table *table, const int column[5],
@@ -17,6 +19,10 @@ static mukca_status read_row(mukca_inertial *row, const mukca_table *table, cons
     for (int i = 0; i < 4; i++) {
         mukca_status status = mukca_table_number(&value[i], table, column[1 + i], error);
         if (status) return status;
+        if (fabs(value[i]) > MUKCA_NUMBER_LARGEST)
+            return mukca_table_fail(error, table, column[1 + i],
+                                    "%g is larger than any arm's; masses are in kg, lengths in m",
+                                    value[i]);
     }
     if (value[0] < 0) return mukca_table_fail(error, table, column[1], "a mass cannot be negative");
     row->kg = value[0];

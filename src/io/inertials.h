@@ -15,7 +15,7 @@ typedef struct {
 } mukca_inertial;
 
 /* Read the table into a new list (*list, free it with free) of *n links.  Errors: MUKCA_INPUT (a
- * negative mass, a link that comes twice), MUKCA_MEMORY. */
+ * negative or absurd mass, a link that comes twice), MUKCA_MEMORY. */
 mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *path,
                                   mukca_error *error);
 

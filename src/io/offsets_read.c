@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "io/offsets.h"
 #include "io/table.h"
 
@@ -85,6 +86,20 @@ static mukca_status read_sigma(double *sigma, const reader *r)
     return mukca_table_number(sigma, &r->table, r->column[SIGMA], r->error);
 }
 
+/* Nominal, calibrated and offset, which must agree. */
+static mukca_status read_values(double value[OFFSET + 1], const reader *r)
+{
+    for (int c = NOMINAL; c <= OFFSET; c++) {
+        mukca_status status = mukca_table_number(&value[c], &r->table, r->column[c], r->error);
+        if (status) return status;
+    }
+    if (!(fabs(value[NOMINAL] + value[OFFSET] - value[CALIBRATED]) <= 1e-9))
+        return out_of_range(r, CALIBRATED, "is not nominal + offset");
+    if (fabs(value[CALIBRATED]) > MUKCA_NUMBER_LARGEST)
+        return out_of_range(r, CALIBRATED, "is larger than any arm's");
+    return MUKCA_OK;
+}
+
 static mukca_status read_parameter(reader *r, int parameter)
 {
     mukca_offsets *o = r->offsets;
@@ -96,12 +111,8 @@ static mukca_status read_parameter(reader *r, int parameter)
     const int i = MUKCA_PARAMETERS * element + parameter;
     double value[OFFSET + 1];
     if (o->listed[i]) return out_of_range(r, PARAMETER, "this parameter comes twice");
-    for (int c = NOMINAL; c <= OFFSET; c++) {
-        mukca_status status = mukca_table_number(&value[c], &r->table, r->column[c], r->error);
-        if (status) return status;
-    }
-    if (!(fabs(value[NOMINAL] + value[OFFSET] - value[CALIBRATED]) <= 1e-9))
-        return out_of_range(r, CALIBRATED, "is not nominal + offset");
+    mukca_status status = read_values(value, r);
+    if (status) return status;
     /* theta holds the chain's nominal value still */
     o->theta[i] = value[NOMINAL] == o->theta[i] ? value[CALIBRATED] : o->theta[i] + value[OFFSET];
     o->listed[i] = 1;
@@ -135,15 +146,20 @@ static mukca_status read_effect(reader *r, int kind)
         wanted.joint = mukca_chain_find_joint(r->chain, joint);
         if (wanted.joint < 0) return out_of_range(r, JOINT, "no such joint in the chain");
     }
+    double value[OFFSET + 1];
     int term = mukca_effect_term_parse(&wanted,
                                        r->column[TERM] < 0 ? "-" : r->table.cell[r->column[TERM]]);
     if (term < 0 || wanted.placement >= o->n_placements || wanted.placement < -1)
         return out_of_range(r, TERM, "does not fit the effect");
+    if (kind == MUKCA_EFFECT_JOINT_COUPLING &&
+        (wanted.joint + wanted.variant < 0 || wanted.joint + wanted.variant >= r->chain->n_joints))
+        return out_of_range(r, TERM, "the joint has no such neighbour");
     mukca_effect *effect = find_effect(o, &wanted);
     if (!effect) return out_of_range(r, PARAMETER, "too many effects");
-    mukca_status status =
-        mukca_table_number(&effect->coefficient[term], &r->table, r->column[CALIBRATED], r->error);
+    if (effect->coefficient[term] != 0) return out_of_range(r, PARAMETER, "comes twice");
+    mukca_status status = read_values(value, r);
     if (status) return status;
+    effect->coefficient[term] = value[CALIBRATED];
     return read_sigma(&o->effect_sigma[effect - o->effects][term], r);
 }
 

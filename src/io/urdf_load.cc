@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "base/number.h"
 #include "base/suggest.h"
 #include "io/inertials.h"
 #include "io/table.h"
@@ -151,6 +152,9 @@ class Loader
             fail("urdfdom refuses it: " +
                  one_line(listener.first.empty() ? "no reason given" : listener.first));
         if (!model_->getRoot()) fail("has no root link");
+        if (!listener.first.empty())
+            say("urdfdom leaves out what it cannot read, masses perhaps: " +
+                one_line(listener.first));
     }
 
     // Every link hangs below the root, by one joint: urdfdom does not see to that.
@@ -266,6 +270,18 @@ class Loader
         }
     }
 
+    // A joint's name heads a column of every recording: what is recorded must be readable.
+    void check_column(const std::string &name)
+    {
+        static const std::set<std::string> taken = {
+            "placement",  "socket", "time_s", "temperature_c",
+            "payload_kg", "x_m",    "y_m",    "z_m",
+            "qw",         "qx",     "qy",     "qz"};
+        if (name.empty() || name.find_first_of("\t\r\n,\"") != std::string::npos ||
+            name[0] == '#' || name.front() == ' ' || name.back() == ' ' || taken.count(name))
+            fail_joint(name, "its name cannot head a column of a table; rename it in the URDF");
+    }
+
     void add_element(const std::string &name)
     {
         const urdf::Joint &joint = *model_->getJoint(name);
@@ -293,6 +309,9 @@ class Loader
             fail_joint(name, "it mimics '" + joint.mimic->joint_name +
                                  "', which a joint of the chain may not; choose another --tip");
         joint_origin(name, e->xyz, e->rpy);
+        for (double x : e->xyz)
+            if (std::fabs(x) > MUKCA_NUMBER_LARGEST)
+                fail_joint(name, "its origin is farther off than any arm's; lengths are in m");
         e->joint = -1;
         e->axis[0] = 1;
         e->lower = -HUGE_VAL;
@@ -301,6 +320,7 @@ class Loader
             if (chain_->n_joints == MUKCA_MAX_JOINTS)
                 fail("the chain has more than " + std::to_string(MUKCA_MAX_JOINTS) +
                      " joints that move");
+            check_column(name);
             set_axis(e, joint);
             set_limits(e, joint);
             e->joint = chain_->n_joints;
@@ -331,6 +351,10 @@ class Loader
             if (!(inertial->mass >= 0) || !std::isfinite(inertial->mass))
                 fail("link '" + entry.first + "': its mass must not be negative");
             const urdf::Vector3 &p = inertial->origin.position;
+            for (double value : {inertial->mass, p.x, p.y, p.z})
+                if (!(std::fabs(value) <= MUKCA_NUMBER_LARGEST))
+                    fail("link '" + entry.first +
+                         "': its mass or centre of mass is larger than any arm's");
             masses_[entry.first] = Mass{inertial->mass, {p.x, p.y, p.z}};
         }
         if (!options_.inertials) return;

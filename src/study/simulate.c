@@ -292,7 +292,7 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_true_arm *a
             } else if (!seat_ball(&r, &target)) {
                 status = mukca_fail(error, MUKCA_INPUT,
                                     "placement %s: the arm does not reach socket %d at "
-                                    "(%.3f, %.3f, %.3f) m; move the placement",
+                                    "(%.3g, %.3g, %.3g) m; move the placement",
                                     places[p].name, socket, target.p[0], target.p[1], target.p[2]);
                 mukca_dataset_free(data);
                 return status;
