@@ -74,34 +74,47 @@ static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int so
     return status;
 }
 
+/* How many sockets a folder holds: files hole_0.csv, hole_1.csv and so on, without a gap. */
+static mukca_status count_holes(int *n, const mukca_dataset_builder *b, const char *folder)
+{
+    char path[1100];
+    int missing = -1;
+    *n = 0;
+    for (int hole = 0; hole < MOST_HOLES; hole++) {
+        snprintf(path, sizeof path, "%.1000s/hole_%d.csv", folder, hole);
+        if (access(path, F_OK) == 0)
+            *n = hole + 1;
+        else if (missing < 0)
+            missing = hole;
+    }
+    if (*n >= LEAST_SOCKETS && (missing < 0 || missing >= *n)) return MUKCA_OK;
+    return mukca_fail(
+        b->error, MUKCA_INPUT,
+        "%s: no hole_%d.csv; a placement is a folder with hole_0.csv and hole_1.csv%s",
+        mukca_table_short_path(folder), missing,
+        *n > LEAST_SOCKETS ? ", and others without a gap" : "");
+}
+
 static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
 {
     char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100];
-    int placement, holes = 0;
+    int placement, holes;
     char whole[PATH_MAX];
     const char *named = realpath(folder, whole) ? whole : folder; /* `.` has a name, too */
     base_name(name, named, 0, false);
     base_name(qualified, named, 1, false);
-    mukca_status status = add_placement(&placement, b, name, qualified);
-    for (int hole = 0; hole < MOST_HOLES && status == MUKCA_OK; hole++) {
-        snprintf(path, sizeof path, "%.1000s/hole_%d.csv", folder, hole);
-        if (access(path, F_OK) != 0) {
-            if (hole < LEAST_SOCKETS)
-                return mukca_fail(b->error, MUKCA_INPUT,
-                                  "%s: no hole_%d.csv; a placement is a folder with hole_0.csv and "
-                                  "hole_1.csv",
-                                  mukca_table_short_path(folder), hole);
-            break;
-        }
+    mukca_status status = count_holes(&holes, b, folder);
+    if (status == MUKCA_OK) status = add_placement(&placement, b, name, qualified);
+    for (int hole = 0; hole < holes && status == MUKCA_OK; hole++) {
         char label[16];
         int socket, first = b->data->n_rows;
+        snprintf(path, sizeof path, "%.1000s/hole_%d.csv", folder, hole);
         snprintf(label, sizeof label, "%d", hole);
         status = mukca_build_socket(&socket, b, placement, label);
         if (status == MUKCA_OK) status = read_hole(b, path, socket);
         snprintf(path, sizeof path, "%.1000s/hole_%d_pose.csv", folder, hole);
         if (status == MUKCA_OK && access(path, F_OK) == 0)
             status = mukca_pose_file_read(b, path, first, b->data->n_rows - first);
-        holes++;
     }
     return status;
 }
@@ -197,6 +210,14 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
     return status;
 }
 
+/* The file of the socket's first row, so that --test data are told from the others. */
+static const char *file_of(const mukca_dataset *d, int socket)
+{
+    for (int i = 0; i < d->n_rows; i++)
+        if (d->socket[i] == socket) return mukca_table_short_path(d->files[d->file[i]]);
+    return "";
+}
+
 /* How many sockets has a placement, how many rows a socket. */
 static mukca_status check_counts(const mukca_dataset_builder *b)
 {
@@ -207,19 +228,20 @@ static mukca_status check_counts(const mukca_dataset_builder *b)
         if (rows < LEAST_ROWS)
             return mukca_fail(
                 b->error, MUKCA_INPUT,
-                "placement '%s', socket '%s': %d row%s; at least %d are needed, 20 or "
+                "%s%splacement '%s', socket '%s': %d row%s; at least %d are needed, 20 or "
                 "more are good",
-                d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows,
-                rows == 1 ? "" : "s", LEAST_ROWS);
+                file_of(d, s), rows ? ": " : "", d->placements[d->sockets[s].placement].name,
+                d->sockets[s].label, rows, rows == 1 ? "" : "s", LEAST_ROWS);
     }
     for (int p = 0; p < d->n_placements; p++) {
-        int sockets = 0;
-        for (int s = 0; s < d->n_sockets; s++) sockets += d->sockets[s].placement == p;
+        int sockets = 0, last = 0;
+        for (int s = 0; s < d->n_sockets; s++)
+            if (d->sockets[s].placement == p) sockets++, last = s;
         if (sockets < LEAST_SOCKETS)
             return mukca_fail(b->error, MUKCA_INPUT,
-                              "placement '%s': only one socket; at least two, a known distance "
+                              "%s: placement '%s': only one socket; at least two, a known distance "
                               "apart, are needed",
-                              d->placements[p].name);
+                              file_of(d, last), d->placements[p].name);
     }
     return MUKCA_OK;
 }

@@ -73,6 +73,9 @@ static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
         return mukca_table_fail(error, t, -1, "holds a zero byte; this is no text file");
     while (length && (t->buffer[length - 1] == '\n' || t->buffer[length - 1] == '\r')) length--;
     t->buffer[length] = '\0';
+    if (strchr(t->buffer, '\r'))
+        return mukca_table_fail(error, t, -1,
+                                "lines end in carriage returns; save it with line feeds");
     if (t->line == 1 && memcmp(t->buffer, "\xEF\xBB\xBF", length < 3 ? length : 3) == 0 &&
         length >= 3)
         memmove(t->buffer, t->buffer + 3, length - 2);

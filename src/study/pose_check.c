@@ -121,6 +121,10 @@ static mukca_status check_units(preview *p, mukca_error *error)
                           "the positions move %.0f times as far as the arm does: they look like "
                           "millimetres; the columns x_m y_m z_m must be metres",
                           measured / nominal);
+    if (nominal > 0.01 && measured < 0.001 * nominal)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "all positions are the same while the joints move: the tracker's stream "
+                          "had stopped, record them again");
     predict(p, last, degree);
     if (radians > 0.005 && step_median(p, false) < 0.2 * radians)
         return mukca_fail(error, MUKCA_INPUT,

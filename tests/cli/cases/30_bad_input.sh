@@ -44,6 +44,21 @@ refuse 3 "bad.urdf:9: joint 'j1': it mimics 'j2'" calibrate --urdf bad.urdf good
 refuse 3 "has no link 'bal' (--tip); did you mean ball?" calibrate $a --tip bal good
 refuse 3 "has no link 'wrist' (--base); links: ball, base, fore, hand, upper" calibrate $a --base wrist good
 refuse 3 "link 'upper' (--tip) is not below 'fore' (--base); below it end: ball" calibrate $a --tip upper --base fore good
+for name in placement x_m '#1' 'a,b' ' a' 'a\&#9;b' ''; do
+    edit "s/name=\"j1\"/name=\"$name\"/"
+    refuse 3 'bad.urdf:9: joint .*: its name cannot head a column of a table' calibrate --urdf bad.urdf good
+done
+edit 's/xyz="0 0 0.25"/xyz="0 0 1e300"/'
+refuse 3 "joint 'j1': its origin is farther off than any arm's" calibrate --urdf bad.urdf good
+mass() { edit "s/<link name=\"upper\"\/>/<link name=\"upper\"><inertial><origin xyz=\"$2 0 0\"\/><mass value=\"$1\"\/><\/inertial><\/link>/"; }
+mass 1e308 0
+refuse 3 "link 'upper': its mass or centre of mass is larger than any arm's" calibrate --urdf bad.urdf good
+mass 1 1e300
+refuse 3 "link 'upper': its mass or centre of mass is larger than any arm's" calibrate --urdf bad.urdf good
+for wrong in 'nan 0' '1,5 0' '1 nan'; do
+    mass $wrong
+    accept 'bad.urdf: urdfdom leaves out what it cannot read, masses perhaps: .*' fk --urdf bad.urdf good/hole_0.csv
+done
 edit 's/name="ball"/name="stub"/; s/link="ball"/link="stub"/; s/<\/robot>/<link name="left"\/><joint name="l" type="fixed"><parent link="hand"\/><child link="left"\/><\/joint><\/robot>/'
 refuse 3 'has several ends, choose one by --tip: left, stub' calibrate --urdf bad.urdf good
 
@@ -87,6 +102,13 @@ refuse 3 'bad.tsv: is empty' calibrate $a bad.tsv
 head -c 5000 /dev/zero >bad.tsv
 refuse 3 'bad.tsv:1: holds a zero byte' calibrate $a bad.tsv
 
+awk '{ printf "%s\r", $0 }' session.tsv >bad.tsv
+refuse 3 'bad.tsv:1: lines end in carriage returns; save it with line feeds' calibrate $a bad.tsv
+head -n 3 session.tsv >bad.tsv
+refuse 3 "bad.tsv: placement 'p', socket '[01]': 1 row" calibrate $a good --test bad.tsv
+awk '{ print $3 "\t" $4 "\t" $5 "\t" (NR == 1 ? "x_m\ty_m\tz_m" : "0.5\t0\t0.3") }' session.tsv >bad.tsv
+refuse 3 'all positions are the same while the joints move' recalibrate $a bad.tsv
+
 # folders
 mkdir bad
 rows 1 5 >bad/hole_0.csv
@@ -103,6 +125,10 @@ printf '0,0,0\n10,90,45\n' >bad/hole_1.csv
 refuse 3 'bad/hole_1.csv:2: column 2: 90 is more than two turns' calibrate $a bad
 printf '0;0;0\n0;0;0\n' >bad/hole_1.csv
 refuse 3 "bad/hole_1.csv:1: columns are parted by ';'" calibrate $a bad
+
+rows 1 4 | tee bad/hole_0.csv bad/hole_1.csv >bad/hole_3.csv
+refuse 3 'bad: no hole_2.csv; .* others without a gap' calibrate $a bad
+rm bad/hole_3.csv
 
 # fewer rows than parameters
 rows 1 2 >bad/hole_0.csv
@@ -137,6 +163,27 @@ refuse 3 'other.tsv: was made for another URDF' fk $a --offsets other.tsv good/h
 refuse 3 'other.tsv: was made for another URDF' export $a --offsets other.tsv -o new.urdf
 refuse 3 'session.tsv: no offsets table' export $a --offsets session.tsv -o new.urdf
 accept 'made for another URDF' fk $a --offsets other.tsv --force good/hole_0.csv
+
+row() { # row SED: the last row of the table, with one thing wrong, behind it
+    printf 'j2\tjoint_scale\trad/rad\t0\t1e-3\t1e-3\t1e-5\t1\t-\n' | sed "$1" | cat offsets.tsv - >bad.tsv
+}
+row ''
+run fk $a --offsets bad.tsv good/hole_0.csv
+expect "an effect's row is taken" test $code -eq 0
+row 's/1e-3/1e300/g'
+refuse 3 "bad.tsv:[0-9]*: column 'calibrated': is larger than any arm's" evaluate $a --offsets bad.tsv good
+row 's/1e-3/2e-3/'
+refuse 3 "bad.tsv:[0-9]*: column 'calibrated': is not nominal + offset" fk $a --offsets bad.tsv good/hole_0.csv
+row 'p'
+refuse 3 "bad.tsv:[0-9]*: column 'parameter': comes twice" fk $a --offsets bad.tsv good/hole_0.csv
+row 's/j2\tjoint_scale/j3\tjoint_coupling/; s/-$/neighbour=+1/'
+refuse 3 "bad.tsv:[0-9]*: column 'term': the joint has no such neighbour" fk $a --offsets bad.tsv good/hole_0.csv
+row 's/j2\tjoint_scale/j1\tjoint_coupling/; s/-$/neighbour=-1/'
+refuse 3 "the joint has no such neighbour" fk $a --offsets bad.tsv good/hole_0.csv
+printf 'link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\nfore\t1\t1e308\t0\t0\n' >inertials.tsv
+refuse 3 "inertials.tsv:2: column 'com_x_m': 1e+308 is larger than any arm's" fk $a --inertials inertials.tsv good/hole_0.csv
+refuse 2 'gravity: 1e+200 is none; give m/s^2' fk $a --gravity 0,0,1e200 good/hole_0.csv
+refuse 2 "is larger than any arm's" simulate $a --effect joint_scale:j2=1e300
 
 # outputs
 refuse 3 'offsets.tsv: exists already; --force overwrites it' calibrate $a good -o offsets.tsv
