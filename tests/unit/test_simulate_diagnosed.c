@@ -61,8 +61,46 @@ static void test_diagnosed(void **state)
     free(d);
 }
 
+/* Left-out rows miss as far as they should when nothing is missing, and further when the truth is
+ * withheld: then something is told to be unexplained, although another cause takes its place. */
+static void test_surprise(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        int withheld;
+        double least, most; /* surprise */
+    } cases[] = {{NULL, -1, 0.95, 1.05},
+                 {"ball_shift:right=1e-3", -1, 0.95, 1.05},
+                 {"ball_shift:right=1e-3", MUKCA_EFFECT_BALL_SHIFT, 1.1, 2}};
+    mukca_diagnosis *d = malloc(sizeof *d);
+    assert_non_null(d);
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        scene s;
+        mukca_dataset data;
+        mukca_error error = {0};
+        unsigned char disabled[MUKCA_EFFECT_COUNT] = {0};
+        const mukca_diagnose_options options = {.disabled = disabled};
+        if (cases[c].withheld >= 0) disabled[cases[c].withheld] = 1;
+        set_scene(&s, cases[c].text, 5);
+        s.how.noise = 1e-4;
+        record(&data, &s);
+        memset(d, 0, sizeof *d);
+        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
+        print_message("%s%s: %s, surprise %.3f (%.1f)\n", cases[c].text ? cases[c].text : "nothing",
+                      cases[c].withheld < 0 ? "" : " withheld", mukca_verdict_name[d->verdict],
+                      d->surprise, d->surprise_sigmas);
+        assert_int_equal(d->unexplained, cases[c].withheld >= 0);
+        assert_true(d->surprise > cases[c].least && d->surprise < cases[c].most);
+        mukca_diagnosis_free(d);
+        mukca_dataset_free(&data);
+    }
+    free(d);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_diagnosed)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_diagnosed),
+                                       cmocka_unit_test(test_surprise)};
     return cmocka_run_group_tests_name("simulate diagnosed", tests, NULL, NULL);
 }
