@@ -373,7 +373,7 @@ static const capture_options defaults = {.wait = 10};
 const cli_command cli_command_capture = {
     .name = "capture",
     .group = CLI_MEASURE,
-    .summary = "record a session from the joint states that the robot's driver sends over LCM",
+    .summary = "record a session from the joint states of the robot (LCM)",
     .synopsis = "",
     .description =
         "Listens to the robot's joint states, and records one row each time that you press a, that "

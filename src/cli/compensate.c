@@ -215,7 +215,7 @@ out:
 const cli_command cli_command_compensate = {
     .name = "compensate",
     .group = CLI_USE,
-    .summary = "correct joint targets so that the real arm reaches what was meant",
+    .summary = "correct joint targets, so that the real arm gets there",
     .synopsis = "[FILE...]",
     .max_arguments = -1,
     .description =

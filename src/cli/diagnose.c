@@ -158,7 +158,7 @@ out:
 const cli_command cli_command_diagnose = {
     .name = "diagnose",
     .group = CLI_UNDERSTAND,
-    .summary = "where the remaining gap lies, which effect causes it, how far it shrinks",
+    .summary = "which effect causes the gap that is left, where, how much",
     .synopsis = "DATA...",
     .min_arguments = 1,
     .max_arguments = -1,

@@ -301,7 +301,7 @@ static mukca_status run(cli_call *call)
 const cli_command cli_command_evaluate = {
     .name = "evaluate",
     .group = CLI_CALIBRATE,
-    .summary = "consistency and distortion of a model on data",
+    .summary = "the errors of a model on data, nominal and calibrated",
     .synopsis = "DATA...",
     .min_arguments = 1,
     .max_arguments = -1,

@@ -125,7 +125,8 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
     cli_print_example(stream, 2, WIDTH, command->example);
 }
 
-static void print_commands(FILE *stream)
+/* `gap`: what stands between the groups. */
+static void print_commands(FILE *stream, const char *gap)
 {
     static const char *const title[] = {
 #define GROUP_TITLE(name, title) title,
@@ -141,7 +142,7 @@ static void print_commands(FILE *stream)
             fprintf(stream, "  %-12s ", (*c)->name);
             print_words(stream, 15, 15, (*c)->summary, strlen((*c)->summary));
         }
-        if (any) fputc('\n', stream);
+        if (any) fputs(gap, stream);
     }
 }
 
@@ -152,7 +153,7 @@ void cli_print_overview(FILE *stream)
         "arm comes from.\n\n"
         "Usage: mukca COMMAND [options] [arguments]\n\n",
         stream);
-    print_commands(stream);
+    print_commands(stream, "\n");
     fputs(
         "  mukca help COMMAND   options and an example\n"
         "  mukca help effects   the causes that a diagnosis can name\n"
@@ -170,9 +171,9 @@ void cli_print_start(FILE *stream)
         "mukca calibrates robot arms. It needs the arm's URDF and joint angles recorded\n"
         "while a ball on the arm sits in one of two sockets.\n\n",
         stream);
-    print_commands(stream);
+    print_commands(stream, "");
     fputs(
-        "Start with `mukca help calibrate`; `mukca help` shows all. `make demo` in the\n"
+        "\nStart with `mukca help calibrate`; `mukca help` shows all. `make demo` in the\n"
         "source folder plays the whole way on the data that come with it.\n",
         stream);
 }

@@ -369,7 +369,7 @@ static mukca_status run(cli_call *call)
 const cli_command cli_command_plan = {
     .name = "plan",
     .group = CLI_MEASURE,
-    .summary = "the next poses to record, for accuracy or to tell two causes apart",
+    .summary = "the next poses to record, for accuracy or to settle a tie",
     .synopsis = "[DATA...]",
     .min_arguments = 0,
     .max_arguments = -1,

@@ -307,7 +307,7 @@ out:
 const cli_command cli_command_recalibrate = {
     .name = "recalibrate",
     .group = CLI_CALIBRATE,
-    .summary = "joint zeros and link offsets from logged poses of a controller or tracker",
+    .summary = "joint zeros and link offsets from a log of measured poses",
     .synopsis = "DATA...",
     .min_arguments = 1,
     .max_arguments = -1,

@@ -186,7 +186,7 @@ static mukca_status run(cli_call *call)
 const cli_command cli_command_simulate = {
     .name = "simulate",
     .group = CLI_MEASURE,
-    .summary = "make a recording of a given arm with chosen errors, effects and noise",
+    .summary = "make a recording of an arm with chosen errors and noise",
     .synopsis = "",
     .description =
         "Records an arm that does not exist: the one of --urdf with other origins (--perturb, or "

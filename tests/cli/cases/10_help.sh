@@ -22,6 +22,7 @@ if [ $code -eq 2 ] && grep -q 'Start with' "$scratch/err" && [ ! -s "$scratch/ou
 else
     fail "mukca alone says where to start" "exit $code"
 fi
+expect "mukca alone fits a screen of 24 lines" test "$(wc -l <"$scratch/err")" -lt 24
 run --version
 expect "--version prints one line" test "$(wc -l <"$scratch/out")" -eq 1
 for command in $("$MUKCA" completion options | cut -f 1 | tail -n +2 | sort -u); do
