@@ -355,6 +355,8 @@ def recorded(folder):
                 for hole in (0, 1):
                     q = np.loadtxt(os.path.join(folder, data, place, f"hole_{hole}.csv"),
                                    delimiter=",", ndmin=2)[:, :arm.n]
+                    new = np.abs(np.diff(q, axis=0)).max(axis=1) > 1e-3     # not recorded twice
+                    q = q[np.concatenate([[True], new])]
                     p = arm.sweep(q).ball
                     off = np.linalg.norm(p - np.median(p, axis=0), axis=1)
                     both.append(q[off < 0.025])
