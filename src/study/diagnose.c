@@ -492,6 +492,11 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         gap_untested_all(diagnosis,
                          "the rows do not fit this arm: check the URDF, the tip, the columns and "
                          "their order; a tracker's log needs --free-base and --free-tool");
+        int told = 0; /* where a row belongs, an arm that does not fit cannot say */
+        for (int f = 0; f < diagnosis->n_faults; f++)
+            if (diagnosis->faults[f].kind == MUKCA_FAULT_DUPLICATE)
+                diagnosis->faults[told++] = diagnosis->faults[f];
+        diagnosis->n_faults = told;
         while (m.n_causes) gap_model_drop(&m, 0);
         gap_model_fit(&m, 4, GAP_FREE);
     }
