@@ -30,8 +30,8 @@ const char *const mukca_fault_name[] = {
 #define TIE_ODDS 3.0
 #define TIE_CORRELATION 0.9
 /* Standard deviations by which left-out rows may miss more than they should.  Where the truth was
- * modelled it was never above 1.7 in 900 simulated cases, heavy tails and correlated rows included:
- * rows of a socket share their geometry's error, which the priors overstate. */
+ * modelled it was never above 1.7 in some 700 simulated cases, heavy tails and correlated rows
+ * included: rows of a socket share their geometry's error, which the priors overstate. */
 #define SURPRISED 2.0
 /* Probability from which a function that no effect makes is told beside a cause. */
 #define UNKNOWN_SHARE 0.25
