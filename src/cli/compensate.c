@@ -183,6 +183,7 @@ static mukca_status run(cli_call *call)
     tally t = {.rows = 0};
     mukca_status status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     if (!model || !arm) goto out;
+    call->error.text[0] = '\0'; /* or an interrupt would be told as this */
     status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_load_model(call, model);
     if (status) goto out;

@@ -234,6 +234,7 @@ static mukca_status prepare(report_run *r)
     const mukca_chain *chain = &r->fit.chain;
     const mukca_offsets *table = &r->offsets;
     mukca_report_bar *bars;
+    p->stop = cli_stop;
     p->chain = &r->model.chain;
     p->data = &r->all;
     p->held_out = held_out;

@@ -2,7 +2,9 @@
 #include "io/plot.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <spawn.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -82,9 +84,15 @@ static mukca_status run(FILE *output, FILE *complaints, FILE *script, mukca_erro
                           "cannot run gnuplot, which draws the figures: %s; install the package "
                           "gnuplot-nox",
                           strerror(failure));
-    while (waitpid(pid, &status, 0) < 0)
+    bool interrupted = false;
+    while (waitpid(pid, &status, 0) < 0) {
         if (errno != EINTR)
             return mukca_fail(error, MUKCA_INPUT, "lost gnuplot: %s", strerror(errno));
+        interrupted = true; /* a signal to us alone: gnuplot does not know of it */
+        kill(pid, SIGTERM);
+    }
+    if (interrupted)
+        return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return MUKCA_OK;
     char *said = slurp(complaints);
     mukca_fail(error, MUKCA_INPUT, "gnuplot failed on a figure: %.180s", said ? said : "");
@@ -210,6 +218,7 @@ mukca_status mukca_plot_file(const char *path, const char *format, const mukca_f
             "svg size %d,%d noenhanced linewidth 1.2 background '#ffffff' font 'sans-serif,13'",
             figure->width, figure->height);
     mukca_status status = render(&text, terminal, path, script, error);
+    if (status == MUKCA_INTERRUPTED) unlink(path); /* half of a figure */
     free(text);
     return status;
 }

@@ -46,6 +46,15 @@ static const struct {
 };
 enum { SECTIONS = sizeof sections / sizeof *sections };
 
+/* The script of a figure, unless it is time to stop. */
+static mukca_status draw(mukca_figure *figure, report_sheet *sheet, int k, int i,
+                         const mukca_report *report, mukca_error *error)
+{
+    if (report->stop && report->stop(NULL))
+        return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
+    return report_draw(figure, sheet, &report_figures[k], i, report, error);
+}
+
 /* The figures of section k; with a NULL page only tells (in *any) whether there are some. */
 static mukca_status put_figures(FILE *out, bool *any, report_section section,
                                 const mukca_report *report, mukca_error *error)
@@ -59,8 +68,7 @@ static mukca_status put_figures(FILE *out, bool *any, report_section section,
         for (int i = 0; out && i < count; i++) {
             report_sheet sheet;
             mukca_figure figure;
-            mukca_status status =
-                report_draw(&figure, &sheet, &report_figures[k], i, report, error);
+            mukca_status status = draw(&figure, &sheet, k, i, report, error);
             if (status != MUKCA_OK) return status;
             fprintf(out, "<figure%s>\n",
                     figure.width >= BROAD   ? " class=\"broad\""
@@ -134,8 +142,7 @@ mukca_status mukca_report_write_figures(const char *directory, const char *forma
             report_sheet sheet;
             mukca_figure figure;
             char path[4096];
-            mukca_status status =
-                report_draw(&figure, &sheet, &report_figures[k], i, report, error);
+            mukca_status status = draw(&figure, &sheet, k, i, report, error);
             if (status != MUKCA_OK) return status;
             snprintf(path, sizeof path, "%s/%s.%s", directory, figure.id, format);
             status = mukca_plot_file(path, format, &figure, sheet.text, error);

@@ -46,6 +46,7 @@ typedef struct {
     const mukca_report_bar *bars;
     int n_bars;           /* may be 0 */
     double repeatability; /* of the arm, m; 0: not known */
+    bool (*stop)(void *); /* called with NULL before each figure, true: leave; or NULL */
 } mukca_report;
 
 /* Write the page.  Errors: as mukca_plot_svg. */

@@ -59,3 +59,29 @@ refuse 2 '-o FILE is needed' $c --lcm-url file://log -o -
 refuse 2 "'a' comes twice" $c --lcm-url file://log -o new.tsv --sockets a,a
 refuse 2 'a tool has two or more' $c --lcm-url file://log -o new.tsv --sockets a
 refuse 2 'names reading 2 twice' $c --lcm-url file://log -o new.tsv --map 1,2,3,4,5,6,2
+
+# interrupted: at once, also where another program draws, and told as such
+mkfifo targets
+"$MUKCA" compensate $a - -o new.tsv <targets 2>err &
+process=$!
+exec 3>targets
+printf 'j1,j2,j3\n0,0,0\n' >&3
+until [ -n "$(find . -name '.new.tsv.*.tmp')" ]; do sleep 0.02; done
+kill -s INT $process
+wait $process
+code=$?
+exec 3>&-
+expect "compensate interrupted: exit 130, one line, no file" test \
+    "$code $(grep -v '^mukca: note' err) $(find . -name '*new*' | wc -l)" = \
+    "130 mukca compensate: interrupted; nothing was written 0"
+mkdir bin
+printf '#!/bin/sh\n: >drawing\nexec sleep 300\n' >bin/gnuplot
+chmod +x bin/gnuplot
+PATH=$PWD/bin:$PATH timeout 120 "$MUKCA" report $a good -q -o new.html 2>err &
+process=$!
+until [ -e drawing ]; do sleep 0.02; done
+kill -s TERM $process # timeout hands it on
+wait $process
+expect "report interrupted while it draws: one line, no file" test \
+    "$(cat err) $(find . -name '*new*' | wc -l)" = \
+    "mukca report: interrupted; the page was not written 0"
