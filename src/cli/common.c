@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "io/output.h"
 
 json_t *cli_json_real(double value)
@@ -21,7 +22,12 @@ json_t *cli_json_reals(const double *values, int n)
 
 json_t *cli_json_text(const char *text)
 {
-    return text ? json_string(text) : json_null();
+    if (!text || mukca_utf8_valid(text)) return text ? json_string(text) : json_null();
+    char *mended = strdup(text); /* a file's name; jansson takes UTF-8 only */
+    if (mended) mukca_utf8_mend(mended);
+    json_t *string = json_string(mended);
+    free(mended);
+    return string;
 }
 
 json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)

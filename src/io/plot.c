@@ -10,6 +10,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/utf8.h"
+
 extern char **environ;
 
 void mukca_plot_quote(FILE *script, const char *text)
@@ -25,23 +27,22 @@ void mukca_plot_quote(FILE *script, const char *text)
 
 void mukca_html_escape(FILE *out, const char *text)
 {
-    for (; text && *text; text++) {
-        switch (*text) {
-            case '&':
-                fputs("&amp;", out);
-                break;
-            case '<':
-                fputs("&lt;", out);
-                break;
-            case '>':
-                fputs("&gt;", out);
-                break;
-            case '"':
-                fputs("&quot;", out);
-                break;
-            default:
-                fputc(*text, out);
-        }
+    while (text && *text) {
+        size_t n = mukca_utf8_fit(text, 1);
+        for (size_t k = 2; n == 0 && k <= 4; k++) n = mukca_utf8_fit(text, k);
+        if (n == 0) /* a byte that is no letter would make the page invalid */
+            fputc('?', out);
+        else if (*text == '&')
+            fputs("&amp;", out);
+        else if (*text == '<')
+            fputs("&lt;", out);
+        else if (*text == '>')
+            fputs("&gt;", out);
+        else if (*text == '"')
+            fputs("&quot;", out);
+        else
+            fwrite(text, 1, n, out);
+        text += n ? n : 1;
     }
 }
 

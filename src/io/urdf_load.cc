@@ -17,6 +17,7 @@
 
 #include "base/number.h"
 #include "base/suggest.h"
+#include "base/utf8.h"
 #include "io/inertials.h"
 #include "io/table.h"
 #include "io/urdf.h"
@@ -103,7 +104,9 @@ class Loader
         if (joints.size() > MUKCA_MAX_ELEMENTS)
             fail("the chain has " + std::to_string(joints.size()) + " joints, more than " +
                  std::to_string(MUKCA_MAX_ELEMENTS));
-        copy_name(chain_->robot, model_->getName().substr(0, MUKCA_NAME_SIZE - 1));
+        copy_name(chain_->robot,
+                  model_->getName().substr(
+                      0, mukca_utf8_fit(model_->getName().c_str(), MUKCA_NAME_SIZE - 1)));
         copy_name(chain_->base, base);
         copy_name(chain_->tip, tip);
         std::snprintf(chain_->urdf_sha256, sizeof chain_->urdf_sha256, "%s", text_.sha256);
@@ -138,6 +141,12 @@ class Loader
     {
         if (name.size() >= MUKCA_NAME_SIZE)
             fail("the name '" + name.substr(0, 40) + "...' is longer than 63 letters");
+        if (!mukca_utf8_valid(name.c_str())) {
+            char shown[MUKCA_NAME_SIZE];
+            std::snprintf(shown, sizeof shown, "%s", name.c_str());
+            mukca_utf8_mend(shown);
+            fail("the name '" + std::string(shown) + "' is not UTF-8; save the file as such");
+        }
         std::memcpy(to, name.c_str(), name.size() + 1);
     }
 
