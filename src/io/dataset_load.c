@@ -3,11 +3,13 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/utf8.h"
 #include "io/dataset_build.h"
 #include "io/pose_files.h"
 
@@ -30,8 +32,10 @@ static void base_name(char name[MUKCA_NAME_SIZE], const char *path, int up, bool
     char *dot = drop_ending ? strrchr(whole, '.') : NULL;
     if (dot && dot != whole) *dot = '\0';
     size_t length = strlen(whole);
-    snprintf(name, MUKCA_NAME_SIZE, "%s",
-             whole + (length < MUKCA_NAME_SIZE ? 0 : length - MUKCA_NAME_SIZE + 1));
+    char *tail = whole + (length < MUKCA_NAME_SIZE ? 0 : length - MUKCA_NAME_SIZE + 1);
+    while ((*tail & 0xC0) == 0x80) tail++; /* the rest of a letter that was cut */
+    mukca_utf8_mend(tail);
+    snprintf(name, MUKCA_NAME_SIZE, "%s", tail);
 }
 
 static bool name_taken(const mukca_dataset *d, const char *name)
@@ -49,7 +53,7 @@ static mukca_status add_placement(int *index, mukca_dataset_builder *b, const ch
     snprintf(name, sizeof name, "%s", wanted);
     if (name_taken(b->data, name)) snprintf(name, sizeof name, "%s", qualified);
     for (int k = 2; name_taken(b->data, name); k++)
-        snprintf(name, sizeof name, "%.50s#%d", wanted, k);
+        snprintf(name, sizeof name, "%.*s#%d", (int)mukca_utf8_fit(wanted, 50), wanted, k);
     if (strcmp(name, wanted) != 0)
         mukca_build_note(b, "there is a placement '%s' already; this one is called '%s'", wanted,
                          name);
@@ -132,6 +136,9 @@ static mukca_status check_name(const mukca_dataset_builder *b, const session *s,
                                int column)
 {
     if (!*name) return mukca_table_fail(b->error, &s->rows.table, column, "is empty");
+    if (!mukca_utf8_valid(name))
+        return mukca_table_fail(b->error, &s->rows.table, column,
+                                "is not UTF-8, nor is the file; save it as such");
     if (strlen(name) < MUKCA_NAME_SIZE) return MUKCA_OK;
     return mukca_table_fail(b->error, &s->rows.table, column,
                             "'%.20s...' is longer than 63 letters", name);
@@ -152,7 +159,7 @@ static mukca_status find_placement(int *placement, mukca_dataset_builder *b, ses
     s->written = grown;
     snprintf(s->written[n], sizeof s->written[n], "%s", name);
     snprintf(qualified, sizeof qualified, "%s:%s", s->stem, name);
-    qualified[MUKCA_NAME_SIZE - 1] = '\0';
+    qualified[mukca_utf8_fit(qualified, MUKCA_NAME_SIZE - 1)] = '\0';
     return add_placement(placement, b, name, qualified);
 }
 
@@ -182,7 +189,7 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
 {
     session s = {.first_placement = b->data->n_placements, .first_socket = b->data->n_sockets};
     mukca_row row;
-    int file = 0;
+    int file = 0, blind = 0;
     mukca_status status =
         mukca_rows_open(&s.rows, path, MUKCA_HEADER, b->chain, b->note, b->context, b->error);
     if (status) return status;
@@ -199,12 +206,22 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
         int socket = -1;
         status = mukca_rows_next(&s.rows, &row, &more, b->error);
         if (status || !more) break;
+        if (!row.socket && isnan(row.position[0])) { /* the tracker lost sight */
+            blind++;
+            continue;
+        }
         if (row.socket) status = find_socket(&socket, b, &s, &row);
         if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, file, s.rows.table.row);
     }
     if (status == MUKCA_OK && s.rows.table.row == 0)
         status = mukca_fail(b->error, MUKCA_INPUT, "%s: holds a header but no rows",
                             mukca_table_short_path(path));
+    if (status == MUKCA_OK && blind == s.rows.table.row)
+        status = mukca_fail(b->error, MUKCA_INPUT, "%s: no row has a measured position",
+                            mukca_table_short_path(path));
+    if (status == MUKCA_OK && blind)
+        mukca_build_note(b, "%s: %d of %d rows have no measured position, and are left out",
+                         mukca_table_short_path(path), blind, s.rows.table.row);
     mukca_rows_close(&s.rows);
     free(s.written);
     return status;

@@ -102,12 +102,35 @@ refuse 3 'bad.tsv: is empty' calibrate $a bad.tsv
 head -c 5000 /dev/zero >bad.tsv
 refuse 3 'bad.tsv:1: holds a zero byte' calibrate $a bad.tsv
 
+LC_ALL=C sed '2,$s/^p/gr\xfcn/' session.tsv >bad.tsv
+refuse 3 "bad.tsv:2: column 'placement': is not UTF-8" calibrate $a bad.tsv
+LC_ALL=C sed '1s/?>/ encoding="ISO-8859-1"?>/; s/"j1"/"j\xfc"/' arm.urdf >bad.urdf
+refuse 3 "the name .* is not UTF-8; save the file as such" calibrate --urdf bad.urdf good
+# a file's name is what it is, but must not cost a result, nor be cut within a letter
+latin=$(printf 'gr\374n.tsv')
+long=$(printf 'é%.0s' $(seq 40)).tsv
+for odd in "$latin" "x$long" "$long"; do
+    cut -f 2- session.tsv >"$odd"
+    run evaluate $a -q "$odd" --json named.json --force
+    expect "a file's name, whatever it is, keeps its result" grep -q '"rows": 12' named.json
+    run report $a -q "$odd" -o named.html --force
+    expect "and the report is UTF-8" iconv -f UTF-8 -t UTF-16 named.html
+    rm "$odd"
+done
 awk '{ printf "%s\r", $0 }' session.tsv >bad.tsv
 refuse 3 'bad.tsv:1: lines end in carriage returns; save it with line feeds' calibrate $a bad.tsv
 head -n 3 session.tsv >bad.tsv
 refuse 3 "bad.tsv: placement 'p', socket '[01]': 1 row" calibrate $a good --test bad.tsv
 awk '{ print $3 "\t" $4 "\t" $5 "\t" (NR == 1 ? "x_m\ty_m\tz_m" : "0.5\t0\t0.3") }' session.tsv >bad.tsv
 refuse 3 'all positions are the same while the joints move' recalibrate $a bad.tsv
+"$MUKCA" simulate $a --poses 40 --perturb 0.1,0.1 | grep -v '^#' >seen.tsv
+awk -F'\t' -v OFS='\t' 'NR > 1 { $(NF - 6) = $(NF - 5) = $(NF - 4) = "nan" } { print }' seen.tsv >blind.tsv
+for command in calibrate evaluate diagnose report; do
+    refuse 3 'blind.tsv: no row has a measured position' $command $a blind.tsv
+done
+awk 'NR < 30' seen.tsv >bad.tsv
+tail -n 3 blind.tsv >>bad.tsv
+accept 'bad.tsv: 3 of 31 rows have no measured position, and are left out' diagnose $a bad.tsv --free-base
 
 # folders
 mkdir bad
