@@ -7,6 +7,8 @@
 #include "base/suggest.h"
 #include "io/output.h"
 
+enum { MANY_ROWS = 20000 };
+
 typedef struct {
     cli_common common;
     cli_list test;
@@ -118,6 +120,9 @@ static mukca_status run(cli_call *call)
         status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
         goto out;
     }
+    if (data.n_rows > MANY_ROWS)
+        cli_note(call,
+                 "more than 20000 rows take minutes and gigabytes; a tenth of them tells as much");
     const mukca_diagnose_options how = {.test = o->test.n ? &test : NULL,
                                         .disabled = disabled,
                                         .free_base = o->free_base,
