@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "cli/cli.h"
 #include "io/output.h"
 #include "io/rows.h"
@@ -102,6 +103,9 @@ static mukca_status read_pose(mukca_frame *target, const mukca_table *table, con
         mukca_status status =
             mukca_table_number(i < 3 ? &target->p[i] : &q[i - 3], table, column[i], error);
         if (status) return status;
+        if (i < 3 && fabs(target->p[i]) > MUKCA_NUMBER_LARGEST)
+            return mukca_table_fail(error, table, column[i], "%g is no position; give m",
+                                    target->p[i]);
     }
     if (!oriented) return MUKCA_OK;
     if (!mukca_rows_normalise(q))

@@ -288,24 +288,26 @@ mukca_status mukca_session_resume(mukca_session *session, const char *path,
         status = fail(session, "cannot be read", error);
         goto out;
     }
-    int64_t whole = session->length;
+    const int64_t length = session->length;
+    int64_t whole = length;
     while (whole > 0 && text[whole - 1] != '\n') whole--;
-    if (whole < session->length) {
+    session->length = whole;
+    const size_t head_length = strlen(first_line);
+    const bool ours =
+        strncmp(text, first_line, (size_t)length < head_length ? (size_t)length : head_length) == 0;
+    text[whole] = '\0';
+    bool begun = whole > 0;
+    if (begun) status = scan(session, &begun, text, head, error);
+    if (status) goto out;
+    if (begun && whole < length) { /* only now is it sure to be a session */
         char said[160];
         snprintf(said, sizeof said, "cut %lld bytes of an unfinished row off the session",
-                 (long long)(session->length - whole));
-        if (ftruncate(session->fd - 1, whole)) {
-            status = fail(session, "cannot be mended", error);
-            goto out;
-        }
-        session->length = whole;
-        if (note) note(note_context, said);
+                 (long long)(length - whole));
+        if (ftruncate(session->fd - 1, whole)) status = fail(session, "cannot be mended", error);
+        if (!status && note) note(note_context, said);
     }
-    text[whole] = '\0';
-    bool begun = whole > 0, ours = strncmp(text, first_line, strlen(first_line)) == 0;
-    if (begun) status = scan(session, &begun, text, head, error);
     if (status || begun) goto out;
-    if (whole > 0 && !ours) {
+    if (!ours) {
         status = mukca_fail(error, MUKCA_INPUT, "session %s has no header", path);
     } else if (ftruncate(session->fd - 1, 0)) { /* a head that a power cut left unfinished */
         status = fail(session, "cannot be mended", error);
