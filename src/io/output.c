@@ -97,6 +97,7 @@ mukca_status mukca_output_open(mukca_output *output, const char *path, bool forc
         return MUKCA_OK;
     }
     mukca_status status = resolve(output, path, force, error);
+    output->force = force;
     if (status) return status;
     int flags = output->temporary[0] ? O_CREAT | O_EXCL : 0;
     const char *name = output->temporary[0] ? output->temporary : output->path;
@@ -121,7 +122,15 @@ mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
     if (good && regular) good = fsync(fileno(stream)) == 0;
     int reason = errno ? errno : EIO;
     if (good && regular) {
-        good = rename(output->temporary, output->path) == 0;
+        /* another process may have written it since we looked; some file systems have no links */
+        const bool linked = !output->force && link(output->temporary, output->path) == 0;
+        if (!linked && !output->force && access(output->path, F_OK) == 0) {
+            mukca_output_abort(output);
+            return mukca_fail(error, MUKCA_INPUT, "%s: exists already; --force overwrites it",
+                              output->path);
+        }
+        good =
+            linked ? unlink(output->temporary) == 0 : rename(output->temporary, output->path) == 0;
         reason = errno;
         if (good) output->temporary[0] = '\0';
     }

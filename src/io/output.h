@@ -11,6 +11,7 @@ typedef struct {
     FILE *stream;         /* write here; NULL while closed */
     char path[1024];      /* what the user asked for, links followed */
     char temporary[1080]; /* empty: written in place (standard output, a device) */
+    bool force;           /* replace a file that came meanwhile */
 } mukca_output;
 
 /* Check that `path` can be opened below, without leaving a trace: call it before long work. */

@@ -43,6 +43,16 @@ static void files_appear_when_they_are_whole(void **state)
     assert_int_equal(mukca_output_close(&output, &error), MUKCA_OK);
     check_content(path, "hello");
     assert_int_equal(count_files(), 1);
+    /* one that came meanwhile is another's result */
+    const char *late = in_folder("late");
+    assert_int_equal(mukca_output_open(&output, late, false, &error), MUKCA_OK);
+    fputs("mine", output.stream);
+    scratch_file("late", "theirs");
+    assert_error(mukca_output_close(&output, &error), MUKCA_INPUT, error, "exists already");
+    check_content(late, "theirs");
+    assert_int_equal(count_files(), 2);
+    unlink(late);
+    path = in_folder("out");
     /* a second one needs force; given up half-way it leaves the old one */
     assert_error(mukca_output_open(&output, path, false, &error), MUKCA_INPUT, error,
                  "exists already; --force overwrites it");
