@@ -27,6 +27,19 @@ static bool uses_masses(const gap_hypothesis *h)
                                      h->effect.kind == MUKCA_EFFECT_BASE_COMPLIANCE);
 }
 
+enum { CROSS_DEGREE = 3, CROSS_TERMS = (CROSS_DEGREE + 1) * (CROSS_DEGREE + 2) / 2 - 1 };
+
+/* Products of Chebyshev polynomials T_a(x) T_b(y), 0 < a + b <= CROSS_DEGREE. */
+static void products(float *out, double x, double y)
+{
+    double T[2][CROSS_DEGREE + 1] = {{1, x}, {1, y}};
+    for (int k = 2; k <= CROSS_DEGREE; k++)
+        for (int s = 0; s < 2; s++) T[s][k] = 2 * T[s][1] * T[s][k - 1] - T[s][k - 2];
+    for (int a = 0, t = 0; a <= CROSS_DEGREE; a++)
+        for (int b = 0; a + b <= CROSS_DEGREE; b++)
+            if (a + b > 0) out[t++] = (float)(T[0][a] * T[1][b]);
+}
+
 /* Gaussian bumps of width `effect.variant` / 1000 rad on a grid over the driver's range, or, for a
  * driver that is another joint, Chebyshev polynomials of degree 1 .. 4. */
 static void fill_bumps(float *basis, gap_hypothesis *h, const gap_model *m)
@@ -34,6 +47,11 @@ static void fill_bumps(float *basis, gap_hypothesis *h, const gap_model *m)
     const int n_joints = m->chain->n_joints;
     const double lo = h->lo, hi = h->hi;
     const bool timed = h->driver == GAP_TIME, local = timed || h->driver == h->effect.joint;
+    double low = HUGE_VAL, high = -HUGE_VAL; /* of the joint's own angle */
+    for (int row = 0; !timed && row < m->data->n_rows; row++) {
+        low = fmin(low, m->data->q[row * n_joints + h->effect.joint]);
+        high = fmax(high, m->data->q[row * n_joints + h->effect.joint]);
+    }
     const double width = timed ? (hi - lo) / (h->terms - 1) : 1e-3 * h->effect.variant;
     for (int row = 0; row < m->data->n_rows; row++) {
         const double q = timed ? m->time[row] : m->data->q[row * n_joints + h->driver];
@@ -43,6 +61,10 @@ static void fill_bumps(float *basis, gap_hypothesis *h, const gap_model *m)
                 const double x = (q - lo - t * width) / width;
                 out[t] = (float)(exp(-0.5 * x * x) / 1.33); /* neighbours add up to 1 or so */
             }
+        } else if (h->terms == CROSS_TERMS) {
+            const double own = m->data->q[row * n_joints + h->effect.joint];
+            products(out, hi > lo ? (2 * q - lo - hi) / (hi - lo) : 0,
+                     high > low ? (2 * own - low - high) / (high - low) : 0);
         } else {
             const double x = hi > lo ? (2 * q - lo - hi) / (hi - lo) : 0;
             double before = 1, now = x;
@@ -217,6 +239,8 @@ static void append_bumps(lister *l, int joint, int driver, int width, const doub
         if (1e-3 * width > 0.6 * range) return;
         terms = (int)ceil(range / (1e-3 * width)) + 1;
         if (terms > GAP_MAX_TERMS) return;
+    } else if (width) {
+        terms = CROSS_TERMS;
     }
     append(l, (gap_hypothesis){.kind = GAP_BUMPS,
                                .effect = {.joint = joint, .variant = width, .placement = -1},
@@ -265,7 +289,8 @@ static void list_joint(lister *l, int j, const double (*span)[2], bool moved)
         if (j + side >= 0 && j + side < n_joints && span[j + side][1] - span[j + side][0] > 1e-3)
             append_effect(l, MUKCA_EFFECT_JOINT_COUPLING, j, side, -1);
     for (int i = 0; i < n_joints; i++)
-        if (i != j && span[i][1] - span[i][0] > 0.1) append_bumps(l, j, i, 0, span);
+        for (int both = 0; both < 2; both++)
+            if (i != j && span[i][1] - span[i][0] > 0.1) append_bumps(l, j, i, both, span);
     append_bumps(l, j, GAP_TIME, 0, span);
     /* The joint slips once, at a row.  A slip of the first joint, or in the last socket, moves one
      * socket and nothing else that is seen: that is a moved tool. */
