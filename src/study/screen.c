@@ -186,7 +186,9 @@ int gap_reinstate(mukca_diagnosis *diagnosis, gap_model *m)
     int back = 0;
     for (int f = 0; f < diagnosis->n_faults; f++) {
         mukca_data_fault *fault = &diagnosis->faults[f];
-        if (fault->socket < 0 || m->keep[fault->data_row]) continue;
+        const bool cut =
+            fault->kind == MUKCA_FAULT_OUTLIER || fault->kind == MUKCA_FAULT_WRONG_SOCKET;
+        if (!cut || fault->socket < 0 || m->keep[fault->data_row]) continue;
         double p[3], centre[3] = {0, 0, 0};
         int n = 0;
         gap_model_predict(p, m, fault->data_row);

@@ -15,6 +15,7 @@
 #include "study/harmonics.h"
 #include "study/projector.h"
 #include "study/scan.h"
+#include "study/screen.h"
 
 typedef struct {
     scene s;
@@ -225,11 +226,32 @@ static void priors(void **state)
     assert_close(sum + 1.0 / f->all.classes, 1, 1e-9); /* the ripple's class is scanned beside */
 }
 
+/* A row cut as an outlier comes back when it fits; that it repeats the one before is told still. */
+static void reinstated(void **state)
+{
+    fixture *f = *state;
+    enum { ROW = 5 };
+    mukca_diagnosis *d = calloc(1, sizeof *d);
+    assert_non_null(d);
+    gap_fault_add(d, &f->m, MUKCA_FAULT_DUPLICATE, ROW, 0);
+    gap_fault_add(d, &f->m, MUKCA_FAULT_OUTLIER, ROW, 0.1);
+    f->m.keep[ROW] = 0;
+    gap_model_regroup(&f->m);
+    gap_model_fit(&f->m, 1, GAP_FIXED);
+    assert_int_equal(gap_reinstate(d, &f->m), 1);
+    assert_true(f->m.keep[ROW]);
+    assert_int_equal(d->n_faults, 1);
+    assert_int_equal(d->faults[0].kind, MUKCA_FAULT_DUPLICATE);
+    free(d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(geometry_columns),
                                        cmocka_unit_test(effect_columns),
                                        cmocka_unit_test(projected_evidence),
-                                       cmocka_unit_test(harmonics), cmocka_unit_test(priors)};
+                                       cmocka_unit_test(harmonics),
+                                       cmocka_unit_test(priors),
+                                       cmocka_unit_test(reinstated)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
