@@ -130,6 +130,7 @@ static void cross_predict(gap_left_out *b, gap_pack *pack, const unsigned char *
     gap_model *m = b->m;
     const int size = m->n_columns + 1, d = m->dim;
     double *mean = m->mean;
+    for (int i = 0; i < 3 * m->data->n_rows; i++) b->position[i] = NAN; /* not predicted */
     double *theta = MUKCA_TAKE(&m->pool, double, m->n_geometry);
     gap_cause *causes = MUKCA_TAKE(&m->pool, gap_cause, GAP_MAX_CAUSES);
     if (!theta || !causes) return;

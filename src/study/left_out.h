@@ -12,7 +12,8 @@ typedef struct {
     double *prior;      /* [capacity] */
     double *gram;       /* of one fold */
     double *distance;   /* the pack's, kept while a fold's rows are blanked */
-    double *position;   /* [n_rows][3] predictions of the rows while they were left out */
+    double *position;   /* [n_rows][3] predictions of the rows while they were left out, NaN: of a
+                           row that no fold holds (fewer poses than folds beside sockets) */
     double *error;      /* [n_rows], NaN: not measured */
     unsigned char *all; /* [n_rows] 1 */
     double surprise;    /* squared misfit of the left-out rows in units of what it should be */

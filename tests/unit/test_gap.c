@@ -13,6 +13,7 @@
 #include "math/dense.h"
 #include "scene.h"
 #include "study/harmonics.h"
+#include "study/left_out.h"
 #include "study/projector.h"
 #include "study/scan.h"
 #include "study/screen.h"
@@ -245,6 +246,38 @@ static void reinstated(void **state)
     free(d);
 }
 
+/* Two poses beside sockets are too few for folds of their own: they are always fitted, and so no
+ * error of theirs is a left-out one. */
+static void never_left_out(void **state)
+{
+    enum { POSES = 2 };
+    const fixture *f = *state;
+    const unsigned char use[GAP_MAX_CAUSES] = {0};
+    const gap_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    mukca_dataset data;
+    mukca_error error = {0};
+    gap_model m;
+    record(&data, &f->s);
+    data.position = malloc(3 * sizeof *data.position * (size_t)data.n_rows);
+    assert_non_null(data.position);
+    for (int i = 0; i < 3 * data.n_rows; i++) data.position[i] = NAN;
+    for (int row = 0; row < POSES; row++) {
+        data.socket[row] = -1;
+        gap_model_predict(data.position + 3 * row, &f->m, row);
+    }
+    assert_int_equal(gap_model_create(&m, &f->s.chain, &data, &options, &error), MUKCA_OK);
+    gap_model_fit(&m, 3, GAP_FREE);
+    gap_left_out b = {.m = &m};
+    gap_left_out_take(&b);
+    assert_false(m.pool.failed);
+    for (int i = 0; i < 3 * data.n_rows; i++) b.position[i] = 1; /* what came before */
+    gap_left_out_run(b.error, &b, gap_left_out_pack(&m), use, false);
+    for (int row = 0; row < data.n_rows; row++)
+        assert_int_equal(isfinite(b.error[row]) != 0, row >= POSES);
+    gap_model_free(&m);
+    mukca_dataset_free(&data);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(geometry_columns),
@@ -252,6 +285,7 @@ int main(void)
                                        cmocka_unit_test(projected_evidence),
                                        cmocka_unit_test(harmonics),
                                        cmocka_unit_test(priors),
-                                       cmocka_unit_test(reinstated)};
+                                       cmocka_unit_test(reinstated),
+                                       cmocka_unit_test(never_left_out)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
