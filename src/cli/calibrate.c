@@ -106,6 +106,7 @@ static mukca_status check(cli_call *call)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--trace and another output cannot both go to %s", o->trace);
     mukca_status status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = cli_keep_inputs(call, o->trace);
     if (status == MUKCA_OK && o->trace)
         status = mukca_output_check(o->trace, c->force, &call->error);
     return status;

@@ -237,6 +237,10 @@ void cli_displacement(mukca_displacement *displacement, const cli_model *model,
  * writable. */
 mukca_status cli_check_outputs(cli_call *call);
 
+/* Refuse an output `path` (NULL: none) that is read here: not even --force overwrites a recording,
+ * which cannot be had again.  cli_load_model asks for -o and --json.  Errors: MUKCA_USAGE. */
+mukca_status cli_keep_inputs(cli_call *call, const char *path);
+
 /* Write `root` (stolen) to --json, if that was given. */
 mukca_status cli_write_json(cli_call *call, json_t *root);
 

@@ -1,4 +1,5 @@
 /* The arm and the data that the common options name. */
+#include <fnmatch.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,35 +12,40 @@
 
 static const double most_gravity = 1e3; /* m/s^2 */
 
-/* Not even --force overwrites what the command reads: recordings cannot be had again. */
-static mukca_status keep_inputs(cli_call *call)
+/* Is `path` the input or, where that is a placement's folder, a file that is read there? */
+static bool is_input(const char *path, const char *input)
+{
+    char file[1300];
+    if (!path || !input) return false;
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    if (fnmatch("hole_*.csv", name, 0) != 0) return mukca_output_same(path, input);
+    snprintf(file, sizeof file, "%.1000s/%.255s", input, name);
+    return mukca_output_same(path, input) || mukca_output_same(path, file);
+}
+
+mukca_status cli_keep_inputs(cli_call *call, const char *path)
 {
     const cli_common *c = call->common;
-    const char *const outputs[] = {c->output, c->json};
     const char *const inputs[] = {c->urdf, c->inertials, c->offsets, c->distances};
-    for (int k = 0; k < 2; k++) {
-        bool same = false;
-        for (int i = 0; i < 4; i++) same |= mukca_output_same(outputs[k], inputs[i]);
-        for (int i = 0; i < call->arguments.n; i++)
-            same |= mukca_output_same(outputs[k], call->arguments.items[i]);
-        for (const cli_option *o = call->command->options; o->name; o++) {
-            const cli_list *rest = (const cli_list *)(void *)((char *)call->options + o->offset);
-            for (int i = 0; o->kind == CLI_REST && i < rest->n; i++)
-                same |= mukca_output_same(outputs[k], rest->items[i]);
-        }
-        if (same)
-            return mukca_fail(&call->error, MUKCA_USAGE,
-                              "%.120s is read here, and so cannot be written; name another file",
-                              outputs[k]);
+    bool same = false;
+    for (int i = 0; i < 4; i++) same |= is_input(path, inputs[i]);
+    for (int i = 0; i < call->arguments.n; i++) same |= is_input(path, call->arguments.items[i]);
+    for (const cli_option *o = call->command->options; o->name; o++) {
+        if (o->kind != CLI_REST) continue;
+        const cli_list *rest = (const cli_list *)(void *)((char *)call->options + o->offset);
+        for (int i = 0; i < rest->n; i++) same |= is_input(path, rest->items[i]);
     }
-    return MUKCA_OK;
+    if (!same) return MUKCA_OK;
+    return mukca_fail(&call->error, MUKCA_USAGE,
+                      "%.120s is read here, and so cannot be written; name another file", path);
 }
 
 mukca_status cli_load_model(cli_call *call, cli_model *model)
 {
     const cli_common *c = call->common;
     memset(model, 0, sizeof *model);
-    mukca_status status = keep_inputs(call);
+    mukca_status status = cli_keep_inputs(call, c->output);
+    if (status == MUKCA_OK) status = cli_keep_inputs(call, c->json);
     if (status) return status;
     if (!c->urdf)
         return mukca_fail(&call->error, MUKCA_USAGE,

@@ -161,6 +161,7 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
             if (mukca_output_same(files[i], files[k]))
                 status = mukca_fail(&call->error, MUKCA_USAGE, "two outputs cannot both go to %s",
                                     files[i]);
+        if (status == MUKCA_OK) status = cli_keep_inputs(call, files[i]);
         if (status == MUKCA_OK)
             status = mukca_output_check(files[i], call->common->force, &call->error);
     }
