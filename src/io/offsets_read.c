@@ -95,8 +95,9 @@ static mukca_status read_values(double value[OFFSET + 1], const reader *r)
     }
     if (!(fabs(value[NOMINAL] + value[OFFSET] - value[CALIBRATED]) <= 1e-9))
         return out_of_range(r, CALIBRATED, "is not nominal + offset");
-    if (fabs(value[CALIBRATED]) > MUKCA_NUMBER_LARGEST)
-        return out_of_range(r, CALIBRATED, "is larger than any arm's");
+    for (int c = CALIBRATED; c <= OFFSET; c++) /* either may be used */
+        if (fabs(value[c]) > MUKCA_NUMBER_LARGEST)
+            return out_of_range(r, c, "is larger than any arm's");
     return MUKCA_OK;
 }
 

@@ -196,6 +196,7 @@ static void broken_tables_get_one_clear_line(void **state)
         const char *row, *part;
     } cases[] = {
         {"a\tx\tm\t0\t0\t1\t0\t1\t-", "column 'calibrated': is not nominal + offset"},
+        {"a\tx\tm\t1e300\t0\t-1e300\t0\t1\t-", "column 'offset': is larger than any arm's"},
         {"a\tx\tm\t0\tnan\t1\t0\t1\t-", "'nan' is not a finite number"},
         {"a\tx\tm\t0\t1\t1\tbig\t1\t-", "column 'sigma': 'big'"},
         {"a\tx\tm\t0.1\t1.1\t1\t0\t1\t-\na\tx\tm\t0.1\t1.1\t1\t0\t1\t-", "comes twice"},
