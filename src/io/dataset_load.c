@@ -33,7 +33,7 @@ static void base_name(char name[MUKCA_NAME_SIZE], const char *path, int up, bool
     if (dot && dot != whole) *dot = '\0';
     size_t length = strlen(whole);
     char *tail = whole + (length < MUKCA_NAME_SIZE ? 0 : length - MUKCA_NAME_SIZE + 1);
-    while ((*tail & 0xC0) == 0x80) tail++; /* the rest of a letter that was cut */
+    while (tail > whole && (*tail & 0xC0) == 0x80) tail++; /* the rest of a letter that was cut */
     mukca_utf8_mend(tail);
     snprintf(name, MUKCA_NAME_SIZE, "%s", tail);
 }

@@ -109,10 +109,11 @@ refuse 3 "the name .* is not UTF-8; save the file as such" calibrate --urdf bad.
 # a file's name is what it is, but must not cost a result, nor be cut within a letter
 latin=$(printf 'gr\374n.tsv')
 long=$(printf 'é%.0s' $(seq 40)).tsv
-for odd in "$latin" "x$long" "$long"; do
+for odd in "$latin" "$(printf '\200\201.tsv')" "x$long" "$long"; do
     cut -f 2- session.tsv >"$odd"
     run evaluate $a -q "$odd" --json named.json --force
     expect "a file's name, whatever it is, keeps its result" grep -q '"rows": 12' named.json
+    expect "and the placement has a name" grep -q '"placement": "[^"]' named.json
     run report $a -q "$odd" -o named.html --force
     expect "and the report is UTF-8" iconv -f UTF-8 -t UTF-16 named.html
     rm "$odd"
