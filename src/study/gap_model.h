@@ -27,7 +27,7 @@ typedef enum {
     GAP_CREEP,    /* tool_motion: the socket crept through all its rows */
     GAP_SPIKE,    /* outlier: one row is off, or a few in a row are off alike */
     GAP_DISTANCE, /* socket_distance */
-    GAP_BUMPS,    /* unknown: a smooth function of a joint's angle or of time turns a joint */
+    GAP_BUMPS,    /* unknown: a smooth function of angles or of time turns a joint */
     GAP_STRETCH   /* unknown: a link changes its length with time */
 } gap_kind;
 
@@ -35,8 +35,9 @@ typedef enum {
  * a joint's angle, 3 for rotations, n_joints for all angles. */
 typedef struct {
     gap_kind kind;
-    mukca_effect effect; /* kind, joint, placement, variant; GAP_BUMPS uses joint only */
-    int driver;          /* GAP_BUMPS: the joint whose angle is the argument, GAP_TIME: time */
+    mukca_effect effect; /* kind, joint, placement, variant; GAP_BUMPS: joint and variant */
+    int driver;          /* GAP_BUMPS: the joint whose angle is the argument (with products, one of
+                            them beside the joint's own), GAP_TIME: time */
     double lo, hi;       /* the argument's range, rad or s */
     int group, row; /* GAP_STEP, GAP_CREEP, GAP_SPIKE: group, and first row of the step (data) */
     int last;       /* GAP_SPIKE: last row that is off */

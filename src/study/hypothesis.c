@@ -40,8 +40,9 @@ static void products(float *out, double x, double y)
             if (a + b > 0) out[t++] = (float)(T[0][a] * T[1][b]);
 }
 
-/* Gaussian bumps of width `effect.variant` / 1000 rad on a grid over the driver's range, or, for a
- * driver that is another joint, Chebyshev polynomials of degree 1 .. 4. */
+/* Gaussian bumps of width `effect.variant` / 1000 rad on a grid over the driver's range; for a
+ * driver that is another joint, Chebyshev polynomials of its angle of degree 1 .. 4 or, with
+ * CROSS_TERMS terms, products of both joints' angles. */
 static void fill_bumps(float *basis, gap_hypothesis *h, const gap_model *m)
 {
     const int n_joints = m->chain->n_joints;
@@ -362,9 +363,8 @@ static void list_faults(lister *l)
 }
 
 /* Prior odds: equal per class, then per joint, then per variant; a quarter of tool motions creep,
- * half
- * of the outliers are bursts, half of the unknown functions have another argument than the joint's
- * own angle. */
+ * half of the outliers are bursts, half of the unknown functions have another argument than the
+ * joint's own angle alone. */
 static void set_priors(gap_hypotheses *all)
 {
     int variants[GAP_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
