@@ -67,7 +67,7 @@ void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
     if (json_array_size(causes) > 1)
         n = add_held_out(rungs, n, ROOM, "all causes together", json_object_get(gap, "held_out"),
                          excused);
-    /* The nominal model is so far off that it would press the others together: it stands at the
+    /* A nominal model that is so far off that it would press the others together stands at the
      * edge. */
     size_t longest = 0;
     double most = floor > 0 ? floor : 0;
@@ -75,11 +75,12 @@ void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
         longest = strlen(rungs[k].name) > longest ? strlen(rungs[k].name) : longest;
         if (k > 0) most = fmax(most, fmax(rungs[k].value, rungs[k].high));
     }
-    const double edge = 1.25 * most * mm;
+    const double edge = 1.25 * most * mm, nominal = rungs[0].value * mm;
+    const bool beyond = nominal > edge;
     report_begin(sheet, "gap-ladder", "Held-out error, step by step", 720, 130 + 26 * n);
     FILE *s = sheet->script;
     fputs("$d << EOD\n", s);
-    for (int k = 1; k < n; k++)
+    for (int k = beyond; k < n; k++)
         fprintf(s, "%d %.6g %.6g %.6g\n", n - k, rungs[k].value * mm, rungs[k].low * mm,
                 rungs[k].high * mm);
     fputs("EOD\nset ytics (", s);
@@ -91,11 +92,13 @@ void report_draw_ladder(report_sheet *sheet, const mukca_report *r, int index)
     fprintf(
         s,
         ")\nset yrange [0.4:%g]\nset xrange [0:%g]\nset lmargin %d\nset rmargin 3\nset tmargin 2\n"
-        "set xlabel 'mean error on placements left out of the fit, mm'\n"
-        "set arrow from first %g, %d to first %g, %d linecolor rgb " PLOT_BEFORE
-        " linewidth 2\nset label '%.3g ' at first %g, %d right\n",
-        n + 0.6, edge, 2 + (int)(0.88 * (double)longest), 0.94 * edge, n, edge, n,
-        rungs[0].value * mm, 0.94 * edge, n);
+        "set xlabel 'mean error on placements left out of the fit, mm'\n",
+        n + 0.6, edge, 2 + (int)(0.88 * (double)longest));
+    if (beyond)
+        fprintf(s,
+                "set arrow from first %g, %d to first %g, %d linecolor rgb " PLOT_BEFORE
+                " linewidth 2\nset label '%.3g ' at first %g, %d right\n",
+                0.94 * edge, n, edge, n, nominal, 0.94 * edge, n);
     if (floor > 0)
         fprintf(s,
                 "set arrow from first %g, graph 0 to first %g, graph 1 nohead linecolor 'black' "
