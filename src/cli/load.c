@@ -99,7 +99,7 @@ mukca_status cli_load_test(cli_call *call, mukca_dataset *test, const cli_model 
     for (int t = 0; t < test->n_files && status == MUKCA_OK; t++)
         for (int k = 0; k < train->n_files; k++) {
             char text[640];
-            if (strcmp(test->files[t], train->files[k]) != 0) continue;
+            if (!mukca_output_same(test->files[t], train->files[k])) continue;
             snprintf(text, sizeof text, "%s is trained on and tested on: that test proves nothing",
                      test->files[t]);
             cli_note(call, text);

@@ -176,6 +176,7 @@ accept 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
 accept 'nominal arm is [0-9]* mm off: check the URDF' calibrate $a --distance 0.5 --tip hand good
 accept 'do not use this result: the rows do not fit this arm' calibrate $a --distance 0.5 good
 accept 'good/hole_0.csv is trained on and tested on' calibrate $a good --test good
+accept 'good/hole_1.csv is trained on and tested on' calibrate $a good --test good/../good
 refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv
 printf 'socket_a\tsocket_b\tdistance_m\n0\t1\t0\n' >distances.tsv
 refuse 3 "distances.tsv:2: column 'distance_m': 0: a distance must be above 0" calibrate $a --distances distances.tsv good
