@@ -49,7 +49,6 @@ void gap_left_out_errors(double *error, const gap_model *m, const double *positi
                          const unsigned char *of, bool excuse)
 {
     const mukca_dataset *data = m->data;
-    double *centred = error; /* in place, row by row */
     for (int row = 0; row < data->n_rows; row++) {
         error[row] = NAN;
         if (!of[row] || data->socket[row] >= 0) continue;
@@ -87,7 +86,7 @@ void gap_left_out_errors(double *error, const gap_model *m, const double *positi
                         double e[3];
                         const double t = creep && share2 > 0 ? (row - share_mean) / share2 : 0;
                         for (int c = 0; c < 3; c++) e[c] = x[c] - mean[c] - t * slope[c];
-                        centred[row] = sqrt(mukca_dot3(e, e));
+                        error[row] = sqrt(mukca_dot3(e, e));
                     }
                 }
         }
