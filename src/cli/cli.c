@@ -99,17 +99,21 @@ static const char *unit_words(const cli_option *option)
     return "";
 }
 
+static void set_flag(cli_call *call, const cli_option *option)
+{
+    *(bool *)((char *)call->options + option->offset) = true;
+}
+
 static mukca_status set_value(cli_call *call, const cli_option *option, const char *text)
 {
     void *at = (char *)call->options + option->offset;
     const char *end;
-    if (text && !*text) /* as of an unset variable in a script */
+    if (!*text) /* as of an unset variable in a script */
         return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s, and not an empty text",
                           option->name, option->argument);
     switch (option->kind) {
         case CLI_FLAG:
-            *(bool *)at = true;
-            return MUKCA_OK;
+            break;
         case CLI_TEXT:
             *(const char **)at = text;
             return MUKCA_OK;
@@ -174,7 +178,8 @@ static mukca_status take_option(cli_call *call, int *used, const cli_option *opt
     if (option->kind == CLI_FLAG) {
         if (inlined)
             return mukca_fail(&call->error, MUKCA_USAGE, "--%s takes no value", option->name);
-        return set_value(call, option, NULL);
+        set_flag(call, option);
+        return MUKCA_OK;
     }
     if (option->kind == CLI_REST) {
         int n = count_plain(argc - 1, argv + 1);
@@ -208,8 +213,7 @@ static mukca_status parse_letters(cli_call *call, bool *help, int *used, int arg
         }
         if (!o->name) return unknown_option(call, word);
         if (o->kind != CLI_FLAG) return take_option(call, used, o, c[1] ? c + 1 : NULL, argc, argv);
-        mukca_status status = set_value(call, o, NULL);
-        if (status) return status;
+        set_flag(call, o);
     }
     return MUKCA_OK;
 }

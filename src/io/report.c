@@ -139,8 +139,8 @@ mukca_status mukca_report_write_figures(const char *directory, const char *forma
     for (int k = 0; k < report_n_figures; k++) {
         const int count = report_figures[k].count(report);
         for (int i = 0; i < count; i++) {
-            report_sheet sheet;
-            mukca_figure figure;
+            report_sheet sheet = {.text = NULL};
+            mukca_figure figure = {.id = ""};
             char path[4096];
             mukca_status status = draw(&figure, &sheet, k, i, report, error);
             if (status != MUKCA_OK) return status;

@@ -55,17 +55,17 @@ typedef struct {
 } mukca_shrink;
 
 typedef struct {
-    mukca_effect effect;           /* kind, joint, placement, variant and coefficients, SI */
-    int socket;                    /* index into the dataset's sockets, -1: none */
-    int row, file;                 /* 1-based data row of the file (tool_motion), 0: none */
-    bool creep;                    /* tool_motion: crept rather than moved once */
+    mukca_effect effect; /* kind, joint, placement, variant and coefficients, SI */
+    int socket;          /* index into the dataset's sockets, -1: none */
+    int row, file;       /* 1-based data row of the file (tool_motion), 0: none */
+    bool creep;          /* tool_motion: crept rather than moved once */
+    bool or_unknown;     /* a function that no effect makes would do as well, by these rows */
     double amplitude, low, high;   /* size and 95 % interval in the effect's unit */
     double sigma[MUKCA_MAX_TERMS]; /* of the coefficients */
     double log_bayes_factor;
     double probability;
     int n_ties;
     mukca_tie ties[MUKCA_MAX_TIES];
-    bool or_unknown; /* a function that no effect makes would do as well, by these rows */
     mukca_shrink held_out;
 } mukca_cause;
 
