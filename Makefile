@@ -16,9 +16,12 @@ PYTHON ?= python3
 VERSION := $(shell sed -n 's/.*MUKCA_VERSION "\(.*\)".*/\1/p' include/mukca/version.h)
 
 # ---- what is built from what ---------------------------------------------------------------------
-CORE_SRC := $(filter-out src/fit/nlopt_adapter%,$(foreach layer,base math model fit study,\
-            $(sort $(wildcard src/$(layer)/*.c))))
-REST_SRC := $(sort $(wildcard src/fit/nlopt_adapter*.c src/io/*.c src/io/*.cc))
+# rooms of the core library, in the order of tests/layers.sh
+CORE_ROOMS := base math model effect arm fit recalibrate capture plan simulate diagnose
+CORE_SRC := $(filter-out src/fit/nlopt_adapter%,$(foreach room,$(CORE_ROOMS),\
+            $(sort $(wildcard src/$(room)/*.c))))
+REST_SRC := $(sort $(wildcard src/fit/nlopt_adapter*.c $(foreach room,io lcm report record,\
+            src/$(room)/*.c src/$(room)/*.cc)))
 CLI_SRC  := $(sort $(wildcard src/cli/*.c))
 TEST_SRC := $(sort $(wildcard tests/unit/test_*.c))
 BENCH_SRC := $(sort $(wildcard tools/bench/bench_*.c))
@@ -78,7 +81,7 @@ core: $(CORE) ## build/libmukca_core.a: plain C11 and libm only, cross-compiles 
 
 $(CORE): $(CORE_OBJ)
 	@rm -f $@
-	$(call quietly,AR $@)$(AR) rcsD $@ $^
+	$(call quietly,AR $@)$(AR) qcsD $@ $^
 
 $(BUILD)/mukca: $(CLI_OBJ) $(REST_OBJ) $(CORE)
 	$(call quietly,LD $@)$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm

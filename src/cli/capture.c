@@ -7,8 +7,8 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "cli/recorder.h"
 #include "io/output.h"
+#include "record/recorder.h"
 
 typedef struct {
     cli_common common;

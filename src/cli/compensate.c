@@ -1,5 +1,5 @@
 /* mukca compensate: joint targets or poses in, corrected joint targets out. */
-#include "study/compensate.h"
+#include "arm/compensate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include "cli/cli.h"
 #include "io/output.h"
 #include "io/rows.h"
-#include "study/pose_errors.h"
+#include "recalibrate/errors.h"
 
 typedef struct {
     cli_common common;

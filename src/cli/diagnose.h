@@ -3,7 +3,7 @@
 #define MUKCA_CLI_DIAGNOSE_H
 
 #include "cli/cli.h"
-#include "study/next_poses.h"
+#include "diagnose/next_poses.h"
 
 /* A diagnosis and what it was made of. */
 typedef struct {

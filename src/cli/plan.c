@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "cli/simulate.h"
+#include "diagnose/next_poses.h"
 #include "io/output.h"
-#include "study/next_poses.h"
 
 typedef struct {
     cli_common common;

@@ -3,8 +3,8 @@
 #define MUKCA_CLI_RECALIBRATE_H
 
 #include "cli/cli.h"
-#include "study/pose_check.h"
-#include "study/recalibrate.h"
+#include "recalibrate/check.h"
+#include "recalibrate/recalibrate.h"
 
 enum { CLI_MODELS = 2 }; /* of the log, and of the log with the work volume */
 

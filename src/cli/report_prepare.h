@@ -5,7 +5,7 @@
 #include "base/pool.h"
 #include "cli/calibrate_say.h"
 #include "cli/diagnose.h"
-#include "io/report.h"
+#include "report/report.h"
 
 /* Training and held-out rows as one dataset, in this order; the placements of `test` follow those
  * of `train`.  held_out[n_placements of both], in the pool.  Free `all` with mukca_dataset_free.

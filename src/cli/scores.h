@@ -3,7 +3,7 @@
 #define MUKCA_CLI_SCORES_H
 
 #include "cli/cli.h"
-#include "study/evaluate.h"
+#include "fit/evaluate.h"
 
 typedef struct {
     int n; /* placements with rows, and one more for poses */

@@ -8,9 +8,9 @@
 #include "base/suggest.h"
 #include "cli/cli.h"
 #include "cli/serve.h"
-#include "io/lcm_link.h"
-#include "io/lcm_message.h"
 #include "io/output.h"
+#include "lcm/link.h"
+#include "lcm/message.h"
 
 typedef struct {
     cli_common common;

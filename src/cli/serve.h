@@ -4,7 +4,7 @@
 
 #include <sys/types.h>
 
-#include "cli/recorder.h"
+#include "record/recorder.h"
 
 enum {
     SERVE_PATH = 1024,

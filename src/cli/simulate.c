@@ -7,7 +7,7 @@
 #include "io/dataset_write.h"
 #include "io/output.h"
 #include "mukca/version.h"
-#include "study/recipe.h"
+#include "recalibrate/recipe.h"
 
 static const cli_simulate_options defaults = {.placements = -1, .rows = 30};
 

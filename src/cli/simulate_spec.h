@@ -10,7 +10,7 @@
 #define MUKCA_CLI_SIMULATE_SPEC_H
 
 #include "cli/cli.h"
-#include "study/simulate.h"
+#include "simulate/simulate.h"
 
 enum { CLI_MAX_SIMULATED_FAULTS = 64 };
 

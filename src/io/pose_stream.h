@@ -3,7 +3,7 @@
 #define MUKCA_IO_POSE_STREAM_H
 
 #include "io/rows.h"
-#include "study/pose_log.h"
+#include "recalibrate/pose_log.h"
 
 typedef struct {
     const char *const *paths;

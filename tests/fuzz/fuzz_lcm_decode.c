@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "io/lcm_message.h"
+#include "lcm/message.h"
 #include "memory_file.h"
 
 /* A type that nests, recurs and repeats, besides the built-in ones. */

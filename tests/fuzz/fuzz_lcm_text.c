@@ -1,7 +1,7 @@
 /* Descriptions of LCM types: all or nothing, and an error that names its place. */
 #include <string.h>
 
-#include "io/lcm_type.h"
+#include "lcm/type.h"
 #include "memory_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
+#include "capture/capture.h"
 #include "math/random.h"
-#include "study/capture.h"
 
 static mukca_chain chain;
 static mukca_capture capture;

@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
+#include "arm/inverse.h"
+#include "capture/capture.h"
 #include "math/random.h"
-#include "study/capture.h"
-#include "study/inverse.h"
 
 static const double noise = 1e-4; /* m, of the ball in its seat */
 

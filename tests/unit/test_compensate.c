@@ -1,10 +1,10 @@
 /* Compensation: 10,000 random targets, limits, paths, poses. */
 #include <string.h>
 
+#include "arm/compensate.h"
 #include "close.h"
 #include "gen3.h"
 #include "math/random.h"
-#include "study/compensate.h"
 
 static mukca_corrected arm;
 static mukca_geometry nominal;

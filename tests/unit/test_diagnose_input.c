@@ -1,8 +1,8 @@
 /* Recordings that cannot be diagnosed, or not in full: each ends in a verdict and a reason. */
 #include <stdlib.h>
 
+#include "diagnose/diagnose.h"
 #include "scene.h"
-#include "study/diagnose.h"
 
 static mukca_diagnosis *diagnosis;
 

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "close.h"
+#include "fit/evaluate.h"
 #include "math/random.h"
-#include "study/evaluate.h"
 
 /* Three sliding joints along x, y, z, one turning about z, a fixed tip on its axis. */
 static void make_gantry(mukca_chain *chain)

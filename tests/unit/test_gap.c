@@ -10,13 +10,13 @@
 
 #include <cmocka.h>
 
+#include "diagnose/folds.h"
+#include "diagnose/projector.h"
+#include "diagnose/ripple.h"
+#include "diagnose/scan.h"
+#include "diagnose/screening.h"
 #include "math/dense.h"
 #include "scene.h"
-#include "study/harmonics.h"
-#include "study/left_out.h"
-#include "study/projector.h"
-#include "study/scan.h"
-#include "study/screen.h"
 
 typedef struct {
     scene s;

@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
+#include "arm/inverse.h"
 #include "math/random.h"
-#include "study/inverse.h"
 
 /* A 7-axis arm with offset elbow and wrist, limits of 2.5 rad. */
 static void make_arm(mukca_chain *chain, mukca_geometry *geometry)

@@ -14,8 +14,8 @@
 #include <cmocka.h>
 #include <lcm/lcm.h>
 
-#include "io/lcm_link.h"
-#include "io/lcm_log.h"
+#include "lcm/link.h"
+#include "lcm/log.h"
 
 static char path[] = "/tmp/mukca_test_log_XXXXXX";
 

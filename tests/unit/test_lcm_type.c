@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "io/lcm_message.h"
-#include "io/lcm_type.h"
+#include "lcm/message.h"
+#include "lcm/type.h"
 #include "math/random.h"
 
 static mukca_lcm_types types;

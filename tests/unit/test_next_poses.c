@@ -1,5 +1,5 @@
 /* The poses that settle a tie: within reach, in the recorded sockets, and telling. */
-#include "study/next_poses.h"
+#include "diagnose/next_poses.h"
 
 #include <stdlib.h>
 

@@ -12,9 +12,9 @@
 #include <cmocka.h>
 
 #include "cli/cli.h"
-#include "io/lcm_log.h"
-#include "io/lcm_type.h"
 #include "io/urdf.h"
+#include "lcm/log.h"
+#include "lcm/type.h"
 #include "noalloc.h"
 
 static char folder[] = "/tmp/mukca_test_serve_XXXXXX";

@@ -10,8 +10,8 @@
 #include <cmocka.h>
 
 #include "io/urdf.h"
-#include "study/plan_choose.h"
-#include "study/simulate.h"
+#include "plan/choose.h"
+#include "simulate/simulate.h"
 
 static mukca_chain chain;
 static mukca_geometry nominal;

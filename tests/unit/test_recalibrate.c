@@ -5,9 +5,9 @@
 #include "close.h"
 #include "gen3.h"
 #include "math/random.h"
-#include "study/pose_check.h"
-#include "study/recalibrate.h"
-#include "study/recipe.h"
+#include "recalibrate/check.h"
+#include "recalibrate/recalibrate.h"
+#include "recalibrate/recipe.h"
 
 enum { MAX_ROWS = 2000 };
 

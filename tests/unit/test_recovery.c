@@ -2,11 +2,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm/inverse.h"
 #include "close.h"
 #include "fit/fit.h"
 #include "math/random.h"
 #include "math/stats.h"
-#include "study/inverse.h"
 
 enum { JOINTS = 7, PER_SOCKET = 30 };
 

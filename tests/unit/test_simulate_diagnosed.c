@@ -1,8 +1,8 @@
 /* What is put into a simulated recording is what the diagnosis takes out. */
 #include <stdlib.h>
 
+#include "diagnose/diagnose.h"
 #include "scene.h"
-#include "study/diagnose.h"
 
 /* The diagnosis finds what was hidden: the effect, its joint or place, and its size within a tenth
  * or within its interval. */

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "io/lcm_message.h"
+#include "lcm/message.h"
 #include "math/stats.h"
 
 enum { JOINTS = 7, REPEATS = 200000 };

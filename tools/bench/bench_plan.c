@@ -12,14 +12,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm/inverse.h"
+#include "diagnose/diagnose.h"
+#include "diagnose/next_poses.h"
+#include "fit/evaluate.h"
 #include "fit/fit.h"
 #include "io/urdf.h"
-#include "study/diagnose.h"
-#include "study/evaluate.h"
-#include "study/inverse.h"
-#include "study/next_poses.h"
-#include "study/plan.h"
-#include "study/simulate.h"
+#include "plan/plan.h"
+#include "simulate/simulate.h"
 
 enum { PLACES = 5, RANDOM_ROWS = 40, PLANNED_ROWS = 20, TIE_ROWS = 10 };
 static const double noise = 1e-4, apart = 0.05; /* m */

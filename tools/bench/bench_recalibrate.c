@@ -11,7 +11,7 @@
 
 #include "io/urdf.h"
 #include "math/random.h"
-#include "study/recalibrate.h"
+#include "recalibrate/recalibrate.h"
 
 enum { PERIOD = 4096 };
 

@@ -1,0 +1,156 @@
+/* Compensation by inverse kinematics of the corrected arm. */
+#include "arm/compensate.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "arm/inverse.h"
+
+#define REACH_TEXT(name, text, sentence) text,
+#define REACH_SENTENCE(name, text, sentence) sentence,
+const char *const mukca_reach_text[MUKCA_REACH_COUNT] = {MUKCA_REACH_LIST(REACH_TEXT)};
+const char *const mukca_reach_sentence[MUKCA_REACH_COUNT] = {MUKCA_REACH_LIST(REACH_SENTENCE)};
+#undef REACH_TEXT
+#undef REACH_SENTENCE
+
+static const double far = 0.5; /* rad, m */
+
+void mukca_compensator_start(mukca_compensator *c, const mukca_corrected *arm, bool position_only,
+                             double tolerance)
+{
+    memset(c, 0, sizeof *c);
+    c->arm = arm;
+    c->position_only = position_only || arm->chain.n_joints < 6;
+    c->tolerance = tolerance > 0 ? tolerance : 1e-8;
+    mukca_geometry_set(&c->nominal, &arm->chain, NULL);
+}
+
+/* What the effects do, the row before and the state at hand. */
+typedef struct {
+    const mukca_compensator *compensator;
+    mukca_joint_state state;
+    double move[MUKCA_MAX_JOINTS];
+} situation;
+
+static void displace(mukca_displacement *displacement, const double *q, void *context)
+{
+    situation *s = context;
+    const mukca_corrected *arm = s->compensator->arm;
+    for (int j = 0; j < arm->chain.n_joints; j++)
+        s->move[j] = s->compensator->on_path ? q[j] - s->compensator->sent[j] : 0;
+    s->state.move = s->move;
+    mukca_effects_displacement(displacement, arm->effects, arm->n_effects, &arm->chain,
+                               &arm->geometry, q, &s->state);
+}
+
+static mukca_inverse_result solve(double *q, const mukca_compensator *c, const mukca_frame *target,
+                                  const mukca_joint_state *state)
+{
+    situation s = {.compensator = c, .state = {.placement = -1}};
+    if (state) s.state = *state;
+    const mukca_inverse_options options = {
+        .tolerance = c->tolerance, .displace = c->arm->n_effects ? displace : NULL, .context = &s};
+    return mukca_inverse_solve(q, &c->arm->chain, &c->arm->geometry, target, !c->position_only,
+                               &options);
+}
+
+static double largest_step(const double *a, const double *b, int n)
+{
+    double largest = 0;
+    for (int j = 0; j < n; j++) largest = fmax(largest, fabs(a[j] - b[j]));
+    return largest;
+}
+
+static mukca_compensation outcome(const mukca_inverse_result *found)
+{
+    return (mukca_compensation){.reach = found->reached   ? MUKCA_REACH_OK
+                                         : found->limited ? MUKCA_REACH_LIMIT
+                                                          : MUKCA_REACH_UNREACHED,
+                                .position_error = found->position_error,
+                                .rotation_error = found->rotation_error};
+}
+
+mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
+                                           const mukca_joint_state *state)
+{
+    const int n = c->arm->chain.n_joints;
+    double meant[MUKCA_MAX_JOINTS], correction[MUKCA_MAX_JOINTS], before[MUKCA_MAX_JOINTS];
+    situation s = {.compensator = c, .state = {.placement = -1}};
+    mukca_frame target, uncorrected;
+    mukca_displacement displacement = {0};
+    if (state) s.state = *state;
+    memcpy(meant, q, (size_t)n * sizeof *q);
+    mukca_fk_pose(&target, &c->nominal, meant, NULL);
+    displace(&displacement, meant, &s);
+    mukca_fk_pose(&uncorrected, &c->arm->geometry, meant, &displacement);
+
+    const mukca_inverse_result found = solve(q, c, &target, state);
+    mukca_compensation result = outcome(&found);
+    double d[3];
+    for (int i = 0; i < 3; i++) d[i] = uncorrected.p[i] - target.p[i];
+    result.position_before = sqrt(mukca_dot3(d, d));
+    result.rotation_before = c->position_only ? 0 : mukca_rotation_between(uncorrected.R, target.R);
+    for (int j = 0; j < n; j++) {
+        correction[j] = q[j] - meant[j];
+        before[j] = c->sent[j] - c->target[j];
+    }
+    if (result.reach == MUKCA_REACH_OK && largest_step(q, meant, n) > far)
+        result.reach = MUKCA_REACH_FAR;
+    const double moved = largest_step(meant, c->target, n);
+    if (result.reach == MUKCA_REACH_OK && c->on_path && moved < far &&
+        largest_step(correction, before, n) > 0.02 + 0.5 * moved)
+        result.reach = MUKCA_REACH_JUMP;
+    c->on_path = true;
+    memcpy(c->target, meant, (size_t)n * sizeof *q);
+    memcpy(c->sent, q, (size_t)n * sizeof *q);
+    return result;
+}
+
+/* Postures strewn evenly over the joints' ranges (Halton's sequence); the first is their middle. */
+static void start_posture(double *q, int index, const mukca_chain *chain)
+{
+    static const int prime[MUKCA_MAX_JOINTS] = {2,  3,  5,  7,  11, 13, 17, 19,
+                                                23, 29, 31, 37, 41, 43, 47, 53};
+    for (int j = 0; j < chain->n_joints; j++) {
+        const mukca_element *e = &chain->element[chain->joint_element[j]];
+        const double reach = e->type == MUKCA_PRISMATIC ? 1 : 3;
+        const double low = fmax(e->lower, -reach), high = fmin(e->upper, reach);
+        double at = 0, f = 1;
+        for (int i = index; i > 0; i /= prime[j]) {
+            f /= prime[j];
+            at += f * (i % prime[j]);
+        }
+        q[j] = low + (index > 0 ? at : 0.5) * (high - low);
+    }
+}
+
+mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *c, const mukca_frame *target,
+                                         const mukca_joint_state *state)
+{
+    enum { STARTS = 60 };
+    const int n = c->arm->chain.n_joints;
+    mukca_compensation best, result;
+    double tried[MUKCA_MAX_JOINTS];
+    mukca_inverse_result found;
+    if (c->on_path) memcpy(q, c->sent, (size_t)n * sizeof *q);
+    found = solve(q, c, target, state);
+    best = outcome(&found);
+    for (int start = 0; start < STARTS && best.reach != MUKCA_REACH_OK; start++) {
+        start_posture(tried, start, &c->arm->chain);
+        found = solve(tried, c, target, state);
+        result = outcome(&found);
+        if (result.reach != MUKCA_REACH_OK && !(result.position_error < best.position_error))
+            continue;
+        best = result;
+        memcpy(q, tried, (size_t)n * sizeof *q);
+    }
+    double d[3];
+    for (int i = 0; i < 3; i++) d[i] = target->p[i] - c->position[i];
+    if (best.reach == MUKCA_REACH_OK && c->on_path && sqrt(mukca_dot3(d, d)) < 0.05 &&
+        largest_step(q, c->sent, n) > 0.5)
+        best.reach = MUKCA_REACH_JUMP;
+    c->on_path = true;
+    memcpy(c->position, target->p, sizeof c->position);
+    memcpy(c->sent, q, (size_t)n * sizeof *q);
+    return best;
+}

@@ -1,0 +1,58 @@
+/* Joint targets corrected so that the calibrated arm reaches what the nominal model meant. */
+#ifndef MUKCA_ARM_COMPENSATE_H
+#define MUKCA_ARM_COMPENSATE_H
+
+#include "mukca/corrected.h"
+
+/* name in the output, sentence for people */
+#define MUKCA_REACH_LIST(X)                                                        \
+    X(OK, "ok", "reached")                                                         \
+    X(LIMIT, "limit", "a joint's limit is in the way")                             \
+    X(UNREACHED, "unreached", "the arm does not get there (too far, or singular)") \
+    X(FAR, "far", "reached, but a joint has to move by more than 0.5 rad for it")  \
+    X(JUMP, "jump", "reached, but the correction jumps from the row before")
+
+typedef enum {
+#define MUKCA_REACH_ENUM(name, text, sentence) MUKCA_REACH_##name,
+    MUKCA_REACH_LIST(MUKCA_REACH_ENUM)
+#undef MUKCA_REACH_ENUM
+        MUKCA_REACH_COUNT
+} mukca_reach;
+
+extern const char *const mukca_reach_text[MUKCA_REACH_COUNT];
+extern const char *const mukca_reach_sentence[MUKCA_REACH_COUNT];
+
+typedef struct {
+    mukca_reach reach;
+    double position_before, rotation_before; /* m, rad: uncorrected; 0 for poses */
+    double position_error, rotation_error;   /* m, rad: corrected */
+} mukca_compensation;
+
+/* What stays the same from row to row. */
+typedef struct {
+    const mukca_corrected *arm;
+    mukca_geometry nominal;
+    bool position_only; /* implied by fewer than 6 joints */
+    double tolerance;   /* m, rad */
+    /* the row before, for paths */
+    bool on_path;
+    double target[MUKCA_MAX_JOINTS], sent[MUKCA_MAX_JOINTS];
+    double position[3];
+} mukca_compensator;
+
+/* tolerance 0: 1e-8.  `arm` must outlive it. */
+void mukca_compensator_start(mukca_compensator *compensator, const mukca_corrected *arm,
+                             bool position_only, double tolerance);
+
+/* q[n_joints]: the targets in, the corrected targets out; least change.  `state` (may be NULL)
+ * tells time, command and payload; the last move is known from the row before.  Where the pose
+ * cannot be reached, q is the best that was found. */
+mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *compensator,
+                                           const mukca_joint_state *state);
+
+/* q[n_joints] that bring the corrected arm to `target`: near the row before; for the first one near
+ * q, or (where that fails) from other postures. */
+mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *compensator,
+                                         const mukca_frame *target, const mukca_joint_state *state);
+
+#endif

@@ -1,0 +1,159 @@
+/* Damped least squares with an active set of joint limits and a pull within the null space.
+ *
+ * Each step solves (J J' + mu I) y = e for the task error e (at most 6 numbers) and moves by
+ * dq = J' y + (I - J'(J J' + mu I)^-1 J) g, where g leads to the preferred posture.  A joint that
+ * would leave its range is put on the limit and taken out of J for that step.  mu falls while the
+ * error falls and rises when a step fails (Levenberg-Marquardt). */
+#include "arm/inverse.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "math/dense.h"
+
+enum { TASK = 6, DEFAULT_STEPS = 100 };
+
+/* Rotation errors count as if on a lever of this length (m), so that metres and radians add up. */
+static const double lever = 0.3;
+
+/* The first half of the steps draws to the posture, where one is given; the task error may rise up
+ * to this (m) on that way.  The other half brings the tip home. */
+static const double detour = 0.05;
+
+typedef struct {
+    const mukca_chain *chain;
+    const mukca_geometry *geometry;
+    const mukca_frame *target;
+    const mukca_inverse_options *options;
+    int rows; /* of the task: 3 or 6 */
+} problem;
+
+typedef struct {
+    double q[MUKCA_MAX_JOINTS];
+    double error[TASK], size; /* of the task, and its norm */
+    double J[TASK * MUKCA_MAX_JOINTS];
+    double position_error, rotation_error;
+} point;
+
+/* Fill the rest of a point from its q. */
+static void look(point *at, const problem *p)
+{
+    const int n = p->chain->n_joints;
+    mukca_displacement displacement = {0};
+    mukca_frame reached;
+    if (p->options->displace) p->options->displace(&displacement, at->q, p->options->context);
+    mukca_fk_jacobian(at->J, &reached, p->geometry, at->q,
+                      p->options->displace ? &displacement : NULL);
+    for (int i = 0; i < 3; i++) at->error[i] = p->target->p[i] - reached.p[i];
+    at->position_error = sqrt(mukca_dot3(at->error, at->error));
+    at->rotation_error = 0;
+    if (p->rows == TASK) {
+        double delta[9], back[9], w[3];
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) back[3 * i + j] = reached.R[3 * j + i];
+        mukca_mat3_mul(delta, p->target->R, back);
+        mukca_rotation_log(w, delta);
+        at->rotation_error = sqrt(mukca_dot3(w, w));
+        for (int i = 0; i < 3; i++) at->error[3 + i] = lever * w[i];
+        for (int i = 3 * n; i < TASK * n; i++) at->J[i] *= lever;
+    }
+    at->size = hypot(at->position_error, lever * at->rotation_error);
+}
+
+/* One step dq[n] from a point, joints with fixed[j] left out; `posture` may be NULL. */
+static void step(double *dq, const point *at, const bool *fixed, const double *posture,
+                 double damping, const problem *p)
+{
+    const int n = p->chain->n_joints, m = p->rows;
+    const double *J = at->J;
+    const double gain = p->options->posture_gain > 0 ? p->options->posture_gain : 0.2;
+    double A[TASK * TASK], y[TASK], pull[MUKCA_MAX_JOINTS] = {0}, trace = 0, largest = 0;
+    for (int j = 0; j < n; j++)
+        if (posture && !fixed[j]) pull[j] = gain * (posture[j] - at->q[j]);
+    for (int a = 0; a < m; a++) {
+        y[a] = at->error[a];
+        for (int b = 0; b < m; b++) A[a * m + b] = 0;
+        for (int j = 0; j < n; j++) {
+            if (fixed[j]) continue;
+            y[a] -= J[a * n + j] * pull[j];
+            for (int b = 0; b <= a; b++) A[a * m + b] += J[a * n + j] * J[b * n + j];
+        }
+        trace += A[a * m + a];
+    }
+    for (int a = 0; a < m; a++) A[a * m + a] += damping * (trace / m + 1e-12);
+    if (mukca_dense_cholesky(A, m) == 0) {
+        mukca_dense_forward(y, 1, A, m);
+        mukca_dense_backward(y, 1, A, m);
+    } else {
+        memset(y, 0, sizeof y);
+    }
+    for (int j = 0; j < n; j++) {
+        dq[j] = pull[j];
+        for (int a = 0; a < m; a++) dq[j] += fixed[j] ? 0 : J[a * n + j] * y[a];
+        largest = fmax(largest, fabs(dq[j]));
+    }
+    /* No joint turns by more than half a radian at once: beyond that J says nothing. */
+    for (int j = 0; j < n && largest > 0.5; j++) dq[j] *= 0.5 / largest;
+}
+
+static bool within(double q, int joint, const problem *p)
+{
+    const mukca_element *e = &p->chain->element[p->chain->joint_element[joint]];
+    return p->options->ignore_limits || (q > e->lower && q < e->upper);
+}
+
+/* next = q + dq; joints that would leave their range stop at the limit and are marked in fixed.
+ * True where one was. */
+static bool advance(double *next, bool *fixed, const double *q, const double *dq, const problem *p)
+{
+    bool stopped = false;
+    for (int j = 0; j < p->chain->n_joints; j++) {
+        const mukca_element *e = &p->chain->element[p->chain->joint_element[j]];
+        if (fixed[j]) continue;
+        next[j] = q[j] + dq[j];
+        if (within(next[j], j, p)) continue;
+        next[j] = next[j] <= e->lower ? e->lower : e->upper;
+        stopped = fixed[j] = true;
+    }
+    return stopped;
+}
+
+mukca_inverse_result mukca_inverse_solve(double *q, const mukca_chain *chain,
+                                         const mukca_geometry *geometry, const mukca_frame *target,
+                                         bool with_rotation, const mukca_inverse_options *options)
+{
+    static const mukca_inverse_options defaults = {0};
+    const problem p = {chain, geometry, target, options ? options : &defaults,
+                       with_rotation ? TASK : 3};
+    const int n = chain->n_joints;
+    const int steps = p.options->max_steps > 0 ? p.options->max_steps : DEFAULT_STEPS;
+    const double tolerance = p.options->tolerance > 0 ? p.options->tolerance : 1e-9;
+    mukca_inverse_result result = {0};
+    double damping = 1e-3, dq[MUKCA_MAX_JOINTS];
+    point here, next;
+    memcpy(here.q, q, (size_t)n * sizeof *q);
+    look(&here, &p);
+    for (; result.steps < steps; result.steps++) {
+        const bool wander = p.options->posture && result.steps < steps / 2;
+        const bool done = here.position_error <= tolerance && here.rotation_error <= tolerance;
+        if (done && !wander) break;
+        bool fixed[MUKCA_MAX_JOINTS] = {false};
+        do {
+            step(dq, &here, fixed, wander ? p.options->posture : NULL, damping, &p);
+        } while (advance(next.q, fixed, here.q, dq, &p));
+        look(&next, &p);
+        if (next.size < here.size || (wander && next.size < detour)) {
+            here = next;
+            damping = fmax(0.1 * damping, 1e-12);
+        } else {
+            damping *= 10;
+            if (damping > 1e6) break;
+        }
+    }
+    memcpy(q, here.q, (size_t)n * sizeof *q);
+    result.position_error = here.position_error;
+    result.rotation_error = here.rotation_error;
+    result.reached = here.position_error <= tolerance && here.rotation_error <= tolerance;
+    for (int j = 0; j < n; j++) result.limited |= !within(q[j], j, &p);
+    return result;
+}

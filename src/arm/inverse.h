@@ -1,0 +1,38 @@
+/* Inverse kinematics: joint angles that bring the tip to a position or a pose, within the limits.
+ */
+#ifndef MUKCA_ARM_INVERSE_H
+#define MUKCA_ARM_INVERSE_H
+
+#include <stdbool.h>
+
+#include "mukca/chain.h"
+
+/* What effects add at q (mukca_effects_displacement and the like). */
+typedef void mukca_displace_fn(mukca_displacement *displacement, const double *q, void *context);
+
+/* Zeroed: 100 steps, 1e-9 m and rad, limits kept, no posture preferred, no effects. */
+typedef struct {
+    int max_steps;
+    double tolerance;            /* m, and rad where a rotation is wanted */
+    const double *posture;       /* [n_joints] drawn to in the null space, or NULL */
+    double posture_gain;         /* share of the way per step; 0: 0.2 */
+    bool ignore_limits;          /* of the joints */
+    mukca_displace_fn *displace; /* or NULL */
+    void *context;               /* of displace */
+} mukca_inverse_options;
+
+typedef struct {
+    bool reached; /* within the tolerance */
+    bool limited; /* a joint stands at its limit */
+    int steps;
+    double position_error; /* m, |target - reached| */
+    double rotation_error; /* rad; 0 where only a position was wanted */
+} mukca_inverse_result;
+
+/* Bring the tip to target->p (and target->R where `with_rotation`) by damped least squares.
+ * q[n_joints]: the start in, the best found out.  `options` may be NULL.  Does not allocate. */
+mukca_inverse_result mukca_inverse_solve(double *q, const mukca_chain *chain,
+                                         const mukca_geometry *geometry, const mukca_frame *target,
+                                         bool with_rotation, const mukca_inverse_options *options);
+
+#endif

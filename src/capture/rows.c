@@ -1,0 +1,284 @@
+/* The rows of a capture: placements and sockets, samples that are due, what is remarkable. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "capture/capture.h"
+
+bool mukca_capture_repeats(const mukca_capture *capture, const double *q)
+{
+    const mukca_dataset *rows = &capture->rows;
+    size_t n = (size_t)rows->n_joints;
+    return rows->n_rows && memcmp(q, rows->q + (size_t)(rows->n_rows - 1) * n, n * sizeof *q) == 0;
+}
+
+/* Largest difference of any joint. */
+static double difference(const double *a, const double *b, int n)
+{
+    double most = 0;
+    for (int j = 0; j < n; j++) most = fmax(most, fabs(a[j] - b[j]));
+    return most;
+}
+
+/* Row of the current placement whose posture is within `limit` of q; -1: none. */
+static int find_posture(const mukca_capture *capture, const double *q, double limit)
+{
+    const mukca_dataset *rows = &capture->rows;
+    if (capture->socket < 0) return -1;
+    int placement = rows->sockets[capture->socket].placement;
+    for (int i = rows->n_rows - 1; i >= 0; i--)
+        if (mukca_dataset_placement(rows, i) == placement &&
+            difference(q, rows->q + i * rows->n_joints, rows->n_joints) < limit)
+            return i;
+    return -1;
+}
+
+/* Mean of the predictions at a socket, without row `without` (-1: all); returns the rows in it. */
+static int socket_mean(double mean[3], const mukca_capture *capture, int socket, int without)
+{
+    const mukca_dataset *rows = &capture->rows;
+    int n = 0;
+    memset(mean, 0, 3 * sizeof *mean);
+    for (int i = 0; i < rows->n_rows; i++) {
+        double x[3];
+        if (rows->socket[i] != socket || i == without) continue;
+        mukca_fk_position(x, &capture->geometry, rows->q + i * rows->n_joints, NULL);
+        for (int k = 0; k < 3; k++) mean[k] += x[k];
+        n++;
+    }
+    for (int k = 0; k < 3 && n; k++) mean[k] /= n;
+    return n;
+}
+
+static double distance3(const double a[3], const double b[3])
+{
+    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(mukca_dot3(d, d));
+}
+
+/* Socket of the current placement whose rows are nearest to x, and how far; -1: none has rows. */
+static int nearest_socket(double *how_far, const mukca_capture *capture, const double x[3],
+                          int without)
+{
+    const mukca_dataset *rows = &capture->rows;
+    int nearest = -1;
+    *how_far = HUGE_VAL;
+    for (int s = 0; s < rows->n_sockets && capture->socket >= 0; s++) {
+        double mean[3];
+        if (rows->sockets[s].placement != rows->sockets[capture->socket].placement ||
+            !socket_mean(mean, capture, s, without))
+            continue;
+        double d = distance3(x, mean);
+        if (d < *how_far) {
+            *how_far = d;
+            nearest = s;
+        }
+    }
+    return nearest;
+}
+
+/* A socket of the current placement without rows: its label; NULL: all have some. */
+static const char *empty_label(const mukca_capture *capture)
+{
+    const mukca_dataset *rows = &capture->rows;
+    for (int l = 0; l < capture->settings.n_labels; l++) {
+        bool used = false;
+        for (int s = 0; s < rows->n_sockets; s++)
+            used =
+                used || (rows->sockets[s].placement == rows->sockets[capture->socket].placement &&
+                         strcmp(rows->sockets[s].label, capture->settings.labels[l]) == 0 &&
+                         mukca_capture_count(capture, s));
+        if (!used) return capture->settings.labels[l];
+    }
+    return NULL;
+}
+
+bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture)
+{
+    const mukca_capture_settings *s = &capture->settings;
+    mukca_capture_sample sample;
+    mukca_error unsaid;
+    text[0] = '\0';
+    if (capture->last_time - capture->checked < 0.02 || capture->socket < 0) return false;
+    capture->checked = capture->last_time;
+    if (mukca_capture_take(&sample, capture, 0, &unsaid)) {
+        capture->standing = false;
+        return false;
+    }
+    if (!capture->standing ||
+        difference(sample.q, capture->anchor, capture->chain->n_joints) > s->range) {
+        if (!capture->standing) capture->was_guided = false;
+        capture->taken = false;
+        capture->standing = true;
+        capture->still_since = sample.time - s->window;
+        memcpy(capture->anchor, sample.q, sizeof capture->anchor);
+    }
+    /* A hand that lets go of the arm says that it is in place. */
+    double dwell = capture->was_guided && !capture->guided ? s->window : s->dwell;
+    if (capture->taken || sample.time - capture->still_since < dwell) return false;
+    capture->taken = true;
+    if (find_posture(capture, sample.q, s->difference) >= 0) return false;
+    double x[3], how_far;
+    mukca_fk_position(x, &capture->geometry, sample.q, NULL);
+    int nearest = nearest_socket(&how_far, capture, x, -1);
+    const char *label = nearest < 0 || how_far < 0.5 * s->distance ? NULL : empty_label(capture);
+    *socket = nearest < 0 ? capture->socket : nearest;
+    if (nearest < 0 || how_far < 0.4 * s->distance) return true;
+    if (label && how_far < 1.5 * s->distance &&
+        !mukca_capture_select(capture, mukca_capture_placement(capture), label, &unsaid)) {
+        *socket = capture->socket;
+        return true;
+    }
+    snprintf(text, MUKCA_CAPTURE_TEXT,
+             "stands still, but %.0f mm from socket %s: not recorded (n begins another placement)",
+             1e3 * how_far, capture->rows.sockets[nearest].label);
+    return false;
+}
+
+/* ---- rows ---- */
+
+mukca_status mukca_capture_select(mukca_capture *capture, const char *placement, const char *socket,
+                                  mukca_error *error)
+{
+    mukca_dataset *rows = &capture->rows;
+    int p = 0, s = 0;
+    while (p < rows->n_placements && strcmp(rows->placements[p].name, placement) != 0) p++;
+    while (s < rows->n_sockets &&
+           (rows->sockets[s].placement != p || strcmp(rows->sockets[s].label, socket) != 0))
+        s++;
+    if (p == MUKCA_CAPTURE_MAX_PLACEMENTS || s == MUKCA_CAPTURE_MAX_SOCKETS)
+        return mukca_fail(error, MUKCA_INPUT, "too many placements: begin another session");
+    if (p == rows->n_placements) {
+        rows->n_placements++;
+        snprintf(rows->placements[p].name, sizeof rows->placements[p].name, "%s", placement);
+    }
+    if (s == rows->n_sockets) {
+        rows->n_sockets++;
+        rows->sockets[s].placement = p;
+        snprintf(rows->sockets[s].label, sizeof rows->sockets[s].label, "%s", socket);
+    }
+    capture->socket = s;
+    return MUKCA_OK;
+}
+
+const char *mukca_capture_placement(const mukca_capture *capture)
+{
+    const mukca_dataset *rows = &capture->rows;
+    return capture->socket < 0 ? ""
+                               : rows->placements[rows->sockets[capture->socket].placement].name;
+}
+
+const char *mukca_capture_socket(const mukca_capture *capture)
+{
+    return capture->socket < 0 ? "" : capture->rows.sockets[capture->socket].label;
+}
+
+const char *mukca_capture_next_label(const mukca_capture *capture)
+{
+    const mukca_capture_settings *s = &capture->settings;
+    for (int i = 0; i < s->n_labels; i++)
+        if (strcmp(s->labels[i], mukca_capture_socket(capture)) == 0)
+            return s->labels[(i + 1) % s->n_labels];
+    return s->labels[0];
+}
+
+int mukca_capture_count(const mukca_capture *capture, int socket)
+{
+    int n = 0;
+    for (int i = 0; i < capture->rows.n_rows; i++) n += capture->rows.socket[i] == socket;
+    return n;
+}
+
+void mukca_capture_spread(double *rms, double *last, const mukca_capture *capture, int socket)
+{
+    const mukca_dataset *rows = &capture->rows;
+    double mean[3], others[3], x[3], squares = 0;
+    int n = socket_mean(mean, capture, socket, -1), latest = -1;
+    for (int i = 0; i < rows->n_rows; i++) {
+        if (rows->socket[i] != socket) continue;
+        mukca_fk_position(x, &capture->geometry, rows->q + i * rows->n_joints, NULL);
+        squares += distance3(x, mean) * distance3(x, mean);
+        latest = i;
+    }
+    if (rms) *rms = n < 3 ? (double)NAN : sqrt(squares / n);
+    if (!last) return;
+    *last = (double)NAN;
+    if (n < 2) return;
+    socket_mean(others, capture, socket, latest);
+    mukca_fk_position(x, &capture->geometry, rows->q + latest * rows->n_joints, NULL);
+    *last = distance3(x, others);
+}
+
+/* What is remarkable about the last row. */
+static void remark(char text[MUKCA_CAPTURE_TEXT], const mukca_capture *capture, int twin)
+{
+    const mukca_dataset *rows = &capture->rows;
+    int latest = rows->n_rows - 1;
+    const double *q = rows->q + latest * rows->n_joints;
+    double x[3], own[3], how_far;
+    text[0] = '\0';
+    mukca_fk_position(x, &capture->geometry, q, NULL);
+    int nearest = nearest_socket(&how_far, capture, x, latest);
+    int n = socket_mean(own, capture, capture->socket, latest);
+    double off = n ? distance3(x, own) : 0;
+    double usual = n ? mukca_capture_expected_offset(capture, capture->socket, q, latest) : 0;
+    const mukca_socket *sockets = rows->sockets;
+    if (n && off > 0.4 * capture->settings.distance && nearest != capture->socket &&
+        how_far < 0.4 * off)
+        snprintf(
+            text, MUKCA_CAPTURE_TEXT,
+            "this looks like socket %s: if so, delete it, switch the socket, and trigger again",
+            sockets[nearest].label);
+    else if (!n && nearest >= 0 && how_far < 0.4 * capture->settings.distance)
+        snprintf(text, MUKCA_CAPTURE_TEXT,
+                 "only %.1f mm from socket %s: is the ball really in socket %s?", 1e3 * how_far,
+                 sockets[nearest].label, sockets[capture->socket].label);
+    else if (off > 3 * usual)
+        snprintf(text, MUKCA_CAPTURE_TEXT,
+                 "%.2f mm from this socket's other rows, where %.2f mm would be usual: is the ball "
+                 "seated?",
+                 1e3 * off, 1e3 * usual);
+    else if (twin >= 0)
+        snprintf(text, MUKCA_CAPTURE_TEXT,
+                 "nearly the posture of row %d: move the elbow further for a row that tells more",
+                 twin + 1);
+}
+
+mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture,
+                                const double *q, mukca_error *error)
+{
+    mukca_dataset *rows = &capture->rows;
+    text[0] = '\0';
+    if (capture->socket < 0)
+        return mukca_fail(error, MUKCA_INPUT, "no placement and socket has been chosen");
+    if (rows->n_rows == MUKCA_CAPTURE_MAX_ROWS)
+        return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
+    int twin = find_posture(capture, q, 0.25 * capture->settings.difference);
+    memcpy(rows->q + rows->n_rows * rows->n_joints, q, (size_t)rows->n_joints * sizeof *q);
+    rows->socket[rows->n_rows++] = capture->socket;
+    capture->taken = true;
+    remark(text, capture, twin);
+    return MUKCA_OK;
+}
+
+mukca_status mukca_capture_drop(mukca_capture *capture, mukca_error *error)
+{
+    if (!capture->rows.n_rows) return mukca_fail(error, MUKCA_INPUT, "there is no row to delete");
+    capture->rows.n_rows--;
+    return MUKCA_OK;
+}
+
+void mukca_capture_coverage(double *coverage, const mukca_capture *capture)
+{
+    const mukca_dataset *rows = &capture->rows;
+    for (int j = 0; j < rows->n_joints; j++) {
+        const mukca_element *e = &capture->chain->element[capture->chain->joint_element[j]];
+        double low = HUGE_VAL, high = -HUGE_VAL, range = e->upper - e->lower;
+        for (int i = 0; i < rows->n_rows; i++) {
+            low = fmin(low, rows->q[i * rows->n_joints + j]);
+            high = fmax(high, rows->q[i * rows->n_joints + j]);
+        }
+        if (e->type != MUKCA_PRISMATIC) range = fmin(range, 6.283185307179586);
+        coverage[j] = rows->n_rows && range > 0 ? fmin((high - low) / range, 1) : 0;
+    }
+}

@@ -1,0 +1,71 @@
+/* The poses that would settle a tie of a diagnosis. */
+#include "diagnose/next_poses.h"
+
+#include <math.h>
+
+#include <string.h>
+
+enum { CANDIDATES = 40 };
+
+static bool settled_by_poses(const mukca_effect *effect)
+{
+    return mukca_effect_table[effect->kind].site != MUKCA_SITE_SOCKET;
+}
+
+/* The first tied cause that acts on the arm, and its nearest rival that does. */
+static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
+{
+    for (int c = 0; c < d->n_causes; c++)
+        for (int t = 0; settled_by_poses(&d->causes[c].effect) && t < d->causes[c].n_ties; t++) {
+            const mukca_tie *tie = &d->causes[c].ties[t];
+            if (!isfinite(tie->log_bayes_factor) || !settled_by_poses(&tie->rival)) continue;
+            next->cause = c;
+            next->tie = t;
+            return true;
+        }
+    return false;
+}
+
+bool mukca_next_poses_tie(mukca_effect effects[2], const mukca_diagnosis *diagnosis)
+{
+    mukca_next_poses next;
+    if (!find_tie(&next, diagnosis)) return false;
+    effects[0] = diagnosis->causes[next.cause].effect;
+    effects[1] = diagnosis->causes[next.cause].ties[next.tie].rival;
+    return true;
+}
+
+mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *d,
+                                     const mukca_chain *chain, const mukca_dataset *data,
+                                     bool (*stop)(void *context), mukca_error *error)
+{
+    memset(next, 0, sizeof *next);
+    next->cause = next->tie = -1;
+    if (!find_tie(next, d)) return MUKCA_OK;
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    const mukca_cause *cause = &d->causes[next->cause];
+    const mukca_effect effects[2] = {cause->effect, cause->ties[next->tie].rival};
+    const mukca_plan_options options = {.rows = MUKCA_NEXT_POSES,
+                                        .candidates = CANDIDATES,
+                                        .noise = d->sigma_m,
+                                        .effects = effects,
+                                        .n_effects = 2,
+                                        .stop = stop};
+    const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &d->geometry, data);
+    if (n == 0) return MUKCA_OK;
+    mukca_geometry_theta(theta, chain, &d->geometry);
+    mukca_error none;
+    const mukca_status status =
+        mukca_plan_run(&next->plan, chain, theta, data, next->sockets, n, &options, &none);
+    if (status == MUKCA_MEMORY || status == MUKCA_INTERRUPTED) {
+        if (error) *error = none;
+        return status;
+    }
+    if (status != MUKCA_OK) memset(&next->plan, 0, sizeof next->plan); /* no pose would do */
+    return MUKCA_OK;
+}
+
+void mukca_next_poses_free(mukca_next_poses *next)
+{
+    mukca_plan_free(&next->plan);
+}

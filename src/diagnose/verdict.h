@@ -1,0 +1,11 @@
+/* What a competition found, told. */
+#ifndef MUKCA_DIAGNOSE_VERDICT_H
+#define MUKCA_DIAGNOSE_VERDICT_H
+
+#include "diagnose/competition.h"
+
+/* Fill causes, ties, verdict, where and what was tested of a diagnosis from the model as the
+ * competition left it. */
+void gap_tell(mukca_diagnosis *diagnosis, gap_contest *contest);
+
+#endif

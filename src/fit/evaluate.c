@@ -1,0 +1,161 @@
+/* How well a model agrees with data. */
+#include "fit/evaluate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Pose of the tip in one row. */
+static void predict(mukca_frame *tip, const mukca_chain *chain, const mukca_geometry *geometry,
+                    const mukca_effect *effects, int n_effects, const mukca_dataset *data, int row)
+{
+    mukca_displacement displacement;
+    mukca_joint_state state;
+    double move[MUKCA_MAX_JOINTS];
+    const double *q = data->q + row * data->n_joints;
+    if (n_effects == 0) {
+        mukca_fk_pose(tip, geometry, q, NULL);
+        return;
+    }
+    mukca_dataset_state(&state, move, data, row);
+    mukca_effects_displacement(&displacement, effects, n_effects, chain, geometry, q, &state);
+    mukca_fk_pose(tip, geometry, q, &displacement);
+}
+
+static double distance(const double a[3], const double b[3])
+{
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(mukca_dot3(d, d));
+}
+
+/* Angle of the rotation between the tip and a measured quaternion. */
+static double turned(const mukca_frame *tip, const double *quaternion)
+{
+    double R[9], off[9], w[3];
+    mukca_rotation_from_quaternion(R, quaternion);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) off[3 * i + j] = mukca_dot3(tip->R + 3 * i, R + 3 * j);
+    mukca_rotation_log(w, off);
+    return sqrt(mukca_dot3(w, w));
+}
+
+/* Means of the sockets: mean[n_sockets][3], count[n_sockets]. */
+static void socket_means(double (*mean)[3], int *count, const mukca_frame *tips,
+                         const mukca_dataset *data)
+{
+    for (int i = 0; i < data->n_rows; i++) {
+        const int s = data->socket[i];
+        if (s < 0) continue;
+        count[s]++;
+        for (int a = 0; a < 3; a++) mean[s][a] += tips[i].p[a];
+    }
+    for (int s = 0; s < data->n_sockets; s++)
+        for (int a = 0; a < 3 && count[s] > 0; a++) mean[s][a] /= count[s];
+}
+
+/* Scores of one placement (-1: poses); `rows` stays 0 where it has none. */
+static mukca_score score_placement(int placement, double (*mean)[3], const int *count,
+                                   const mukca_frame *tips, const mukca_dataset *data)
+{
+    mukca_score score = {.placement = placement, .distance_error = NAN, .rotation_error = NAN};
+    double sum = 0, squares = 0, angles = 0, gaps = 0;
+    int rows = 0, turns = 0, pairs = 0;
+    for (int i = 0; i < data->n_rows; i++) {
+        if (mukca_dataset_placement(data, i) != placement) continue;
+        const double *about = placement >= 0   ? mean[data->socket[i]]
+                              : data->position ? data->position + 3 * i
+                                               : NULL;
+        const bool oriented =
+            placement < 0 && data->quaternion && isfinite(data->quaternion[4 * i]);
+        if (oriented) angles += turned(&tips[i], data->quaternion + 4 * i), turns++;
+        if (about && isfinite(about[0])) {
+            const double off = distance(tips[i].p, about);
+            sum += off, squares += off * off, rows++;
+        }
+        score.rows += oriented || (about && isfinite(about[0]));
+    }
+    for (int p = 0; p < data->n_distances; p++) {
+        const mukca_distance *d = &data->distances[p];
+        if (data->sockets[d->a].placement != placement || !count[d->a] || !count[d->b]) continue;
+        gaps += fabs(distance(mean[d->a], mean[d->b]) - d->distance), pairs++;
+    }
+    score.mae = rows ? sum / rows : (double)NAN;
+    score.std = rows ? sqrt(squares / rows) : (double)NAN;
+    if (turns) score.rotation_error = angles / turns;
+    if (pairs) score.distance_error = gaps / pairs;
+    return score;
+}
+
+/* Mean of one field over the scores that have it. */
+static double mean_of(const mukca_score *scores, int n, size_t field)
+{
+    double sum = 0;
+    int have = 0;
+    for (int i = 0; i < n; i++) {
+        double value;
+        memcpy(&value, (const char *)&scores[i] + field, sizeof value);
+        if (isfinite(value)) sum += value, have++;
+    }
+    return have ? sum / have : (double)NAN;
+}
+
+int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_chain *chain,
+                   const double *theta, const mukca_effect *effects, int n_effects,
+                   const mukca_dataset *data)
+{
+    mukca_geometry geometry;
+    int n = -1;
+    const size_t rows = (size_t)data->n_rows + 1, sockets = (size_t)data->n_sockets + 1;
+    mukca_frame *tips = malloc(rows * sizeof *tips);
+    double(*means)[3] = calloc(sockets, sizeof *means);
+    int *count = calloc(sockets, sizeof *count);
+    if (!tips || !means || !count) goto out;
+    mukca_geometry_set(&geometry, chain, theta);
+    for (int i = 0; i < data->n_rows; i++)
+        predict(&tips[i], chain, &geometry, effects, n_effects, data, i);
+    socket_means(means, count, tips, data);
+    n = 0;
+    for (int p = 0; p <= data->n_placements; p++) {
+        scores[n] = score_placement(p < data->n_placements ? p : -1, means, count, tips, data);
+        n += scores[n].rows > 0;
+    }
+    if (mean) {
+        *mean = (mukca_score){.placement = -1};
+        for (int i = 0; i < n; i++) mean->rows += scores[i].rows;
+        mean->mae = mean_of(scores, n, offsetof(mukca_score, mae));
+        mean->std = mean_of(scores, n, offsetof(mukca_score, std));
+        mean->distance_error = mean_of(scores, n, offsetof(mukca_score, distance_error));
+        mean->rotation_error = mean_of(scores, n, offsetof(mukca_score, rotation_error));
+    }
+out:
+    free(tips);
+    free(means);
+    free(count);
+    return n;
+}
+
+mukca_status mukca_evaluate_trained(mukca_score *scores, mukca_score *extra_scores,
+                                    const mukca_chain *chain, const mukca_dataset *data,
+                                    const unsigned char *train, const mukca_dataset *extra,
+                                    const mukca_fit_options *options, mukca_error *error)
+{
+    mukca_dataset part = {0};
+    mukca_fit fit = {0};
+    mukca_status status = MUKCA_OK;
+    unsigned char *keep = calloc((size_t)data->n_rows + 1, 1);
+    if (!keep) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    for (int i = 0; i < data->n_rows; i++) {
+        const int placement = mukca_dataset_placement(data, i);
+        keep[i] = placement >= 0 && train[placement];
+    }
+    status = mukca_dataset_subset(&part, data, keep, error);
+    if (status == MUKCA_OK) status = mukca_fit_run(&fit, chain, &part, options, error);
+    if (status == MUKCA_OK &&
+        (mukca_evaluate(scores, NULL, &fit.chain, fit.theta, NULL, 0, data) < 0 ||
+         (extra && mukca_evaluate(extra_scores, NULL, &fit.chain, fit.theta, NULL, 0, extra) < 0)))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    mukca_fit_free(&fit);
+    mukca_dataset_free(&part);
+    free(keep);
+    return status;
+}

@@ -1,0 +1,36 @@
+/* How well a model agrees with data: consistency and distance errors per placement, and what
+ * training on some placements gives on the others. */
+#ifndef MUKCA_FIT_EVALUATE_H
+#define MUKCA_FIT_EVALUATE_H
+
+#include "fit/fit.h"
+#include "mukca/effect.h"
+
+/* Of the rows of one placement, or of all pose rows together, or the mean over those. */
+typedef struct {
+    int placement; /* index; -1: the rows of pose logs */
+    int rows;
+    double mae; /* mean distance of a row from its socket's mean, or from the measurement, m */
+    double std; /* root of the rows' mean squared distance, m */
+    double
+        distance_error; /* mean of ||mu_a - mu_b| - d| over the known pairs, m; NaN without any */
+    double rotation_error; /* mean angle from the measured orientations, rad; NaN without any */
+} mukca_score;
+
+/* Scores of `data` at theta[6 * n_elements] with effects[n_effects] (their placements those of
+ * `data`; NULL and 0: none).  scores[n_placements + 1] gets one entry for each placement that has
+ * rows, then the poses'; `mean` (may be NULL) the mean over them (rows: the sum).  Returns how
+ * many, -1 when out of memory. */
+int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_chain *chain,
+                   const double *theta, const mukca_effect *effects, int n_effects,
+                   const mukca_dataset *data);
+
+/* Fit to the placements of `data` that have train[placement] != 0, and score: all of `data` into
+ * scores[n_placements + 1], as above, and `extra` (may be NULL: none) into extra_scores.
+ * Errors: those of mukca_fit_run. */
+mukca_status mukca_evaluate_trained(mukca_score *scores, mukca_score *extra_scores,
+                                    const mukca_chain *chain, const mukca_dataset *data,
+                                    const unsigned char *train, const mukca_dataset *extra,
+                                    const mukca_fit_options *options, mukca_error *error);
+
+#endif

@@ -1,0 +1,330 @@
+/* Checks before a re-calibration, on at most the first 1000 rows. */
+#include "recalibrate/check.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "math/dense.h"
+#include "math/stats.h"
+
+enum { PREVIEW = 1000 };
+
+typedef struct {
+    const mukca_chain *chain;
+    mukca_geometry geometry;
+    mukca_pose_row row[PREVIEW];
+    mukca_frame nominal[PREVIEW], measured[PREVIEW];
+    double work[PREVIEW];
+    int n;
+} preview;
+
+static mukca_status load(preview *p, const mukca_pose_log *logs, int n_logs, mukca_error *error)
+{
+    for (int l = 0; l < n_logs && p->n < PREVIEW; l++) {
+        bool more = true;
+        mukca_status status = logs[l].rewind(logs[l].context, error);
+        while (status == MUKCA_OK && p->n < PREVIEW) {
+            status = logs[l].next(logs[l].context, &p->row[p->n], &more, error);
+            if (status || !more) break;
+            p->n++;
+        }
+        if (status) return status;
+    }
+    return MUKCA_OK;
+}
+
+static bool turned(const preview *p, int row)
+{
+    return isfinite(p->row[row].quaternion[0]);
+}
+
+static void measure(preview *p, mukca_quaternion_order order)
+{
+    for (int i = 0; i < p->n; i++) {
+        const double *q = p->row[i].quaternion, last[4] = {q[3], q[0], q[1], q[2]};
+        memcpy(p->measured[i].p, p->row[i].position, sizeof p->measured[i].p);
+        if (turned(p, i))
+            mukca_rotation_from_quaternion(p->measured[i].R,
+                                           order == MUKCA_QUATERNION_W_LAST ? last : q);
+    }
+}
+
+/* Nominal poses of the child link of `element`, angles times `scale`. */
+static void predict(preview *p, int element, double scale)
+{
+    p->geometry.n_elements = element + 1;
+    for (int i = 0; i < p->n; i++) {
+        double q[MUKCA_MAX_JOINTS];
+        for (int j = 0; j < p->chain->n_joints; j++)
+            q[j] =
+                p->row[i].q[j] *
+                (p->chain->element[p->chain->joint_element[j]].type == MUKCA_PRISMATIC ? 1 : scale);
+        mukca_fk_pose(&p->nominal[i], &p->geometry, q, NULL);
+    }
+}
+
+static double distance(const double a[3], const double b[3])
+{
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
+                (a[2] - b[2]) * (a[2] - b[2]));
+}
+
+static double position_median(preview *p)
+{
+    for (int i = 0; i < p->n; i++) p->work[i] = distance(p->nominal[i].p, p->measured[i].p);
+    return mukca_stats_median(p->work, p->n);
+}
+
+static double rotation_median(preview *p)
+{
+    int n = 0;
+    for (int i = 0; i < p->n; i++)
+        if (turned(p, i)) p->work[n++] = mukca_rotation_between(p->nominal[i].R, p->measured[i].R);
+    return mukca_stats_median(p->work, n);
+}
+
+/* Median difference between the steps from row to row, which no choice of frames changes. */
+static double step_median(preview *p, bool rotations)
+{
+    int n = 0;
+    for (int i = 1; i < p->n; i++) {
+        const mukca_frame *a = &p->nominal[i - 1], *b = &p->nominal[i];
+        const mukca_frame *c = &p->measured[i - 1], *d = &p->measured[i];
+        if (rotations && turned(p, i) && turned(p, i - 1))
+            p->work[n++] =
+                fabs(mukca_rotation_between(a->R, b->R) - mukca_rotation_between(c->R, d->R));
+        else if (!rotations)
+            p->work[n++] = fabs(distance(a->p, b->p) - distance(c->p, d->p));
+    }
+    return mukca_stats_median(p->work, n);
+}
+
+static double path(const preview *p, bool nominal)
+{
+    double sum = 0;
+    for (int i = 1; i < p->n; i++)
+        sum += nominal ? distance(p->nominal[i].p, p->nominal[i - 1].p)
+                       : distance(p->measured[i].p, p->measured[i - 1].p);
+    return sum;
+}
+
+static mukca_status check_units(preview *p, mukca_error *error)
+{
+    const int last = p->chain->n_elements - 1;
+    const double degree = acos(-1.0) / 180;
+    predict(p, last, 1);
+    const double nominal = path(p, true), measured = path(p, false),
+                 radians = step_median(p, false);
+    if (nominal > 0.01 && measured > 200 * nominal && measured < 5000 * nominal)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "the positions move %.0f times as far as the arm does: they look like "
+                          "millimetres; the columns x_m y_m z_m must be metres",
+                          measured / nominal);
+    if (nominal > 0.01 && measured < 0.001 * nominal)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "all positions are the same while the joints move: the tracker's stream "
+                          "had stopped, record them again");
+    predict(p, last, degree);
+    if (radians > 0.005 && step_median(p, false) < 0.2 * radians)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "the joint angles fit the poses when read as degrees; they must be "
+                          "radians (multiply by pi / 180)");
+    return MUKCA_OK;
+}
+
+static void check_order(mukca_pose_check *check, preview *p, bool frames_known)
+{
+    const int last = p->chain->n_elements - 1,
+              joint = p->chain->joint_element[p->chain->n_joints - 1];
+    double score[2] = {HUGE_VAL, HUGE_VAL};
+    for (int order = 0; order < 2; order++) {
+        measure(p, (mukca_quaternion_order)order);
+        for (int k = last; k >= joint; k--) { /* whichever link it is */
+            predict(p, k, 1);
+            score[order] =
+                fmin(score[order], step_median(p, true) + (frames_known ? rotation_median(p) : 0));
+        }
+    }
+    check->order = score[1] < 0.5 * score[0] && score[0] > 1e-3 ? MUKCA_QUATERNION_W_LAST
+                                                                : MUKCA_QUATERNION_W_FIRST;
+    measure(p, check->order);
+}
+
+static void check_lengths(mukca_pose_check *check, const preview *p)
+{
+    check->shortest = HUGE_VAL;
+    for (int i = 0; i < p->n; i++) {
+        const double *q = p->row[i].quaternion;
+        if (!turned(p, i)) continue;
+        const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+        check->longest = fmax(check->longest, length);
+        check->shortest = fmin(check->shortest, length);
+        check->rotations++;
+    }
+}
+
+/* The poses fit as well as they can when paired with another row's angles. */
+static bool shuffled(preview *p, double median)
+{
+    double *nearest = p->work;
+    int moved = 0;
+    for (int i = 0; i < p->n; i++) {
+        int best = 0;
+        for (int k = 1; k < p->n; k++)
+            if (distance(p->nominal[i].p, p->measured[k].p) <
+                distance(p->nominal[i].p, p->measured[best].p))
+                best = k;
+        nearest[i] = distance(p->nominal[i].p, p->measured[best].p);
+        moved += best != i;
+    }
+    return moved > p->n / 2 && mukca_stats_median(nearest, p->n) < 0.1 * median;
+}
+
+static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_error *error)
+{
+    const mukca_chain *c = p->chain;
+    const int last = c->n_elements - 1, joint = c->joint_element[c->n_joints - 1];
+    double best_turn = HUGE_VAL, median;
+    check->position_median = HUGE_VAL;
+    for (int k = last; k >= 0; k--) {
+        predict(p, k, 1);
+        median = position_median(p);
+        /* The tip is preferred where another link is hardly better. */
+        if (median < (check->position_median == HUGE_VAL ? 1 : 0.5) * check->position_median)
+            check->position_median = median, check->position_element = k;
+        median = check->rotations ? rotation_median(p) : 0;
+        if (median < (best_turn == HUGE_VAL ? 1 : 0.5) * best_turn)
+            best_turn = median, check->rotation_element = k;
+    }
+    predict(p, check->position_element, 1);
+    median = check->rotations ? rotation_median(p) : 0;
+    if (median <= 1.5 * best_turn) /* links that differ by nothing */
+        best_turn = median, check->rotation_element = check->position_element;
+    check->rotation_median = best_turn;
+    if (check->position_median > 0.1 && shuffled(p, check->position_median))
+        return mukca_fail(error, MUKCA_INPUT,
+                          "the poses belong to other rows' joint angles (median %.0f mm off, but "
+                          "near when paired anew): sort both into the same order",
+                          1e3 * check->position_median);
+    if (check->position_median > 0.1)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "the poses lie %.0f mm (median) from every link of this arm: another "
+                          "base frame or tool (--free-base, --free-tool), or another arm",
+                          1e3 * check->position_median);
+    if (check->position_element < joint || (best_turn < 0.1 && check->rotation_element < joint))
+        return mukca_fail(error, MUKCA_INPUT,
+                          "the poses are those of link '%s', which joint '%s' does not move; give "
+                          "--tip or record the tip's poses",
+                          c->element[check->position_element].child, c->element[joint].name);
+    if (check->rotation_element != check->position_element && best_turn < 0.1) {
+        /* Orientations of one link, positions of another: a turned tool that is known. */
+        mukca_frame of_rotation;
+        predict(p, check->rotation_element, 1);
+        of_rotation = p->nominal[0];
+        predict(p, check->position_element, 1);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) {
+                check->tool.R[3 * i + j] = 0;
+                for (int m = 0; m < 3; m++)
+                    check->tool.R[3 * i + j] +=
+                        p->nominal[0].R[3 * m + i] * of_rotation.R[3 * m + j];
+            }
+    }
+    if (check->rotations && best_turn > 0.1)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "the orientations are turned by %.3f rad (median) against every link, "
+                          "the positions are not: rotation and position are in different frames; "
+                          "--free-tool fits a turned tool",
+                          best_turn);
+    return MUKCA_OK;
+}
+
+/* The rotation R that makes the sum of |b - R a|^2 least, from H = sum a b' (Kabsch 1976). */
+static void nearest_rotation(double R[9], const double H[9])
+{
+    double U[9], s[3], V[9], d[9];
+    memcpy(U, H, sizeof U);
+    if (mukca_dense_svd(U, s, V, 3, 3)) return;
+    if (!(s[1] > 1e-9 * s[0])) return; /* the points lie on a line */
+    double u[3][3], v[3][3]; /* columns; the third by the cross product, so that det R = 1 */
+    for (int c = 0; c < 2; c++)
+        for (int i = 0; i < 3; i++) u[c][i] = U[3 * i + c], v[c][i] = V[3 * i + c];
+    mukca_cross(u[2], u[0], u[1]);
+    mukca_cross(v[2], v[0], v[1]);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            d[3 * i + j] = 0;
+            for (int c = 0; c < 3; c++) d[3 * i + j] += v[c][i] * u[c][j];
+        }
+    memcpy(R, d, sizeof d);
+}
+
+/* First guesses of unknown frames, from the nominal arm. */
+static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bool free_tool)
+{
+    double mean[2][3] = {{0}}, H[9] = {0};
+    predict(p, p->chain->n_elements - 1, 1);
+    for (int i = 0; i < p->n; i++)
+        for (int a = 0; a < 3; a++) {
+            mean[0][a] += p->nominal[i].p[a] / p->n;
+            mean[1][a] += p->measured[i].p[a] / p->n;
+        }
+    for (int i = 0; i < p->n && free_base; i++)
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++)
+                H[3 * a + b] +=
+                    (p->nominal[i].p[a] - mean[0][a]) * (p->measured[i].p[b] - mean[1][b]);
+    if (free_base) {
+        double turned_mean[3];
+        nearest_rotation(check->base.R, H);
+        mukca_mat3_vec(turned_mean, check->base.R, mean[0]);
+        for (int a = 0; a < 3; a++) check->base.p[a] = mean[1][a] - turned_mean[a];
+    }
+    memset(H, 0, sizeof H);
+    for (int i = 0; i < p->n && free_tool; i++) { /* measured = base nominal tool */
+        double R[9];
+        if (!turned(p, i)) continue;
+        mukca_mat3_mul(R, check->base.R, p->nominal[i].R);
+        for (int a = 0; a < 3; a++) /* sum of measured' (base nominal): tool is its transpose */
+            for (int b = 0; b < 3; b++)
+                for (int c = 0; c < 3; c++)
+                    H[3 * a + b] += p->measured[i].R[3 * c + a] * R[3 * c + b];
+    }
+    if (free_tool && check->rotations) nearest_rotation(check->tool.R, H);
+}
+
+mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_chain *chain,
+                                  const mukca_pose_log *logs, int n_logs, bool free_base,
+                                  bool free_tool, mukca_error *error)
+{
+    preview *p = calloc(1, sizeof *p);
+    static const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    *check = (mukca_pose_check){.position_element = chain->n_elements - 1,
+                                .rotation_element = chain->n_elements - 1,
+                                .base = identity,
+                                .tool = identity};
+    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    p->chain = chain;
+    mukca_geometry_set(&p->geometry, chain, NULL);
+    mukca_status status = load(p, logs, n_logs, error);
+    check->rows = p->n;
+    if (status == MUKCA_OK && p->n == 0)
+        status = mukca_fail(error, MUKCA_INPUT,
+                            "no row has a measured position: need columns x_m y_m z_m, or "
+                            "hole_*_pose.csv beside the joint files");
+    if (status == MUKCA_OK) {
+        check_lengths(check, p);
+        measure(p, MUKCA_QUATERNION_W_FIRST);
+        status = check_units(p, error);
+    }
+    if (status == MUKCA_OK) {
+        if (check->rotations) check_order(check, p, !free_base && !free_tool);
+        if (!free_base && !free_tool)
+            status = check_frames(check, p, error);
+        else
+            guess_frames(check, p, free_base, free_tool);
+    }
+    free(p);
+    return status;
+}

@@ -1,0 +1,24 @@
+/* A look at the first rows of a pose log: units, quaternion order, and whose frame the poses are.
+ */
+#ifndef MUKCA_RECALIBRATE_CHECK_H
+#define MUKCA_RECALIBRATE_CHECK_H
+
+#include "recalibrate/model.h"
+
+typedef struct {
+    int rows, rotations;                     /* looked at; of these with a quaternion */
+    int position_element, rotation_element;  /* whose child link the poses belong to */
+    double position_median, rotation_median; /* m, rad: measured to that link, nominal */
+    mukca_quaternion_order order;
+    double longest, shortest; /* quaternion */
+    mukca_frame base, tool;   /* first guess: of the arm in the poses' frame, of these in the tip */
+} mukca_pose_check;
+
+/* Decide on these; `free_base` or `free_tool` tell that the frames are unknown (then the last
+ * element is taken).  Errors: MUKCA_INPUT with what is wrong (millimetres, degrees, poses of
+ * another row, of another link before a joint, a turned frame), MUKCA_MEMORY, and the log's own. */
+mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_chain *chain,
+                                  const mukca_pose_log *logs, int n_logs, bool free_base,
+                                  bool free_tool, mukca_error *error);
+
+#endif

@@ -1,0 +1,76 @@
+/* What re-calibration fits: an arm's constants, the frames of its poses, and a time lag; one row's
+ * residual and its derivatives by them. */
+#ifndef MUKCA_RECALIBRATE_MODEL_H
+#define MUKCA_RECALIBRATE_MODEL_H
+
+#include "mukca/chain.h"
+#include "recalibrate/pose_log.h"
+
+/* kind, text */
+#define MUKCA_UNKNOWN_LIST(X)                                                               \
+    X(ZERO, "zero")           /* rad, added to the encoder's angle of a turning joint */    \
+    X(SHIFT, "")              /* m, of an element's origin along x, y or z of its parent */ \
+    X(TILT, "tilt")           /* rad, of a turning joint's axis about a transverse one */   \
+    X(BASE_SHIFT, "base")     /* m, of the arm's base in the poses' frame */                \
+    X(BASE_TURN, "base turn") /* rad, the same about x, y, z of the poses' frame */         \
+    X(TOOL_SHIFT, "tool")     /* m, of the measured point in the last link */               \
+    X(TOOL_TURN, "tool turn") /* rad, of the measured frame about its own axes */           \
+    X(LAG, "lag")             /* s (or rows): angles are this much older than poses */
+
+typedef enum {
+#define MUKCA_UNKNOWN_ENUM(name, text) MUKCA_UNKNOWN_##name,
+    MUKCA_UNKNOWN_LIST(MUKCA_UNKNOWN_ENUM)
+#undef MUKCA_UNKNOWN_ENUM
+} mukca_unknown_kind;
+
+typedef struct {
+    mukca_unknown_kind kind;
+    int element; /* -1 where it has none */
+    int axis;    /* 0, 1, 2; of a tilt 0 or 1 */
+} mukca_unknown;
+
+enum { MUKCA_MAX_UNKNOWNS = MUKCA_MAX_JOINTS * 6 + 3 + 12 + 1, MUKCA_UNKNOWN_TEXT = 64 + 16 };
+
+/* "joint zero", "joint x", "base turn z", ... */
+void mukca_unknown_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_unknown *unknown,
+                        const mukca_chain *chain);
+
+/* Predicted pose of a row = base * arm(q + zero + lag * velocity) * tool. */
+typedef struct {
+    mukca_geometry geometry;
+    double zero[MUKCA_MAX_JOINTS];
+    mukca_frame base, tool;
+    double lag;
+} mukca_pose_model;
+
+void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain);
+
+/* value of `unknown` += by. */
+void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown, double by);
+
+/* theta[6 * n_elements] with the zeros turned into origins; base, tool and lag are left out. */
+void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const mukca_chain *chain);
+
+/* Frames of one row, for residual and derivatives. */
+typedef struct {
+    mukca_frame before[MUKCA_MAX_ELEMENTS]; /* each element before its joint turns */
+    double parent[MUKCA_MAX_ELEMENTS][9];   /* rotation of its parent frame */
+    mukca_frame flange, tip;                /* last element; the same with the tool */
+    double position[3];                     /* measured minus predicted, m; NaN: not measured */
+    double rotation[3];                     /* log of predicted' measured, rad; NaN likewise */
+    double rotation_error[3];               /* vector of predicted' measured - I */
+} mukca_pose_look;
+
+/* Quaternion order of the log. */
+typedef enum { MUKCA_QUATERNION_W_FIRST, MUKCA_QUATERNION_W_LAST } mukca_quaternion_order;
+
+void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
+                        const mukca_pose_row *row, mukca_quaternion_order order);
+
+/* Derivatives of the predicted position (3 rows, m) and of the predicted rotation (3 rows, about
+ * the tip's own axes) by each unknown, `stride` doubles from row to row.  Either may be NULL. */
+void mukca_pose_derivatives(double *position, double *rotation, int stride,
+                            const mukca_pose_look *look, const mukca_unknown *unknowns, int n,
+                            const mukca_pose_model *model, const mukca_pose_row *row);
+
+#endif

@@ -1,0 +1,110 @@
+/* Pose logs: a dataset as a log, and logs read with velocities. */
+#include "recalibrate/pose_log.h"
+
+#include <math.h>
+#include <string.h>
+
+static mukca_status cursor_next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
+{
+    mukca_pose_cursor *cursor = context;
+    const mukca_dataset *d = cursor->data;
+    (void)error;
+    while (cursor->at < d->n_rows && !(d->position && isfinite(d->position[3 * cursor->at])))
+        cursor->at++;
+    *more = cursor->at < d->n_rows;
+    if (!*more) return MUKCA_OK;
+    const int i = cursor->at++, n = d->n_joints;
+    for (int j = 0; j < n; j++) {
+        row->q[j] = d->q[i * n + j];
+        row->velocity[j] = d->velocity ? d->velocity[i * n + j] : (double)NAN;
+    }
+    memcpy(row->position, d->position + 3 * i, sizeof row->position);
+    for (int a = 0; a < 4; a++)
+        row->quaternion[a] = d->quaternion ? d->quaternion[4 * i + a] : (double)NAN;
+    row->time = d->time ? d->time[i] : (double)NAN;
+    /* Sockets are recorded one after the other: no motion leads from one to the next. */
+    row->file = d->socket[i] < 0 ? d->file[i] : d->n_files + d->socket[i];
+    return MUKCA_OK;
+}
+
+static mukca_status cursor_rewind(void *context, mukca_error *error)
+{
+    (void)error;
+    ((mukca_pose_cursor *)context)->at = 0;
+    return MUKCA_OK;
+}
+
+void mukca_pose_log_from_dataset(mukca_pose_log *log, mukca_pose_cursor *cursor,
+                                 const mukca_dataset *data)
+{
+    *cursor = (mukca_pose_cursor){.data = data};
+    *log = (mukca_pose_log){.next = cursor_next, .rewind = cursor_rewind, .context = cursor};
+}
+
+/* Move the window on by one row. */
+static mukca_status advance(mukca_pose_reader *r, mukca_error *error)
+{
+    r->row[0] = r->row[1];
+    r->row[1] = r->row[2];
+    r->state[0] = r->state[1];
+    r->state[1] = r->state[2];
+    r->state[2] = 0;
+    while (r->log < r->n_logs) {
+        const mukca_pose_log *log = &r->logs[r->log];
+        bool more;
+        mukca_status status = log->next(log->context, &r->row[2], &more, error);
+        if (status) return status;
+        if (more) {
+            r->state[2] = 1 + r->log;
+            return MUKCA_OK;
+        }
+        if (++r->log < r->n_logs) {
+            status = r->logs[r->log].rewind(r->logs[r->log].context, error);
+            if (status) return status;
+        }
+    }
+    return MUKCA_OK;
+}
+
+mukca_status mukca_pose_reader_start(mukca_pose_reader *reader, const mukca_pose_log *logs,
+                                     int n_logs, int n_joints, mukca_error *error)
+{
+    *reader = (mukca_pose_reader){.logs = logs, .n_logs = n_logs, .n_joints = n_joints};
+    if (n_logs < 1) return MUKCA_OK;
+    mukca_status status = logs[0].rewind(logs[0].context, error);
+    return status ? status : advance(reader, error);
+}
+
+/* Rows a and b of the window follow each other closely. */
+static bool adjacent(const mukca_pose_reader *r, int a, int b)
+{
+    if (!r->state[a] || r->state[a] != r->state[b] || r->row[a].file != r->row[b].file)
+        return false;
+    if (isfinite(r->row[a].time) && !(r->row[a].time < r->row[b].time)) return false;
+    for (int j = 0; j < r->n_joints; j++)
+        if (!(fabs(r->row[a].q[j] - r->row[b].q[j]) < 0.2)) return false;
+    return true;
+}
+
+static void fill_velocity(mukca_pose_reader *r)
+{
+    mukca_pose_row *now = &r->row[1];
+    if (isfinite(now->velocity[0])) return;
+    const int from = adjacent(r, 0, 1) ? 0 : 1, to = adjacent(r, 1, 2) ? 2 : 1;
+    const double span = isfinite(now->time) ? r->row[to].time - r->row[from].time : to - from;
+    for (int j = 0; j < r->n_joints; j++)
+        now->velocity[j] = from == to ? 0 : (r->row[to].q[j] - r->row[from].q[j]) / span;
+}
+
+mukca_status mukca_pose_reader_next(mukca_pose_reader *reader, const mukca_pose_row **row,
+                                    double *weight, bool *more, mukca_error *error)
+{
+    mukca_status status = advance(reader, error);
+    *more = reader->state[1] != 0;
+    if (status || !*more) return status;
+    fill_velocity(reader);
+    *row = &reader->row[1];
+    *weight = reader->logs[reader->state[1] - 1].weight;
+    if (!(*weight > 0)) *weight = 1;
+    return MUKCA_OK;
+}

@@ -1,0 +1,352 @@
+/* Re-calibration from measured poses: the passes over the log. */
+#include "recalibrate/recalibrate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An unknown that the rows tell only to this (m, rad) is not told. */
+static const double loosest = 0.02;
+
+enum { MOST_PASSES = 10, LAG_SCORE = 8 };
+
+typedef struct {
+    mukca_recalibration *out;
+    const mukca_chain *chain;
+    const mukca_pose_log *logs;
+    int n_logs;
+    const mukca_recalibrate_options *options;
+    mukca_pose_model model;
+    mukca_pose_system angles, offsets; /* joint: all in `offsets` */
+    mukca_pose_solution solution;
+    mukca_pose_errors errors;
+    bool measured;   /* `errors` holds the last pass */
+    bool lag_denied; /* a lag made the median no better */
+} session;
+
+static void add_unknown(mukca_pose_system *s, mukca_unknown_kind kind, int element, int axis)
+{
+    s->unknown[s->n++] = (mukca_unknown){kind, element, axis};
+}
+
+static void add_three(mukca_pose_system *s, mukca_unknown_kind kind, int element)
+{
+    for (int axis = 0; axis < 3; axis++) add_unknown(s, kind, element, axis);
+}
+
+/* Angles go to `a`, lengths to `p` (the same system in the joint solution).  A free base takes the
+ * place of the first joint's origin and zero; the tip's offset is the last fixed element's. */
+static void choose_unknowns(mukca_pose_system *a, mukca_pose_system *p, const mukca_chain *chain,
+                            const mukca_recalibrate_options *o, bool oriented)
+{
+    const int last = chain->n_elements - 1;
+    for (int k = 0; k <= last; k++) {
+        const mukca_element *e = &chain->element[k];
+        const bool first = o->free_base && e->joint == 0;
+        if (e->joint < 0 && k < last) continue;
+        if (!first) add_three(p, MUKCA_UNKNOWN_SHIFT, k);
+        if (e->joint < 0 || e->type == MUKCA_PRISMATIC || first) continue;
+        add_unknown(a, MUKCA_UNKNOWN_ZERO, k, 0);
+        for (int axis = 0; o->tilts && axis < 2; axis++)
+            add_unknown(a, MUKCA_UNKNOWN_TILT, k, axis);
+    }
+    if (chain->element[last].joint >= 0) add_three(p, MUKCA_UNKNOWN_TOOL_SHIFT, -1);
+    if (o->free_base) {
+        add_three(p, MUKCA_UNKNOWN_BASE_SHIFT, -1);
+        add_three(a, MUKCA_UNKNOWN_BASE_TURN, -1);
+    }
+    if (o->free_tool && oriented) add_three(a, MUKCA_UNKNOWN_TOOL_TURN, -1);
+    add_unknown(a, MUKCA_UNKNOWN_LAG, -1, 0);
+}
+
+static double huber(double length, double median)
+{
+    const double bend = 1.6 * median; /* 2.5 sigma: the median of three normals' length is 1.54 */
+    return length > bend && bend > 0 ? sqrt(bend / length) : 1;
+}
+
+static double length3(const double v[3])
+{
+    return sqrt(mukca_dot3(v, v));
+}
+
+static void note_range(mukca_recalibration *out, const mukca_pose_row *row, int n)
+{
+    for (int j = 0; j < n; j++) {
+        if (out->rows == 0 || row->q[j] < out->lowest[j]) out->lowest[j] = row->q[j];
+        if (out->rows == 0 || row->q[j] > out->highest[j]) out->highest[j] = row->q[j];
+    }
+    out->in_rows |= !isfinite(row->time) && out->rows == 0;
+    out->rotations += isfinite(row->quaternion[0]);
+    out->rows++;
+}
+
+/* Read the log once at the present model: errors, and the rows of both systems (NULL: not). */
+static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b, mukca_error *error)
+{
+    const double position_scale = mukca_histogram_median(&s->errors.position_histogram);
+    const double rotation_scale = mukca_histogram_median(&s->errors.rotation_histogram);
+    const bool robust = s->options->robust && s->measured, first = s->out->passes == 0;
+    mukca_pose_reader reader;
+    mukca_pose_look look;
+    mukca_status status =
+        mukca_pose_reader_start(&reader, s->logs, s->n_logs, s->chain->n_joints, error);
+    if (a) mukca_pose_system_clear(a);
+    if (b) mukca_pose_system_clear(b);
+    memset(&s->errors, 0, sizeof s->errors);
+    for (long i = 0; status == MUKCA_OK; i++) {
+        const mukca_pose_row *row;
+        double weight;
+        bool more;
+        status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
+        if (status || !more) break;
+        if (i % 1024 == 0 && s->options->stop && s->options->stop())
+            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+        if (first) note_range(s->out, row, s->chain->n_joints);
+        mukca_pose_look_at(&look, &s->model, row, s->options->order);
+        mukca_pose_errors_add(&s->errors, &look);
+        double p = sqrt(weight), w = p;
+        if (robust) p *= huber(length3(look.position), position_scale);
+        if (robust) w *= huber(length3(look.rotation), rotation_scale);
+        if (a) mukca_pose_system_add(a, &look, &s->model, row, p, w);
+        if (b) mukca_pose_system_add(b, &look, &s->model, row, p, w);
+    }
+    s->measured = true;
+    s->out->passes++;
+    return status;
+}
+
+/* Solve for all unknowns but the lag (with it where asked), and move the model. */
+static mukca_status step(double *size, session *s, mukca_pose_system *system, bool with_lag,
+                         mukca_error *error)
+{
+    int n = system->n;
+    if (n > 0 && system->unknown[n - 1].kind == MUKCA_UNKNOWN_LAG && !with_lag) n--;
+    if (!mukca_pose_system_solve(&s->solution, system, n, loosest))
+        return mukca_fail(error, MUKCA_INPUT, "the rows hold numbers that are not finite");
+    *size = 0;
+    for (int u = 0; u < n; u++) {
+        mukca_pose_model_add(&s->model, &system->unknown[u], s->solution.x[u]);
+        system->value[u] += s->solution.x[u];
+        *size = fmax(*size, fabs(s->solution.x[u]));
+    }
+    return MUKCA_OK;
+}
+
+/* Keep a system's last solution in the result, values as the model has them. */
+static void keep(session *s, const mukca_pose_system *system)
+{
+    mukca_recalibration *out = s->out;
+    const mukca_pose_solution *x = &s->solution;
+    const int n =
+        system->n - (system->n > 0 && system->unknown[system->n - 1].kind == MUKCA_UNKNOWN_LAG);
+    for (int u = 0; u < n; u++) {
+        out->unknown[out->n + u] = system->unknown[u];
+        out->value[out->n + u] = system->value[u];
+        out->sigma[out->n + u] = x->sigma[u];
+        out->identifiable[out->n + u] = x->identifiable[u];
+    }
+    for (int k = 0; k < x->n_null; k++)
+        memcpy(&out->null[out->n_null + k][out->n], x->null[k], (size_t)n * sizeof(double));
+    out->n_null += x->n_null;
+    out->rank += x->rank;
+    out->n += n;
+}
+
+static bool lag_shows(session *s, const mukca_pose_system *system)
+{
+    double value;
+    const double score = mukca_pose_system_last(&value, system);
+    const double rms = score * sqrt(system->rss[system->carried]) / (double)(system->equations + 1);
+    if (s->lag_denied || !(score > LAG_SCORE) || !(rms > 1e-7)) return false;
+    s->out->lag_score = fmax(s->out->lag_score, score);
+    return true;
+}
+
+/* What a lag must improve: outliers alone cannot. */
+static double lag_median(const session *s, const mukca_pose_system *system)
+{
+    return mukca_histogram_median(system->rotations ? &s->errors.rotation_histogram
+                                                    : &s->errors.position_histogram);
+}
+
+static mukca_status two_steps(session *s, mukca_error *error)
+{
+    const bool repeat = s->options->iterate || s->options->robust;
+    double size, median = 0;
+    mukca_pose_model without = s->model;
+    mukca_status status = pass(s, &s->angles, NULL, error);
+    s->out->errors[MUKCA_BEFORE] = s->errors;
+    if (status == MUKCA_OK) status = step(&size, s, &s->angles, false, error);
+    for (int i = 0; status == MUKCA_OK; i++) {
+        status = pass(s, &s->angles, &s->offsets, error);
+        if (status) break;
+        if (s->model.lag != 0 && without.lag == 0 &&
+            lag_median(s, &s->angles) > 0.95 * median) { /* take it back, and once more */
+            s->model = without;
+            s->lag_denied = true;
+            continue;
+        }
+        const bool lag = i < MOST_PASSES && lag_shows(s, &s->angles);
+        median = lag_median(s, &s->angles);
+        without = s->model;
+        status = step(&size, s, &s->angles, lag, error);
+        if (size < 1e-10 || i >= MOST_PASSES || (!lag && !repeat)) break;
+    }
+    if (status) return status;
+    /* The last pass measured offsets at angles that have moved by the last step. */
+    mukca_pose_system_move_carried(&s->offsets, s->solution.x);
+    s->out->errors[MUKCA_WITH_ANGLES] = s->errors;
+    s->out->stage[MUKCA_WITH_ANGLES] = s->model;
+    keep(s, &s->angles);
+    status = step(&size, s, &s->offsets, false, error);
+    for (int i = 0; status == MUKCA_OK && s->options->robust && i < MOST_PASSES; i++) {
+        status = pass(s, NULL, &s->offsets, error);
+        if (status == MUKCA_OK) status = step(&size, s, &s->offsets, false, error);
+        if (size < 1e-9) break;
+    }
+    if (status == MUKCA_OK) keep(s, &s->offsets);
+    s->out->has_angles = true;
+    return status;
+}
+
+static mukca_status one_step(session *s, mukca_error *error)
+{
+    const bool repeat = s->options->iterate || s->options->robust || !s->offsets.rotations;
+    mukca_pose_system *all = &s->offsets;
+    mukca_status status = MUKCA_OK;
+    double size, median = 0;
+    mukca_pose_model without = s->model;
+    for (int i = 0; status == MUKCA_OK; i++) {
+        status = pass(s, all, NULL, error);
+        if (status) break;
+        if (i == 0) s->out->errors[MUKCA_BEFORE] = s->errors;
+        if (s->model.lag != 0 && without.lag == 0 && lag_median(s, all) > 0.95 * median) {
+            s->model = without;
+            s->lag_denied = true;
+            continue;
+        }
+        median = lag_median(s, all);
+        without = s->model;
+        status = step(&size, s, all, i > 0 && lag_shows(s, all), error);
+        const double p = mukca_histogram_median(&s->errors.position_histogram);
+        const double w = mukca_histogram_median(&s->errors.rotation_histogram);
+        if (p > 1e-9 && w > 1e-9) all->metres_per_radian = fmin(fmax(p / w, 0.01), 10);
+        if (!repeat || size < 1e-10 || i >= MOST_PASSES) break;
+    }
+    if (status == MUKCA_OK) keep(s, all);
+    return status;
+}
+
+/* Has the log orientations?  One row is read. */
+static mukca_status look_ahead(bool *oriented, int *unknowns, session *s, mukca_error *error)
+{
+    mukca_pose_reader reader;
+    const mukca_pose_row *row;
+    double weight;
+    bool more = false;
+    mukca_status status =
+        mukca_pose_reader_start(&reader, s->logs, s->n_logs, s->chain->n_joints, error);
+    if (status == MUKCA_OK) status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
+    if (status) return status;
+    if (!more) return mukca_fail(error, MUKCA_INPUT, "no row has a measured position");
+    *oriented = isfinite(row->quaternion[0]);
+    const bool joint = s->options->joint || !*oriented;
+    choose_unknowns(joint ? &s->offsets : &s->angles, &s->offsets, s->chain, s->options, *oriented);
+    if (joint) { /* the lag comes last */
+        const int n = s->offsets.n;
+        for (int u = 0; u < n - 1; u++)
+            if (s->offsets.unknown[u].kind == MUKCA_UNKNOWN_LAG) {
+                const mukca_unknown lag = s->offsets.unknown[u];
+                s->offsets.unknown[u] = s->offsets.unknown[n - 1];
+                s->offsets.unknown[n - 1] = lag;
+            }
+    }
+    if (!joint) {
+        memcpy(s->offsets.unknown + s->offsets.n, s->angles.unknown,
+               (size_t)s->angles.n * sizeof *s->angles.unknown);
+        s->offsets.carried = s->angles.n;
+    }
+    s->angles.rotations = s->offsets.positions = true;
+    s->offsets.rotations = joint && *oriented;
+    *unknowns = s->offsets.n > s->angles.n ? s->offsets.n : s->angles.n;
+    return MUKCA_OK;
+}
+
+static void start_model(mukca_pose_model *model, const mukca_chain *chain,
+                        const mukca_recalibrate_options *options)
+{
+    mukca_pose_model_set(model, chain);
+    if (mukca_dot3(options->base.R, options->base.R) > 0) model->base = options->base;
+    if (mukca_dot3(options->tool.R, options->tool.R) > 0) model->tool = options->tool;
+}
+
+/* Root of the mean square over the median, 1.126 times as large for lengths of normal vectors. */
+static double tail(const mukca_moments *m, const mukca_histogram *histogram)
+{
+    const double median = mukca_histogram_median(histogram);
+    if (m->n < 20 || !(median > 0)) return 1;
+    return sqrt(m->mean * m->mean + m->m2 / (double)m->n) / (1.126 * median);
+}
+
+mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_chain *chain,
+                               const mukca_pose_log *logs, int n_logs,
+                               const mukca_recalibrate_options *options, mukca_error *error)
+{
+    static const mukca_recalibrate_options none;
+    session *s = calloc(1, sizeof *s);
+    if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    memset(result, 0, sizeof *result);
+    s->out = result;
+    s->chain = chain;
+    s->logs = logs;
+    s->n_logs = n_logs;
+    s->options = options ? options : &none;
+    start_model(&s->model, chain, s->options);
+    for (int i = 0; i < MUKCA_STAGES; i++) result->stage[i] = s->model;
+
+    bool oriented = false;
+    int unknowns = 0;
+    mukca_status status = look_ahead(&oriented, &unknowns, s, error);
+    const bool joint = s->options->joint || !oriented;
+    if (status == MUKCA_OK) status = joint ? one_step(s, error) : two_steps(s, error);
+    const long equations = result->rows * (joint && oriented ? 6 : 3);
+    if (status == MUKCA_OK && equations < unknowns - !joint)
+        status = mukca_fail(error, MUKCA_UNIDENTIFIABLE,
+                            "%ld poses give %ld equations for %d unknowns; record at least %d",
+                            result->rows, equations, unknowns - !joint,
+                            (unknowns + 2) / (joint && oriented ? 6 : 3) + 1);
+    result->stage[MUKCA_WITH_BOTH] = s->model;
+    if (!result->has_angles) result->stage[MUKCA_WITH_ANGLES] = s->model;
+    result->lag = s->model.lag;
+    result->lag_found = s->model.lag != 0;
+    if (status == MUKCA_OK) status = pass(s, NULL, NULL, error);
+    result->errors[MUKCA_WITH_BOTH] = s->errors;
+    result->tail = fmax(tail(&s->errors.position, &s->errors.position_histogram),
+                        tail(&s->errors.rotation, &s->errors.rotation_histogram));
+    free(s);
+    return status;
+}
+
+mukca_status mukca_recalibrate_test(mukca_pose_errors errors[MUKCA_STAGES],
+                                    const mukca_recalibration *result, const mukca_chain *chain,
+                                    const mukca_pose_log *logs, int n_logs,
+                                    const mukca_recalibrate_options *options, mukca_error *error)
+{
+    mukca_pose_reader reader;
+    mukca_pose_look look;
+    memset(errors, 0, MUKCA_STAGES * sizeof *errors);
+    mukca_status status = mukca_pose_reader_start(&reader, logs, n_logs, chain->n_joints, error);
+    while (status == MUKCA_OK) {
+        const mukca_pose_row *row;
+        double weight;
+        bool more;
+        status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
+        if (status || !more) break;
+        for (int i = 0; i < MUKCA_STAGES; i++) {
+            mukca_pose_look_at(&look, &result->stage[i], row, options->order);
+            mukca_pose_errors_add(&errors[i], &look);
+        }
+    }
+    return status;
+}

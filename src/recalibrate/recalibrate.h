@@ -1,0 +1,83 @@
+/* Fast re-calibration from measured poses (Kana et al., Sensors 2022, 22, 2295).
+ *
+ * Step one fits joint zeros to orientations: J_rot(q) dq = (R'R~ - I)^v, stacked; step two fits the
+ * links' offsets to positions: dP/dp dp = P~ - P.  Each is one linear regression; rows are reduced
+ * as they are read, and logs are read once per pass.
+ */
+#ifndef MUKCA_RECALIBRATE_RECALIBRATE_H
+#define MUKCA_RECALIBRATE_RECALIBRATE_H
+
+#include "recalibrate/errors.h"
+#include "recalibrate/system.h"
+
+typedef struct {
+    bool iterate;   /* repeat the linearisation until it stands */
+    bool joint;     /* both steps as one problem; implied where no pose has an orientation */
+    bool robust;    /* Huber weights; implies repetition */
+    bool tilts;     /* the joints' axes may lean, too */
+    bool free_base; /* the poses' frame is not the arm's base */
+    bool free_tool; /* the measured frame is turned against the tip */
+    mukca_quaternion_order order;
+    mukca_frame base, tool; /* of the poses, to begin with; R all 0: the identity */
+    bool (*stop)(void);     /* true: leave with MUKCA_INTERRUPTED; may be NULL */
+} mukca_recalibrate_options;
+
+enum { MUKCA_BEFORE, MUKCA_WITH_ANGLES, MUKCA_WITH_BOTH, MUKCA_STAGES };
+
+typedef struct {
+    int n; /* unknowns */
+    mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
+    double value[MUKCA_MAX_UNKNOWNS], sigma[MUKCA_MAX_UNKNOWNS];
+    bool identifiable[MUKCA_MAX_UNKNOWNS];
+    int rank, n_null;
+    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] cannot be told */
+    mukca_pose_model stage[MUKCA_STAGES];
+    mukca_pose_errors errors[MUKCA_STAGES]; /* on the log itself */
+    bool has_angles;                        /* the stage "with angular offsets" exists */
+    long rows, rotations;                   /* poses; of these with an orientation */
+    double lowest[MUKCA_MAX_JOINTS], highest[MUKCA_MAX_JOINTS]; /* of q */
+    bool lag_found, in_rows;                                    /* lag in rows, not in s */
+    double lag, lag_score;                                      /* score in standard errors */
+    double tail; /* rms over median of what is left, 1 for normal errors; the worse of position and
+                    orientation */
+    int passes;
+} mukca_recalibration;
+
+/* Errors: MUKCA_UNIDENTIFIABLE (fewer equations than unknowns), MUKCA_INTERRUPTED, MUKCA_MEMORY,
+ * MUKCA_INPUT (numbers that are not finite), and the log's own. */
+mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_chain *chain,
+                               const mukca_pose_log *logs, int n_logs,
+                               const mukca_recalibrate_options *options, mukca_error *error);
+
+/* Errors of the stages on other logs. */
+mukca_status mukca_recalibrate_test(mukca_pose_errors errors[MUKCA_STAGES],
+                                    const mukca_recalibration *result, const mukca_chain *chain,
+                                    const mukca_pose_log *logs, int n_logs,
+                                    const mukca_recalibrate_options *options, mukca_error *error);
+
+/* Is there something to learn?  Only where the part of the error that the fit removes is larger
+ * than what is left (medians), in position or in orientation. */
+typedef struct {
+    bool calibrated;
+    double position_nominal, position_left, position_systematic; /* m */
+    double rotation_nominal, rotation_left, rotation_systematic; /* rad; 0 without orientations */
+} mukca_oracle;
+void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *result);
+
+/* A few constants that explain the difference as well as all of them do. */
+enum { MUKCA_MAX_CONSTANTS = 4 };
+typedef struct {
+    int n; /* 0: no few do */
+    mukca_unknown unknown[MUKCA_MAX_CONSTANTS];
+    bool along_axis[MUKCA_MAX_CONSTANTS]; /* a SHIFT along the joint's own axis ("d") */
+    double value[MUKCA_MAX_CONSTANTS], sigma[MUKCA_MAX_CONSTANTS];
+    double share;             /* of the difference's square that they explain */
+    mukca_pose_errors errors; /* with them alone */
+} mukca_constants;
+mukca_status mukca_recalibrate_constants(mukca_constants *constants,
+                                         const mukca_recalibration *result,
+                                         const mukca_chain *chain, const mukca_pose_log *logs,
+                                         int n_logs, const mukca_recalibrate_options *options,
+                                         mukca_error *error);
+
+#endif

@@ -1,0 +1,126 @@
+/* Joint angles of the experiments of Kana et al. (2022). */
+#include "recalibrate/recipe.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "arm/inverse.h"
+
+const mukca_recipe_info mukca_recipe_table[MUKCA_RECIPE_COUNT] = {
+#define RECIPE_ROW(kind, name, rows, sentence) {name, rows, sentence},
+    MUKCA_RECIPE_LIST(RECIPE_ROW)
+#undef RECIPE_ROW
+};
+
+static const double pi = 3.14159265358979323846;
+
+/* Rows evenly along the whole way of all joints: 0 to the top, down to the bottom. */
+static void sweeps(double *q, int rows, const mukca_chain *chain)
+{
+    const int n = chain->n_joints;
+    double way[MUKCA_MAX_JOINTS][2] = {{0}}, length = 0;
+    for (int j = 0; j < n; j++) {
+        const mukca_element *e = &chain->element[chain->joint_element[j]];
+        const double reach = e->type == MUKCA_PRISMATIC ? 0.25 : j % 2 ? pi / 2 : pi;
+        way[j][0] = fmin(reach, e->upper);
+        way[j][1] = fmax(-reach, e->lower);
+        length += 2 * fabs(way[j][0]) + fabs(way[j][1]);
+    }
+    memset(q, 0, (size_t)(rows * n) * sizeof *q);
+    int j = 0;
+    double before = 0; /* way of the joints that are done */
+    for (int i = 0; i < rows; i++) {
+        double at = length * i / rows - before;
+        while (j < n - 1 && at >= 2 * fabs(way[j][0]) + fabs(way[j][1])) {
+            const double whole = 2 * fabs(way[j][0]) + fabs(way[j][1]);
+            at -= whole;
+            before += whole;
+            j++;
+        }
+        const double top = way[j][0], up = fabs(top);
+        q[i * n + j] = at <= up ? copysign(at, top) : top - copysign(at - up, top);
+    }
+}
+
+/* Halton's sequence: evenly strewn points, the same everywhere. */
+static double halton(int index, int base)
+{
+    double f = 1, x = 0;
+    for (; index > 0; index /= base) {
+        f /= base;
+        x += f * (index % base);
+    }
+    return x;
+}
+
+/* Points in units of the arm's reach. */
+static void point_of(double p[3], mukca_recipe_kind kind, int i)
+{
+    if (kind == MUKCA_RECIPE_RASTER) {
+        const int row = i / 11 % 5, layer = i / 55, column = row % 2 ? 10 - i % 11 : i % 11;
+        p[0] = -0.40 + 0.08 * column;
+        p[1] = 0.28 + 0.05 * row;
+        p[2] = 0.20 + 0.10 * layer;
+    } else {
+        const int k = 1 + i + (kind == MUKCA_RECIPE_TARGETED_TEST ? 58 : 0);
+        p[0] = 0.10 + 0.30 * halton(k, 2);
+        p[1] = 0.25 + 0.25 * halton(k, 3);
+        p[2] = 0.15 + 0.25 * halton(k, 5);
+    }
+}
+
+/* Postures to begin with: folded one way or the other, the first joint towards the point. */
+static void posture_of(double *q, int which, const double target[3], const mukca_geometry *geometry)
+{
+    static const double fold[2][7] = {{0, 0.26, 3.14, -2.27, 0, 0.96, 1.57},
+                                      {0, 0.6, 0, 1.4, 0, 0.6, 0}};
+    double best = HUGE_VAL, first = 0;
+    for (int j = 0; j < geometry->n_joints; j++) q[j] = j < 7 ? fold[which][j] : 0;
+    for (int i = 0; i < 12; i++) {
+        double tip[3], d[3] = {0, 0, 0};
+        q[0] = pi * (i - 6) / 6;
+        mukca_fk_position(tip, geometry, q, NULL);
+        for (int a = 0; a < 3; a++) d[a] = tip[a] - target[a];
+        if (mukca_dot3(d, d) < best) best = mukca_dot3(d, d), first = q[0];
+    }
+    q[0] = first;
+}
+
+static mukca_status points(double *q, int rows, mukca_recipe_kind kind, const mukca_chain *chain,
+                           mukca_error *error)
+{
+    const int n = chain->n_joints;
+    double reach = 0;
+    mukca_geometry geometry;
+    mukca_frame target = {.R = {1, 0, 0, 0, -1, 0, 0, 0, -1}};
+    mukca_geometry_set(&geometry, chain, NULL);
+    for (int k = 0; k < chain->n_elements; k++)
+        reach += sqrt(mukca_dot3(chain->element[k].xyz, chain->element[k].xyz));
+    for (int i = 0; i < rows; i++) {
+        double p[3], posture[MUKCA_MAX_JOINTS], *row = q + (long)i * n;
+        bool reached = false;
+        point_of(p, kind, i);
+        for (int a = 0; a < 3; a++) target.p[a] = p[a] * reach / 1.1873;
+        for (int start = i > 0 ? -1 : 0; start < 2 && !reached; start++) {
+            const mukca_inverse_options options = {.posture = posture, .tolerance = 1e-6};
+            posture_of(posture, start > 0, target.p, &geometry);
+            memcpy(row, start < 0 ? row - n : posture, (size_t)n * sizeof *q);
+            reached = mukca_inverse_solve(row, chain, &geometry, &target, n >= 6, &options).reached;
+        }
+        if (!reached)
+            return mukca_fail(error, MUKCA_INPUT,
+                              "recipe '%s': the arm does not reach point %d (%.2f, %.2f, %.2f) m",
+                              mukca_recipe_table[kind].name, i + 1, target.p[0], target.p[1],
+                              target.p[2]);
+    }
+    return MUKCA_OK;
+}
+
+mukca_status mukca_recipe_rows(double *q, mukca_recipe_kind kind, const mukca_chain *chain,
+                               mukca_error *error)
+{
+    const int rows = mukca_recipe_table[kind].rows;
+    if (kind != MUKCA_RECIPE_SWEEPS) return points(q, rows, kind, chain, error);
+    sweeps(q, rows, chain);
+    return MUKCA_OK;
+}

@@ -1,0 +1,157 @@
+/* Streaming least squares for re-calibration. */
+#include "recalibrate/system.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "math/dense.h"
+
+static int width_of(const mukca_pose_system *s)
+{
+    return s->n + s->carried + 1;
+}
+
+void mukca_pose_system_clear(mukca_pose_system *s)
+{
+    s->equations = 0;
+    s->total = 0;
+    s->filled = 0;
+    memset(s->rss, 0, sizeof s->rss);
+    memset(s->R, 0, sizeof *s->R * (size_t)(s->n * width_of(s)));
+}
+
+static void flush(mukca_pose_system *s)
+{
+    mukca_dense_qr_absorb(s->R, s->rss, s->block, s->filled, s->n, s->carried + 1);
+    s->filled = 0;
+}
+
+/* Scale three rows and put their right-hand side at the end. */
+static void finish_rows(mukca_pose_system *s, double *rows, const double *residual, double weight)
+{
+    const int width = width_of(s);
+    for (int i = 0; i < 3; i++) {
+        double *row = rows + i * width;
+        row[width - 1] = residual[i];
+        for (int c = 0; c < width; c++) row[c] *= weight;
+        s->total += row[width - 1] * row[width - 1];
+    }
+    s->equations += 3;
+    s->filled += 3;
+}
+
+void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look,
+                           const mukca_pose_model *model, const mukca_pose_row *row, double weight,
+                           double turn_weight)
+{
+    const int width = width_of(s);
+    const bool rotations = s->rotations && isfinite(look->rotation[0]);
+    const double lever = s->metres_per_radian > 0 ? s->metres_per_radian : 1;
+    if (s->filled + 6 > MUKCA_SYSTEM_BLOCK) flush(s);
+    double *p = s->positions ? s->block + s->filled * width : NULL;
+    double *w = rotations ? s->block + (s->filled + (p ? 3 : 0)) * width : NULL;
+    mukca_pose_derivatives(p, w, width, look, s->unknown, s->n + s->carried, model, row);
+    if (p) finish_rows(s, p, look->position, weight);
+    if (w) finish_rows(s, w, look->rotation, turn_weight * lever);
+}
+
+void mukca_pose_system_move_carried(mukca_pose_system *s, const double *steps)
+{
+    const int width = width_of(s);
+    flush(s);
+    for (int i = 0; i < s->n; i++)
+        for (int c = 0; c < s->carried; c++)
+            s->R[i * width + width - 1] -= s->R[i * width + s->n + c] * steps[c];
+}
+
+/* Gauss-Jordan with full pivoting on the rows null[r][n]: each row gets one entry 1 that the others
+ * lack, so that few entries remain and each row reads as one sentence. */
+static void reduce(double (*null)[MUKCA_MAX_UNKNOWNS], int r, int n)
+{
+    bool used[MUKCA_MAX_UNKNOWNS] = {false};
+    for (int i = 0; i < r; i++) {
+        int column = 0, best = i;
+        double largest = -1;
+        for (int k = i; k < r; k++)
+            for (int c = 0; c < n; c++)
+                if (!used[c] && fabs(null[k][c]) > largest) {
+                    largest = fabs(null[k][c]);
+                    column = c;
+                    best = k;
+                }
+        if (!(largest > 0)) return;
+        for (int c = 0; c < n; c++) {
+            const double t = null[i][c];
+            null[i][c] = null[best][c];
+            null[best][c] = t;
+        }
+        used[column] = true;
+        const double pivot = null[i][column];
+        for (int c = 0; c < n; c++) null[i][c] /= pivot;
+        for (int k = 0; k < r; k++) {
+            const double f = null[k][column];
+            if (k == i || f == 0) continue;
+            for (int c = 0; c < n; c++) null[k][c] -= f * null[i][c];
+        }
+    }
+    for (int i = 0; i < r; i++)
+        for (int c = 0; c < n; c++)
+            if (fabs(null[i][c]) < 1e-6) null[i][c] = 0;
+}
+
+bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int n, double loosest)
+{
+    const int width = width_of(s);
+    double d[MUKCA_MAX_UNKNOWNS], singular[MUKCA_MAX_UNKNOWNS];
+    double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
+    flush(s);
+    memset(out, 0, sizeof *out);
+    double left = s->rss[s->carried]; /* what the unknowns from n on would have explained stays */
+    for (int i = n; i < s->n; i++)
+        left += s->R[i * width + width - 1] * s->R[i * width + width - 1];
+    for (int i = 0; i < n; i++) {
+        memcpy(U + i * n, s->R + i * width, (size_t)n * sizeof *U);
+        d[i] = s->R[i * width + width - 1];
+    }
+    if (n == 0) return true;
+    if (mukca_dense_svd(U, singular, V, n, n) || !isfinite(left)) return false;
+    const long freedom = s->equations - n;
+    out->sigma2 = left / (double)(freedom > 0 ? freedom : 1);
+    const double least = fmax(1e-9 * singular[0], sqrt(out->sigma2) / loosest);
+    while (out->rank < n && singular[out->rank] > least) out->rank++;
+    out->n_null = n - out->rank;
+    for (int k = 0; k < n; k++) {
+        double z = 0;
+        for (int i = 0; i < n; i++) z += U[i * n + k] * d[i];
+        for (int i = 0; i < n; i++) {
+            if (k < out->rank) {
+                const double v = V[i * n + k] / singular[k];
+                out->x[i] += v * z;
+                out->sigma[i] += v * v;
+            } else {
+                out->null[k - out->rank][i] = V[i * n + k];
+            }
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        double lost = 0;
+        for (int k = 0; k < out->n_null; k++) lost += out->null[k][i] * out->null[k][i];
+        out->sigma[i] = sqrt(out->sigma[i] * out->sigma2);
+        out->identifiable[i] = lost < 1e-8;
+    }
+    reduce(out->null, out->n_null, n);
+    return true;
+}
+
+double mukca_pose_system_last(double *value, const mukca_pose_system *s)
+{
+    const int n = s->n, width = width_of(s);
+    const double diagonal = s->R[(n - 1) * width + n - 1], rhs = s->R[n * width - 1];
+    const long freedom = s->equations - n;
+    const double sigma = sqrt(s->rss[s->carried] / (double)(freedom > 0 ? freedom : 1));
+    *value = 0;
+    if (!(fabs(diagonal) > 1e-9)) return 0;
+    *value = rhs / diagonal;
+    return sigma > 0 ? fabs(rhs) / sigma : 0;
+}

@@ -1,0 +1,54 @@
+/* A linear least-squares problem whose rows come one at a time: block QR, then a minimum-norm
+ * solution with the combinations that the rows cannot tell. */
+#ifndef MUKCA_RECALIBRATE_SYSTEM_H
+#define MUKCA_RECALIBRATE_SYSTEM_H
+
+#include "recalibrate/model.h"
+
+enum { MUKCA_SYSTEM_WIDTH = 2 * MUKCA_MAX_UNKNOWNS + 1, MUKCA_SYSTEM_BLOCK = 48 };
+
+typedef struct {
+    int n;                     /* unknowns; a lag is the last one */
+    int carried;               /* more that another system will tell: unknown[n ..] */
+    bool positions, rotations; /* which rows of a pose it takes */
+    double metres_per_radian;  /* weight of rotation rows beside position rows; 0: 1 */
+    mukca_unknown unknown[MUKCA_SYSTEM_WIDTH];
+    double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps taken so far */
+    long equations;
+    double rss[MUKCA_SYSTEM_WIDTH], total;                 /* of weighted rows */
+    double R[MUKCA_MAX_UNKNOWNS * MUKCA_SYSTEM_WIDTH];     /* [n][n + carried + 1], with Q'b */
+    double block[MUKCA_SYSTEM_BLOCK * MUKCA_SYSTEM_WIDTH]; /* rows not yet absorbed */
+    int filled;
+} mukca_pose_system;
+
+typedef struct {
+    int rank;
+    double sigma2;                    /* variance of a weighted row */
+    double x[MUKCA_MAX_UNKNOWNS];     /* step, minimum norm */
+    double sigma[MUKCA_MAX_UNKNOWNS]; /* standard error within what can be told */
+    bool identifiable[MUKCA_MAX_UNKNOWNS];
+    int n_null;
+    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] combinations that cannot be
+                                                            told, reduced to few entries */
+} mukca_pose_solution;
+
+/* Forget all rows. */
+void mukca_pose_system_clear(mukca_pose_system *system);
+
+/* Take the rows of one pose, each side multiplied by `weight` (position) and `turn_weight`. */
+void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *look,
+                           const mukca_pose_model *model, const mukca_pose_row *row, double weight,
+                           double turn_weight);
+
+/* Unknowns that the system carries take these steps: its right-hand side follows. */
+void mukca_pose_system_move_carried(mukca_pose_system *system, const double *steps);
+
+/* Solve for the first `n` unknowns; the others stay 0.  An unknown that the rows tell only to
+ * `loosest` (m or rad) counts as not told.  False where the rows are not finite. */
+bool mukca_pose_system_solve(mukca_pose_solution *solution, mukca_pose_system *system, int n,
+                             double loosest);
+
+/* How many standard errors the last unknown is away from 0, and its value; call after solve. */
+double mukca_pose_system_last(double *value, const mukca_pose_system *system);
+
+#endif

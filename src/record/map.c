@@ -1,0 +1,105 @@
+/* The recorder's mapping: which reading of a message is which joint of the arm. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "record/recorder.h"
+
+/* --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
+static mukca_status parse_map(recorder *r, mukca_error *error)
+{
+    const char *at = r->options->map;
+    int n = 0, joints = r->model->chain.n_joints;
+    while (*at) {
+        char *end;
+        long first = strtol(at, &end, 10), last = first;
+        if (*end == '-') last = strtol(end + 1, &end, 10);
+        if (first < 1 || last < first || last > MUKCA_LCM_MAX_JOINTS || (*end && *end != ','))
+            return mukca_fail(error, MUKCA_USAGE,
+                              "--map %.40s: must be name, order, or numbers as in 8-14 or 1,2,4",
+                              r->options->map);
+        for (long i = first; i <= last; i++, n++)
+            if (n < joints) r->map[n] = (int)i - 1;
+        at = end + (*end == ',');
+    }
+    if (n != joints)
+        return mukca_fail(error, MUKCA_USAGE, "--map names %d readings, but the arm has %d joints",
+                          n, joints);
+    for (int j = 0; j < joints; j++)
+        for (int k = 0; k < j; k++)
+            if (r->map[j] == r->map[k])
+                return mukca_fail(error, MUKCA_USAGE, "--map %.40s: names reading %d twice",
+                                  r->options->map, r->map[j] + 1);
+    return MUKCA_OK;
+}
+
+static int find_reading(const mukca_lcm_joints *joints, const char *name)
+{
+    for (int i = 0; i < joints->n; i++)
+        if (strcmp(joints->name[i], name) == 0) return i;
+    return -1;
+}
+
+static mukca_status map_by_name(recorder *r)
+{
+    for (int j = 0; j < r->model->chain.n_joints; j++) {
+        r->map[j] = find_reading(&r->joints, recorder_joint_name(r, j));
+        if (r->map[j] < 0)
+            return mukca_fail(&r->problem, MUKCA_INPUT,
+                              "channel %s names no joint \"%s\" (its first is \"%.40s\"): check "
+                              "--urdf, or give --map order",
+                              r->channel, recorder_joint_name(r, j), r->joints.name[0]);
+    }
+    r->by_name = true;
+    return MUKCA_OK;
+}
+
+mukca_status recorder_make_map(recorder *r)
+{
+    const char *how = r->options->map;
+    int joints = r->model->chain.n_joints, n = r->joints.n;
+    bool named = r->joints.has[MUKCA_LCM_ROLE_NAME];
+    if (how && strcmp(how, "name") == 0 && !named)
+        return mukca_fail(&r->problem, MUKCA_INPUT,
+                          "channel %s sends no joint names: --map order goes by the chain's order",
+                          r->channel);
+    if (named && (!how || strcmp(how, "name") == 0)) return map_by_name(r);
+    if (how && strcmp(how, "order") != 0) {
+        mukca_status status = parse_map(r, &r->problem);
+        for (int j = 0; j < joints && !status; j++)
+            if (r->map[j] >= n)
+                status = mukca_fail(&r->problem, MUKCA_INPUT,
+                                    "--map names reading %d, but channel %s sends only %d",
+                                    r->map[j] + 1, r->channel, n);
+        return status;
+    }
+    if (n != joints)
+        return mukca_fail(&r->problem, MUKCA_INPUT,
+                          "channel %s sends %d joints, the arm has %d: %s", r->channel, n, joints,
+                          n > joints ? "say which with --map, as in --map 8-14"
+                                     : "check --urdf, --base and --tip");
+    for (int j = 0; j < joints; j++) r->map[j] = j;
+    return MUKCA_OK;
+}
+
+mukca_status recorder_check_map(recorder *r)
+{
+    const char *how = r->options->map;
+    bool numbers = how && strcmp(how, "name") != 0 && strcmp(how, "order") != 0;
+    return numbers ? parse_map(r, &r->call->error) : MUKCA_OK;
+}
+
+bool recorder_needs_confirmation(const recorder *r)
+{
+    return r->mapped && !r->by_name && !r->options->map;
+}
+
+void recorder_describe_map(const recorder *r, char *text, size_t size)
+{
+    size_t used =
+        (size_t)snprintf(text, size, "%s (%s), %d readings, mapped by %s:\n", r->channel,
+                         r->types.type[r->type].name, r->n_readings, r->by_name ? "name" : "order");
+    for (int j = 0; j < r->model->chain.n_joints && used < size; j++)
+        used +=
+            (size_t)snprintf(text + used, size - used, "  reading %2d  ->  %-24s now %9.4f rad\n",
+                             r->map[j] + 1, recorder_joint_name(r, j), r->q[j]);
+}

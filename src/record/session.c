@@ -1,0 +1,319 @@
+/* The recorder's session: samples on disk before they are acknowledged, labels, status. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/dataset_load.h"
+#include "record/recorder.h"
+
+/* ---- labels ---- */
+
+static mukca_status split_labels(recorder *r, const char **labels, int *n, char *store,
+                                 const char *list, const char *option)
+{
+    mukca_error *error = &r->call->error;
+    *n = 0;
+    if (!list) return MUKCA_OK;
+    if (strlen(list) >= sizeof r->labels[0])
+        return mukca_fail(error, MUKCA_USAGE, "%s: list too long", option);
+    memcpy(store, list, strlen(list) + 1);
+    for (char *at = store; at;) {
+        char *comma = strchr(at, ',');
+        if (comma) *comma = '\0';
+        if (!mukca_session_label_ok(at) || *n == RECORDER_MAX_LABELS)
+            return mukca_fail(error, MUKCA_USAGE, "%s \"%.60s\": at most %d names, commas between",
+                              option, list, RECORDER_MAX_LABELS);
+        for (int k = 0; k < *n; k++)
+            if (strcmp(labels[k], at) == 0)
+                return mukca_fail(error, MUKCA_USAGE, "%s: '%s' comes twice", option, at);
+        labels[(*n)++] = at;
+        at = comma ? comma + 1 : NULL;
+    }
+    return MUKCA_OK;
+}
+
+mukca_status recorder_prepare(recorder *r)
+{
+    const recorder_options *o = r->options;
+    mukca_status status =
+        split_labels(r, r->placements, &r->n_placements, r->labels[0], o->placement, "--placement");
+    if (!status)
+        status = split_labels(r, r->sockets, &r->n_sockets, r->labels[1], o->sockets, "--sockets");
+    if (!status && r->n_sockets == 1)
+        status = mukca_fail(&r->call->error, MUKCA_USAGE, "--sockets: a tool has two or more");
+    if (status) return status;
+    mukca_capture_settings settings = {.window = o->window,
+                                       .range = o->motion,
+                                       .dwell = o->dwell,
+                                       .distance = r->call->common->distance,
+                                       .n_labels = r->n_sockets,
+                                       .labels = r->sockets};
+    return mukca_capture_init(&r->capture, &r->model->chain, r->model->offsets.theta, &settings,
+                              &r->call->error);
+}
+
+void recorder_close(recorder *r)
+{
+    mukca_session_close(&r->session);
+    mukca_capture_free(&r->capture);
+    mukca_lcm_link_close(r->link);
+    r->link = NULL;
+}
+
+static bool placement_used(const recorder *r, const char *name)
+{
+    const mukca_dataset *rows = &r->capture.rows;
+    for (int p = 0; p < rows->n_placements; p++)
+        if (strcmp(rows->placements[p].name, name) == 0) return true;
+    return false;
+}
+
+/* First of --placement that has not been used, else placement_K. */
+static void new_placement(const recorder *r, char name[MUKCA_NAME_SIZE])
+{
+    for (int i = 0; i < r->n_placements; i++) {
+        snprintf(name, MUKCA_NAME_SIZE, "%s", r->placements[i]);
+        if (!placement_used(r, name)) return;
+    }
+    int k = 0;
+    do snprintf(name, MUKCA_NAME_SIZE, "placement_%d", ++k);
+    while (placement_used(r, name));
+}
+
+/* ---- the file ---- */
+
+static void note(void *context, const char *text)
+{
+    recorder_say(context, "%s", text);
+}
+
+static mukca_status load_rows(recorder *r, const char *path)
+{
+    mukca_dataset data;
+    mukca_dataset_options options = {.distance = r->call->common->distance, .partial = true};
+    mukca_error *error = &r->call->error;
+    char text[RECORDER_LINE];
+    mukca_status status =
+        mukca_dataset_load(&data, &r->model->chain, &path, 1, &options, note, r, error);
+    if (status) return status;
+    for (int i = 0; i < data.n_rows && !status; i++) {
+        const mukca_socket *s = &data.sockets[data.socket[i]];
+        status =
+            mukca_capture_select(&r->capture, data.placements[s->placement].name, s->label, error);
+        if (!status)
+            status = mukca_capture_keep(text, &r->capture, data.q + i * data.n_joints, error);
+    }
+    mukca_dataset_free(&data);
+    return status;
+}
+
+mukca_status recorder_begin(recorder *r, const char *path, bool resume, bool force)
+{
+    mukca_error *error = &r->call->error;
+    mukca_session_head head = {.chain = &r->model->chain,
+                               .stream = recorder_stream_name(r),
+                               .channel = r->channel,
+                               .type = r->types.type[r->type].name,
+                               .has_effort = r->joints.has[MUKCA_LCM_ROLE_EFFORT],
+                               .has_command = r->joints.has[MUKCA_LCM_ROLE_COMMAND]};
+    mukca_capture_clear(&r->capture);
+    mukca_session_close(&r->session);
+    mukca_status status = resume ? mukca_session_resume(&r->session, path, &head, note, r, error)
+                                 : mukca_session_create(&r->session, path, force, &head, error);
+    if (!status && r->session.n_rows) status = load_rows(r, path);
+    if (!status && !r->session.n_rows) {
+        char name[MUKCA_NAME_SIZE];
+        new_placement(r, name);
+        status =
+            mukca_capture_select(&r->capture, name, mukca_capture_next_label(&r->capture), error);
+    }
+    if (!status) status = mukca_capture_advise(&r->advice, &r->capture, error);
+    if (status) mukca_session_close(&r->session);
+    return status;
+}
+
+/* ---- samples ---- */
+
+static int n_joints(const recorder *r)
+{
+    return r->model->chain.n_joints;
+}
+
+static void name_joints(const recorder *r, const char **names)
+{
+    for (int j = 0; j < n_joints(r); j++) names[j] = recorder_joint_name(r, j);
+}
+
+static const char *given(const char *label, const char *otherwise)
+{
+    return label && *label ? label : otherwise;
+}
+
+/* Put a sample into the file and the capture; `remark` gets what is odd about it. */
+static mukca_status store(recorder *r, const mukca_capture_sample *sample, const char *placement,
+                          const char *socket, char remark[MUKCA_CAPTURE_TEXT], mukca_error *error)
+{
+    remark[0] = '\0';
+    if (!mukca_session_label_ok(placement) || !mukca_session_label_ok(socket))
+        return mukca_fail(
+            error, MUKCA_NEGATIVE,
+            "a placement or socket may not be named so (1 to 63 characters, no comma, "
+            "tab, quote or leading #)");
+    if (mukca_capture_repeats(&r->capture, sample->q))
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "the joints read exactly as in row %d: has the arm moved, and does its "
+                          "driver still update?",
+                          r->capture.rows.n_rows);
+    if (r->capture.rows.n_rows == MUKCA_CAPTURE_MAX_ROWS)
+        return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
+    int socket_before = r->capture.socket;
+    mukca_status status = mukca_capture_select(&r->capture, placement, socket, error);
+    if (status) return status;
+    mukca_session_row row = {.placement = placement,
+                             .socket = socket,
+                             .time = sample->time,
+                             .q = sample->q,
+                             .spread = sample->spread,
+                             .effort = sample->effort,
+                             .command = sample->command};
+    status = mukca_session_add(&r->session, &row, error);
+    if (status) {
+        r->capture.socket = socket_before;
+        return status;
+    }
+    return mukca_capture_keep(remark, &r->capture, sample->q, error);
+}
+
+mukca_status recorder_take(recorder *r, int64_t id, const char *placement, const char *socket,
+                           char line[RECORDER_LINE])
+{
+    mukca_capture_sample sample;
+    mukca_error error = {.text = ""};
+    char remark[MUKCA_CAPTURE_TEXT] = "", place[MUKCA_NAME_SIZE], seat[MUKCA_NAME_SIZE];
+    mukca_status status = MUKCA_OK;
+    memset(&sample, 0, sizeof sample);
+    snprintf(place, sizeof place, "%s", given(placement, mukca_capture_placement(&r->capture)));
+    snprintf(seat, sizeof seat, "%s", given(socket, mukca_capture_socket(&r->capture)));
+    if (!r->session.fd) status = mukca_fail(&error, MUKCA_NEGATIVE, "no session is being recorded");
+    if (!status) status = mukca_capture_take(&sample, &r->capture, recorder_age(r), &error);
+    if (!status) status = store(r, &sample, place, seat, remark, &error);
+    int row = status ? 0 : r->session.n_rows;
+    if (status)
+        snprintf(line, RECORDER_LINE, "not recorded: %s", error.text);
+    else
+        snprintf(line, RECORDER_LINE, "row %d: placement %s, socket %s%s%s", row, place, seat,
+                 remark[0] ? ": " : "", remark);
+    mukca_message_sample message = {.utime = (int64_t)llround(1e6 * sample.time),
+                                    .id = id,
+                                    .accepted = !status,
+                                    .text = status ? error.text : remark,
+                                    .placement = place,
+                                    .socket = seat,
+                                    .row = row,
+                                    .n = n_joints(r)};
+    name_joints(r, message.joint);
+    memcpy(message.position, sample.q, sizeof message.position);
+    memcpy(message.spread, sample.spread, sizeof message.spread);
+    recorder_publish(r, MUKCA_LCM_SAMPLE, &message);
+    if (!status && mukca_capture_advise(&r->advice, &r->capture, &error))
+        recorder_say(r, "%s", error.text); /* the row is safe all the same */
+    return status;
+}
+
+mukca_status recorder_undo(recorder *r, char line[RECORDER_LINE])
+{
+    mukca_error error = {.text = "no session is being recorded"};
+    const mukca_dataset *rows = &r->capture.rows;
+    mukca_status status = MUKCA_NEGATIVE;
+    if (r->session.fd && !rows->n_rows)
+        snprintf(error.text, sizeof error.text, "there is no row to delete");
+    if (r->session.fd && rows->n_rows) {
+        const mukca_socket *s = &rows->sockets[rows->socket[rows->n_rows - 1]];
+        const char *placement = rows->placements[s->placement].name;
+        status = mukca_session_undo(&r->session, placement, s->label, &error);
+        if (!status) {
+            snprintf(line, RECORDER_LINE, "row %d deleted (placement %s, socket %s)", rows->n_rows,
+                     placement, s->label);
+            (void)mukca_capture_drop(&r->capture, &error); /* has a row, as said */
+            (void)mukca_capture_advise(&r->advice, &r->capture, &error);
+        }
+    }
+    if (status) snprintf(line, RECORDER_LINE, "not deleted: %s", error.text);
+    return status;
+}
+
+mukca_status recorder_select(recorder *r, const char *placement, const char *socket,
+                             char line[RECORDER_LINE])
+{
+    mukca_error error = {.text = ""};
+    char place[MUKCA_NAME_SIZE], seat[MUKCA_NAME_SIZE];
+    snprintf(place, sizeof place, "%s", given(placement, mukca_capture_placement(&r->capture)));
+    snprintf(seat, sizeof seat, "%s", given(socket, mukca_capture_socket(&r->capture)));
+    mukca_status status = MUKCA_OK;
+    if (!r->session.fd)
+        status = mukca_fail(&error, MUKCA_NEGATIVE, "no session is being recorded");
+    else if (!mukca_session_label_ok(place) || !mukca_session_label_ok(seat))
+        status =
+            mukca_fail(&error, MUKCA_NEGATIVE, "\"%s\" or \"%s\" cannot be a name", place, seat);
+    if (!status) status = mukca_capture_select(&r->capture, place, seat, &error);
+    if (status)
+        snprintf(line, RECORDER_LINE, "not changed: %s", error.text);
+    else
+        snprintf(line, RECORDER_LINE, "now placement %s, socket %s (%d rows)", place, seat,
+                 mukca_capture_count(&r->capture, r->capture.socket));
+    return status;
+}
+
+mukca_status recorder_other_socket(recorder *r, char line[RECORDER_LINE])
+{
+    return recorder_select(r, NULL, mukca_capture_next_label(&r->capture), line);
+}
+
+mukca_status recorder_next_placement(recorder *r, char line[RECORDER_LINE])
+{
+    char name[MUKCA_NAME_SIZE];
+    new_placement(r, name);
+    return recorder_select(r, name, r->capture.settings.labels[0], line);
+}
+
+/* ---- status ---- */
+
+const char *recorder_state(const recorder *r)
+{
+    mukca_capture_sample sample;
+    mukca_error unsaid;
+    if (!r->mapped || recorder_age(r) > 1) return "no_stream";
+    return mukca_capture_take(&sample, &r->capture, recorder_age(r), &unsaid) ? "moving" : "still";
+}
+
+void recorder_publish_status(recorder *r, const char *state)
+{
+    const char *stream = recorder_state(r);
+    mukca_message_status *m = &r->status;
+    double age = recorder_age(r);
+    memset(m, 0, sizeof *m);
+    m->utime = mukca_lcm_link_clock(r->link);
+    m->state = state ? state : stream;
+    m->text = r->last_line;
+    m->session = r->session.fd ? r->session.path : "";
+    m->placement = mukca_capture_placement(&r->capture);
+    m->socket = mukca_capture_socket(&r->capture);
+    m->rows = r->session.n_rows;
+    m->rows_here = r->capture.socket < 0 ? 0 : mukca_capture_count(&r->capture, r->capture.socket);
+    m->channel = r->channel;
+    m->type = r->type < 0 ? "" : r->types.type[r->type].name;
+    m->stream = recorder_stream_name(r);
+    m->rate_hz = age > 1 ? 0 : r->rate;
+    m->age_s = age;
+    m->received = r->received;
+    m->refused = r->refused;
+    m->still = strcmp(stream, "still") == 0;
+    mukca_capture_spread(&m->spread_m, NULL, &r->capture, r->capture.socket);
+    m->expected_m = r->advice.expected;
+    m->more_rows_help = r->advice.more_rows_help;
+    m->n = n_joints(r);
+    name_joints(r, m->joint);
+    memcpy(m->position, r->q, sizeof m->position);
+    mukca_capture_coverage(m->coverage, &r->capture);
+    recorder_publish(r, MUKCA_LCM_STATUS, m);
+}

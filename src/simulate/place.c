@@ -1,0 +1,113 @@
+/* Where a simulated tool stands: places that the arm reaches in many postures, spread out. */
+#include <math.h>
+#include <string.h>
+
+#include "arm/inverse.h"
+#include "simulate/simulate.h"
+
+enum { CANDIDATES = 32, TRIES = 10, SEARCH = 200 };
+static const double margin = 0.03; /* m */
+
+static double range_of(const mukca_element *e, double *lower)
+{
+    const double free = e->type == MUKCA_PRISMATIC ? 0.5 : 3.141592653589793;
+    *lower = fmax(e->lower, -free);
+    return fmin(e->upper, free) - *lower;
+}
+
+void mukca_simulate_posture(double *q, const mukca_chain *chain, mukca_random *random)
+{
+    for (int j = 0; j < chain->n_joints; j++) {
+        double lower, range = range_of(&chain->element[chain->joint_element[j]], &lower);
+        q[j] = lower + range * (0.02 + 0.96 * mukca_random_uniform(random));
+    }
+}
+
+static void random_rotation(double R[9], mukca_random *random)
+{
+    double q[4];
+    for (int i = 0; i < 4; i++) q[i] = mukca_random_normal(random);
+    mukca_rotation_from_quaternion(R, q);
+}
+
+/* Share of random starts from which a point somewhat beyond each socket is reached: the lesser of
+ * the two, so that errors and effects do not take a socket out of reach. */
+static double reachable(const mukca_place *place, const mukca_chain *chain,
+                        const mukca_geometry *geometry, double distance, mukca_random *random)
+{
+    int reached[2] = {0, 0};
+    for (int i = 0; i < 2 * TRIES; i++) {
+        double q[MUKCA_MAX_JOINTS];
+        mukca_frame target = place->pose;
+        for (int a = 0; a < 3; a++)
+            target.p[a] += (i % 2 - 0.5) * (distance + 2 * margin) * place->pose.R[3 * a];
+        mukca_simulate_posture(q, chain, random);
+        reached[i % 2] += mukca_inverse_solve(q, chain, geometry, &target, false, NULL).reached;
+    }
+    return fmin(reached[0], reached[1]) / TRIES;
+}
+
+/* Distance to the nearest of the other places that stand already. */
+static double nearest(const mukca_place *places, int n_places, const double p[3])
+{
+    double best = 10;
+    for (int i = 0; i < n_places; i++) {
+        double d[3];
+        if (!places[i].placed) continue;
+        for (int a = 0; a < 3; a++) d[a] = places[i].pose.p[a] - p[a];
+        best = fmin(best, sqrt(mukca_dot3(d, d)));
+    }
+    return best;
+}
+
+/* A place at the ball of a random posture; above the base plane as long as tries last. */
+static void draw(mukca_place *place, const mukca_chain *chain, const mukca_geometry *geometry,
+                 mukca_random *random)
+{
+    for (int try = 0; try < SEARCH; try++) {
+        double q[MUKCA_MAX_JOINTS];
+        mukca_simulate_posture(q, chain, random);
+        mukca_fk_position(place->pose.p, geometry, q, NULL);
+        if (mukca_dot3(place->pose.p, chain->gravity) < -0.05 * 9.8) break;
+    }
+    random_rotation(place->pose.R, random);
+    place->placed = true;
+}
+
+mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukca_chain *chain,
+                                   double distance, uint64_t seed, mukca_error *error)
+{
+    mukca_random random;
+    mukca_geometry geometry;
+    mukca_place candidates[CANDIDATES];
+    double share[CANDIDATES], best = 0;
+    bool wanted = false;
+    for (int i = 0; i < n_places; i++) wanted |= !places[i].placed;
+    if (!wanted) return MUKCA_OK;
+    mukca_simulate_seed(&random, seed, MUKCA_DRAW_PLACES);
+    mukca_geometry_set(&geometry, chain, NULL);
+    for (int i = 0; i < n_places; i++) {
+        if (places[i].placed) continue;
+        best = 0;
+        for (int c = 0; c < CANDIDATES; c++) {
+            draw(&candidates[c], chain, &geometry, &random);
+            share[c] = reachable(&candidates[c], chain, &geometry, distance, &random);
+            best = fmax(best, share[c]);
+        }
+        if (best <= 0)
+            return mukca_fail(error, MUKCA_INPUT,
+                              "found no place for the tool that the arm reaches within its limits; "
+                              "check the limits of the URDF, or give places");
+        int chosen = -1;
+        double farthest = -1;
+        for (int c = 0; c < CANDIDATES; c++) {
+            const double far = nearest(places, n_places, candidates[c].pose.p);
+            if (share[c] < 0.7 * best || far <= farthest) continue;
+            farthest = far;
+            chosen = c;
+        }
+        places[i].pose = candidates[chosen].pose;
+        places[i].placed = true;
+    }
+    return MUKCA_OK;
+}

@@ -1,0 +1,348 @@
+/* Recording a made-up arm row by row. */
+#include "simulate/simulate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "arm/inverse.h"
+#include "fit/parameters.h"
+
+/* Attempts at one row, and the slack of its seat (m). */
+enum { ATTEMPTS = 200 };
+static const double seated = 1e-12;
+
+static const mukca_simulate_options standard = {.rows = 30, .distance = 0.05, .interval = 5};
+
+/* Options with the defaults filled in. */
+static mukca_simulate_options settle(const mukca_simulate_options *options)
+{
+    mukca_simulate_options o = options ? *options : standard;
+    if (o.rows <= 0) o.rows = standard.rows;
+    if (!(o.distance > 0)) o.distance = standard.distance;
+    if (!(o.interval > 0)) o.interval = standard.interval;
+    return o;
+}
+
+void mukca_simulate_seed(mukca_random *random, uint64_t seed, mukca_draw purpose)
+{
+    mukca_random_seed(random, seed ^ ((uint64_t)purpose * 0xd1b54a32d192ed03u));
+}
+
+void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_chain *chain,
+                            double shift, double turn, uint64_t seed)
+{
+    mukca_random random;
+    mukca_parameters free;
+    const mukca_selection all = {0};
+    mukca_simulate_seed(&random, seed, MUKCA_DRAW_GEOMETRY);
+    if (mukca_parameters_select(&free, chain, &all, NULL)) return;
+    for (int i = 0; i < free.n; i++) {
+        const int k = free.index[i];
+        theta[k] += (k % MUKCA_PARAMETERS < 3 ? shift : turn) * mukca_random_normal(&random);
+        if (listed) listed[k] = 1;
+    }
+}
+
+void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const double *theta,
+                        double mass_error, uint64_t seed)
+{
+    mukca_random random;
+    mukca_simulate_seed(&random, seed, MUKCA_DRAW_MASSES);
+    arm->chain = *chain;
+    arm->n_effects = 0;
+    mukca_geometry_set(&arm->geometry, chain, theta);
+    for (int i = 0; i < chain->n_masses; i++)
+        arm->chain.mass[i].kg *= fmax(0, 1 + mass_error * mukca_random_normal(&random));
+}
+
+/* ---- one row ---- */
+
+/* The row that is being recorded. */
+typedef struct {
+    const mukca_true_arm *arm;
+    mukca_dataset *data;
+    mukca_simulate_options options;
+    mukca_random postures, noise, effort, rotation, clock;
+    double phase[MUKCA_MAX_JOINTS], pace[MUKCA_MAX_JOINTS]; /* of a sweep */
+    double wander[3];                                       /* noise of the row, m */
+    double stale; /* how far the reading lags along the last move, rad */
+    int row;
+} recorder;
+
+/* What the effects do in the row at hand if its angles are q; command[n_joints] (may be NULL): the
+ * angles that a controller meant, whose reading is stale. */
+static void displace_row(mukca_displacement *displacement, double *command, const double *q,
+                         const recorder *r)
+{
+    const int n = r->data->n_joints, i = r->row;
+    double move[MUKCA_MAX_JOINTS] = {0}, meant[MUKCA_MAX_JOINTS];
+    const double *before = r->data->q + (size_t)(i > 0 ? i - 1 : 0) * (size_t)n;
+    for (int j = 0; j < n && i > 0; j++) move[j] = q[j] - before[j];
+    mukca_joint_state state = {.q = q,
+                               .move = move,
+                               .placement = mukca_dataset_placement(r->data, i),
+                               .time = r->data->time[i] - r->data->time[0]};
+    mukca_effect_lag_direction(meant, n, 0, &state);
+    for (int j = 0; j < n; j++) meant[j] = q[j] + r->stale * meant[j];
+    state.command = meant;
+    if (command) memcpy(command, meant, (size_t)n * sizeof *command);
+    mukca_effects_displacement(displacement, r->arm->effects, r->arm->n_effects, &r->arm->chain,
+                               &r->arm->geometry, q, &state);
+}
+
+static void displace(mukca_displacement *displacement, const double *q, void *context)
+{
+    displace_row(displacement, NULL, q, context);
+}
+
+/* The posture of a sweep in the row at hand: each joint swings through its range at its own pace.
+ */
+static void sweep(double *q, const recorder *r)
+{
+    const mukca_chain *chain = &r->arm->chain;
+    for (int j = 0; j < chain->n_joints; j++) {
+        const mukca_element *e = &chain->element[chain->joint_element[j]];
+        const double most = e->type == MUKCA_PRISMATIC ? 0.5 : 3.141592653589793;
+        const double lower = fmax(e->lower, -most), upper = fmin(e->upper, most);
+        q[j] =
+            0.5 * (lower + upper) + 0.45 * (upper - lower) * sin(r->pace[j] * r->row + r->phase[j]);
+    }
+}
+
+static void next_noise(recorder *r, bool fresh)
+{
+    const mukca_simulate_options *o = &r->options;
+    const double rho = fresh ? 0 : o->correlation;
+    for (int a = 0; a < 3; a++)
+        r->wander[a] =
+            rho * r->wander[a] + sqrt(1 - rho * rho) * o->noise * mukca_random_normal(&r->noise);
+}
+
+/* Fill the columns that follow from the row's angles, and go to the next row. */
+static void finish_row(recorder *r)
+{
+    mukca_dataset *data = r->data;
+    const size_t n = (size_t)data->n_joints, at = (size_t)r->row * n;
+    const double *q = data->q + at;
+    if (data->command) {
+        mukca_displacement ignored;
+        displace_row(&ignored, data->command + at, q, r);
+    }
+    if (data->effort) {
+        mukca_chain_moments(NULL, data->effort + at, NULL, &r->arm->chain, &r->arm->geometry, q,
+                            NULL, 0);
+        for (size_t j = 0; j < n; j++)
+            data->effort[at + j] += r->options.effort_noise * mukca_random_normal(&r->effort);
+    }
+    r->row++;
+}
+
+/* Set the row's time: `pause` s after the row before and a little more or less. */
+static void tick(recorder *r, double pause)
+{
+    double *t = r->data->time + r->row;
+    const double jitter = 0.6 + 0.8 * mukca_random_uniform(&r->clock);
+    *t = r->row > 0 ? t[-1] + round(1e3 * pause * jitter) / 1e3 : 0;
+}
+
+static bool interrupted(const recorder *r)
+{
+    return r->options.interrupted && r->options.interrupted();
+}
+
+/* Give up: nothing of the recording is left. */
+static mukca_status stop(mukca_dataset *data)
+{
+    mukca_dataset_free(data);
+    return MUKCA_INTERRUPTED;
+}
+
+static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int sockets, int placements,
+                          const mukca_true_arm *arm, const mukca_simulate_options *options,
+                          mukca_error *error)
+{
+    const size_t n = (size_t)arm->chain.n_joints, count = (size_t)rows;
+    memset(r, 0, sizeof *r);
+    r->arm = arm;
+    r->data = data;
+    r->options = settle(options);
+    const uint64_t seed = r->options.seed;
+    mukca_simulate_seed(&r->postures, seed, MUKCA_DRAW_POSTURES);
+    mukca_simulate_seed(&r->noise, seed, MUKCA_DRAW_NOISE);
+    mukca_simulate_seed(&r->effort, seed, MUKCA_DRAW_EFFORT);
+    mukca_simulate_seed(&r->rotation, seed, MUKCA_DRAW_ROTATION);
+    mukca_simulate_seed(&r->clock, seed, MUKCA_DRAW_TIME);
+    for (size_t j = 0; j < n; j++) {
+        r->phase[j] = 6.283185307179586 * mukca_random_uniform(&r->postures);
+        r->pace[j] = 0.1 + 0.3 * mukca_random_uniform(&r->postures);
+    }
+    bool compared = false;
+    for (int e = 0; e < arm->n_effects; e++) {
+        if (arm->effects[e].kind != MUKCA_EFFECT_READBACK_LAG) continue;
+        compared |= arm->effects[e].variant == 1;
+        if (arm->effects[e].variant == 0) r->stale += arm->effects[e].coefficient[0];
+    }
+    if (compared && r->stale == 0) r->stale = 1e-3;
+    mukca_status status = mukca_dataset_create(data, rows, (int)n, sockets, placements, error);
+    if (status) return status;
+    data->time = calloc(count, sizeof *data->time);
+    if (r->options.effort) data->effort = calloc(count * n, sizeof *data->effort);
+    if (r->options.command) data->command = calloc(count * n, sizeof *data->command);
+    if (!data->time || (r->options.effort && !data->effort) ||
+        (r->options.command && !data->command)) {
+        mukca_dataset_free(data);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
+    }
+    return MUKCA_OK;
+}
+
+/* ---- sockets ---- */
+
+void mukca_simulate_seat(double position[3], const mukca_true_arm *arm, const mukca_place *place,
+                         int placement, int socket, int row, const mukca_simulated_fault *faults,
+                         int n_faults, const mukca_simulate_options *options)
+{
+    const mukca_simulate_options o = settle(options);
+    double distance = o.distance, shift[3] = {0, 0, 0};
+    for (int e = 0; e < arm->n_effects; e++)
+        if (arm->effects[e].kind == MUKCA_EFFECT_SOCKET_DISTANCE)
+            distance += arm->effects[e].coefficient[0];
+    int seat = socket;
+    for (int f = 0; f < n_faults; f++) {
+        const mukca_simulated_fault *fault = &faults[f];
+        if (fault->placement != placement || fault->socket != socket) continue;
+        double share = 0;
+        if (fault->kind == MUKCA_SIMULATED_WRONG_SOCKET && fault->row == row) seat = 1 - socket;
+        if (fault->kind == MUKCA_SIMULATED_OUTLIER) share = fault->row == row;
+        if (fault->kind == MUKCA_SIMULATED_STEP) share = row >= fault->row;
+        if (fault->kind == MUKCA_SIMULATED_CREEP && row > fault->row)
+            share = (double)(row - fault->row) / (o.rows - 1 - fault->row);
+        for (int a = 0; a < 3; a++) shift[a] += share * fault->shift[a];
+    }
+    for (int a = 0; a < 3; a++)
+        position[a] = place->pose.p[a] + (seat - 0.5) * distance * place->pose.R[3 * a] + shift[a];
+}
+
+/* Angles that bring the true ball to `target`; false where no posture was found. */
+static bool seat_ball(recorder *r, const mukca_frame *target)
+{
+    const size_t n = (size_t)r->data->n_joints;
+    double *q = r->data->q + (size_t)r->row * n, posture[MUKCA_MAX_JOINTS];
+    mukca_inverse_options how = {.tolerance = seated, .displace = displace, .context = r};
+    for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
+        const bool follow = r->options.sweep && attempt < 2;
+        if (follow && attempt == 0 && r->row > 0)
+            memcpy(q, q - n, n * sizeof *q);
+        else
+            mukca_simulate_posture(q, &r->arm->chain, &r->postures);
+        if (follow) sweep(posture, r);
+        how.posture = follow ? posture : NULL;
+        const mukca_inverse_result found =
+            mukca_inverse_solve(q, &r->arm->chain, &r->arm->geometry, target, false, &how);
+        /* Nobody records an arm at its stops, if he can help it. */
+        if (found.reached && (!found.limited || attempt > ATTEMPTS / 2)) return true;
+    }
+    return false;
+}
+
+static bool is_duplicate(const mukca_simulated_fault *faults, int n_faults, int placement,
+                         int socket, int row)
+{
+    for (int f = 0; f < n_faults; f++)
+        if (faults[f].kind == MUKCA_SIMULATED_DUPLICATE && faults[f].placement == placement &&
+            faults[f].socket == socket && faults[f].row == row)
+            return row > 0;
+    return false;
+}
+
+mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_true_arm *arm,
+                                    const mukca_place *places, int n_places,
+                                    const mukca_simulated_fault *faults, int n_faults,
+                                    const mukca_simulate_options *options, mukca_error *error)
+{
+    recorder r;
+    const size_t n = (size_t)arm->chain.n_joints;
+    const mukca_simulate_options o = settle(options);
+    mukca_status status =
+        begin(&r, data, 2 * o.rows * n_places, 2 * n_places, n_places, arm, &o, error);
+    if (status) return status;
+    data->distances = calloc((size_t)n_places, sizeof *data->distances);
+    if (!data->distances) {
+        mukca_dataset_free(data);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    }
+    data->n_distances = n_places;
+    for (int s = 0; s < 2 * n_places; s++) {
+        const int p = s / 2, socket = s % 2;
+        memcpy(data->placements[p].name, places[p].name, MUKCA_NAME_SIZE);
+        data->sockets[s] = (mukca_socket){.placement = p, .label = {(char)('0' + socket)}};
+        data->distances[p] = (mukca_distance){2 * p, 2 * p + 1, o.distance};
+        for (int row = 0; row < o.rows; row++) {
+            mukca_frame target = {{0}, {0}};
+            if (interrupted(&r)) return stop(data);
+            tick(&r, row > 0 ? o.interval : socket ? 2 * o.interval : 10 * o.interval);
+            data->socket[r.row] = s;
+            next_noise(&r, row == 0);
+            mukca_simulate_seat(target.p, arm, &places[p], p, socket, row, faults, n_faults, &o);
+            for (int a = 0; a < 3; a++) target.p[a] += r.wander[a];
+            if (is_duplicate(faults, n_faults, p, socket, row)) {
+                double *q = data->q + (size_t)r.row * n;
+                memcpy(q, q - n, n * sizeof *q);
+            } else if (!seat_ball(&r, &target)) {
+                status = mukca_fail(error, MUKCA_INPUT,
+                                    "placement %s: the arm does not reach socket %d at "
+                                    "(%.3g, %.3g, %.3g) m; move the placement",
+                                    places[p].name, socket, target.p[0], target.p[1], target.p[2]);
+                mukca_dataset_free(data);
+                return status;
+            }
+            finish_row(&r);
+        }
+    }
+    return MUKCA_OK;
+}
+
+/* ---- pose logs ---- */
+
+mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm, const double *q,
+                                  int n_rows, const mukca_simulate_options *options,
+                                  mukca_error *error)
+{
+    recorder r;
+    const size_t n = (size_t)arm->chain.n_joints, count = (size_t)n_rows;
+    mukca_status status = begin(&r, data, n_rows, 0, 0, arm, options, error);
+    if (status) return status;
+    data->position = calloc(3 * count, sizeof *data->position);
+    if (!r.options.position_only) data->quaternion = calloc(4 * count, sizeof *data->quaternion);
+    if (!data->position || (!r.options.position_only && !data->quaternion)) {
+        mukca_dataset_free(data);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
+    }
+    for (size_t i = 0; i < count; i++) {
+        mukca_displacement displacement;
+        mukca_frame pose;
+        if (interrupted(&r)) return stop(data);
+        tick(&r, r.options.interval);
+        if (q)
+            memcpy(data->q + i * n, q + i * n, n * sizeof *q);
+        else if (r.options.sweep)
+            sweep(data->q + i * n, &r);
+        else
+            mukca_simulate_posture(data->q + i * n, &arm->chain, &r.postures);
+        displace_row(&displacement, NULL, data->q + i * n, &r);
+        mukca_fk_pose(&pose, &arm->geometry, data->q + i * n, &displacement);
+        next_noise(&r, i == 0);
+        for (int a = 0; a < 3; a++) data->position[3 * i + (size_t)a] = pose.p[a] + r.wander[a];
+        if (data->quaternion) {
+            double w[3], turn[9], R[9];
+            for (int a = 0; a < 3; a++)
+                w[a] = r.options.rotation * mukca_random_normal(&r.rotation);
+            mukca_rotation_exp(turn, w);
+            mukca_mat3_mul(R, pose.R, turn);
+            mukca_rotation_to_quaternion(data->quaternion + 4 * i, R);
+        }
+        finish_row(&r);
+    }
+    return MUKCA_OK;
+}
