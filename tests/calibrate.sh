@@ -71,8 +71,8 @@ evaluate=("$mukca" evaluate --urdf "$dir/planar.urdf" --distances "$dir/distance
 
 finds_the_links() {
     "${calibrate[@]}" "$dir/front.tsv" "$dir/near.tsv" --lambda 1e-9 -o "$dir/offsets.tsv" \
-        --json "$dir/result.json" --trace "$dir/trace.tsv" --test "$dir/side.tsv" 2>"$dir/err" || return 1
-    grep -q 'Converged' "$dir/err" || return 1
+        --json "$dir/result.json" --trace "$dir/trace.tsv" --test "$dir/side.tsv" >"$dir/out" || return 1
+    grep -q 'Converged' "$dir/out" || return 1
     awk -F'\t' '$1 == "j2" && $2 == "x" { exit !($6 > 0.000995 && $6 < 0.001005) }' "$dir/offsets.tsv" || return 1
     awk -F'\t' '$1 == "tool" && $2 == "x" { exit !($6 < -0.000995 && $6 > -0.001005) }' "$dir/offsets.tsv"
 }

@@ -30,7 +30,7 @@ refuses() { # NAME CODE PATTERN COMMAND...
     shift 3
     "$@" >"$dir/out" 2>"$dir/err"
     code=$?
-    if [ $code = "$want" ] && grep -q -- "$pattern" "$dir/err"; then
+    if [ $code = "$want" ] && cat "$dir/out" "$dir/err" | grep -q -- "$pattern"; then
         echo "ok $name"
     else
         echo "not ok $name: exit $code, wanted $want and '$pattern'"

@@ -26,10 +26,10 @@ static void say_word(cli_call *call, int *column, const char *word)
 {
     const int length = (int)strlen(word);
     if (*column > 0 && *column + 1 + length > 79) {
-        cli_say(call, "\n");
+        cli_answer(call, "\n");
         *column = 0;
     }
-    cli_say(call, *column == 0 ? "    %s" : " %s", word);
+    cli_answer(call, *column == 0 ? "    %s" : " %s", word);
     *column += length + (*column == 0 ? 4 : 1);
 }
 
@@ -50,7 +50,7 @@ static void say_alone(cli_call *call, const mukca_fit *fit, const unsigned char 
         snprintf(word + used, sizeof word - used, ")");
         say_word(call, &column, word);
     }
-    cli_say(call, "\n");
+    cli_answer(call, "\n");
 }
 
 /* "panda_joint2.y~panda_joint3.z": free to move together. */
@@ -84,7 +84,7 @@ static void say_together(cli_call *call, const mukca_fit *fit)
         }
         if (!told) say_word(call, &column, word);
     }
-    if (column > 0) cli_say(call, "\n");
+    if (column > 0) cli_answer(call, "\n");
 }
 
 static void say_identifiability(cli_call *call, const mukca_fit *fit)
@@ -92,8 +92,9 @@ static void say_identifiability(cli_call *call, const mukca_fit *fit)
     const int n = fit->parameters.n, hidden = n - fit->identification.rank;
     unsigned char alone[MUKCA_MAX_FREE] = {0};
     int singles = 0;
-    cli_tell(call, "The rows see %d of %d parameter directions%s.", fit->identification.rank, n,
-             hidden ? "; the pull to nominal holds the rest" : "");
+    cli_answer_wrapped(call, "The rows see %d of %d parameter directions%s.",
+                       fit->identification.rank, n,
+                       hidden ? "; the pull to nominal holds the rest" : "");
     if (hidden == 0) return;
     for (int r = 0; r < hidden; r++) {
         if (terms_of(fit, r) != 1) continue;
@@ -102,11 +103,11 @@ static void say_identifiability(cli_call *call, const mukca_fit *fit)
         singles++;
     }
     if (singles > 0) {
-        cli_say(call, "  not seen at all:\n");
+        cli_answer(call, "  not seen at all:\n");
         say_alone(call, fit, alone);
     }
     if (singles < hidden) {
-        cli_say(call, "  seen only together (a~b: a combination of a and b):\n");
+        cli_answer(call, "  seen only together (a~b: a combination of a and b):\n");
         say_together(call, fit);
     }
 }
@@ -127,36 +128,41 @@ static void say_warnings(cli_call *call, const calibrate_result *r)
     const mukca_score *nominal = &r->train_scores.nominal_mean;
     const double distance = call->common->distance > 0 ? call->common->distance : 0.05;
     if (!enough_rows(fit))
-        cli_tell(call, "warning: %d rows give %d numbers for %d parameters", r->train->n_rows,
-                 fit->n_measured, fit->parameters.n);
+        cli_answer_wrapped(call, "warning: %d rows give %d numbers for %d parameters",
+                           r->train->n_rows, fit->n_measured, fit->parameters.n);
     if (r->train->n_sockets > 0 && fit->chain.element[fit->chain.n_elements - 1].joint >= 0)
-        cli_tell(call,
-                 "warning: no fixed joint ends the chain at %s, so the ball's place is not fitted: "
-                 "add it to the URDF as ball_link",
-                 fit->chain.tip);
+        cli_answer_wrapped(
+            call,
+            "warning: no fixed joint ends the chain at %s, so the ball's place is not fitted: "
+            "add it to the URDF as ball_link",
+            fit->chain.tip);
     if (nominal->mae > far_off)
-        cli_tell(call,
-                 "warning: the nominal arm is %.0f mm off: check the URDF's units (m, rad) and the "
-                 "order of the columns",
-                 1e3 * nominal->mae);
+        cli_answer_wrapped(
+            call,
+            "warning: the nominal arm is %.0f mm off: check the URDF's units (m, rad) and the "
+            "order of the columns",
+            1e3 * nominal->mae);
     else if (!call->common->distances && nominal->distance_error > 0.2 * distance &&
              nominal->distance_error > nominal->mae)
-        cli_tell(call,
-                 "warning: the nominal arm finds the sockets %.1f mm off their --distance of %.1f "
-                 "mm: measure the tool again",
-                 1e3 * nominal->distance_error, 1e3 * distance);
+        cli_answer_wrapped(
+            call,
+            "warning: the nominal arm finds the sockets %.1f mm off their --distance of %.1f "
+            "mm: measure the tool again",
+            1e3 * nominal->distance_error, 1e3 * distance);
     for (int i = 0; i < r->train_scores.n; i++) {
         const mukca_score *poses = &r->train_scores.nominal[i];
         if (poses->placement < 0 && poses->mae < 5e-5)
-            cli_tell(call,
-                     "warning: the measured poses repeat the nominal model (within %.2g mm): they "
-                     "seem to come from the controller, not from a tracker, and cannot calibrate "
-                     "it",
-                     1e3 * poses->mae);
+            cli_answer_wrapped(
+                call,
+                "warning: the measured poses repeat the nominal model (within %.2g mm): they "
+                "seem to come from the controller, not from a tracker, and cannot calibrate "
+                "it",
+                1e3 * poses->mae);
     }
     if (r->test_scores.n > 0 &&
         r->test_scores.calibrated_mean.mae > r->test_scores.nominal_mean.mae)
-        cli_tell(call, "warning: on the test data the calibrated model is worse than the nominal");
+        cli_answer_wrapped(
+            call, "warning: on the test data the calibrated model is worse than the nominal");
 }
 
 static void say_next(cli_call *call, const calibrate_result *r)
@@ -166,64 +172,68 @@ static void say_next(cli_call *call, const calibrate_result *r)
     const cli_common *c = call->common;
     const bool usable = r->fit->converged && fits(r->fit);
     if (!fits(r->fit))
-        cli_tell(call,
-                 "Next: do not use this result: the rows do not fit this arm. Check the URDF, the "
-                 "tip, the columns and their order, the socket labels and --distance.");
+        cli_answer_wrapped(
+            call,
+            "Next: do not use this result: the rows do not fit this arm. Check the URDF, the "
+            "tip, the columns and their order, the socket labels and --distance.");
     else if (!r->fit->converged)
-        cli_tell(call,
-                 "Next: do not use this result; look at the rows with `mukca diagnose`, or try "
-                 "--solver gauss-newton.");
+        cli_answer_wrapped(
+            call,
+            "Next: do not use this result; look at the rows with `mukca diagnose`, or try "
+            "--solver gauss-newton.");
     else if (!enough_rows(r->fit))
-        cli_tell(call, "Next: record more postures, 20 in each socket.");
+        cli_answer_wrapped(call, "Next: record more postures, 20 in each socket.");
     else if (r->train->n_sockets > 0 && r->train->n_placements < 2)
-        cli_tell(call, "Next: move the tool and record it in two or three more places.");
+        cli_answer_wrapped(call, "Next: move the tool and record it in two or three more places.");
     else if (r->test_scores.n == 0)
-        cli_tell(call,
-                 "Next: see whether it holds elsewhere: `mukca evaluate --matrix` with these data, "
-                 "or --test with another placement's.");
+        cli_answer_wrapped(
+            call,
+            "Next: see whether it holds elsewhere: `mukca evaluate --matrix` with these data, "
+            "or --test with another placement's.");
     else if (test > 1.5 * train)
-        cli_tell(call,
-                 "Next: the test error is %.1f times the training error: train on more "
-                 "placements, or find the cause with `mukca diagnose`.",
-                 test / train);
+        cli_answer_wrapped(call,
+                           "Next: the test error is %.1f times the training error: train on more "
+                           "placements, or find the cause with `mukca diagnose`.",
+                           test / train);
     else if (c->output)
-        cli_say(call, "Next: write the calibrated URDF:\n  mukca export --urdf %s --offsets %s\n",
-                c->urdf, c->output);
-    if (usable && !c->output) cli_tell(call, "-o offsets.tsv keeps the result.");
+        cli_answer(call,
+                   "Next: write the calibrated URDF:\n  mukca export --urdf %s --offsets %s\n",
+                   c->urdf, c->output);
+    if (usable && !c->output) cli_answer_wrapped(call, "-o offsets.tsv keeps the result.");
 }
 
 /* "60 rows of 1 placement", "1000 measured poses". */
 static void say_rows(cli_call *call, const mukca_dataset *data)
 {
     if (data->n_sockets == 0)
-        cli_say(call, "%d measured poses", data->n_rows);
+        cli_answer(call, "%d measured poses", data->n_rows);
     else
-        cli_say(call, "%d rows of %d placement%s", data->n_rows, data->n_placements,
-                data->n_placements == 1 ? "" : "s");
+        cli_answer(call, "%d rows of %d placement%s", data->n_rows, data->n_placements,
+                   data->n_placements == 1 ? "" : "s");
 }
 
 void calibrate_say(cli_call *call, const calibrate_result *r)
 {
     const mukca_fit *fit = r->fit;
     char noise[24];
-    cli_say(call, "%s: ", fit->chain.robot);
+    cli_answer(call, "%s: ", fit->chain.robot);
     say_rows(call, r->train);
-    cli_say(call, " fitted");
+    cli_answer(call, " fitted");
     if (r->test_scores.n > 0) {
-        cli_say(call, ", tested on ");
+        cli_answer(call, ", tested on ");
         say_rows(call, r->test);
     }
-    cli_say(call, "\n");
+    cli_answer(call, "\n");
     cli_scores_say_header(call, true);
     cli_scores_say(call, &r->train_scores, "train", true);
     if (r->test_scores.n > 0) cli_scores_say(call, &r->test_scores, "test", true);
     cli_millimetres(noise, fit->identification.noise);
     if (fit->converged)
-        cli_say(call, "Converged after %d evaluations; ", fit->outcome.evaluations);
+        cli_answer(call, "Converged after %d evaluations; ", fit->outcome.evaluations);
     else
-        cli_say(call, "%sNOT CONVERGED after %d evaluations (%s)%s;\n", cli_bold(stderr),
-                fit->outcome.evaluations, mukca_stop_text(fit->outcome.stop), cli_plain(stderr));
-    cli_say(call, "a row scatters by %s per axis.\n", noise);
+        cli_answer(call, "%sNOT CONVERGED after %d evaluations (%s)%s;\n", cli_bold(stderr),
+                   fit->outcome.evaluations, mukca_stop_text(fit->outcome.stop), cli_plain(stderr));
+    cli_answer(call, "a row scatters by %s per axis.\n", noise);
     say_identifiability(call, fit);
     say_warnings(call, r);
     say_next(call, r);

@@ -8,24 +8,6 @@
 #include <string.h>
 
 #include "base/suggest.h"
-#include "cli/commands.h"
-
-#define DECLARE_COMMAND(name) extern const cli_command cli_command_##name;
-CLI_COMMAND_LIST(DECLARE_COMMAND)
-#undef DECLARE_COMMAND
-
-const cli_command *const cli_commands[] = {
-#define COMMAND_ADDRESS(name) &cli_command_##name,
-    CLI_COMMAND_LIST(COMMAND_ADDRESS)
-#undef COMMAND_ADDRESS
-        NULL};
-
-const cli_command *cli_find_command(const char *name)
-{
-    for (const cli_command *const *c = cli_commands; *c; c++)
-        if (strcmp((*c)->name, name) == 0) return *c;
-    return NULL;
-}
 
 static const cli_option *find_option(const cli_option *options, const char *name, size_t length)
 {

@@ -2,7 +2,7 @@
  * completion, and what commands share.
  *
  * A command is one file src/cli/<name>.c that defines `const cli_command cli_command_<name>`, and
- * one line in CLI_COMMAND_LIST (commands.h).
+ * one line in CLI_COMMAND_LIST (commands.c).
  */
 #ifndef MUKCA_CLI_H
 #define MUKCA_CLI_H
@@ -13,6 +13,7 @@
 #include <stdio.h>
 
 #include "io/offsets.h"
+#include "io/output.h"
 #include "mukca/chain.h"
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
@@ -137,12 +138,13 @@ struct cli_call {
     mukca_error error;
     double started, said; /* s, monotonic: for elapsed and progress */
     bool showing;         /* a progress line is on the screen */
+    bool printed;         /* standard output holds the table that -o would name */
 };
 
 /* All commands, ended by NULL. */
 extern const cli_command *const cli_commands[];
 
-/* ---- parsing and help (cli.c, help.c, completion.c) ---- */
+/* ---- parsing and help (cli.c, commands.c, text.c, help.c, completion.c) ---- */
 
 /* Fill call->options and call->arguments from argv[argc]; `*help` tells that -h or --help was
  * given. Errors: MUKCA_USAGE, MUKCA_MEMORY. */
@@ -151,9 +153,14 @@ void cli_call_free(cli_call *call);
 
 const cli_command *cli_find_command(const char *name); /* NULL: none */
 
+enum { CLI_WIDTH = 79 }; /* columns */
+
 /* Print `text` wrapped to 79 columns, each line indented; empty lines part paragraphs, lines that
  * begin with a space are kept as they are. */
 void cli_print_wrapped(FILE *stream, int indent, const char *text);
+
+/* Words of text[length] alike, from `column` on, with a line feed. */
+void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length);
 
 void cli_print_overview(FILE *stream); /* `mukca help` */
 void cli_print_start(FILE *stream);    /* `mukca` alone */
@@ -170,7 +177,20 @@ void cli_format_usage(char *text, size_t size, const cli_command *command);
 /* `mukca completion bash|zsh|man|options` (hidden): scripts and the man page from the tables. */
 mukca_status cli_completion(mukca_error *error, const char *what);
 
-/* ---- talking to people (talk.c): standard error only ---- */
+/* ---- what people read (terminal.c) ---- */
+
+/* Open the table that a command writes to -o, else to standard output. */
+mukca_status cli_output_open(cli_call *call, mukca_output *output);
+
+/* Where the answer for people goes: standard output, or standard error where a machine reads
+ * standard output (--json -, -o -, or a table opened by cli_output_open).  NULL with -q.  Ask anew
+ * for each piece: it clears a progress line. */
+FILE *cli_answer_stream(cli_call *call);
+
+/* printf to that stream; the second wraps whole lines, as cli_print_wrapped does. */
+void cli_answer(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void cli_answer_wrapped(cli_call *call, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /* A mukca_note_fn; context is the cli_call.  Silent with -q. */
 void cli_note(void *call, const char *text);

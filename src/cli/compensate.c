@@ -153,16 +153,16 @@ static void say(cli_call *call, const tally *t, bool poses)
 {
     if (t->rows == 0) return;
     if (poses)
-        cli_say(call, "%ld rows: error %.6f mm mean, %.6f mm at most\n", t->rows,
-                1e3 * t->after.mean, 1e3 * t->after.max);
+        cli_answer(call, "%ld rows: error %.6f mm mean, %.6f mm at most\n", t->rows,
+                   1e3 * t->after.mean, 1e3 * t->after.max);
     else
-        cli_say(call, "%ld row%s: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
-                t->rows, t->rows == 1 ? "" : "s", 1e3 * t->before.mean, 1e3 * t->before.max,
-                1e3 * t->after.mean, 1e3 * t->after.max);
+        cli_answer(call, "%ld row%s: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
+                   t->rows, t->rows == 1 ? "" : "s", 1e3 * t->before.mean, 1e3 * t->before.max,
+                   1e3 * t->after.mean, 1e3 * t->after.max);
     for (int r = 1; r < MUKCA_REACH_COUNT; r++)
         if (t->count[r] > 0)
-            cli_say(call, "%ld rows '%s': %s\n", t->count[r], mukca_reach_text[r],
-                    mukca_reach_sentence[r]);
+            cli_answer(call, "%ld rows '%s': %s\n", t->count[r], mukca_reach_text[r],
+                       mukca_reach_sentence[r]);
 }
 
 static json_t *as_json(const cli_call *call, const tally *t)
@@ -198,11 +198,8 @@ static mukca_status run(cli_call *call)
     if (!c->offsets)
         cli_note(call, "no --offsets: targets are those of the nominal arm, nothing is corrected");
     const bool json_takes_it = c->json && strcmp(c->json, "-") == 0 && !c->output;
-    status = mukca_output_open(&output,
-                               json_takes_it ? "/dev/null"
-                               : c->output   ? c->output
-                                             : "-",
-                               c->force, &call->error);
+    status = json_takes_it ? mukca_output_open(&output, "/dev/null", true, &call->error)
+                           : cli_output_open(call, &output);
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
         status = o->poses ? from_poses(call, output.stream, &t, arm, input.items[i], i == 0)

@@ -142,10 +142,8 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = write_offsets(call, &result, o->free_base && data.position);
     if (status == MUKCA_OK && call->common->json)
         status = cli_write_json(call, cli_diagnosis_json(&result));
-    if (status == MUKCA_OK && !call->common->quiet) {
-        cli_say(call, "%s", "");
-        cli_diagnosis_print(stderr, &result);
-    }
+    FILE *answer = cli_answer_stream(call);
+    if (status == MUKCA_OK && answer) cli_diagnosis_print(answer, &result);
     if (status == MUKCA_OK && expected >= 0) {
         status = MUKCA_NEGATIVE;
         for (int i = 0; i < d->n_causes; i++)

@@ -148,10 +148,10 @@ static mukca_status matrix_rows(cli_call *call, const matrix *m)
         char text[24];
         if (have[i] == 0) continue;
         cli_millimetres(text, sums[i] / have[i]);
-        cli_say(call, "%s %s: %s", before, names[i], text);
+        cli_answer(call, "%s %s: %s", before, names[i], text);
         before = ", on";
     }
-    cli_say(call, "\n");
+    cli_answer(call, "\n");
     return MUKCA_OK;
 }
 
@@ -182,15 +182,15 @@ static void say(cli_call *call, const cli_model *model, const cli_scores *data,
 {
     const cli_common *c = call->common;
     const evaluate_options *o = call->options;
-    cli_say(call, "%s: %s\n", model->chain.robot,
-            c->offsets ? "nominal model, and with the offsets of the table"
-                       : "nominal model (no --offsets)");
+    cli_answer(call, "%s: %s\n", model->chain.robot,
+               c->offsets ? "nominal model, and with the offsets of the table"
+                          : "nominal model (no --offsets)");
     cli_scores_say_header(call, c->offsets != NULL);
     cli_scores_say(call, data, "data", c->offsets != NULL);
     if (test->n > 0) cli_scores_say(call, test, "test", c->offsets != NULL);
     if (!c->offsets && !o->matrix)
-        cli_say(call,
-                "Next: `mukca calibrate` on these data, then --offsets to see what it gains.\n");
+        cli_answer(call,
+                   "Next: `mukca calibrate` on these data, then --offsets to see what it gains.\n");
 }
 
 static mukca_status verdict(cli_call *call, const cli_scores *data, const cli_scores *test)
@@ -216,8 +216,7 @@ static mukca_status write_results(cli_call *call, const cli_model *model, const 
         cli_json_real(scores->calibrated_mean.mae), "test_mae_m",
         test_scores->n > 0 ? cli_json_real(test_scores->calibrated_mean.mae) : json_null());
     mukca_status status = json ? MUKCA_OK : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK && !json_only)
-        status = mukca_output_open(&output, c->output ? c->output : "-", c->force, &call->error);
+    if (status == MUKCA_OK && !json_only) status = cli_output_open(call, &output);
     if (status == MUKCA_OK && o->matrix) {
         json_t *lines = json_array();
         status = run_matrix(call, output.stream, lines, model, data, test);

@@ -53,8 +53,9 @@ static mukca_status check(cli_call *call, const mukca_export_input *input)
         mukca_export_check(&d, o->check, &mukca_exporters[o->format], input, &call->error);
     if (status) return status;
     if (d.agrees) {
-        cli_tell(call, "%s agrees with the table: %d places, largest difference %.3g m, %.3g rad",
-                 o->check, d.compared, d.position, d.angle);
+        cli_answer_wrapped(
+            call, "%s agrees with the table: %d places, largest difference %.3g m, %.3g rad",
+            o->check, d.compared, d.position, d.angle);
         return MUKCA_OK;
     }
     return mukca_fail(&call->error, MUKCA_NEGATIVE,
@@ -67,7 +68,6 @@ static mukca_status run(cli_call *call)
     export_options *o = call->options;
     const cli_common *c = call->common;
     if (o->format < 0) o->format = format_of(o->check ? o->check : c->output);
-    const char *path = c->output ? c->output : "-";
     cli_model model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, &model);
@@ -78,7 +78,7 @@ static mukca_status run(cli_call *call)
                                       .note = o->check ? NULL : cli_note,
                                       .context = call};
     if (status == MUKCA_OK && o->check) return check(call, &input);
-    if (status == MUKCA_OK) status = mukca_output_open(&output, path, c->force, &call->error);
+    if (status == MUKCA_OK) status = cli_output_open(call, &output);
     if (status == MUKCA_OK)
         status = mukca_exporters[o->format].write(output.stream, &input, &call->error);
     if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);

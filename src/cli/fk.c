@@ -90,13 +90,11 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
 
 static mukca_status run(cli_call *call)
 {
-    const cli_common *c = call->common;
     cli_model model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, &model);
     if (status == MUKCA_OK) status = cli_check_effects(call, &model);
-    if (status == MUKCA_OK)
-        status = mukca_output_open(&output, c->output ? c->output : "-", c->force, &call->error);
+    if (status == MUKCA_OK) status = cli_output_open(call, &output);
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
         status = convert(call, output.stream, &model, input.items[i], i == 0);

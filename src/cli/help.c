@@ -4,45 +4,7 @@
 #include "cli/cli.h"
 #include "mukca/effect.h"
 
-enum { WIDTH = 79, OPTION_COLUMN = 26 };
-
-/* Words of text[length] wrapped; the cursor stands at `column` already. */
-static void print_words(FILE *stream, int indent, int column, const char *text, size_t length)
-{
-    const char *end = text + length;
-    bool first = true;
-    while (text < end) {
-        while (text < end && *text == ' ') text++;
-        size_t word = 0;
-        while (text + word < end && text[word] != ' ') word++;
-        if (!word) break;
-        if (!first && column + 1 + (int)word > WIDTH) {
-            fprintf(stream, "\n%*s", indent, "");
-            column = indent;
-            first = true;
-        }
-        column += fprintf(stream, "%s%.*s", first ? "" : " ", (int)word, text);
-        first = false;
-        text += word;
-    }
-    fputc('\n', stream);
-}
-
-void cli_print_wrapped(FILE *stream, int indent, const char *text)
-{
-    while (*text) {
-        size_t length = strcspn(text, "\n");
-        if (length == 0)
-            fputc('\n', stream);
-        else if (*text == ' ')
-            fprintf(stream, "%*s%.*s\n", indent, "", (int)length, text);
-        else {
-            fprintf(stream, "%*s", indent, "");
-            print_words(stream, indent, indent, text, length);
-        }
-        text += length + (text[length] == '\n');
-    }
-}
+enum { OPTION_COLUMN = 26 };
 
 void cli_format_option(char *text, size_t size, const cli_option *option)
 {
@@ -62,7 +24,7 @@ static void print_option(FILE *stream, const cli_option *option)
         column = 0;
     }
     fprintf(stream, "%*s", OPTION_COLUMN - column, "");
-    print_words(stream, OPTION_COLUMN, OPTION_COLUMN, option->help, strlen(option->help));
+    cli_print_words(stream, OPTION_COLUMN, OPTION_COLUMN, option->help, strlen(option->help));
     if (option->kind != CLI_CHOICE) return;
     fprintf(stream, "%*sone of:", OPTION_COLUMN, "");
     for (int i = 0; option->choices[i]; i++)
@@ -112,8 +74,8 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
 {
     const char *bold = cli_bold(stream), *plain = cli_plain(stream);
     fprintf(stream, "%smukca %s%s: ", bold, command->name, plain);
-    print_words(stream, 0, (int)strlen(command->name) + 8, command->summary,
-                strlen(command->summary));
+    cli_print_words(stream, 0, (int)strlen(command->name) + 8, command->summary,
+                    strlen(command->summary));
     fputc('\n', stream);
     char usage[120];
     cli_format_usage(usage, sizeof usage, command);
@@ -122,7 +84,7 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
     fprintf(stream, "\n%sOptions:%s\n", bold, plain);
     for (const cli_option *o = command->options; o->name; o++) print_option(stream, o);
     fprintf(stream, "\n%sExample:%s\n", bold, plain);
-    cli_print_example(stream, 2, WIDTH, command->example);
+    cli_print_example(stream, 2, CLI_WIDTH, command->example);
 }
 
 /* `gap`: what stands between the groups. */
@@ -140,7 +102,7 @@ static void print_commands(FILE *stream, const char *gap)
             if (!any) fprintf(stream, "%s%s%s\n", cli_bold(stream), title[g], cli_plain(stream));
             any = true;
             fprintf(stream, "  %-12s ", (*c)->name);
-            print_words(stream, 15, 15, (*c)->summary, strlen((*c)->summary));
+            cli_print_words(stream, 15, 15, (*c)->summary, strlen((*c)->summary));
         }
         if (any) fputs(gap, stream);
     }
@@ -204,7 +166,7 @@ void cli_print_effects(FILE *stream)
     for (size_t i = 0; i < sizeof effects / sizeof *effects; i++) {
         fprintf(stream, "%s%s%s (%s)\n    ", cli_bold(stream), effects[i].name, cli_plain(stream),
                 effects[i].unit);
-        print_words(stream, 4, 4, effects[i].sentence, strlen(effects[i].sentence));
+        cli_print_words(stream, 4, 4, effects[i].sentence, strlen(effects[i].sentence));
         bool any = false;
         for (size_t k = 0; k < sizeof needs / sizeof *needs; k++) {
             if (!(effects[i].needs & needs[k].bit)) continue;

@@ -232,8 +232,7 @@ static mukca_status write_poses(plan_run *r)
     const mukca_chain *chain = &r->model.chain;
     mukca_output output = {0};
     if (c->json && !c->output) return MUKCA_OK;
-    mukca_status status =
-        mukca_output_open(&output, c->output ? c->output : "-", c->force, &r->call->error);
+    mukca_status status = cli_output_open(r->call, &output);
     if (status != MUKCA_OK) return status;
     FILE *out = output.stream;
     if (r->n_places > 0) {
@@ -301,48 +300,55 @@ static void say(plan_run *r)
     const plan_options *o = r->call->options;
     const mukca_plan *p = &r->plan;
     if (r->n_places > 0) {
-        cli_say(r->call, "Places for the tool, best first (the later ones given the earlier):\n");
+        cli_answer(r->call,
+                   "Places for the tool, best first (the later ones given the earlier):\n");
         for (int i = 0; i < r->n_places; i++) {
             const mukca_plan_place *at = &r->places[i];
-            cli_say(r->call, "  %d. %.2f %.2f %.2f m, yaw %.2f rad; %d rows there: ", i + 1,
-                    at->centre[0], at->centre[1], at->centre[2], at->yaw, o->rows);
+            cli_answer(r->call, "  %d. %.2f %.2f %.2f m, yaw %.2f rad; %d rows there: ", i + 1,
+                       at->centre[0], at->centre[1], at->centre[2], at->yaw, o->rows);
             if (r->causes.n_effects > 0)
-                cli_say(r->call, "expected log Bayes factor %.1f\n", at->evidence);
+                cli_answer(r->call, "expected log Bayes factor %.1f\n", at->evidence);
             else
-                cli_say(r->call, "expected error %.3f mm\n", at->expected * 1e3);
+                cli_answer(r->call, "expected error %.3f mm\n", at->expected * 1e3);
         }
-        cli_tell(r->call,
-                 "Next: put the tool there and ask for poses with --place NAME=X,Y,Z,0,0,YAW.");
+        cli_answer_wrapped(
+            r->call, "Next: put the tool there and ask for poses with --place NAME=X,Y,Z,0,0,YAW.");
         return;
     }
-    cli_say(r->call, "%d poses in %d sockets, beside %d recorded rows.\n", p->n_rows, r->n_sockets,
-            p->n_recorded);
+    cli_answer(r->call, "%d poses in %d sockets, beside %d recorded rows.\n", p->n_rows,
+               r->n_sockets, p->n_recorded);
     if (r->causes.n_effects > 0) {
         char a[96], b[96];
         name_cause(a, &r->causes.effects[0], &r->model.chain);
         name_cause(b, &r->causes.effects[1], &r->model.chain);
-        cli_say(r->call, "To tell %s from %s:\n", a, b);
-        cli_say(r->call, "  expected log Bayes factor %.1f before, %.1f after (%g settles it).\n",
-                p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+        cli_answer(r->call, "To tell %s from %s:\n", a, b);
+        cli_answer(r->call,
+                   "  expected log Bayes factor %.1f before, %.1f after (%g settles it).\n",
+                   p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
         if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
-            cli_tell(r->call,
-                     "That is not enough: it takes about --rows %d, or another place (--suggest "
-                     "1).",
-                     p->rows_to_name);
+            cli_answer_wrapped(
+                r->call,
+                "That is not enough: it takes about --rows %d, or another place (--suggest "
+                "1).",
+                p->rows_to_name);
         else if (p->evidence_after < MUKCA_PLAN_NAME)
-            cli_tell(r->call,
-                     "No number of rows here is enough: see what --suggest 1 gains, or live with "
-                     "the tie.");
+            cli_answer_wrapped(
+                r->call,
+                "No number of rows here is enough: see what --suggest 1 gains, or live with "
+                "the tie.");
     } else {
-        cli_say(r->call, "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after.\n",
-                p->expected_before * 1e3, p->expected_after * 1e3);
+        cli_answer(r->call,
+                   "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after.\n",
+                   p->expected_before * 1e3, p->expected_after * 1e3);
     }
     if (p->n_rows < o->rows)
-        cli_tell(r->call, "Fewer than the %d asked for: the sockets allow no more different poses.",
-                 o->rows);
-    cli_tell(r->call,
-             "Next: check each pose for collisions (only joint limits, tilt and height are known "
-             "here), guide the arm there, and record the row with the ball in its socket.");
+        cli_answer_wrapped(
+            r->call, "Fewer than the %d asked for: the sockets allow no more different poses.",
+            o->rows);
+    cli_answer_wrapped(
+        r->call,
+        "Next: check each pose for collisions (only joint limits, tilt and height are known "
+        "here), guide the arm there, and record the row with the ball in its socket.");
 }
 
 static mukca_status run(cli_call *call)

@@ -27,31 +27,31 @@ void cli_constant_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_constants *con
 static void show_errors(cli_call *call, const char *title, const mukca_pose_errors *e,
                         bool has_angles)
 {
-    cli_say(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.n);
-    cli_say(call,
-            "  position, mm         max   mean +- std       |x|    |y|    |z|  removed, %%\n"
-            "                                                                 of max, mean\n");
+    cli_answer(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.n);
+    cli_answer(call,
+               "  position, mm         max   mean +- std       |x|    |y|    |z|  removed, %%\n"
+               "                                                                 of max, mean\n");
     for (int s = 0; s < MUKCA_STAGES; s++) {
         const mukca_moments *p = &e[s].position;
         if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
-        cli_say(call, "    %-15s %7.3f %6.3f +- %-6.3f %6.3f %6.3f %6.3f", stage_text[s],
-                1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p),
-                1e3 * e[s].position_axis[0].mean, 1e3 * e[s].position_axis[1].mean,
-                1e3 * e[s].position_axis[2].mean);
+        cli_answer(call, "    %-15s %7.3f %6.3f +- %-6.3f %6.3f %6.3f %6.3f", stage_text[s],
+                   1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p),
+                   1e3 * e[s].position_axis[0].mean, 1e3 * e[s].position_axis[1].mean,
+                   1e3 * e[s].position_axis[2].mean);
         if (s != MUKCA_BEFORE)
-            cli_say(call, " %6.1f %6.1f", removed(e[MUKCA_BEFORE].position.max, p->max),
-                    removed(e[MUKCA_BEFORE].position.mean, p->mean));
-        cli_say(call, "\n");
+            cli_answer(call, " %6.1f %6.1f", removed(e[MUKCA_BEFORE].position.max, p->max),
+                       removed(e[MUKCA_BEFORE].position.mean, p->mean));
+        cli_answer(call, "\n");
     }
     if (e[MUKCA_BEFORE].rotation.n == 0) return;
-    cli_say(call, "  orientation, mrad |ex|: max, mean +- std   |ey|                   |ez|\n");
+    cli_answer(call, "  orientation, mrad |ex|: max, mean +- std   |ey|                   |ez|\n");
     for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_BOTH) {
-        cli_say(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
+        cli_answer(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
         for (int a = 0; a < 3; a++)
-            cli_say(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation_axis[a].max,
-                    1e3 * e[s].rotation_axis[a].mean,
-                    1e3 * mukca_moments_std(&e[s].rotation_axis[a]));
-        cli_say(call, "\n");
+            cli_answer(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation_axis[a].max,
+                       1e3 * e[s].rotation_axis[a].mean,
+                       1e3 * mukca_moments_std(&e[s].rotation_axis[a]));
+        cli_answer(call, "\n");
     }
 }
 
@@ -64,19 +64,20 @@ static bool angular(mukca_unknown_kind kind)
 static void show_unknowns(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
 {
     char text[MUKCA_UNKNOWN_TEXT];
-    cli_say(call, "offsets (rank %d of %d; not alone: told only in combination with others)\n",
-            f->rank, f->n);
+    cli_answer(call, "offsets (rank %d of %d; not alone: told only in combination with others)\n",
+               f->rank, f->n);
     for (int u = 0; u < f->n; u++) {
         mukca_unknown_text(text, &f->unknown[u], arm);
-        cli_say(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
-                1e3 * f->sigma[u], angular(f->unknown[u].kind) ? "mrad" : "mm",
-                f->identifiable[u] ? "" : "  (not alone)");
+        cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
+                   1e3 * f->sigma[u], angular(f->unknown[u].kind) ? "mrad" : "mm",
+                   f->identifiable[u] ? "" : "  (not alone)");
     }
     if (f->n_null > 0)
-        cli_say(call, "these data cannot tell (any multiple may be added; the least was taken)\n");
+        cli_answer(call,
+                   "these data cannot tell (any multiple may be added; the least was taken)\n");
     for (int k = 0; k < f->n_null; k++) {
         int shown = 0, small = 0;
-        cli_say(call, "   ");
+        cli_answer(call, "   ");
         for (int u = 0; u < f->n; u++) {
             if (f->null[k][u] == 0) continue;
             if (fabs(f->null[k][u]) < 0.01 || shown == 3) {
@@ -84,10 +85,10 @@ static void show_unknowns(cli_call *call, const mukca_recalibration *f, const mu
                 continue;
             }
             mukca_unknown_text(text, &f->unknown[u], arm);
-            cli_say(call, " %+.3g %s", f->null[k][u], text);
+            cli_answer(call, " %+.3g %s", f->null[k][u], text);
             shown++;
         }
-        cli_say(call, small ? " and %d more\n" : "\n", small);
+        cli_answer(call, small ? " and %d more\n" : "\n", small);
     }
 }
 
@@ -103,19 +104,21 @@ static void show_findings(cli_call *call, const cli_recalibrated *r)
     int used;
     for (int j = 0; j < r->arm.n_joints; j++)
         if (never_moved(f, j))
-            cli_tell(call,
-                     "joint '%s' never moved: its zero offset cannot be told from what is mounted "
-                     "before and behind it (not identifiable)",
-                     r->arm.element[r->arm.joint_element[j]].name);
+            cli_answer_wrapped(
+                call,
+                "joint '%s' never moved: its zero offset cannot be told from what is mounted "
+                "before and behind it (not identifiable)",
+                r->arm.element[r->arm.joint_element[j]].name);
     if (f->lag_found)
-        cli_tell(call,
-                 "the samples were taken while moving: joint angles are %.4g %s older than poses "
-                 "(%.0f standard errors); taken into account",
-                 f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms", f->lag_score);
+        cli_answer_wrapped(
+            call,
+            "the samples were taken while moving: joint angles are %.4g %s older than poses "
+            "(%.0f standard errors); taken into account",
+            f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms", f->lag_score);
     if (!r->oracle.calibrated) return;
-    cli_tell(call,
-             "the poses hold a calibration: %.4f mm (median) off nominal, %.4f mm after the fit",
-             1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+    cli_answer_wrapped(
+        call, "the poses hold a calibration: %.4f mm (median) off nominal, %.4f mm after the fit",
+        1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
     if (r->constants.n == 0) return;
     used = snprintf(line, sizeof line, "%d constant%s explain%s the difference:", r->constants.n,
                     r->constants.n > 1 ? "s" : "", r->constants.n > 1 ? "" : "s");
@@ -126,9 +129,9 @@ static void show_findings(cli_call *call, const cli_recalibrated *r)
                          1e3 * r->constants.sigma[c],
                          angular(r->constants.unknown[c].kind) ? "mrad" : "mm");
     }
-    cli_tell(call, "%s; with these alone %.4f mm (median), %.4f mm (mean) are left", line,
-             1e3 * mukca_histogram_median(&r->constants.errors.position_histogram),
-             1e3 * r->constants.errors.position.mean);
+    cli_answer_wrapped(call, "%s; with these alone %.4f mm (median), %.4f mm (mean) are left", line,
+                       1e3 * mukca_histogram_median(&r->constants.errors.position_histogram),
+                       1e3 * r->constants.errors.position.mean);
 }
 
 void cli_recalibrate_show(cli_call *call, const cli_recalibrated *r)
@@ -137,13 +140,13 @@ void cli_recalibrate_show(cli_call *call, const cli_recalibrated *r)
     for (int m = 0; m < r->n_models; m++) {
         const mukca_recalibration *f = &r->fit[m];
         if (r->n_models > 1)
-            cli_say(call, "%smodel %d: the log%s%s\n", cli_bold(stderr), m + 1,
-                    m ? " and the work volume" : "", cli_plain(stderr));
+            cli_answer(call, "%smodel %d: the log%s%s\n", cli_bold(stderr), m + 1,
+                       m ? " and the work volume" : "", cli_plain(stderr));
         show_errors(call, "training", f->errors, f->has_angles);
         if (r->test) show_errors(call, "test", r->test[m], f->has_angles);
         show_unknowns(call, f, &r->arm);
     }
-    if (!call->common->output) cli_say(call, "-o offsets.tsv keeps the result.\n");
+    if (!call->common->output) cli_answer(call, "-o offsets.tsv keeps the result.\n");
 }
 
 /* ---- JSON ---- */

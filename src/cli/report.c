@@ -189,7 +189,6 @@ static mukca_status provenance(report_run *r)
 static mukca_status write_page(report_run *r)
 {
     const report_options *o = r->call->options;
-    const cli_common *c = r->call->common;
     mukca_output output = {0};
     mukca_status status = MUKCA_OK;
     if (o->plots && mkdir(o->plots, 0777) != 0 && errno != EEXIST)
@@ -198,8 +197,7 @@ static mukca_status write_page(report_run *r)
     if (o->plots)
         status =
             mukca_report_write_figures(o->plots, formats[o->format], &r->page, &r->call->error);
-    if (status == MUKCA_OK)
-        status = mukca_output_open(&output, c->output ? c->output : "-", c->force, &r->call->error);
+    if (status == MUKCA_OK) status = cli_output_open(r->call, &output);
     if (status == MUKCA_OK) status = mukca_report_write(output.stream, &r->page, &r->call->error);
     if (status == MUKCA_OK) status = mukca_output_close(&output, &r->call->error);
     mukca_output_abort(&output);
@@ -286,7 +284,7 @@ static mukca_status run(cli_call *call)
     r->page.when = when;
     status = write_page(r);
     if (status == MUKCA_OK && call->common->output)
-        cli_say(call, "The report is in %s.\n", call->common->output);
+        cli_answer(call, "The report is in %s.\n", call->common->output);
 out:
     free(command);
     json_decref(r->calibration);

@@ -77,19 +77,19 @@ static void say_line(cli_call *call, const char *kind, const char *what, double 
     char name[40], text[24];
     snprintf(name, sizeof name, "%s, %s", kind, what);
     cli_millimetres(text, nominal);
-    cli_say(call, "  %-18s %12s", name, text);
+    cli_answer(call, "  %-18s %12s", name, text);
     if (calibrated) {
         cli_millimetres(text, *calibrated);
-        cli_say(call, " %12s", text);
-        if (nominal > 0) cli_say(call, "  %+8.2f %%", 100 * (*calibrated / nominal - 1));
+        cli_answer(call, " %12s", text);
+        if (nominal > 0) cli_answer(call, "  %+8.2f %%", 100 * (*calibrated / nominal - 1));
     }
-    cli_say(call, "\n");
+    cli_answer(call, "\n");
 }
 
 void cli_scores_say_header(cli_call *call, bool calibrated)
 {
-    cli_say(call, "%s  %-18s %12s%s%s\n", cli_bold(stderr), "", "nominal",
-            calibrated ? "   calibrated" : "", cli_plain(stderr));
+    cli_answer(call, "%s  %-18s %12s%s%s\n", cli_bold(stderr), "", "nominal",
+               calibrated ? "   calibrated" : "", cli_plain(stderr));
 }
 
 void cli_scores_say(cli_call *call, const cli_scores *scores, const char *what, bool calibrated)
@@ -99,8 +99,8 @@ void cli_scores_say(cli_call *call, const cli_scores *scores, const char *what, 
     if (isfinite(a->distance_error))
         say_line(call, "distance", what, a->distance_error, calibrated ? &b->distance_error : NULL);
     if (isfinite(a->rotation_error)) {
-        cli_say(call, "  rotation, %-8s %9.3f mrad", what, 1e3 * a->rotation_error);
-        if (calibrated) cli_say(call, " %7.3f mrad", 1e3 * b->rotation_error);
-        cli_say(call, "\n");
+        cli_answer(call, "  rotation, %-8s %9.3f mrad", what, 1e3 * a->rotation_error);
+        if (calibrated) cli_answer(call, " %7.3f mrad", 1e3 * b->rotation_error);
+        cli_answer(call, "\n");
     }
 }

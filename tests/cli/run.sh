@@ -4,7 +4,9 @@
 #                                  (UPDATE_GOLDEN=1, `make golden`, rewrites it)
 #   refuse CODE PATTERN ARGS...    it says one line that matches, returns CODE, and leaves no file
 #                                  new, changed or half-written
-#   accept PATTERN ARGS...         it returns 0 and says something that matches on standard error
+#   accept PATTERN ARGS...         it returns 0 and a note on standard error matches
+#   answer PATTERN ARGS...         it returns 0, standard output matches, and standard error holds
+#                                  nothing but notes
 #   expect NAME COMMAND...         the command succeeds
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
@@ -83,6 +85,19 @@ accept() {
         fail "accepts: mukca $*" "exit $code, and not '$pattern' but: $(cat "$scratch/err")"
     else
         pass "accepts: mukca $*"
+    fi
+}
+
+answer() {
+    pattern=$1
+    shift
+    run "$@"
+    if [ $code -ne 0 ] || ! grep -q -- "$pattern" "$scratch/out"; then
+        fail "answers: mukca $*" "exit $code, and not '$pattern' but: $(cat "$scratch/out" "$scratch/err")"
+    elif grep -v '^mukca: note: ' "$scratch/err" >"$scratch/said"; then
+        fail "answers: mukca $*" "standard error: $(cat "$scratch/said")"
+    else
+        pass "answers: mukca $*"
     fi
 }
 

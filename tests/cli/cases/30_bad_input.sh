@@ -159,7 +159,7 @@ rows 1 2 >bad/hole_0.csv
 rows 9 2 >bad/hole_1.csv
 run calibrate $a bad
 if [ $code -le 1 ] || [ $code -eq 5 ]; then
-    expect "few rows are told, with the rank" grep -q 'numbers for .* parameters' "$scratch/err"
+    expect "few rows are told, with the rank" grep -q 'numbers for .* parameters' "$scratch/out"
 else
     fail "few rows are told, with the rank" "exit $code: $(cat "$scratch/err")"
 fi
@@ -171,10 +171,10 @@ refuse 2 'distance 50 looks like millimetres' calibrate $a --distance 50 good
 refuse 2 'distance 5 looks like centimetres' calibrate $a --distance 5 good
 refuse 2 'distance 50mm: must be a number above 0, in m' calibrate $a --distance 50mm good
 run simulate $a --seed 1 --rows 20 --placements 2 -o sim.tsv
-accept 'finds the sockets 30.0 mm off their --distance of 20.0' calibrate $a --distance 0.02 sim.tsv
-accept 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
-accept 'nominal arm is [0-9]* mm off: check the URDF' calibrate $a --distance 0.5 --tip hand good
-accept 'do not use this result: the rows do not fit this arm' calibrate $a --distance 0.5 good
+answer 'finds the sockets 30.0 mm off their --distance of 20.0' calibrate $a --distance 0.02 sim.tsv
+answer 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
+answer 'nominal arm is [0-9]* mm off: check the URDF' calibrate $a --distance 0.5 --tip hand good
+answer 'do not use this result: the rows do not fit this arm' calibrate $a --distance 0.5 good
 accept 'good/hole_0.csv is trained on and tested on' calibrate $a good --test good
 accept 'good/hole_1.csv is trained on and tested on' calibrate $a good --test good/../good
 refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv

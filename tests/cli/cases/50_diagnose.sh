@@ -5,9 +5,8 @@ simulate() { "$MUKCA" simulate --urdf arm.urdf --noise 1e-4 --perturb 1,2 --rows
 simulate --seed 5 --placements 3 --effect joint_compliance:joint_2=4e-5 -o good.tsv --held-out 1 --test test.tsv
 d="diagnose --urdf arm.urdf"
 
-accept "The cause is joint_compliance at joint_2" $d good.tsv --expect joint_compliance
-expect "standard output stays empty" test ! -s "$scratch/out"
-accept "Fewer than four placements" $d good.tsv
+answer "The cause is joint_compliance at joint_2" $d good.tsv --expect joint_compliance
+answer "Fewer than four placements" $d good.tsv
 run $d good.tsv -q --json result.json -o offsets.tsv --test test.tsv
 expect "it says nothing with -q" test "$code $(cat "$scratch/err")" = "0 "
 expect "the JSON names the cause" grep -q '"effect": "joint_compliance"' result.json
@@ -48,7 +47,7 @@ run $d faults.tsv --json faults.json
 for part in "wrong_socket" "outlier" "tool_motion" '"row": 87,' '"row": 4,'; do
     expect "a fault: $part" grep -q -- "$part" faults.json
 done
-expect "the tool's motion is told with its row" grep -q "p2, socket 1, row 7[0-4] of faults.tsv: the tool moved by" "$scratch/err"
+expect "the tool's motion is told with its row" grep -q "p2, socket 1, row 7[0-4] of faults.tsv: the tool moved by" "$scratch/out"
 
 # usage
 refuse 2 "needs DATA" $d
@@ -76,20 +75,20 @@ refuse 3 "hole_1.csv:1: 3 columns" $d folder
 
 # rows that can be read but tell nothing: words, not numbers
 awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 0.1 * i } { print }' good.tsv >same.tsv
-accept "Nothing can be tested: too few different rows" $d same.tsv
+answer "Nothing can be tested: too few different rows" $d same.tsv
 refuse 5 "no offsets to write" $d same.tsv -q -o never.tsv
 run $d same.tsv --expect backlash -q
 expect "exit 1 where nothing was found and a cause expected" test $code -eq 1
 awk -F'\t' -v OFS='\t' 'BEGIN { srand(1) } /^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 3 * rand() - 1.5 } { print }' good.tsv >noise.tsv
-accept "the rows do not fit this arm" $d noise.tsv
-accept "no masses: give" diagnose --urdf bare.urdf good.tsv
+answer "the rows do not fit this arm" $d noise.tsv
+answer "no masses: give" diagnose --urdf bare.urdf good.tsv
 awk -F'\t' '!/^p[1-9]/ || $1 == "p1"' good.tsv >one.tsv
-accept "one placement only" $d one.tsv
+answer "one placement only" $d one.tsv
 simulate --seed 7 --placements 4 --effort --effect joint_compliance:joint_2=4e-5 -o effort.tsv
 awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 11; i <= 17; i++) $i = -$i } { print }' effort.tsv >turned.tsv
 run $d effort.tsv
-expect "good efforts need no word" sh -c "! grep -qi 'measured efforts' '$scratch/err'"
-accept "measured efforts oppose the torques" $d turned.tsv
+expect "good efforts need no word" sh -c "! grep -qi 'measured efforts' '$scratch/out'"
+answer "measured efforts oppose the torques" $d turned.tsv
 
 # interrupted in the middle: exit 130, one line, no file
 simulate --poses 3000 --effect joint_scale:joint_2=1e-3 -o log.tsv

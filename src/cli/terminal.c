@@ -1,4 +1,5 @@
-/* Talking to people: notes, progress, headings, interrupts.  Standard error only. */
+/* What people read: the answer on standard output; notes, progress and errors on standard error.
+ * Also interrupts. */
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -67,6 +68,45 @@ void cli_progress(cli_call *call, const char *what, double done, double total)
     fflush(stderr);
     call->said = t;
     call->showing = true;
+}
+
+mukca_status cli_output_open(cli_call *call, mukca_output *output)
+{
+    const cli_common *c = call->common;
+    call->printed = !c->output;
+    return mukca_output_open(output, c->output ? c->output : "-", c->force, &call->error);
+}
+
+FILE *cli_answer_stream(cli_call *call)
+{
+    const cli_common *c = call->common;
+    if (c->quiet) return NULL;
+    clear_progress(call);
+    const bool taken = call->printed || (c->json && strcmp(c->json, "-") == 0) ||
+                       (c->output && strcmp(c->output, "-") == 0);
+    return taken ? stderr : stdout;
+}
+
+void cli_answer(cli_call *call, const char *format, ...)
+{
+    FILE *stream = cli_answer_stream(call);
+    if (!stream) return;
+    va_list args;
+    va_start(args, format);
+    vfprintf(stream, format, args);
+    va_end(args);
+}
+
+void cli_answer_wrapped(cli_call *call, const char *format, ...)
+{
+    char text[1024];
+    FILE *stream = cli_answer_stream(call);
+    if (!stream) return;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    cli_print_wrapped(stream, 0, text);
 }
 
 static bool fancy(FILE *stream)
