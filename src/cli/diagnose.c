@@ -62,7 +62,7 @@ static mukca_status disable(unsigned char *disabled, const char *list, mukca_err
     return MUKCA_OK;
 }
 
-static mukca_status write_offsets(cli_call *call, const cli_diagnosed *r, bool free_base)
+static mukca_status write_offsets(cli_call *call, const mukca_diagnosed *r, bool free_base)
 {
     const mukca_diagnosis *d = r->diagnosis;
     mukca_pool pool = {0};
@@ -132,12 +132,12 @@ static mukca_status run(cli_call *call)
                                         .progress_context = call};
     status = mukca_diagnose(d, &model.chain, &data, &how, &call->error);
     if (status != MUKCA_OK) goto out;
-    const cli_diagnosed result = {.diagnosis = d,
-                                  .chain = &model.chain,
-                                  .data = &data,
-                                  .test = o->test.n ? &test : NULL,
-                                  .next = next,
-                                  .kept = call->common->output != NULL};
+    const mukca_diagnosed result = {.diagnosis = d,
+                                    .chain = &model.chain,
+                                    .data = &data,
+                                    .test = o->test.n ? &test : NULL,
+                                    .next = next,
+                                    .saved = call->common->output != NULL};
     status = mukca_next_poses_choose(next, d, &model.chain, &data, cli_stop, &call->error);
     if (status == MUKCA_OK) status = write_offsets(call, &result, o->free_base && data.position);
     if (status == MUKCA_OK && call->common->json)

@@ -3,28 +3,20 @@
 #define MUKCA_CLI_DIAGNOSE_H
 
 #include "cli/cli.h"
-#include "diagnose/next_poses.h"
-
-/* A diagnosis and what it was made of. */
-typedef struct {
-    const mukca_diagnosis *diagnosis;
-    const mukca_chain *chain;
-    const mukca_dataset *data, *test; /* test: NULL without --test */
-    const mukca_next_poses *next;     /* NULL: none were chosen */
-    bool kept;                        /* written as an offsets table */
-} cli_diagnosed;
+#include "report/wording.h"
 
 /* The contract's mukca.diagnose/1 object. */
-json_t *cli_diagnosis_json(const cli_diagnosed *result);
+json_t *cli_diagnosis_json(const mukca_diagnosed *result);
 
-/* One screen of 80 columns for people, the verdict first. */
-void cli_diagnosis_print(FILE *stream, const cli_diagnosed *result);
+/* One screen of 80 columns for people, causes first. */
+void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result);
 
 /* The offsets table: geometry with what the rows say of it, and the causes that act on the arm.
  * `chain` gets the chain that the table's rows belong to: the arm's, with the tracker's frame
  * before it where `free_base` fitted that.  *left_out counts causes that need masses where the arm
  * has none. Errors: MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */
 mukca_status cli_diagnosis_offsets(mukca_offsets *offsets, mukca_chain *chain, int *left_out,
-                                   const cli_diagnosed *result, bool free_base, mukca_error *error);
+                                   const mukca_diagnosed *result, bool free_base,
+                                   mukca_error *error);
 
 #endif

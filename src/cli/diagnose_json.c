@@ -1,7 +1,7 @@
 /* The diagnosis as JSON, field by field as the contract has it. */
 #include <math.h>
 
-#include "cli/diagnose_words.h"
+#include "cli/diagnose.h"
 
 static json_t *joint_name(const mukca_chain *chain, int joint)
 {
@@ -59,7 +59,7 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
         c->effect.kind == MUKCA_EFFECT_TOOL_MOTION ? json_string(c->creep ? "creep" : "step")
                                                    : json_null(),
         "amplitude", cli_json_real(c->amplitude), "unit",
-        of_command ? "rad/rad" : cli_effect_unit(c->effect.kind, chain, c->effect.joint), "ci95",
+        of_command ? "rad/rad" : mukca_wording_unit(c->effect.kind, chain, c->effect.joint), "ci95",
         interval(c->low, c->high), "log_bayes_factor", cli_json_real(c->log_bayes_factor),
         "probability", cli_json_real(c->probability), "ties", ties, "or_unknown", c->or_unknown,
         "held_out", shrink_object(&c->held_out));
@@ -84,7 +84,7 @@ static json_t *placements_array(const double *mae, int n, const mukca_dataset *d
 }
 
 /* Poses, q in the order of the chain's joints, rad or m, and which two causes they tell apart. */
-static json_t *next_poses_array(const cli_diagnosed *r)
+static json_t *next_poses_array(const mukca_diagnosed *r)
 {
     json_t *array = json_array();
     const mukca_next_poses *next = r->next;
@@ -107,7 +107,7 @@ static json_t *next_poses_array(const cli_diagnosed *r)
     return array;
 }
 
-json_t *cli_diagnosis_json(const cli_diagnosed *r)
+json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_chain *chain = r->chain;

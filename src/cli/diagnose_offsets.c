@@ -33,7 +33,7 @@ static void fill_tracker(mukca_offsets *o, const mukca_applied *a)
 }
 
 mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *left_out,
-                                   const cli_diagnosed *r, bool free_base, mukca_error *error)
+                                   const mukca_diagnosed *r, bool free_base, mukca_error *error)
 {
     const mukca_applied *a = &r->diagnosis->applied;
     *left_out = 0;

@@ -134,11 +134,11 @@ static mukca_status diagnose(report_run *r)
     status = mukca_next_poses_choose(next, &r->diagnosis, &r->model.chain, &r->train, cli_stop,
                                      &r->call->error);
     if (status != MUKCA_OK) return status;
-    const cli_diagnosed result = {.diagnosis = &r->diagnosis,
-                                  .chain = &r->model.chain,
-                                  .data = &r->train,
-                                  .test = how.test,
-                                  .next = next};
+    const mukca_diagnosed result = {.diagnosis = &r->diagnosis,
+                                    .chain = &r->model.chain,
+                                    .data = &r->train,
+                                    .test = how.test,
+                                    .next = next};
     r->diagnosed = cli_diagnosis_json(&result);
     mukca_next_poses_free(next);
     return MUKCA_OK;

@@ -1,6 +1,6 @@
 /* What a diagnosis hands over: the contract's JSON, the screen for people, the offsets table. */
 #include "cli/diagnose.h"
-#include "cli/diagnose_words.h"
+
 #include "scene.h"
 #include "scratch.h"
 
@@ -109,7 +109,7 @@ static void check_json(json_t *root, const mukca_chain *chain)
 }
 
 /* The screen as text; no line wider than 79 columns, no number that is none. */
-static char *screen(const cli_diagnosed *result)
+static char *screen(const mukca_diagnosed *result)
 {
     char path[128];
     snprintf(path, sizeof path, "%s/screen", scratch_folder);
@@ -150,7 +150,7 @@ static void everything_is_handed_over(void **state)
     assert_int_equal(mukca_simulate_sockets(&test, &s.arm, s.places, 2, NULL, 0, &s.how, &error),
                      MUKCA_OK);
     diagnose(&s, &data, &test);
-    const cli_diagnosed result = {
+    const mukca_diagnosed result = {
         .diagnosis = diagnosis, .chain = &s.chain, .data = &data, .test = &test};
     json_t *root = cli_diagnosis_json(&result);
     check_json(root, &s.chain);
@@ -186,15 +186,15 @@ static void everything_is_handed_over(void **state)
     json_decref(root);
 
     char *all = screen(&result);
-    assert_part(all, "joint_compliance at joint_2");
-    assert_part(all, "gear_harmonic at joint_4, 160 per turn");
-    assert_part(all, "kN*m/rad");
-    assert_part(all, "arcmin");
+    assert_part(all, "joint compliance at joint_2");
+    assert_part(all, "transmission ripple at joint_4 (160 per turn)");
+    assert_part(all, "urad/(N·m) [");
+    assert_part(all, "mrad [");
     assert_part(all, "left, socket 1, row 10");
     assert_part(all, "record this socket again");
     assert_part(all, "right, socket 0, row 125");
     assert_part(all, "correct its label");
-    assert_part(all, "On the test data:");
+    assert_part(all, "Test data, mm: nominal");
     assert_part(all, "noise floor");
     free(all);
     mukca_dataset_free(&data);
@@ -210,15 +210,15 @@ static void noise_is_called_noise(void **state)
     s.how.noise = 1e-4;
     record(&data, &s);
     diagnose(&s, &data, NULL);
-    const cli_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
+    const mukca_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
     json_t *root = cli_diagnosis_json(&result);
     check_json(root, &s.chain);
     assert_string_equal(text(root, "verdict"), "none");
     assert_true(json_is_null(json_object_get(root, "test")));
     json_decref(root);
     char *all = screen(&result);
-    assert_part(all, "What geometry leaves is noise");
-    assert_part(all, "A cause would be seen");
+    assert_part(all, "No effect beyond the geometry was");
+    assert_part(all, "Detection limits, mrad rms: ");
     free(all);
     mukca_dataset_free(&data);
 }
@@ -234,7 +234,7 @@ static void nothing_to_test(void **state)
     record(&data, &s);
     memset(data.q, 0, (size_t)(data.n_rows * data.n_joints) * sizeof *data.q);
     diagnose(&s, &data, NULL);
-    const cli_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
+    const mukca_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
     json_t *root = cli_diagnosis_json(&result);
     check_json(root, &s.chain);
     assert_string_equal(text(root, "verdict"), "untestable");
@@ -273,7 +273,7 @@ static void check_table(const char *effects, bool effort, double mass_error)
     }
     record(&data, &s);
     diagnose(&s, &data, NULL);
-    const cli_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
+    const mukca_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
     mukca_offsets *written = calloc(1, sizeof *written), *back = calloc(1, sizeof *back);
     mukca_chain chain;
     int left_out;

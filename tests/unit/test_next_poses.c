@@ -60,7 +60,7 @@ static void poses_reach_their_sockets_and_tell(void **state)
             assert_true(row->q[j] >= e->lower && row->q[j] <= e->upper);
         }
     }
-    const cli_diagnosed result = {
+    const mukca_diagnosed result = {
         .diagnosis = &t->diagnosis, .chain = &t->s.chain, .data = &t->data, .next = &t->next};
     json_t *root = cli_diagnosis_json(&result), *poses = json_object_get(root, "next_poses");
     assert_int_equal(json_array_size(json_object_get(root, "joints")), t->s.chain.n_joints);

@@ -5,7 +5,7 @@ simulate() { "$MUKCA" simulate --urdf arm.urdf --noise 1e-4 --perturb 1,2 --rows
 simulate --seed 5 --placements 3 --effect joint_compliance:joint_2=4e-5 -o good.tsv --held-out 1 --test test.tsv
 d="diagnose --urdf arm.urdf"
 
-answer "The cause is joint_compliance at joint_2" $d good.tsv --expect joint_compliance
+answer "^Cause   joint compliance at joint_2: " $d good.tsv --expect joint_compliance
 answer "Fewer than four placements" $d good.tsv
 run $d good.tsv -q --json result.json -o offsets.tsv --test test.tsv
 expect "it says nothing with -q" test "$code $(cat "$scratch/err")" = "0 "
@@ -81,7 +81,7 @@ run $d same.tsv --expect backlash -q
 expect "exit 1 where nothing was found and a cause expected" test $code -eq 1
 awk -F'\t' -v OFS='\t' 'BEGIN { srand(1) } /^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 3 * rand() - 1.5 } { print }' good.tsv >noise.tsv
 answer "the rows do not fit this arm" $d noise.tsv
-answer "no masses: give" diagnose --urdf bare.urdf good.tsv
+answer "^Flexibility not tested: the URDF has no link masses" diagnose --urdf bare.urdf good.tsv
 awk -F'\t' '!/^p[1-9]/ || $1 == "p1"' good.tsv >one.tsv
 answer "one placement only" $d one.tsv
 simulate --seed 7 --placements 4 --effort --effect joint_compliance:joint_2=4e-5 -o effort.tsv

@@ -1,0 +1,273 @@
+/* The wording of a diagnosis: causes, amplitudes, verdict, caveat and remedy. */
+#include "report/wording.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Append to a text of MUKCA_WORDING characters; what does not fit is cut off. */
+__attribute__((format(printf, 2, 3))) static void put(char *text, const char *format, ...)
+{
+    const size_t used = strlen(text);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text + used, MUKCA_WORDING - used, format, args);
+    va_end(args);
+}
+
+const char *mukca_wording_joint(const mukca_chain *chain, int joint)
+{
+    return joint < 0 ? "" : chain->element[chain->joint_element[joint]].name;
+}
+
+bool mukca_wording_slides(const mukca_chain *chain, int joint)
+{
+    return joint >= 0 && chain->element[chain->joint_element[joint]].type == MUKCA_PRISMATIC;
+}
+
+const char *mukca_wording_unit(mukca_effect_kind kind, const mukca_chain *chain, int joint)
+{
+    const mukca_effect_info *info = &mukca_effect_table[kind];
+    if (info->site != MUKCA_SITE_ANGLE || !mukca_wording_slides(chain, joint)) return info->unit;
+    return strcmp(info->unit, "rad/(N*m)") == 0 ? "m/N"
+           : strcmp(info->unit, "rad/rad") == 0 ? "m/m"
+                                                : "m";
+}
+
+bool mukca_wording_on_arm(const mukca_cause *cause)
+{
+    return cause->effect.kind != MUKCA_EFFECT_TOOL_MOTION;
+}
+
+/* ---- causes ---- */
+
+void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind,
+                          const mukca_chain *chain, int joint)
+{
+    text[0] = '\0';
+    put(text, "%s",
+        kind == MUKCA_EFFECT_GEAR_HARMONIC ? "transmission ripple" : mukca_effect_table[kind].name);
+    for (char *c = text; *c; c++)
+        if (*c == '_') *c = ' ';
+    if (joint < 0) return;
+    put(text, " %s %s", kind == MUKCA_EFFECT_LINK_BENDING ? "before" : "at",
+        mukca_wording_joint(chain, joint));
+}
+
+void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
+                         const mukca_diagnosed *r)
+{
+    const mukca_effect *e = &cause->effect;
+    mukca_wording_effect(text, e->kind, r->chain, e->joint);
+    if (e->kind == MUKCA_EFFECT_GEAR_HARMONIC)
+        put(text, " (%d per turn)", e->variant);
+    else if (e->kind == MUKCA_EFFECT_JOINT_COUPLING)
+        put(text, " (driven by %s)", mukca_wording_joint(r->chain, e->joint + e->variant));
+    else if (e->kind == MUKCA_EFFECT_JOINT_DRIFT && e->variant > 0)
+        put(text, " (settles within %d min)", (e->variant + 30) / 60);
+    else if (e->kind == MUKCA_EFFECT_JOINT_DRIFT)
+        put(text, " (per 1000 s)");
+    else if (e->kind == MUKCA_EFFECT_READBACK_LAG)
+        put(text, e->variant ? " towards the commanded angles" : " of all joints");
+    const int placement = e->placement;
+    if (placement >= 0) put(text, " in placement %s", r->data->placements[placement].name);
+    if (placement >= 0 && cause->socket >= 0)
+        put(text, ", socket %s", r->data->sockets[cause->socket].label);
+}
+
+void mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
+                          const mukca_diagnosed *r)
+{
+    char rival[MUKCA_WORDING];
+    mukca_wording_cause(text, cause, r);
+    for (int t = 0; t < cause->n_ties; t++) {
+        const bool last = t + 1 == cause->n_ties && !cause->or_unknown;
+        mukca_wording_effect(rival, cause->ties[t].effect, r->chain, cause->ties[t].joint);
+        put(text, "%s%s", last ? " or " : ", ", rival);
+    }
+    if (cause->or_unknown) put(text, " or an effect outside the catalogue");
+}
+
+void mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
+                             const mukca_chain *chain)
+{
+    static const struct {
+        const char *si, *shown;
+        double factor;
+    } table[] = {{"rad/(N*m)", "urad/(N·m)", 1e6}, {"m/N", "um/N", 1e6}, {"rad", "mrad", 1e3},
+                 {"rad/rad", "mrad/rad", 1e3},     {"m", "mm", 1e3},     {"m/m", "mm/m", 1e3}};
+    const char *unit = mukca_wording_unit(cause->effect.kind, chain, cause->effect.joint);
+    const char *shown = unit;
+    double factor = 1;
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (strcmp(unit, table[i].si) == 0) shown = table[i].shown, factor = table[i].factor;
+    if (cause->effect.kind == MUKCA_EFFECT_READBACK_LAG && cause->effect.variant)
+        shown = "% of command minus reading", factor = 100;
+    /* two figures of the interval's half width */
+    const double half = fmax(factor * fabs(cause->high - cause->amplitude), 1e-12);
+    int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
+    digits = digits < 0 ? 0 : digits > 4 ? 4 : digits;
+    text[0] = '\0';
+    put(text, "%.*f %s", digits, factor * cause->amplitude, shown);
+    if (isfinite(cause->low) && isfinite(cause->high))
+        put(text, " [%.*f, %.*f]", digits, factor * cause->low, digits, factor * cause->high);
+}
+
+void mukca_wording_probability(char text[MUKCA_WORDING], double probability)
+{
+    text[0] = '\0';
+    if (probability > 0.999)
+        put(text, "probability > 99.9 %%");
+    else
+        put(text, "probability %.*f %%", probability > 0.99 ? 1 : 0, 100 * probability);
+}
+
+const char *mukca_wording_remedy(const mukca_cause *cause)
+{
+    static const char *const remedy[MUKCA_EFFECT_COUNT] = {
+        [MUKCA_EFFECT_LINK_BENDING] =
+            "compensate it with the offsets table; check the screws between link and joint",
+        [MUKCA_EFFECT_BASE_COMPLIANCE] = "stiffen the base or its table, or compensate it",
+        [MUKCA_EFFECT_BACKLASH] = "adjust the gear, or approach targets from one side",
+        [MUKCA_EFFECT_APPROACH_HYSTERESIS] =
+            "approach targets from one side; check friction and preload",
+        [MUKCA_EFFECT_JOINT_SCALE] =
+            "correct the encoder's counts per turn in the controller, or compensate it",
+        [MUKCA_EFFECT_JOINT_COUPLING] =
+            "correct the coupling ratio in the controller, or compensate it",
+        [MUKCA_EFFECT_ENCODER_ECCENTRICITY] =
+            "calibrate the encoder in the controller, or compensate it",
+        [MUKCA_EFFECT_AXIS_WOBBLE] =
+            "check the seat and the preload of the bearing, or "
+            "compensate it",
+        [MUKCA_EFFECT_JOINT_DRIFT] = "warm the arm up before recording and before use",
+        [MUKCA_EFFECT_READBACK_LAG] =
+            "let the arm stand still before each sample; check the time stamps of the joint states",
+        [MUKCA_EFFECT_TOOL_MOTION] = "fasten the tool and record this placement again",
+        [MUKCA_EFFECT_ZERO_JUMP] =
+            "check homing and brake of the joint, then record this placement again",
+        [MUKCA_EFFECT_BALL_SHIFT] = "fasten the ball and record this placement again",
+        [MUKCA_EFFECT_SOCKET_DISTANCE] =
+            "measure the distance between the sockets and give it as --distance"};
+    const char *text = remedy[cause->effect.kind];
+    return text ? text : "compensate it with the offsets table; inspect the transmission";
+}
+
+/* ---- the verdict ---- */
+
+/* It names the joints that share what remains about evenly, or one with its range. */
+void mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    int n = 0;
+    while (n < d->n_where && d->where[n].share > 0.5 * d->where[0].share) n++;
+    text[0] = '\0';
+    put(text, "unexplained structure");
+    for (int i = 0; i < n; i++)
+        put(text, "%s%s",
+            i == 0      ? " at "
+            : i + 1 < n ? ", "
+                        : " and ",
+            mukca_wording_joint(r->chain, d->where[i].joint));
+    if (n == 1) {
+        const bool slides = mukca_wording_slides(r->chain, d->where[0].joint);
+        const double factor = slides ? 1e3 : 180 / M_PI;
+        put(text, ", mainly from %.0f to %.0f %s", factor * d->where[0].range_rad[0],
+            factor * d->where[0].range_rad[1], slides ? "mm" : "degrees");
+    }
+    put(text, ": no effect of the catalogue describes it");
+}
+
+/* "; one further cause was identified" */
+static void put_count(char *text, int n, const char *what)
+{
+    if (n == 1) put(text, "; one %scause was identified", what);
+    if (n > 1) put(text, "; %d %scauses were identified", n, what);
+}
+
+void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    const mukca_cause *first = NULL;
+    char words[MUKCA_WORDING];
+    int causes = 0;
+    for (int i = d->n_causes - 1; i >= 0; i--)
+        if (mukca_wording_on_arm(&d->causes[i])) first = &d->causes[i], causes++;
+    text[0] = '\0';
+    if (d->verdict == MUKCA_VERDICT_UNTESTABLE) {
+        put(text, "Nothing can be tested: %s", d->why);
+    } else if (d->verdict == MUKCA_VERDICT_UNKNOWN) {
+        mukca_wording_unexplained(text, r);
+        text[0] = 'U';
+        put_count(text, causes, "");
+    } else if (!first) {
+        put(text, "%s",
+            d->n_causes ? "The tool moved during the recording; no effect on the arm beyond its "
+                          "geometry was identified"
+                        : "No effect beyond the geometry was identified; the remaining error "
+                          "agrees with the "
+                          "measurement noise and the uncertainty of the geometry");
+        if (d->verdict == MUKCA_VERDICT_TIED)
+            put(text, " (a joint that slipped is indistinguishable from the moved tool)");
+    } else {
+        const bool tied = first->n_ties || first->or_unknown;
+        if (tied)
+            mukca_wording_rivals(words, first, r);
+        else
+            mukca_wording_cause(words, first, r);
+        put(text, "%s: %s (%s)", causes > 1 ? "Main cause" : "Cause", words,
+            tied ? "indistinguishable in these data"
+                 : mukca_effect_table[first->effect.kind].sentence);
+        put_count(text, causes - 1, "further ");
+    }
+    if (d->unexplained && d->verdict != MUKCA_VERDICT_UNKNOWN)
+        put(text, "; unexplained structure remains");
+}
+
+/* Smooth functions of a joint's angle, for which flexibility is mistaken.  A ripple counts as one
+ * up to 4 per turn: gravity's torque has orders 1 and 2, and their doubles. */
+static bool smooth(const mukca_effect *e)
+{
+    return e->kind == MUKCA_EFFECT_JOINT_SCALE || e->kind == MUKCA_EFFECT_JOINT_COUPLING ||
+           e->kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY || e->kind == MUKCA_EFFECT_AXIS_WOBBLE ||
+           (e->kind == MUKCA_EFFECT_GEAR_HARMONIC && e->variant <= 4);
+}
+
+void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    text[0] = '\0';
+    if (d->verdict == MUKCA_VERDICT_UNTESTABLE || r->chain->n_masses) return;
+    for (int i = 0; i < d->n_tested; i++)
+        if (d->tested[i].effect == MUKCA_EFFECT_JOINT_COMPLIANCE && d->tested[i].joint < 0 &&
+            !d->tested[i].testable)
+            put(text,
+                "Flexibility not tested: the URDF has no link masses (give --inertials "
+                "FILE).");
+    for (int i = 0; *text && i < d->n_causes; i++)
+        if (smooth(&d->causes[i].effect)) {
+            put(text, " What follows may be flexibility in disguise.");
+            break;
+        }
+}
+
+void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    text[0] = '\0';
+    if (d->verdict == MUKCA_VERDICT_UNTESTABLE)
+        put(text, "record again as stated, then repeat the diagnosis");
+    else if (r->next && r->next->cause >= 0 && r->next->plan.n_rows > 0)
+        put(text, "`mukca plan --settle` with these data writes postures that separate %s",
+            r->next->plan.evidence_after < MUKCA_PLAN_NAME ? "the alternatives in part"
+                                                           : "the alternatives");
+    else if (r->next && r->next->cause >= 0)
+        put(text, "record another placement, far from these, to separate the alternatives");
+    else if (d->n_faults)
+        put(text, "record the faulty samples again");
+    else if (d->n_causes && !r->saved)
+        put(text,
+            "-o offsets.tsv saves geometry and causes for fk, evaluate, compensate and "
+            "export");
+}
