@@ -10,6 +10,7 @@ import tempfile
 import time
 
 MUKCA = os.environ.get("MUKCA", "build/mukca")
+SHOWN = {"rad/(N*m)": (1e6, "urad/(N*m)"), "rad": (1e3, "mrad"), "m": (1e3, "mm")}
 ELASTIC = ("joint_compliance", "link_bending")
 # robot, URDF, masses, geometry expected, explained at most (mm; None: no goal)
 ROBOTS = [
@@ -65,6 +66,11 @@ def name_of(cause):
     where = cause.get("joint") or cause.get("placement") or ""
     order = f"@{cause['order']}" if cause.get("order") else ""
     return f"{cause['effect']}:{where}{order}" if where else cause["effect"]
+
+
+def sized(cause):
+    factor, unit = SHOWN.get(cause["unit"], (1, cause["unit"]))
+    return f"{name_of(cause)} {factor * cause['amplitude']:.2g} {unit}"
 
 
 def named(cause):
@@ -132,6 +138,9 @@ def robots(data):
     print("\n+: structure remains that no effect of the catalogue explains; s: the whole process")
     print("geometry expected: " + ", ".join(
         f"{robot} {expected}" for robot, _, _, expected, _ in ROBOTS if expected))
+    print("\nSizes of all causes (docs/diagnosis.md quotes them)\n")
+    for robot, answer in answers.items():
+        print(f"{robot:14}{', '.join(sized(c) for c in answer['causes'])}")
     print()
     for robot, answer in answers.items():
         for sentence, good in claims(robot, answer):

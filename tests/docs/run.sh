@@ -1,7 +1,7 @@
 #!/bin/bash
 # The documents say what the program does: every option is in man page and completion, every
 # `--option` that a document mentions exists, every effect, JSON key and column is described, and
-# every example of help, README and man page runs, in a scratch copy of the source folder.
+# every example of help, README, docs and man page runs, in a scratch copy of the source folder.
 # UPDATE_GOLDEN=1 (`make golden`) rewrites the COMMANDS of mukca.1.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -11,6 +11,9 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export NO_COLOR=1 MUKCA
 failures=0
+number=0
+# Pages with examples, in the order in which they run: later ones use files of earlier ones.
+pages="README.md docs/diagnosis.md docs/method.md"
 
 check() { # NAME TEXT: passes where TEXT is empty
     if [ -z "$2" ]; then
@@ -45,18 +48,34 @@ for shell in bash zsh; do
         done <"$scratch/options")"
 done
 check "options that documents mention exist" "$(
-    for page in README.md ARCHITECTURE.md CONTRIBUTING.md mukca.1 mukca-formats.5; do
-        sed 's/\\-/-/g' $page | grep -oE '(^|[^-a-z])--[a-z][a-z-]+' | grep -oE -- '--[a-z-]+' | sort -u |
+    for page in $pages ARCHITECTURE.md CONTRIBUTING.md mukca.1 mukca-formats.5; do
+        sed 's/\\-/-/g' "$page" | grep -oE '(^|[^-a-z])--[a-z][a-z-]+' | grep -oE -- '--[a-z-]+' | sort -u |
             grep -vxF -e --version -e --help -e --dev -e --array -e --cpus-per-task -e --mem -e --time \
-                -e --joblog -e --resume -e "$(cut -f 2 "$scratch/options")" | sed "s/^/$page: /"
+                -e --joblog -e --resume -e "$(cut -f 2 "$scratch/options")" | sed "s|^|$page: |"
     done)"
 check "make targets that documents mention exist" "$(
-    grep -ohE '`make [a-z][a-z-]+' README.md CONTRIBUTING.md ARCHITECTURE.md mukca.1 | sort -u | cut -d ' ' -f 2 |
+    # shellcheck disable=SC2086
+    grep -ohE '(`|^)make [a-z][a-z-]+' $pages CONTRIBUTING.md ARCHITECTURE.md mukca.1 | sort -u | cut -d ' ' -f 2 |
         while read -r target; do grep -qE "^$target:|^\.PHONY:.* $target( |\\\\|$)|^ .* $target( |$)" Makefile || echo "$target"; done)"
-check "files that documents mention exist" "$(
-    grep -ohE '\]\([^)#:]+' README.md CONTRIBUTING.md ARCHITECTURE.md CHANGELOG.md | cut -c 3- | grep -v '^https' | sort -u |
-        while read -r file; do [ -e "$file" ] || echo "$file"; done)"
-for page in README.md mukca-formats.5; do
+check "files and headings that documents link to exist" "$(
+    # shellcheck disable=SC2086
+    "${PYTHON:-python3}" - $pages CONTRIBUTING.md ARCHITECTURE.md CHANGELOG.md <<'PY'
+import os, re, sys
+def anchors(page):
+    heads = re.findall(r"^#+ (.*)$", open(page).read(), re.M)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+for page in sys.argv[1:]:
+    for target, anchor in re.findall(r"\]\(([^)#]*)(?:#([^)]*))?\)", open(page).read()):
+        file = os.path.normpath(os.path.join(os.path.dirname(page), target)) if target else page
+        if target.startswith("https:"):
+            continue
+        if not os.path.exists(file):
+            print(f"{page}: {target}")
+        elif anchor and anchor not in anchors(file):
+            print(f"{page}: {target}#{anchor}")
+PY
+)"
+for page in docs/diagnosis.md mukca-formats.5; do
     check "$page describes every effect" "$(
         "$MUKCA" help effects | sed -n 's/^\([a-z_]*\) (.*/\1/p' | while read -r effect; do
             sed 's/\\-/-/g' $page | grep -q "$effect" || echo "$effect"; done)"
@@ -76,16 +95,20 @@ export PATH="${MUKCA%/*}:$PATH" BUILD=$scratch/build
 
 # Blocks of ```sh one after the other in one shell, each output kept; a ```text block after one must
 # be found in its output, line by line, whatever the numbers.
-awk '/^```/ { if (open) { open = 0; close(file) } else { open = 1; n++; kind = substr($0, 4)
-        file = sprintf("block-%02d.%s", n, kind); printf "" >file } next }
-    open { print >file }' README.md
+for page in $pages; do
+    awk -v page="$(basename "$page" .md)" -v first=$((++number)) '/^```/ {
+            if (open) { open = 0; close(file) } else { open = 1; n++; kind = substr($0, 4)
+            file = sprintf("block-%d-%s-%02d.%s", first, page, n, kind); printf "" >file } next }
+        open { print >file }' "$page"
+done
 loose() { tr -s ' ' | sed -E 's/[0-9]+(\.[0-9]+)?/#/g; s/^ //'; }
 previous=
 for block in block-*; do
     case $block in
     *.sh)
         previous=
-        name="README example: $(head -n 1 "$block" | cut -c 1-60)"
+        page=${block#block-?-} page=${page%-*}
+        name="example of $page: $(head -n 1 "$block" | cut -c 1-60)"
         if grep -q '^parallel ' "$block" && ! command -v parallel >/dev/null; then
             echo "skip $name (no GNU parallel)"
             continue
@@ -97,7 +120,7 @@ for block in block-*; do
     *.text)
         [ -n "$previous" ] || continue
         loose <"$previous" >said
-        check "README shows what its example prints" \
+        check "$page shows what its example prints" \
             "$(loose <"$block" | while IFS= read -r line; do grep -qxF -- "$line" said || echo "$line"; done)"
         previous= ;;
     esac
