@@ -1,8 +1,9 @@
-/* Numbers from text. */
+/* Numbers from text and as text. */
 #include "base/number.h"
 
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -99,4 +100,13 @@ bool mukca_number_parse_list(double *values, int n, const char *text)
         text += length;
     }
     return text[strspn(text, " \t\r\n")] == '\0';
+}
+
+void mukca_number_format(char text[MUKCA_NUMBER_SIZE], double value)
+{
+    for (int digits = 15; digits <= 17; digits++) {
+        double back;
+        snprintf(text, MUKCA_NUMBER_SIZE, "%.*g", digits, value + 0.0); /* -0 + 0 is 0 */
+        if (mukca_number_parse(&back, text) && !(back < value) && !(back > value)) return;
+    }
 }

@@ -1,4 +1,4 @@
-/* Numbers from text: decimal, finite, the whole text, a point whatever the locale. */
+/* Numbers from text and as text: decimal, finite, a point as in the C locale. */
 #ifndef MUKCA_BASE_NUMBER_H
 #define MUKCA_BASE_NUMBER_H
 
@@ -14,5 +14,9 @@ bool mukca_number_parse(double *value, const char *text);
 
 /* Exactly n numbers parted by spaces, tabs or newlines, as in `xyz="0 0 1"`. */
 bool mukca_number_parse_list(double *values, int n, const char *text);
+
+/* The shortest of %.15g, %.16g and %.17g that reads back as the same double; 0 has no sign. */
+enum { MUKCA_NUMBER_SIZE = 32 };
+void mukca_number_format(char text[MUKCA_NUMBER_SIZE], double value);
 
 #endif

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "io/export_check.h"
+#include "io/export.h"
 #include "io/output.h"
 
 typedef struct {
@@ -12,17 +12,17 @@ typedef struct {
 } export_options;
 
 static const char *const formats[] = {
-#define FORMAT_NAME(name, function, what) #name,
+#define FORMAT_NAME(name, endings, description) #name,
     MUKCA_EXPORT_LIST(FORMAT_NAME)
 #undef FORMAT_NAME
         NULL};
 
 static const cli_option options[] = {
     {"format", 'f', CLI_CHOICE, "FORMAT",
-     "what to write (default: by the file's ending, .yaml .h .mjcf; else urdf)", formats,
+     "what to write (default: by the ending of the file's name, else urdf)", formats,
      offsetof(export_options, format)},
     {"check", 0, CLI_TEXT, "FILE",
-     "write nothing: compare FILE, of that format, with the table; exit code 1 where they differ",
+     "write nothing: compare FILE, of that format, with the table; exit code 1 if they differ",
      NULL, offsetof(export_options, check)},
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
@@ -32,18 +32,6 @@ static const cli_option options[] = {
     CLI_END_OPTIONS};
 
 static const export_options defaults = {.format = -1};
-
-/* The format that the ending of a file means; 0, URDF, where it means none. */
-static int format_of(const char *path)
-{
-    static const char *const endings[][2] = {
-        {".yaml", "yaml"}, {".yml", "yaml"}, {".h", "c"}, {".mjcf", "mjcf"}};
-    const char *dot = path ? strrchr(path, '.') : NULL;
-    for (size_t e = 0; dot && e < sizeof endings / sizeof *endings; e++)
-        for (int i = 0; formats[i] && strcmp(dot, endings[e][0]) == 0; i++)
-            if (strcmp(formats[i], endings[e][1]) == 0) return i;
-    return 0;
-}
 
 static mukca_status check(cli_call *call, const mukca_export_input *input)
 {
@@ -67,7 +55,7 @@ static mukca_status run(cli_call *call)
 {
     export_options *o = call->options;
     const cli_common *c = call->common;
-    if (o->format < 0) o->format = format_of(o->check ? o->check : c->output);
+    if (o->format < 0) o->format = mukca_exporter_find(o->check ? o->check : c->output);
     cli_model model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, &model);
@@ -80,11 +68,14 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && o->check) return check(call, &input);
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
     if (status == MUKCA_OK)
-        status = mukca_exporters[o->format].write(output.stream, &input, &call->error);
+        status =
+            mukca_export_write(output.stream, &mukca_exporters[o->format], &input, &call->error);
     if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
     mukca_output_abort(&output);
     return status;
 }
+
+#define FORMAT_LINE(name, endings, description) "  " #name " (" endings "): " description "\n"
 
 const cli_command cli_command_export = {
     .name = "export",
@@ -96,7 +87,9 @@ const cli_command cli_command_export = {
         "origins of the chain's joints get the calibrated values, every other byte stays as it "
         "was.\n\n"
         "Calibrated values replace the nominal ones: calibrated = nominal + offset, in the frame "
-        "and with the signs of the URDF's own origin. Nothing is subtracted.",
+        "and with the signs of the URDF's own origin. Nothing is subtracted. Offsets below 1e-9 m "
+        "or rad count as zero.\n\n"
+        "Formats, with the endings of their files:\n" MUKCA_EXPORT_LIST(FORMAT_LINE),
     .example =
         "mukca export --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv --format yaml",
     .options = options,

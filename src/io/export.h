@@ -1,4 +1,5 @@
-/* A calibrated model in the formats of others; each is one row of the list. */
+/* A calibrated model in the formats of others.  A format is one row here and one file
+ * export_NAME.c that defines mukca_export_NAME. */
 #ifndef MUKCA_IO_EXPORT_H
 #define MUKCA_IO_EXPORT_H
 
@@ -6,12 +7,12 @@
 
 #include "io/offsets.h"
 
-/* name, function, what it is */
-#define MUKCA_EXPORT_LIST(X)                                                                \
-    X(urdf, mukca_export_urdf, "the URDF itself, its origins patched, else byte-identical") \
-    X(yaml, mukca_export_yaml, "xyz, rpy and quaternion of every joint's origin")           \
-    X(c, mukca_export_c, "a C header of const arrays")                                      \
-    X(mjcf, mukca_export_mjcf, "a MuJoCo model: origins, and springs and stops for effects")
+/* name, endings of file names, what it is */
+#define MUKCA_EXPORT_LIST(X)                                                  \
+    X(urdf, ".urdf", "the URDF with calibrated origins, otherwise unchanged") \
+    X(yaml, ".yaml .yml", "origins of all joints, and causes")                \
+    X(c, ".h", "C arrays of origins and axes, and causes")                    \
+    X(mjcf, ".mjcf", "a MuJoCo model with springs and stops for causes")
 
 typedef struct {
     const char *urdf_path;    /* what the chain was loaded from */
@@ -22,29 +23,92 @@ typedef struct {
     void *context;
 } mukca_export_input;
 
-/* Write to `stream`.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
-typedef mukca_status mukca_export_fn(FILE *stream, const mukca_export_input *input,
-                                     mukca_error *error);
+/* Calibrated origin of an element: xyz (m), rpy (rad), and the quaternion, w first. */
+typedef struct {
+    double xyz[3], rpy[3], quaternion[4];
+} mukca_export_origin;
 
-#define MUKCA_EXPORT_DECLARE(name, function, what) mukca_export_fn function;
+/* Two models of one format compared. */
+typedef struct {
+    int compared;           /* places */
+    double position, angle; /* largest differences, m and rad */
+    bool agrees;            /* none beyond 1e-9 */
+    char where[160];        /* the worst place, or what is missing */
+} mukca_export_difference;
+
+/* A file to compare (`found`, read from `path`) and what the input gives now (`wanted`). */
+typedef struct {
+    const char *path, *found, *wanted;
+    const mukca_export_input *input;
+} mukca_export_texts;
+
+/* All functions may fail with MUKCA_INPUT and MUKCA_MEMORY. */
+typedef struct {
+    mukca_status (*write)(FILE *stream, const mukca_export_input *input, mukca_error *error);
+    /* Can the format represent this effect?  NULL: all effects. */
+    bool (*holds)(const mukca_effect *effect);
+    /* Add all differences.  NULL: the numbers outside of comments and strings, in order. */
+    mukca_status (*compare)(mukca_export_difference *difference, const mukca_export_texts *texts,
+                            mukca_error *error);
+    const char *comment[2]; /* start and end of a comment, for a format without `compare` */
+} mukca_export_format;
+
+#define MUKCA_EXPORT_DECLARE(name, endings, description) \
+    extern const mukca_export_format mukca_export_##name;
 MUKCA_EXPORT_LIST(MUKCA_EXPORT_DECLARE)
 #undef MUKCA_EXPORT_DECLARE
 
 typedef struct {
-    const char *name, *what;
-    mukca_export_fn *write;
+    const char *name, *endings, *description;
+    const mukca_export_format *format;
 } mukca_exporter;
 
 extern const mukca_exporter mukca_exporters[]; /* ended by a NULL name */
 
-/* The lines of provenance, each after `prefix`. */
+/* Index of the format for the file name `path` (may be NULL) by its ending; 0 (URDF) otherwise. */
+int mukca_exporter_find(const char *path);
+
+/* Write to `stream`; effects that the format cannot represent are noted. */
+mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
+                                const mukca_export_input *input, mukca_error *error);
+
+/* Compare the file `path` of that format with what the input gives now. */
+mukca_status mukca_export_check(mukca_export_difference *difference, const char *path,
+                                const mukca_exporter *exporter, const mukca_export_input *input,
+                                mukca_error *error);
+
+/* ---- shared by the formats ---- */
+
+/* Three lines of provenance, each after `prefix`. */
 void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_export_input *input);
 
-/* Print a text in double quotes, escaped as C, JSON and YAML have it. */
+/* Print a text in double quotes, escaped as C, JSON and YAML require. */
 void mukca_export_quoted(FILE *stream, const char *text);
 
-/* Calibrated origin of an element: xyz, rpy from theta, and the quaternion, w first. */
-void mukca_export_origin(double xyz[3], double rpy[3], double quaternion[4],
-                         const mukca_export_input *input, int element);
+/* Print values[n], as short as they can be read back, with `separator` between them. */
+void mukca_export_numbers(FILE *stream, const double *values, int n, const char *separator);
+
+/* The calibrated origin; a parameter that the calibration did not change (within 1e-9 m or rad) is
+ * the URDF's own number. */
+void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,
+                             int element);
+
+/* Name of an effect's joint, NULL where it has none. */
+const char *mukca_export_joint(const mukca_export_input *input, const mukca_effect *effect);
+
+/* Add one place that both models have; `what` (may be "") follows its name. */
+void mukca_export_add_difference(mukca_export_difference *difference, double position, double angle,
+                                 const char *where, const char *what);
+
+/* Add one place that only one model has. */
+void mukca_export_add_missing(mukca_export_difference *difference, const char *what,
+                              const char *name);
+
+/* |a - b| of two vectors[3]. */
+double mukca_export_distance(const double a[3], const double b[3]);
+
+/* The default comparison, see `compare` above. */
+void mukca_export_compare_numbers(mukca_export_difference *difference,
+                                  const mukca_export_texts *texts, const char *const comment[2]);
 
 #endif

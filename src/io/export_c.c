@@ -20,7 +20,7 @@ static void identifier(char name[MUKCA_NAME_SIZE], const char *robot)
 static void print_numbers(FILE *stream, const double *values, int n)
 {
     fputs("    {", stream);
-    for (int i = 0; i < n; i++) fprintf(stream, "%s%.17g", i ? ", " : "", values[i]);
+    mukca_export_numbers(stream, values, n, ", ");
     fputs("},\n", stream);
 }
 
@@ -61,27 +61,19 @@ static void print_effects(FILE *stream, const char *id, const mukca_export_input
         for (int t = 0; t < o->effects[e].terms; t++) {
             char term[48];
             mukca_effect_term_text(term, &o->effects[e], t);
-            fprintf(stream, "    {\"%s\", %d, \"%s\", %.17g},\n",
-                    mukca_effect_table[o->effects[e].kind].name, o->effects[e].joint, term,
-                    o->effects[e].coefficient[t]);
+            fprintf(stream, "    {\"%s\", %d, \"%s\", ",
+                    mukca_effect_table[o->effects[e].kind].name, o->effects[e].joint, term);
+            mukca_export_numbers(stream, &o->effects[e].coefficient[t], 1, "");
+            fputs("},\n", stream);
         }
     fputs("};\n", stream);
 }
 
-mukca_status mukca_export_c(FILE *stream, const mukca_export_input *input, mukca_error *error)
+/* Arrays by element: names, origins and axes. */
+static void print_arrays(FILE *stream, const char *id, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
     const int n = chain->n_elements;
-    char id[MUKCA_NAME_SIZE] = "";
-    (void)error;
-    identifier(id, chain->robot);
-    fputs("/* Calibrated kinematics as const arrays.\n *\n", stream);
-    mukca_export_provenance(stream, " * ", input);
-    print_use(stream, id);
-    char guard[MUKCA_NAME_SIZE] = "";
-    for (size_t i = 0; i < sizeof guard; i++) guard[i] = (char)toupper((unsigned char)id[i]);
-    fprintf(stream, "#ifndef %s_KINEMATICS_H\n#define %s_KINEMATICS_H\n\n", guard, guard);
-    fprintf(stream, "enum { %s_elements = %d, %s_joints = %d };\n", id, n, id, chain->n_joints);
     fprintf(stream, "\nstatic const char *const %s_name[%d] = {\n", id, n);
     for (int k = 0; k < n; k++) {
         fputs("    ", stream);
@@ -93,9 +85,10 @@ mukca_status mukca_export_c(FILE *stream, const mukca_export_input *input, mukca
     for (int a = 0; a < 4; a++) {
         fprintf(stream, "};\n\nstatic const double %s_%s[%d][%d] = {\n", id, array[a], n, width[a]);
         for (int k = 0; k < n; k++) {
-            double xyz[3], rpy[3], quaternion[4];
-            mukca_export_origin(xyz, rpy, quaternion, input, k);
-            const double *const values[] = {xyz, rpy, quaternion, chain->element[k].axis};
+            mukca_export_origin origin;
+            mukca_export_get_origin(&origin, input, k);
+            const double *const values[] = {origin.xyz, origin.rpy, origin.quaternion,
+                                            chain->element[k].axis};
             print_numbers(stream, values[a], width[a]);
         }
     }
@@ -107,7 +100,25 @@ mukca_status mukca_export_c(FILE *stream, const mukca_export_input *input, mukca
     for (int k = 0; k < n; k++)
         fprintf(stream, "%s%d", k ? ", " : "", chain->element[k].type == MUKCA_PRISMATIC);
     fputs("};\n", stream);
+}
+
+static mukca_status write_c(FILE *stream, const mukca_export_input *input, mukca_error *error)
+{
+    const mukca_chain *chain = input->chain;
+    char id[MUKCA_NAME_SIZE] = "", guard[MUKCA_NAME_SIZE] = "";
+    (void)error;
+    identifier(id, chain->robot);
+    for (size_t i = 0; i < sizeof guard; i++) guard[i] = (char)toupper((unsigned char)id[i]);
+    fputs("/* Calibrated kinematics as const arrays.\n *\n", stream);
+    mukca_export_provenance(stream, " * ", input);
+    print_use(stream, id);
+    fprintf(stream, "#ifndef %s_KINEMATICS_H\n#define %s_KINEMATICS_H\n\n", guard, guard);
+    fprintf(stream, "enum { %s_elements = %d, %s_joints = %d };\n", id, chain->n_elements, id,
+            chain->n_joints);
+    print_arrays(stream, id, input);
     print_effects(stream, id, input);
     fputs("\n#endif\n", stream);
     return MUKCA_OK;
 }
+
+const mukca_export_format mukca_export_c = {.write = write_c, .comment = {"/*", "*/"}};

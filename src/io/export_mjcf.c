@@ -1,24 +1,26 @@
-/* The calibrated arm as a MuJoCo model: bodies' pos and quat, and for found effects the stiffness
- * of joints, links and base, and the play of gears, that bring the simulator nearer to the real
- * arm. */
+/* The calibrated arm as a MuJoCo model: poses of bodies; springs for the compliance of joints,
+ * links and base; stops for backlash. */
+#include <libxml/parser.h>
+#include <libxml/tree.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "io/export.h"
+#include "io/table.h"
 
-/* What the effects ask of one joint (or of the base): compliances, rad/(N m) or m/N, and play. */
+/* Of one joint: compliance about its axis and across it, rad/(N m) or m/N, and backlash, rad. */
 typedef struct {
     double angle, bending, play;
-} give;
+} elasticity;
 
 typedef struct {
     FILE *stream;
     const mukca_export_input *input;
     const mukca_chain *chain;
-    give joint[MUKCA_MAX_JOINTS];
-    double base;
-    int depth; /* of open bodies */
+    elasticity joint[MUKCA_MAX_JOINTS];
+    double base; /* compliance, rad/(N m) */
+    int depth;   /* of open bodies */
 } writer;
 
 static void indent(const writer *w)
@@ -29,7 +31,7 @@ static void indent(const writer *w)
 static void numbers(const writer *w, const char *key, const double *values, int n)
 {
     fprintf(w->stream, " %s=\"", key);
-    for (int i = 0; i < n; i++) fprintf(w->stream, "%s%.17g", i ? " " : "", values[i]);
+    mukca_export_numbers(w->stream, values, n, " ");
     fputc('"', w->stream);
 }
 
@@ -53,37 +55,49 @@ static void name(const writer *w, const char *key, const char *text, const char 
     fprintf(w->stream, "%s\"", suffix);
 }
 
-/* Sort the effects: what a spring or a stop can do, and what it cannot (a note and a comment). */
+/* The mechanical equivalent of an effect: the sum that its coefficient adds to, NULL where no
+ * spring or stop behaves like it. */
+static double *equivalent(writer *w, const mukca_effect *effect)
+{
+    elasticity *joint = effect->joint < 0 ? NULL : &w->joint[effect->joint];
+    if (!(effect->coefficient[0] > 0)) return NULL;
+    switch (effect->kind) {
+        case MUKCA_EFFECT_BASE_COMPLIANCE:
+            return &w->base;
+        case MUKCA_EFFECT_JOINT_COMPLIANCE:
+            return &joint->angle;
+        case MUKCA_EFFECT_LINK_BENDING:
+            return &joint->bending;
+        case MUKCA_EFFECT_BACKLASH:
+            return &joint->play;
+        default:
+            return NULL;
+    }
+}
+
+static bool holds(const mukca_effect *effect)
+{
+    writer w = {0};
+    return equivalent(&w, effect) != NULL;
+}
+
+/* Sum the equivalents; a line of the comment for each effect that has none. */
 static void gather(writer *w)
 {
     const mukca_offsets *o = w->input->offsets;
     for (int e = 0; e < o->n_effects; e++) {
-        const mukca_effect *effect = &o->effects[e];
-        const double c = effect->coefficient[0];
-        const char *kind = mukca_effect_table[effect->kind].name;
-        if (effect->kind == MUKCA_EFFECT_BASE_COMPLIANCE && c > 0) {
-            w->base += c;
-        } else if (effect->kind == MUKCA_EFFECT_JOINT_COMPLIANCE && c > 0) {
-            w->joint[effect->joint].angle += c;
-        } else if (effect->kind == MUKCA_EFFECT_LINK_BENDING && c > 0) {
-            w->joint[effect->joint].bending += c;
-        } else if (effect->kind == MUKCA_EFFECT_BACKLASH && c > 0) {
-            w->joint[effect->joint].play += c;
-        } else {
-            char text[256];
-            const char *where =
-                effect->joint < 0 ? "the arm"
-                                  : w->chain->element[w->chain->joint_element[effect->joint]].name;
-            fprintf(w->stream, "     Left out, no spring or stop does it: %s of %s\n", kind, where);
-            snprintf(text, sizeof text, "MJCF: %s of %.60s is left out: no spring or stop does it",
-                     kind, where);
-            if (w->input->note) w->input->note(w->input->context, text);
-        }
+        double *sum = equivalent(w, &o->effects[e]);
+        const char *joint = mukca_export_joint(w->input, &o->effects[e]);
+        if (sum)
+            *sum += o->effects[e].coefficient[0];
+        else
+            fprintf(w->stream, "     Left out, no spring or stop behaves like it: %s of %s\n",
+                    mukca_effect_table[o->effects[e].kind].name, joint ? joint : "the arm");
     }
 }
 
-/* Mass, centre and a rough inertia of what hangs on element k: balls of 50 mm radius.  A body that
- * moves must have some. */
+/* Mass, centre and a rough inertia of what hangs on element k: each mass a ball of 50 mm radius,
+ * which matters for the time to come to rest only.  MuJoCo refuses moving bodies without mass. */
 static void print_inertial(const writer *w, int k, bool moves)
 {
     double kg = 0, com[3] = {0, 0, 0}, inertia = 0;
@@ -97,7 +111,7 @@ static void print_inertial(const writer *w, int k, bool moves)
     for (int m = 0; m < w->chain->n_masses; m++) {
         const mukca_mass *mass = &w->chain->mass[m];
         if (mass->element != k) continue;
-        double square = 0.4 * 0.05 * 0.05;
+        double square = 0.4 * 0.05 * 0.05; /* 2/5 r^2, a solid ball */
         for (int i = 0; i < 3; i++) square += (mass->com[i] - com[i]) * (mass->com[i] - com[i]);
         inertia += mass->kg * square;
     }
@@ -115,7 +129,8 @@ static void print_inertial(const writer *w, int k, bool moves)
     fputs("/>\n", w->stream);
 }
 
-/* A spring of that compliance; its damping lets the arm come to rest within a second. */
+/* A spring of that compliance.  Damping / stiffness is the time constant of its creep, 20 ms: the
+ * arm comes to rest within a second, and no link oscillates. */
 static void print_spring(const writer *w, const char *joint, const char *suffix, const char *type,
                          const double axis[3], double compliance)
 {
@@ -130,11 +145,10 @@ static void print_spring(const writer *w, const char *joint, const char *suffix,
     fputs("/>\n", w->stream);
 }
 
-/* Before the joint turns: the link bends about two axes across it.  Then the joint itself, and what
- * its gear adds. */
+/* The link's bending about two axes across the joint, the joint itself, and its transmission. */
 static void print_joints(const writer *w, const mukca_element *e)
 {
-    const give *g = &w->joint[e->joint];
+    const elasticity *g = &w->joint[e->joint];
     const char *type = e->type == MUKCA_PRISMATIC ? "slide" : "hinge";
     double e1[3], e2[3];
     if (g->bending > 0) {
@@ -151,7 +165,8 @@ static void print_joints(const writer *w, const mukca_element *e)
         const double range[2] = {e->lower, e->upper};
         numbers(w, "range", range, 2);
     }
-    /* The rotor's inertia parts the drive's side of a spring from the link's. */
+    /* the rotor's inertia, kg m^2 (rough): separates the motor's side of a spring from the link's
+     */
     fputs(g->angle > 0 || g->play > 0 ? " armature=\"0.1\"/>\n" : "/>\n", w->stream);
     if (g->angle > 0) print_spring(w, e->name, "_flex", type, e->axis, g->angle);
     if (g->play > 0) {
@@ -180,29 +195,13 @@ static void open_body(writer *w, const char *link, const double *pos, const doub
     w->depth++;
 }
 
-/* Provenance in an XML comment, where two hyphens may not stand. */
-static mukca_status print_provenance(const writer *w, mukca_error *error)
-{
-    char *text = NULL;
-    size_t size;
-    FILE *stream = open_memstream(&text, &size);
-    if (stream) mukca_export_provenance(stream, "     ", w->input);
-    if (!stream || fclose(stream) != 0) {
-        free(text);
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    }
-    fputs("<!--\n", w->stream);
-    for (const char *c = text; *c; c++) fputc(c[0] == '-' && c[1] == '-' ? '_' : *c, w->stream);
-    free(text);
-    return MUKCA_OK;
-}
-
-mukca_status mukca_export_mjcf(FILE *stream, const mukca_export_input *input, mukca_error *error)
+static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
     const mukca_chain *chain = input->chain;
     writer w = {.stream = stream, .input = input, .chain = chain};
-    mukca_status status = print_provenance(&w, error);
-    if (status) return status;
+    (void)error;
+    fputs("<!--\n", stream);
+    mukca_export_provenance(stream, "     ", input);
     fputs(
         "     A statics model: bodies and joints have the URDF's names; pos and quat hold the\n"
         "     calibrated origins.  Springs (_flex, _bend, base_flex) and stops (_play) stand for\n"
@@ -222,9 +221,9 @@ mukca_status mukca_export_mjcf(FILE *stream, const mukca_export_input *input, mu
     }
     for (int k = 0; k < chain->n_elements; k++) {
         const mukca_element *e = &chain->element[k];
-        double xyz[3], rpy[3], quaternion[4];
-        mukca_export_origin(xyz, rpy, quaternion, input, k);
-        open_body(&w, e->child, xyz, quaternion);
+        mukca_export_origin origin;
+        mukca_export_get_origin(&origin, input, k);
+        open_body(&w, e->child, origin.xyz, origin.quaternion);
         if (e->joint >= 0) print_joints(&w, e);
         print_inertial(&w, k, e->joint >= 0);
     }
@@ -238,3 +237,100 @@ mukca_status mukca_export_mjcf(FILE *stream, const mukca_export_input *input, mu
     fputs("  </worldbody>\n</mujoco>\n", stream);
     return MUKCA_OK;
 }
+
+static xmlNode *find_named(xmlNode *node, const char *tag, const char *name)
+{
+    for (; node; node = node->next) {
+        if (node->type != XML_ELEMENT_NODE) continue;
+        if (strcmp((const char *)node->name, tag) == 0) {
+            xmlChar *found = xmlGetProp(node, (const xmlChar *)"name");
+            const bool match = found && strcmp((const char *)found, name) == 0;
+            xmlFree(found);
+            if (match) return node;
+        }
+        xmlNode *below = find_named(node->children, tag, name);
+        if (below) return below;
+    }
+    return NULL;
+}
+
+/* Numbers of an attribute; `values` keeps its defaults where there is none. */
+static bool attribute(double *values, int n, xmlNode *node, const char *key)
+{
+    xmlChar *text = xmlGetProp(node, (const xmlChar *)key);
+    const bool good = !text || mukca_number_parse_list(values, n, (const char *)text);
+    xmlFree(text);
+    return good;
+}
+
+static void check_body(mukca_export_difference *d, xmlNode *found, xmlNode *wanted,
+                       const char *name)
+{
+    double p[2][3] = {{0}}, q[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}}, R[2][9];
+    xmlNode *const node[2] = {found, wanted};
+    for (int i = 0; i < 2; i++) {
+        if (!attribute(p[i], 3, node[i], "pos") || !attribute(q[i], 4, node[i], "quat"))
+            p[i][0] = (double)NAN;
+        mukca_rotation_from_quaternion(R[i], q[i]);
+    }
+    mukca_export_add_difference(d, mukca_export_distance(p[0], p[1]),
+                                mukca_rotation_between(R[0], R[1]), name, "pos, quat");
+}
+
+static void check_joint(mukca_export_difference *d, xmlNode *found, xmlNode *wanted,
+                        const char *name)
+{
+    double k[2] = {0, 0}, axis[2][3] = {{0, 0, 1}, {0, 0, 1}};
+    xmlNode *const node[2] = {found, wanted};
+    bool good = true;
+    for (int i = 0; i < 2; i++)
+        good = attribute(&k[i], 1, node[i], "stiffness") &&
+               attribute(axis[i], 3, node[i], "axis") && good;
+    const double off = k[1] > 0 ? fabs(k[0] / k[1] - 1) : fabs(k[0]);
+    mukca_export_add_difference(d, good ? off : (double)NAN,
+                                mukca_export_distance(axis[0], axis[1]), name, "stiffness, axis");
+}
+
+/* Every body and joint of `wanted` in `found`. */
+static void check_nodes(mukca_export_difference *d, xmlNode *found, xmlNode *wanted)
+{
+    for (; wanted; wanted = wanted->next) {
+        if (wanted->type != XML_ELEMENT_NODE) continue;
+        const char *tag = (const char *)wanted->name;
+        const bool body = strcmp(tag, "body") == 0, joint = strcmp(tag, "joint") == 0;
+        xmlChar *name = xmlGetProp(wanted, (const xmlChar *)"name");
+        if ((body || joint) && name) {
+            xmlNode *twin = find_named(found, tag, (const char *)name);
+            if (!twin)
+                mukca_export_add_missing(d, tag, (const char *)name);
+            else if (body)
+                check_body(d, twin, wanted, (const char *)name);
+            else
+                check_joint(d, twin, wanted, (const char *)name);
+        }
+        xmlFree(name);
+        check_nodes(d, found, wanted->children);
+    }
+}
+
+/* Compare all bodies and joints by name; the file may have more of them. */
+static mukca_status compare_mjcf(mukca_export_difference *d, const mukca_export_texts *texts,
+                                 mukca_error *error)
+{
+    const int quiet = XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING;
+    xmlDoc *found = xmlReadMemory(texts->found, (int)strlen(texts->found), "found", NULL, quiet);
+    xmlDoc *wanted =
+        xmlReadMemory(texts->wanted, (int)strlen(texts->wanted), "wanted", NULL, quiet);
+    mukca_status status = MUKCA_OK;
+    if (found && wanted)
+        check_nodes(d, xmlDocGetRootElement(found), xmlDocGetRootElement(wanted));
+    else
+        status = mukca_fail(error, MUKCA_INPUT, "%s: not well-formed XML; export it again",
+                            mukca_table_short_path(texts->path));
+    xmlFreeDoc(found);
+    xmlFreeDoc(wanted);
+    return status;
+}
+
+const mukca_export_format mukca_export_mjcf = {
+    .write = write_mjcf, .holds = holds, .compare = compare_mjcf};

@@ -2,8 +2,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "io/export.h"
 #include "io/table.h"
+#include "io/urdf.h"
 #include "io/urdf_text.h"
 
 /* text[start, stop) becomes `replacement`. */
@@ -35,30 +37,56 @@ static bool find_attribute(size_t *start, size_t *stop, const char *tag, size_t 
 }
 
 /* A new string: text[0, start) + middle + text[stop, length). */
-static char *splice(const char *text, size_t length, size_t start, size_t stop, const char *middle)
+static char *splice(const char *text, size_t length, const edit *e, const char *middle)
 {
-    size_t size = length - (stop - start) + strlen(middle) + 1;
+    size_t size = length - (e->stop - e->start) + strlen(middle) + 1;
     char *out = malloc(size);
     if (out)
-        snprintf(out, size, "%.*s%s%.*s", (int)start, text, middle, (int)(length - stop),
-                 text + stop);
+        snprintf(out, size, "%.*s%s%.*s", (int)e->start, text, middle, (int)(length - e->stop),
+                 text + e->stop);
     return out;
 }
 
-/* The tag (freed) with an attribute set to three numbers. */
-static char *set_attribute(char *tag, const char *name, const double v[3])
+enum { VALUE_SIZE = 3 * 64 }; /* mukca_number_parse_list takes words of at most 63 letters */
+
+/* Three numbers as text.  One that equals the nominal number is copied from the URDF's own text
+ * `old[length]`. */
+static void format_vector(char value[VALUE_SIZE], const double v[3], const double nominal[3],
+                          const char *old, size_t length)
 {
-    char value[96], whole[128];
-    size_t length = strlen(tag), start, stop;
-    snprintf(value, sizeof value, "%.17g %.17g %.17g", v[0], v[1], v[2]);
-    char *out;
-    if (find_attribute(&start, &stop, tag, length, name)) {
-        out = splice(tag, length, start, stop, value);
+    char words[VALUE_SIZE];
+    double read[3];
+    snprintf(words, sizeof words, "%.*s", (int)length, old);
+    const bool usable = length < sizeof words && mukca_number_parse_list(read, 3, words) &&
+                        memcmp(read, nominal, sizeof read) == 0;
+    value[0] = '\0';
+    char *word = words, *rest;
+    for (int i = 0; i < 3; i++) {
+        char number[MUKCA_NUMBER_SIZE];
+        const size_t used = strlen(value);
+        mukca_number_format(number, v[i]);
+        if (usable) word = strtok_r(i ? NULL : words, " \t\r\n", &rest);
+        const bool keep = usable && word && memcmp(&v[i], &nominal[i], sizeof *v) == 0;
+        snprintf(value + used, VALUE_SIZE - used, "%s%s", i ? " " : "", keep ? word : number);
+    }
+}
+
+/* The tag (freed) with attribute `name` set to v, where it was `nominal`; NULL: out of memory. */
+static char *set_attribute(char *tag, const char *name, const double v[3], const double nominal[3])
+{
+    char value[VALUE_SIZE], whole[VALUE_SIZE + 16], *out;
+    edit at = {0};
+    const size_t length = strlen(tag);
+    if (find_attribute(&at.start, &at.stop, tag, length, name)) {
+        format_vector(value, v, nominal, tag + at.start, at.stop - at.start);
+        out = splice(tag, length, &at, value);
     } else {
         size_t end = length - (length >= 2 && tag[length - 2] == '/' ? 2 : 1);
         while (end && strchr(" \t\r\n", tag[end - 1])) end--;
+        format_vector(value, v, nominal, "", 0);
         snprintf(whole, sizeof whole, " %s=\"%s\"", name, value);
-        out = splice(tag, length, end, end, whole);
+        at = (edit){.start = end, .stop = end};
+        out = splice(tag, length, &at, whole);
     }
     free(tag);
     return out;
@@ -70,31 +98,32 @@ static mukca_status make_edit(edit *e, const mukca_urdf_text *urdf, const mukca_
 {
     const mukca_element *nominal = &input->chain->element[element];
     const mukca_urdf_joint *joint = mukca_urdf_text_joint(urdf, nominal->name);
-    double xyz[3], rpy[3], quaternion[4];
-    mukca_export_origin(xyz, rpy, quaternion, input, element);
-    bool moved = false, turned = false;
-    for (int i = 0; i < 3; i++) {
-        moved |= xyz[i] != nominal->xyz[i];
-        turned |= rpy[i] != nominal->rpy[i];
-    }
+    mukca_export_origin origin;
+    mukca_export_get_origin(&origin, input, element);
+    const bool moved = memcmp(origin.xyz, nominal->xyz, sizeof origin.xyz) != 0,
+               turned = memcmp(origin.rpy, nominal->rpy, sizeof origin.rpy) != 0;
     if (!moved && !turned) return MUKCA_OK;
     if (!joint || !urdf->located)
         return mukca_fail(error, MUKCA_INPUT,
-                          "%s: joint '%s' cannot be found byte by byte; save the file as UTF-8",
+                          "%s: joint '%s' cannot be located in this encoding; save the file as "
+                          "UTF-8",
                           mukca_table_short_path(input->urdf_path), nominal->name);
+    const edit nothing = {0};
     char *tag;
     if (joint->has_origin) {
         e->start = joint->origin_start;
         e->stop = joint->origin_stop;
-        tag = splice(urdf->text + e->start, e->stop - e->start, 0, 0, "");
+        tag = splice(urdf->text + e->start, e->stop - e->start, &nothing, "");
     } else { /* a new one, with the white space that follows the joint's tag before it */
         e->start = e->stop = joint->tag_end;
-        const char *gap = urdf->text + joint->tag_end;
-        size_t length = strspn(gap, " \t\r\n");
-        tag = splice(gap, length, length, length, "<origin/>");
+        const char *space = urdf->text + joint->tag_end;
+        const size_t length = strspn(space, " \t\r\n");
+        tag = splice(space, length, &(edit){.start = length, .stop = length}, "<origin/>");
     }
-    if (tag && (moved || !joint->has_origin)) tag = set_attribute(tag, "xyz", xyz);
-    if (tag && (turned || !joint->has_origin)) tag = set_attribute(tag, "rpy", rpy);
+    if (tag && (moved || !joint->has_origin))
+        tag = set_attribute(tag, "xyz", origin.xyz, nominal->xyz);
+    if (tag && (turned || !joint->has_origin))
+        tag = set_attribute(tag, "rpy", origin.rpy, nominal->rpy);
     e->replacement = tag;
     return tag ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
@@ -105,7 +134,7 @@ static int by_start(const void *a, const void *b)
     return (x->start > y->start) - (x->start < y->start);
 }
 
-mukca_status mukca_export_urdf(FILE *stream, const mukca_export_input *input, mukca_error *error)
+static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
     mukca_urdf_text urdf;
     edit edits[MUKCA_MAX_ELEMENTS] = {{0, 0, NULL}};
@@ -113,7 +142,7 @@ mukca_status mukca_export_urdf(FILE *stream, const mukca_export_input *input, mu
     mukca_status status = mukca_urdf_text_read(&urdf, input->urdf_path, error);
     if (status) return status;
     if (strcmp(urdf.sha256, input->chain->urdf_sha256) != 0)
-        status = mukca_fail(error, MUKCA_INPUT, "%s: changed while it was in use",
+        status = mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again",
                             mukca_table_short_path(input->urdf_path));
     for (int k = 0; k < input->chain->n_elements && status == MUKCA_OK; k++) {
         status = make_edit(&edits[n], &urdf, input, k, error);
@@ -129,10 +158,44 @@ mukca_status mukca_export_urdf(FILE *stream, const mukca_export_input *input, mu
         }
         fwrite(urdf.text + at, 1, urdf.length - at, stream);
     }
-    if (status == MUKCA_OK && input->offsets->n_effects && input->note)
-        input->note(input->context,
-                    "a URDF has no place for effects: only the geometry is exported");
     for (int k = 0; k < input->chain->n_elements; k++) free(edits[k].replacement);
     mukca_urdf_text_free(&urdf);
     return status;
 }
+
+static bool holds(const mukca_effect *effect)
+{
+    (void)effect; /* a URDF has no place for effects */
+    return false;
+}
+
+/* Load the URDF and compare the origins of the chain's joints. */
+static mukca_status compare_urdf(mukca_export_difference *d, const mukca_export_texts *texts,
+                                 mukca_error *error)
+{
+    const mukca_export_input *input = texts->input;
+    mukca_chain *chain = calloc(1, sizeof *chain);
+    if (!chain) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const mukca_urdf_options options = {.base = input->chain->base, .tip = input->chain->tip};
+    mukca_status status = mukca_urdf_load(chain, texts->path, &options, NULL, NULL, error);
+    for (int k = 0; status == MUKCA_OK && k < input->chain->n_elements; k++) {
+        const char *name = input->chain->element[k].name;
+        const int at = mukca_chain_find_element(chain, name);
+        mukca_export_origin wanted;
+        double R[9], S[9];
+        if (at < 0) {
+            mukca_export_add_missing(d, "joint", name);
+            continue;
+        }
+        mukca_export_get_origin(&wanted, input, k);
+        mukca_rotation_from_rpy(R, wanted.rpy);
+        mukca_rotation_from_rpy(S, chain->element[at].rpy);
+        mukca_export_add_difference(d, mukca_export_distance(wanted.xyz, chain->element[at].xyz),
+                                    mukca_rotation_between(R, S), name, "");
+    }
+    free(chain);
+    return status;
+}
+
+const mukca_export_format mukca_export_urdf = {
+    .write = write_urdf, .holds = holds, .compare = compare_urdf};

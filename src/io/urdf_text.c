@@ -1,7 +1,6 @@
 /* A URDF as text: read, hashed, checked and its joints located with libxml2's SAX parser. */
 #include "io/urdf_text.h"
 
-#include <errno.h>
 #include <libxml/parser.h>
 #include <libxml/parserInternals.h>
 #include <sha2.h>
@@ -9,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 #include "base/number.h"
+#include "io/file.h"
 #include "io/table.h"
 
 /* Beyond these no URDF is honest, and urdfdom's own parser recurses on the stack. */
@@ -184,39 +183,12 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
 
 static mukca_status read_bytes(mukca_urdf_text *urdf, const char *path, mukca_error *error)
 {
-    const char *shown = mukca_table_short_path(path);
-    struct stat info;
-    FILE *file = fopen(path, "rb");
-    if (!file || fstat(fileno(file), &info) != 0 || S_ISDIR(info.st_mode)) {
-        int reason = file ? EISDIR : errno;
-        if (file) fclose(file);
-        return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", shown, strerror(reason));
-    }
-    mukca_status status = MUKCA_OK;
-    size_t capacity = 0;
-    errno = 0;
-    do {
-        if (capacity - urdf->length < 2) {
-            capacity = capacity ? 2 * capacity : 1 << 16;
-            char *text = realloc(urdf->text, capacity);
-            if (!text) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-            if (!text) break;
-            urdf->text = text;
-        }
-        urdf->length += fread(urdf->text + urdf->length, 1, capacity - urdf->length - 1, file);
-        if (urdf->length > LARGEST_FILE)
-            status = mukca_fail(error, MUKCA_INPUT, "%s: is larger than %d MiB; this is no URDF",
-                                shown, LARGEST_FILE >> 20);
-        if (ferror(file))
-            status = mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", shown, strerror(errno));
-    } while (status == MUKCA_OK && !feof(file));
-    fclose(file);
-    if (status) return status;
-    urdf->text[urdf->length] = '\0';
-    if (urdf->length == 0) return mukca_fail(error, MUKCA_INPUT, "%s: is empty", shown);
+    mukca_status status = mukca_file_read(&urdf->text, &urdf->length, path, LARGEST_FILE, error);
+    if (status != MUKCA_OK) return status;
+    path = mukca_table_short_path(path);
+    if (urdf->length == 0) return mukca_fail(error, MUKCA_INPUT, "%s: is empty", path);
     if (strlen(urdf->text) != urdf->length)
-        return mukca_fail(error, MUKCA_INPUT, "%s: holds a zero byte; save it as UTF-8 text",
-                          shown);
+        return mukca_fail(error, MUKCA_INPUT, "%s: holds a zero byte; save it as UTF-8 text", path);
     SHA256Data((const uint8_t *)urdf->text, urdf->length, urdf->sha256);
     return MUKCA_OK;
 }

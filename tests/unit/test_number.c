@@ -84,6 +84,33 @@ static void lists_have_exactly_n(void **state)
     assert_false(mukca_number_parse_list(v, 3, ""));
 }
 
+static void numbers_are_written_short_and_read_back(void **state)
+{
+    (void)state;
+    static const struct {
+        double value;
+        const char *text;
+    } known[] = {{0.1, "0.1"},
+                 {1.0 / 3, "0.3333333333333333"},
+                 {0.1 + 0.2, "0.30000000000000004"},
+                 {-0.0, "0"},
+                 {1e-300, "1e-300"},
+                 {-5, "-5"}};
+    char text[MUKCA_NUMBER_SIZE];
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        mukca_number_format(text, known[i].value);
+        assert_string_equal(text, known[i].text);
+    }
+    mukca_random random;
+    mukca_random_seed(&random, 1);
+    for (int i = 0; i < 10000; i++) {
+        const double value = mukca_random_normal(&random) * exp(10 * mukca_random_normal(&random));
+        double back;
+        mukca_number_format(text, value);
+        assert_true(mukca_number_parse(&back, text) && back == value);
+    }
+}
+
 static void near_names_are_suggested(void **state)
 {
     (void)state;
@@ -102,8 +129,10 @@ static void near_names_are_suggested(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_are_the_c_librarys), cmocka_unit_test(other_texts_are_no_numbers),
-        cmocka_unit_test(lists_have_exactly_n), cmocka_unit_test(near_names_are_suggested)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_are_the_c_librarys),
+                                       cmocka_unit_test(other_texts_are_no_numbers),
+                                       cmocka_unit_test(lists_have_exactly_n),
+                                       cmocka_unit_test(numbers_are_written_short_and_read_back),
+                                       cmocka_unit_test(near_names_are_suggested)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,6 @@
 /* The offsets table: what is written is read back to the last bit, and never for another arm. */
 #include "io/offsets.h"
 
-#include "io/export.h"
 #include "io/urdf.h"
 #include "math/random.h"
 #include "scratch.h"
@@ -225,109 +224,11 @@ static void broken_tables_get_one_clear_line(void **state)
                  "no column 'nominal'");
 }
 
-/* Export to a file; its content, to be freed. */
-static char *export(mukca_export_fn *exporter, mukca_status wanted)
-{
-    char path[128];
-    snprintf(path, sizeof path, "%s/export", scratch_folder);
-    FILE *file = fopen(path, "w");
-    const mukca_export_input input = {
-        .urdf_path = urdf_path(), .chain = &chain, .offsets = &offsets, .note = note};
-    notes[0] = '\0';
-    assert_int_equal(exporter(file, &input, &error), wanted);
-    fclose(file);
-    return scratch_read(path);
-}
-
-/* Text without the origins of joints a, b and t. */
-static void drop_origins(char *text)
-{
-    for (char *at = text; (at = strstr(at, "<origin"));) {
-        if (strncmp(at, "<origin xyz='9", 14) == 0 || strncmp(at, "<origin xyz='7", 14) == 0 ||
-            strncmp(at, "<origin xyz='0 0 1'", 19) == 0) {
-            at++;
-            continue;
-        }
-        char *end = strchr(at, '>') + 1;
-        memmove(at, end, strlen(end) + 1);
-    }
-}
-
-static void urdf_keeps_every_other_byte(void **state)
-{
-    (void)state;
-    add_effects();
-    char *text = export(mukca_export_urdf, MUKCA_OK);
-    assert_non_null(strstr(notes, "no place for effects"));
-    const char *path = scratch_file("patched.urdf", text);
-    mukca_chain patched;
-    assert_int_equal(mukca_urdf_load(&patched, path, NULL, NULL, NULL, &error), MUKCA_OK);
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 3; i++) {
-            assert_true(patched.element[k].xyz[i] == offsets.theta[6 * k + i]);
-            assert_true(patched.element[k].rpy[i] == offsets.theta[6 * k + 3 + i]);
-        }
-    /* the joint without an origin got one, on a line of its own */
-    assert_non_null(strstr(text, "<joint name='b' type='continuous'>\r\n    <origin xyz=\""));
-    assert_non_null(strstr(text, "\r\n    <parent link='l1'/>"));
-    char whole[sizeof urdf];
-    memcpy(whole, urdf, sizeof urdf);
-    drop_origins(whole);
-    drop_origins(text);
-    char *added = strstr(text, "'continuous'>\r\n    \r\n");
-    assert_non_null(added);
-    memmove(added + 13, added + 13 + 6, strlen(added + 13 + 6) + 1);
-    assert_string_equal(text, whole);
-    free(text);
-    /* nothing to change: nothing changed */
-    mukca_offsets calibrated = offsets;
-    mukca_offsets_init(&offsets, &chain);
-    text = export(mukca_export_urdf, MUKCA_OK);
-    assert_string_equal(text, urdf);
-    free(text);
-    offsets = calibrated;
-}
-
-static void urdf_that_changed_meanwhile_is_refused(void **state)
-{
-    (void)state;
-    const char was = chain.urdf_sha256[0];
-    chain.urdf_sha256[0] = 'x';
-    free(export(mukca_export_urdf, MUKCA_INPUT));
-    assert_non_null(strstr(error.text, "changed while it was in use"));
-    chain.urdf_sha256[0] = was;
-}
-
-static void yaml_and_c_hold_every_number(void **state)
-{
-    (void)state;
-    add_effects();
-    char *yaml = export(mukca_export_yaml, MUKCA_OK), *c = export(mukca_export_c, MUKCA_OK);
-    for (int i = 0; i < 18; i++) {
-        char number[32];
-        snprintf(number, sizeof number, "%.17g", offsets.theta[i]);
-        assert_non_null(strstr(yaml, number));
-        assert_non_null(strstr(c, number));
-    }
-    for (int e = 0; e < offsets.n_effects; e++) {
-        const char *name = mukca_effect_table[offsets.effects[e].kind].name;
-        assert_non_null(strstr(yaml, name));
-        assert_non_null(strstr(c, name));
-    }
-    assert_non_null(strstr(yaml, "robot: \"odd & arm\"\n"));
-    assert_non_null(strstr(c, "enum { odd___arm_elements = 3, odd___arm_joints = 2 };"));
-    free(yaml);
-    free(c);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(tables_come_back_to_the_last_bit),
                                        cmocka_unit_test(tables_tell_where_they_come_from),
                                        cmocka_unit_test(another_arms_table_is_refused),
-                                       cmocka_unit_test(broken_tables_get_one_clear_line),
-                                       cmocka_unit_test(urdf_keeps_every_other_byte),
-                                       cmocka_unit_test(urdf_that_changed_meanwhile_is_refused),
-                                       cmocka_unit_test(yaml_and_c_hold_every_number)};
+                                       cmocka_unit_test(broken_tables_get_one_clear_line)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

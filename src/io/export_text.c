@@ -1,0 +1,90 @@
+/* What export formats share: provenance, numbers, names and the calibrated origin. */
+#include <math.h>
+#include <string.h>
+
+#include "base/number.h"
+#include "io/export.h"
+#include "mukca/version.h"
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+void mukca_export_quoted(FILE *stream, const char *text)
+{
+    fputc('"', stream);
+    for (; *text; text++) {
+        if ((unsigned char)*text < ' ') continue;
+        if (*text == '"' || *text == '\\') fputc('\\', stream);
+        fputc(*text, stream);
+    }
+    fputc('"', stream);
+}
+
+/* A name inside a comment of C or XML: without the characters that could end it. */
+static void print_plain(FILE *stream, const char *text)
+{
+    for (; *text; text++)
+        if ((unsigned char)*text < ' ' || (text[0] == '*' && text[1] == '/'))
+            fputc(' ', stream);
+        else
+            fputc(text[0] == '-' && text[1] == '-' ? '_' : *text, stream);
+}
+
+void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_export_input *input)
+{
+    char when[32];
+    mukca_offsets_time(when);
+    fprintf(stream, "%sWritten by mukca " MUKCA_VERSION " on %s from ", prefix, when);
+    print_plain(stream, base_name(input->urdf_path));
+    if (input->offsets_path) {
+        fputs(" and ", stream);
+        print_plain(stream, base_name(input->offsets_path));
+    }
+    fprintf(stream, ".\n%sRobot ", prefix);
+    print_plain(stream, input->chain->robot);
+    fputs(", from link ", stream);
+    print_plain(stream, input->chain->base);
+    fputs(" to ", stream);
+    print_plain(stream, input->chain->tip);
+    fprintf(stream, ".\n%sSHA-256 of the URDF: %s\n", prefix, input->chain->urdf_sha256);
+}
+
+void mukca_export_numbers(FILE *stream, const double *values, int n, const char *separator)
+{
+    char text[MUKCA_NUMBER_SIZE];
+    for (int i = 0; i < n; i++) {
+        mukca_number_format(text, values[i]);
+        fprintf(stream, "%s%s", i ? separator : "", text);
+    }
+}
+
+void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,
+                             int element)
+{
+    /* 1 nm, or 1 nm at a metre: thousands of times below any arm's repeatability */
+    const double smallest_offset = 1e-9;
+    /* half an ulp of 1, ten times over: what cos(pi / 2) leaves instead of 0 */
+    const double smallest_component = 1e-15;
+    const mukca_element *nominal = &input->chain->element[element];
+    const double *theta = input->offsets->theta + MUKCA_PARAMETERS * element;
+    double R[9];
+    for (int i = 0; i < 3; i++) {
+        origin->xyz[i] =
+            fabs(theta[i] - nominal->xyz[i]) < smallest_offset ? nominal->xyz[i] : theta[i];
+        origin->rpy[i] =
+            fabs(theta[3 + i] - nominal->rpy[i]) < smallest_offset ? nominal->rpy[i] : theta[3 + i];
+    }
+    mukca_rotation_from_rpy(R, origin->rpy);
+    mukca_rotation_to_quaternion(origin->quaternion, R);
+    for (int i = 0; i < 4; i++)
+        if (fabs(origin->quaternion[i]) < smallest_component) origin->quaternion[i] = 0;
+}
+
+const char *mukca_export_joint(const mukca_export_input *input, const mukca_effect *effect)
+{
+    if (effect->joint < 0) return NULL;
+    return input->chain->element[input->chain->joint_element[effect->joint]].name;
+}

@@ -1,0 +1,256 @@
+/* Exported models: what a format holds, what it leaves as it was, and the check against the table.
+ */
+#include "io/export.h"
+
+#include "base/number.h"
+#include "io/urdf.h"
+#include "math/random.h"
+#include "scratch.h"
+
+static mukca_chain chain;
+static mukca_offsets offsets;
+static mukca_error error;
+static char notes[1024];
+
+static void note(void *context, const char *text)
+{
+    (void)context;
+    strncat(notes, text, sizeof notes - strlen(notes) - 1);
+}
+
+/* Odd on purpose: CR LF, single quotes, comments that look like joints, a joint without origin, a
+ * transmission that names one, attributes in another order, a tab inside. */
+static const char urdf[] =
+    "<?xml version='1.0'?>\r\n<!-- <joint name='a'><origin xyz='9 9 9'/></joint> -->\r\n"
+    "<robot name='odd &amp; arm'>\r\n"
+    "<link name='base'/><link name='l1'/><link name='l2'/><link name='ball'/><link "
+    "name='side'/>\r\n"
+    "<joint  type='revolute'  name='a' >\r\n\t<origin rpy='0 1.5 0'\txyz = '0.1 -0.2 0.3' "
+    "></origin>"
+    "<parent link='base'/><child link='l1'/><limit lower='-3' upper='3' effort='1' velocity='1'/>"
+    "</joint>\r\n"
+    "<joint name='b' type='continuous'>\r\n    <parent link='l1'/><child link='l2'/>"
+    "<axis xyz='0 1 0'/></joint>\r\n"
+    "<joint name=\"t\" type=\"fixed\"><origin xyz=\"0 0 0.5\" />"
+    "<parent link=\"l2\"/><child link=\"ball\"/></joint>\r\n"
+    "<joint name='s' type='fixed'><origin xyz='0 0 1'/><parent link='l2'/><child "
+    "link='side'/></joint>\r\n"
+    "<transmission name='x'><joint name='a'><origin xyz='7 7 7'/></joint></transmission>\r\n"
+    "</robot>\r\n<!-- the end, no newline -->";
+
+static const char *urdf_path(void)
+{
+    return scratch_file("odd.urdf", urdf);
+}
+
+static void calibrate(void)
+{
+    mukca_random random;
+    mukca_random_seed(&random, 3);
+    mukca_offsets_init(&offsets, &chain);
+    for (int i = 0; i < 18; i++) offsets.theta[i] += 1e-3 * mukca_random_normal(&random);
+}
+
+static int setup(void **state)
+{
+    if (scratch_setup(state)) return 1;
+    return mukca_urdf_load(&chain, urdf_path(), NULL, NULL, NULL, &error) != MUKCA_OK;
+}
+
+/* A compliance, and one effect that no spring represents. */
+static void add_effects(void)
+{
+    offsets.n_effects = 2;
+    offsets.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,
+                                        .joint = 1,
+                                        .placement = -1,
+                                        .terms = 1,
+                                        .coefficient = {1e-4}};
+    offsets.effects[1] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_SCALE,
+                                        .joint = 0,
+                                        .placement = -1,
+                                        .terms = 1,
+                                        .coefficient = {1e-3 / 3}};
+}
+
+static mukca_export_input make_input(void)
+{
+    notes[0] = '\0';
+    return (mukca_export_input){
+        .urdf_path = urdf_path(), .chain = &chain, .offsets = &offsets, .note = note};
+}
+
+/* Export to a file; its content, to be freed. */
+static char *export(const char *name, mukca_status wanted)
+{
+    char path[128];
+    const mukca_exporter *exporter = mukca_exporters;
+    while (strcmp(exporter->name, name) != 0) exporter++;
+    snprintf(path, sizeof path, "%s/export", scratch_folder);
+    FILE *file = fopen(path, "w");
+    const mukca_export_input input = make_input();
+    assert_int_equal(mukca_export_write(file, exporter, &input, &error), wanted);
+    fclose(file);
+    return scratch_read(path);
+}
+
+/* Text without the origins of joints a, b and t. */
+static void drop_origins(char *text)
+{
+    for (char *at = text; (at = strstr(at, "<origin"));) {
+        if (strncmp(at, "<origin xyz='9", 14) == 0 || strncmp(at, "<origin xyz='7", 14) == 0 ||
+            strncmp(at, "<origin xyz='0 0 1'", 19) == 0) {
+            at++;
+            continue;
+        }
+        char *end = strchr(at, '>') + 1;
+        memmove(at, end, strlen(end) + 1);
+    }
+}
+
+static void urdf_keeps_every_other_byte(void **state)
+{
+    (void)state;
+    calibrate();
+    add_effects();
+    char *text = export("urdf", MUKCA_OK);
+    assert_non_null(strstr(notes, "joint_scale of a is left out: the format urdf"));
+    const char *path = scratch_file("patched.urdf", text);
+    mukca_chain patched;
+    assert_int_equal(mukca_urdf_load(&patched, path, NULL, NULL, NULL, &error), MUKCA_OK);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++) {
+            assert_true(patched.element[k].xyz[i] == offsets.theta[6 * k + i]);
+            assert_true(patched.element[k].rpy[i] == offsets.theta[6 * k + 3 + i]);
+        }
+    /* the joint without an origin got one, on a line of its own */
+    assert_non_null(strstr(text, "<joint name='b' type='continuous'>\r\n    <origin xyz=\""));
+    assert_non_null(strstr(text, "\r\n    <parent link='l1'/>"));
+    char whole[sizeof urdf];
+    memcpy(whole, urdf, sizeof urdf);
+    drop_origins(whole);
+    drop_origins(text);
+    char *added = strstr(text, "'continuous'>\r\n    \r\n");
+    assert_non_null(added);
+    memmove(added + 13, added + 13 + 6, strlen(added + 13 + 6) + 1);
+    assert_string_equal(text, whole);
+    free(text);
+    /* nothing to change: nothing changed */
+    mukca_offsets_init(&offsets, &chain);
+    text = export("urdf", MUKCA_OK);
+    assert_string_equal(text, urdf);
+    free(text);
+}
+
+/* The other numbers of an origin, and origins that did not change, keep their text. */
+static void urdf_keeps_the_text_of_unchanged_numbers(void **state)
+{
+    (void)state;
+    static const char number[] = "<origin rpy='0 1.5 0'\txyz = '0.1 -0.2 0.3' >";
+    mukca_offsets_init(&offsets, &chain);
+    for (int i = 0; i < 18; i++) offsets.theta[i] += 9e-10; /* counts as no offset */
+    char *text = export("urdf", MUKCA_OK);
+    assert_string_equal(text, urdf);
+    free(text);
+    offsets.theta[1] = -0.1;
+    offsets.theta[12] = 1.0 / 3;
+    text = export("urdf", MUKCA_OK);
+    assert_null(strstr(text, number));
+    assert_non_null(strstr(text, "<origin rpy='0 1.5 0'\txyz = '0.1 -0.1 0.3' >"));
+    assert_non_null(strstr(text, "<origin xyz=\"0.3333333333333333 0 0.5\" />"));
+    free(text);
+}
+
+static void urdf_that_changed_meanwhile_is_refused(void **state)
+{
+    (void)state;
+    calibrate();
+    const char was = chain.urdf_sha256[0];
+    chain.urdf_sha256[0] = 'x';
+    free(export("urdf", MUKCA_INPUT));
+    assert_non_null(strstr(error.text, "changed during the export"));
+    chain.urdf_sha256[0] = was;
+}
+
+static void yaml_and_c_hold_every_number(void **state)
+{
+    (void)state;
+    calibrate();
+    add_effects();
+    char *yaml = export("yaml", MUKCA_OK), *c = export("c", MUKCA_OK);
+    assert_string_equal(notes, "");
+    for (int i = 0; i < 18; i++) {
+        char number[MUKCA_NUMBER_SIZE];
+        mukca_number_format(number, offsets.theta[i]);
+        assert_non_null(strstr(yaml, number));
+        assert_non_null(strstr(c, number));
+    }
+    for (int e = 0; e < offsets.n_effects; e++) {
+        const char *name = mukca_effect_table[offsets.effects[e].kind].name;
+        assert_non_null(strstr(yaml, name));
+        assert_non_null(strstr(c, name));
+    }
+    assert_non_null(strstr(yaml, "robot: \"odd & arm\"\n"));
+    assert_non_null(strstr(c, "enum { odd___arm_elements = 3, odd___arm_joints = 2 };"));
+    free(yaml);
+    free(c);
+}
+
+static void mjcf_holds_springs_and_names_the_rest(void **state)
+{
+    (void)state;
+    calibrate();
+    add_effects();
+    char *text = export("mjcf", MUKCA_OK);
+    assert_non_null(strstr(notes, "joint_scale of a is left out: the format mjcf"));
+    assert_null(strstr(notes, "joint_compliance"));
+    assert_non_null(
+        strstr(text, "name=\"b_flex\" type=\"hinge\" axis=\"0 1 0\" stiffness=\"10000\""));
+    free(text);
+}
+
+/* For every row of the table: what was written agrees, and a model that changed since does not. */
+static void every_format_can_be_checked(void **state)
+{
+    (void)state;
+    for (const mukca_exporter *exporter = mukca_exporters; exporter->name; exporter++) {
+        mukca_export_difference difference;
+        calibrate();
+        char *text = export(exporter->name, MUKCA_OK);
+        const char *path = scratch_file("checked", text);
+        const mukca_export_input input = make_input();
+        assert_int_equal(mukca_export_check(&difference, path, exporter, &input, &error), MUKCA_OK);
+        assert_true(difference.agrees && difference.compared >= 3);
+        offsets.theta[8] += 1e-6;
+        assert_int_equal(mukca_export_check(&difference, path, exporter, &input, &error), MUKCA_OK);
+        assert_false(difference.agrees);
+        assert_true(difference.position > 0.9e-6 && difference.position < 1.1e-6);
+        offsets.theta[8] = (double)NAN;
+        if (mukca_export_check(&difference, path, exporter, &input, &error) == MUKCA_OK)
+            assert_false(difference.agrees);
+        free(text);
+    }
+}
+
+static void endings_choose_a_format(void **state)
+{
+    (void)state;
+    static const char *const names[][2] = {
+        {"a.urdf", "urdf"}, {"a.b/c.yml", "yaml"}, {"x.yaml", "yaml"}, {"x.h", "c"},
+        {"x.mjcf", "mjcf"}, {"x.unknown", "urdf"}, {"x.y", "urdf"},    {"x.", "urdf"}};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        assert_string_equal(mukca_exporters[mukca_exporter_find(names[i][0])].name, names[i][1]);
+    assert_int_equal(mukca_exporter_find(NULL), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(urdf_keeps_every_other_byte),
+                                       cmocka_unit_test(urdf_keeps_the_text_of_unchanged_numbers),
+                                       cmocka_unit_test(urdf_that_changed_meanwhile_is_refused),
+                                       cmocka_unit_test(yaml_and_c_hold_every_number),
+                                       cmocka_unit_test(mjcf_holds_springs_and_names_the_rest),
+                                       cmocka_unit_test(every_format_can_be_checked),
+                                       cmocka_unit_test(endings_choose_a_format)};
+    return cmocka_run_group_tests(tests, setup, scratch_teardown);
+}
