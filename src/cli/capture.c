@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "io/output.h"
+#include "lcm/state.h"
 #include "record/recorder.h"
 
 typedef struct {
@@ -386,8 +387,11 @@ const cli_command cli_command_capture = {
         "shows how far the predictions at this socket spread, which a badly seated ball makes "
         "jump, and when more rows there help no more.\n\n"
         "Keys: a add, d delete the last row, s other socket, n next placement, q finish.\n\n"
-        "Messages of drake's iiwa, Panda and Jaco drivers and of bot_core are understood, and any "
-        "other type that --type describes.",
+        "Known types of joint states, and where they are usually sent:\n"
+#define STATE_HELP(file, type, channel, fingerprint) "  " type ", " channel "\n"
+    MUKCA_LCM_STATE_LIST(STATE_HELP)
+#undef STATE_HELP
+        "\nAny other type works with a description: --type and --position.",
     .example =
         "mukca capture --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
         "--trigger -o build/guided.tsv --force",

@@ -20,7 +20,6 @@ typedef struct {
 
 typedef struct {
     cli_call *call;
-    mukca_lcm_types types;
     mukca_lcm_link *link;
     int64_t id;
     bool wants_status;
@@ -80,11 +79,11 @@ static void on_packet(void *context, const mukca_lcm_packet *packet)
     mukca_error unsaid;
     if (c->answered) return;
     if (c->wants_status) {
-        if (!mukca_message_decode(&status, MUKCA_LCM_STATUS, packet->data, packet->size, &c->types,
+        if (!mukca_message_decode(&status, MUKCA_MESSAGE_STATUS, packet->data, packet->size,
                                   &unsaid))
             take_status(c, &status);
-    } else if (!mukca_message_decode(&c->result, MUKCA_LCM_RESULT, packet->data, packet->size,
-                                     &c->types, &unsaid)) {
+    } else if (!mukca_message_decode(&c->result, MUKCA_MESSAGE_RESULT, packet->data, packet->size,
+                                     &unsaid)) {
         take_result(c, &c->result);
     }
 }
@@ -101,11 +100,10 @@ static mukca_status send_command(client *c)
         return mukca_fail(&c->call->error, MUKCA_USAGE, "at most %d arguments",
                           MUKCA_MESSAGE_ARGUMENTS);
     for (int i = 1; i < words->n; i++) command.argument[command.n++] = words->items[i];
-    size_t size =
-        mukca_message_encode(buffer, sizeof buffer, MUKCA_LCM_COMMAND, &command, &c->types);
+    size_t size = mukca_message_encode(buffer, sizeof buffer, MUKCA_MESSAGE_COMMAND, &command);
     if (!size || size > sizeof buffer)
         return mukca_fail(&c->call->error, MUKCA_USAGE, "the arguments are too long");
-    mukca_message_channel(channel, MUKCA_LCM_COMMAND, o->prefix);
+    mukca_message_channel(channel, MUKCA_MESSAGE_COMMAND, o->prefix);
     return mukca_lcm_link_publish(c->link, channel, buffer, size, &c->call->error);
 }
 
@@ -138,11 +136,10 @@ static mukca_status run(cli_call *call)
     c->wants_status = strcmp(call->arguments.items[0], "status") == 0;
     mukca_status status = check_verb(call, call->arguments.items[0]);
     if (!status) status = cli_check_outputs(call);
-    if (!status) status = mukca_lcm_types_init(&c->types, error);
     if (!status) status = mukca_lcm_link_open(&c->link, o->lcm_url, on_packet, c, error);
     if (!status && mukca_lcm_link_replays(c->link))
         status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
-    mukca_message_channel(channel, c->wants_status ? MUKCA_LCM_STATUS : MUKCA_LCM_RESULT,
+    mukca_message_channel(channel, c->wants_status ? MUKCA_MESSAGE_STATUS : MUKCA_MESSAGE_RESULT,
                           o->prefix);
     if (!status) status = mukca_lcm_link_listen(c->link, channel, error);
     if (!status && !c->wants_status) status = send_command(c);

@@ -192,8 +192,7 @@ static void on_packet(void *context, const mukca_lcm_packet *packet)
     mukca_message_command command;
     mukca_error error;
     char line[RECORDER_LINE] = "";
-    if (mukca_message_decode(&command, MUKCA_LCM_COMMAND, packet->data, packet->size,
-                             &s->engine.types, &error)) {
+    if (mukca_message_decode(&command, MUKCA_MESSAGE_COMMAND, packet->data, packet->size, &error)) {
         recorder_refuse(&s->engine, RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel,
                         error.text);
         return;
@@ -285,7 +284,7 @@ static mukca_status run(cli_call *call)
         status = recorder_open(&s->engine, call, &s->options->recorder, &s->model, true, &hooks);
     if (!status) status = serve_remember(s);
     if (status) goto out;
-    mukca_message_channel(s->pose.channel, MUKCA_LCM_POSE, s->options->recorder.prefix);
+    mukca_message_channel(s->pose.channel, MUKCA_MESSAGE_POSE, s->options->recorder.prefix);
     mukca_error error;
     if (serve_load_model(s, &error)) recorder_say(&s->engine, "%s", error.text);
     if (mukca_lcm_link_replays(s->engine.link)) status = recorder_connect(&s->engine, -1);

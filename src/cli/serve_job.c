@@ -215,5 +215,5 @@ void serve_answer(server *s, int64_t id, const char *verb, mukca_status code, co
         m->identifiable[i] = s->rows[i].identifiable;
     }
     m->json = json;
-    recorder_publish(&s->engine, MUKCA_LCM_RESULT, m);
+    recorder_publish(&s->engine, MUKCA_MESSAGE_RESULT, m);
 }

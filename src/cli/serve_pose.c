@@ -56,8 +56,8 @@ void serve_send_pose(void *context, int64_t time_us, const double *q)
     mukca_fk_pose(&tip, &pose->geometry, q, effects ? &displacement : NULL);
     memcpy(message.position, tip.p, sizeof message.position);
     mukca_rotation_to_quaternion(message.quaternion, tip.R);
-    size_t size = mukca_message_encode(pose->buffer, sizeof pose->buffer, MUKCA_LCM_POSE, &message,
-                                       &s->engine.types);
+    size_t size =
+        mukca_message_encode(pose->buffer, sizeof pose->buffer, MUKCA_MESSAGE_POSE, &message);
     mukca_error error;
     if (mukca_lcm_link_publish(s->engine.link, pose->channel, pose->buffer, size, &error)) return;
     pose->sent++;

@@ -1,32 +1,21 @@
 /* Bounded, table-driven decoder of LCM messages that carry joint states. */
+#include "lcm/decode.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "lcm/type.h"
+#include "lcm/wire.h"
 
 typedef struct {
     const mukca_lcm_types *types;
     const signed char (*role)[MUKCA_LCM_MAX_DEPTH + 1];
+    int guiding_mode;
     mukca_lcm_joints *out;
     int count[MUKCA_LCM_ROLES]; /* values stored so far */
-    const unsigned char *at;
-    size_t left;  /* bytes */
+    mukca_lcm_wire wire;
     size_t steps; /* fields that may still be visited: time stays linear in the size */
     mukca_error *error;
 } decoder;
-
-static const unsigned char primitive_size[] = {
-#define PRIMITIVE_SIZE(name, text, size) size,
-    MUKCA_LCM_PRIMITIVE_LIST(PRIMITIVE_SIZE)
-#undef PRIMITIVE_SIZE
-};
-
-static uint64_t big_endian(const unsigned char *at, int size)
-{
-    uint64_t value = 0;
-    for (int i = 0; i < size; i++) value = value << 8 | at[i];
-    return value;
-}
 
 static int64_t read_integer(const unsigned char *at, mukca_lcm_primitive primitive)
 {
@@ -34,11 +23,11 @@ static int64_t read_integer(const unsigned char *at, mukca_lcm_primitive primiti
         case MUKCA_LCM_INT8:
             return (int8_t)at[0];
         case MUKCA_LCM_INT16:
-            return (int16_t)big_endian(at, 2);
+            return (int16_t)mukca_lcm_wire_get(at, 2);
         case MUKCA_LCM_INT32:
-            return (int32_t)big_endian(at, 4);
+            return (int32_t)mukca_lcm_wire_get(at, 4);
         case MUKCA_LCM_INT64:
-            return (int64_t)big_endian(at, 8);
+            return (int64_t)mukca_lcm_wire_get(at, 8);
         default:
             return at[0];
     }
@@ -47,13 +36,13 @@ static int64_t read_integer(const unsigned char *at, mukca_lcm_primitive primiti
 static double read_number(const unsigned char *at, mukca_lcm_primitive primitive)
 {
     if (primitive == MUKCA_LCM_DOUBLE) {
-        uint64_t bits = big_endian(at, 8);
+        uint64_t bits = mukca_lcm_wire_get(at, 8);
         double value;
         memcpy(&value, &bits, sizeof value);
         return value;
     }
     if (primitive == MUKCA_LCM_FLOAT) {
-        uint32_t bits = (uint32_t)big_endian(at, 4);
+        uint32_t bits = (uint32_t)mukca_lcm_wire_get(at, 4);
         float value;
         memcpy(&value, &bits, sizeof value);
         return (double)value;
@@ -78,7 +67,7 @@ static mukca_status keep(decoder *d, const mukca_lcm_field *field, unsigned mask
             if (r == MUKCA_LCM_ROLE_TIME)
                 d->out->time = value;
             else
-                d->out->mode = (int)value;
+                d->out->guided = value == d->guiding_mode;
         } else {
             if (d->count[r] == MUKCA_LCM_MAX_JOINTS)
                 return fail(d, field, "has more than 64 entries");
@@ -92,20 +81,6 @@ static mukca_status keep(decoder *d, const mukca_lcm_field *field, unsigned mask
     return MUKCA_OK;
 }
 
-/* Take one string off the message; *text points to it. */
-static mukca_status take_string(decoder *d, const mukca_lcm_field *field,
-                                const unsigned char **text)
-{
-    if (d->left < 4) return fail(d, field, "is cut off");
-    uint64_t length = big_endian(d->at, 4);
-    if (length < 1 || length > d->left - 4 || d->at[4 + length - 1] != '\0')
-        return fail(d, field, "is no text that fits");
-    *text = d->at + 4;
-    d->at += 4 + length;
-    d->left -= 4 + (size_t)length;
-    return MUKCA_OK;
-}
-
 /* Number of elements of a field; `value` are the integers read so far in this struct. */
 static mukca_status count_elements(const decoder *d, const mukca_lcm_field *field,
                                    const int64_t *value, size_t *count)
@@ -114,8 +89,8 @@ static mukca_status count_elements(const decoder *d, const mukca_lcm_field *fiel
     for (int i = 0; i < field->n_dimensions; i++) {
         const mukca_lcm_dimension *dimension = &field->dimension[i];
         int64_t n = dimension->field < 0 ? dimension->count : value[dimension->field];
-        /* No element is kept without a byte of its own, so more than `left` cannot be right. */
-        if (n < 0 || (uint64_t)n > d->left || (n && *count > d->left / (uint64_t)n))
+        /* each element that is kept takes a byte at least */
+        if (n < 0 || (uint64_t)n > d->wire.left || (n && *count > d->wire.left / (uint64_t)n))
             return fail(d, field, "has a count that does not fit the message");
         *count *= (size_t)n;
     }
@@ -139,24 +114,26 @@ static mukca_status decode_struct(decoder *d, int t, int depth, unsigned mask)
         for (int r = 0; r < MUKCA_LCM_ROLES; r++)
             if (mask >> r & 1u && d->role[r][depth] == i) here |= 1u << r;
         if (field->primitive != MUKCA_LCM_NESTED && field->primitive != MUKCA_LCM_STRING) {
-            size_t size = primitive_size[field->primitive];
-            if (count > d->left / size) return fail(d, field, "is cut off");
-            value[i] = size && count ? read_integer(d->at, field->primitive) : 0;
+            size_t size = mukca_lcm_primitive_sizes[field->primitive];
+            const unsigned char *at =
+                count > d->wire.left / size ? NULL : mukca_lcm_wire_bytes(&d->wire, count * size);
+            if (!at) return fail(d, field, "is cut off");
+            value[i] = count ? read_integer(at, field->primitive) : 0;
             for (size_t k = 0; k < count && here && !status; k++)
-                status = keep(d, field, here, d->at + k * size);
-            d->at += count * size;
-            d->left -= count * size;
-            if (status) return status;
+                status = keep(d, field, here, at + k * size);
+            if (status != MUKCA_OK) return status;
             continue;
         }
         for (size_t k = 0; k < count; k++) {
             if (d->steps-- == 0) return fail(d, field, "has too many entries");
-            const unsigned char *text = NULL;
+            const char *text = NULL;
             if (field->primitive == MUKCA_LCM_NESTED)
                 status = decode_struct(d, field->nested, depth + 1, here);
-            else if (!(status = take_string(d, field, &text)) && here)
-                status = keep(d, field, here, text);
-            if (status) return status;
+            else if (!(text = mukca_lcm_wire_text(&d->wire)))
+                return fail(d, field, "is no text that fits");
+            else if (here)
+                status = keep(d, field, here, (const unsigned char *)text);
+            if (status != MUKCA_OK) return status;
         }
     }
     return MUKCA_OK;
@@ -167,21 +144,22 @@ mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_t
 {
     decoder d = {.types = types,
                  .role = (const signed char(*)[MUKCA_LCM_MAX_DEPTH + 1]) types->type[type].role,
+                 .guiding_mode = types->type[type].guiding_mode,
                  .out = joints,
                  .error = error};
     if (size < 8) return mukca_fail(error, MUKCA_INPUT, "malformed message: %zu bytes", size);
-    d.at = (const unsigned char *)data + 8;
-    d.left = size - 8;
+    d.wire = (mukca_lcm_wire){.at = (const unsigned char *)data + 8, .left = size - 8};
     d.steps = 64 + size;
     joints->time = 0;
-    joints->mode = -1;
+    joints->guided = false;
     unsigned mask = 0;
     for (int r = 0; r < MUKCA_LCM_ROLES; r++)
         if (d.role[r][0] >= 0) mask |= 1u << r;
     mukca_status status = decode_struct(&d, type, 0, mask);
     if (status) return status;
-    if (d.left)
-        return mukca_fail(error, MUKCA_INPUT, "malformed message: %zu bytes left over", d.left);
+    if (d.wire.left)
+        return mukca_fail(error, MUKCA_INPUT, "malformed message: %zu bytes left over",
+                          d.wire.left);
     joints->n = d.count[MUKCA_LCM_ROLE_POSITION];
     if (joints->n < 1) return mukca_fail(error, MUKCA_INPUT, "message without joints");
     for (int r = 0; r < MUKCA_LCM_ROLES; r++) {

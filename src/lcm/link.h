@@ -2,38 +2,28 @@
 #ifndef MUKCA_LCM_LINK_H
 #define MUKCA_LCM_LINK_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include "mukca/status.h"
+#include "lcm/receiver.h"
 
 typedef struct mukca_lcm_link mukca_lcm_link;
 
-typedef struct {
-    const char *channel;
-    const void *data;
-    size_t size;
-    int64_t time; /* us since 1970: when it was received or logged */
-} mukca_lcm_packet;
-
 typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 
-/* Connect to `url` (NULL: LCM_DEFAULT_URL, else LCM's default); packets are handed to `receive`.
+/* Connect to `url` (NULL: LCM_DEFAULT_URL, else LCM's default); packets are delivered to `receive`.
  * A log is replayed as fast as it can be read; `file://LOG?speed=1` in its own time.
  * Errors: MUKCA_TRANSPORT (no multicast route: what to do), MUKCA_INPUT (log), MUKCA_MEMORY. */
 mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const char *url,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);
 
-/* Receive a channel, taken literally; NULL is all channels.  Nothing is dropped or comes twice. The
- * first call on a network may take 10 s (LCM tests itself).  Errors: MUKCA_TRANSPORT. */
+/* Receive a channel, taken literally; NULL is all channels.  No message is dropped or delivered
+ * twice.  The first call on a network may take 10 s (LCM tests itself).  Errors: MUKCA_TRANSPORT,
+ * MUKCA_USAGE (no channel name; too many). */
 mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mukca_error *error);
 
 /* Stop receiving all channels; those that were named stay. */
 void mukca_lcm_link_unlisten_all(mukca_lcm_link *link);
 
-/* Hand over what has come (one message; some hundred of a log); wait up to `timeout_ms` for it, or
- * until descriptor `other` (-1: none) is readable, which *readable (may be NULL) tells.  Returns
+/* Deliver one message of a network, or some hundred of a log; wait up to `timeout_ms` for it, or
+ * until descriptor `other` (-1: none) is readable; *readable (may be NULL) is set then.  Returns
  * MUKCA_OK, MUKCA_NEGATIVE at the end of a log, MUKCA_TRANSPORT.  A signal ends the wait. */
 mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other, bool *readable,
                                  mukca_error *error);
@@ -42,8 +32,8 @@ mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other
 mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, const void *data,
                                     size_t size, mukca_error *error);
 
-/* Write what is handed over and published from now on to an event log.  Should that fail later,
- * `note` says so once and the record ends. */
+/* Write the messages of named channels, and what is published, to an event log from now on.  When
+ * that fails later, `note` gets one line and the record ends. */
 mukca_status mukca_lcm_link_record(mukca_lcm_link *link, const char *path, bool force,
                                    mukca_note_fn *note, void *note_context, mukca_error *error);
 

@@ -8,23 +8,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "lcm/wire.h"
+
 enum {
     HEADER = 28,
     MAX_DATA = 1 << 26 /* longer ones cannot be ours */
 };
 static const unsigned char sync_word[4] = {0xED, 0xA1, 0xDA, 0x01};
-
-static uint64_t get(const unsigned char *at, int size)
-{
-    uint64_t value = 0;
-    for (int i = 0; i < size; i++) value = value << 8 | at[i];
-    return value;
-}
-
-static void put(unsigned char *at, uint64_t value, int size)
-{
-    for (int i = 0; i < size; i++) at[i] = (unsigned char)(value >> 8 * (size - 1 - i));
-}
 
 static mukca_status keep_path(mukca_lcm_log *log, const char *path, mukca_error *error)
 {
@@ -75,7 +65,8 @@ bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
             return false;
         }
         int64_t left = log->length - ftello(log->file);
-        uint64_t n_channel = get(head + 20, 4), n_data = get(head + 24, 4);
+        uint64_t n_channel = mukca_lcm_wire_get(head + 20, 4),
+                 n_data = mukca_lcm_wire_get(head + 24, 4);
         bool event_here = memcmp(head, sync_word, 4) == 0 && n_channel > 0 &&
                           n_channel < sizeof event->channel && (int64_t)n_data <= left &&
                           (int64_t)n_channel <= left - (int64_t)n_data;
@@ -99,7 +90,7 @@ bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
             log->data = more;
             log->capacity = n_data + 1;
         }
-        event->time = (int64_t)get(head + 12, 8);
+        event->time = (int64_t)mukca_lcm_wire_get(head + 12, 8);
         event->data = log->data;
         event->size = n_data;
         memset(event->channel, 0, sizeof event->channel);
@@ -121,10 +112,10 @@ mukca_status mukca_lcm_log_write(mukca_lcm_log *log, const char *channel, int64_
     unsigned char head[HEADER];
     size_t n_channel = strlen(channel);
     memcpy(head, sync_word, 4);
-    put(head + 4, (uint64_t)log->number++, 8);
-    put(head + 12, (uint64_t)time, 8);
-    put(head + 20, n_channel, 4);
-    put(head + 24, size, 4);
+    mukca_lcm_wire_put(head + 4, (uint64_t)log->number++, 8);
+    mukca_lcm_wire_put(head + 12, (uint64_t)time, 8);
+    mukca_lcm_wire_put(head + 20, n_channel, 4);
+    mukca_lcm_wire_put(head + 24, size, 4);
     if (fwrite(head, 1, sizeof head, log->file) != sizeof head ||
         fwrite(channel, 1, n_channel, log->file) != n_channel ||
         fwrite(data, 1, size, log->file) != size)

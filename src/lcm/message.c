@@ -1,226 +1,216 @@
-/* Our own LCM messages to the wire and back: one visitor per type serves both directions. */
+/* LCM messages of mukca itself: one table of fields per type drives both directions. */
 #include "lcm/message.h"
 
 #include <stdio.h>
 #include <string.h>
 
+#include "lcm/wire.h"
+
+typedef enum { INT64, INT32, REAL, FLAG, TEXT, COUNT } field_kind;
+static const size_t wire_size[] = {8, 4, 8, 1, 4, 4}; /* of a text: of its length */
+static const size_t member_size[] = {sizeof(int64_t), sizeof(int),    sizeof(double),
+                                     sizeof(bool),    sizeof(char *), sizeof(int)};
+
+enum { N = -1 }; /* as many as the COUNT before says */
+
 typedef struct {
-    bool decoding, bad;
-    unsigned char *out;      /* encoding */
-    const unsigned char *in; /* decoding */
-    size_t at, size;
-} cursor;
+    field_kind kind;
+    int count; /* of elements, or N; of a COUNT: the most that it may say */
+    size_t offset;
+} field;
 
-static void bytes(cursor *c, uint64_t *value, size_t n)
-{
-    if (c->decoding && (c->bad || c->size - c->at < n)) {
-        c->bad = true;
-        *value = 0;
-        return;
+/* Fields in the order of data/lcm. */
+#define FIELD(message, kind, member, count)                    \
+    {                                                          \
+        kind, count, offsetof(mukca_message_##message, member) \
     }
-    if (c->decoding) {
-        *value = 0;
-        for (size_t i = 0; i < n; i++) *value = *value << 8 | c->in[c->at + i];
-    } else if (c->at <= c->size && c->size - c->at >= n) {
-        for (size_t i = 0; i < n; i++)
-            c->out[c->at + i] = (unsigned char)(*value >> 8 * (n - 1 - i));
-    }
-    c->at += n;
-}
+static const field trigger_fields[] = {
+    FIELD(trigger, INT64, utime, 1), FIELD(trigger, INT64, id, 1),
+    FIELD(trigger, TEXT, placement, 1), FIELD(trigger, TEXT, socket, 1)};
+static const field command_fields[] = {
+    FIELD(command, INT64, utime, 1), FIELD(command, INT64, id, 1), FIELD(command, TEXT, verb, 1),
+    FIELD(command, COUNT, n, MUKCA_MESSAGE_ARGUMENTS), FIELD(command, TEXT, argument, N)};
+static const field status_fields[] = {
+    FIELD(status, INT64, utime, 1),         FIELD(status, TEXT, state, 1),
+    FIELD(status, TEXT, text, 1),           FIELD(status, TEXT, session, 1),
+    FIELD(status, TEXT, placement, 1),      FIELD(status, TEXT, socket, 1),
+    FIELD(status, INT32, rows, 1),          FIELD(status, INT32, rows_here, 1),
+    FIELD(status, TEXT, channel, 1),        FIELD(status, TEXT, type, 1),
+    FIELD(status, TEXT, stream, 1),         FIELD(status, REAL, rate_hz, 1),
+    FIELD(status, REAL, age_s, 1),          FIELD(status, INT64, received, 1),
+    FIELD(status, INT64, refused, 1),       FIELD(status, FLAG, still, 1),
+    FIELD(status, REAL, spread_m, 1),       FIELD(status, REAL, expected_m, 1),
+    FIELD(status, FLAG, more_rows_help, 1), FIELD(status, COUNT, n, MUKCA_MAX_JOINTS),
+    FIELD(status, TEXT, joint, N),          FIELD(status, REAL, position, N),
+    FIELD(status, REAL, coverage, N)};
+static const field sample_fields[] = {
+    FIELD(sample, INT64, utime, 1),    FIELD(sample, INT64, id, 1),
+    FIELD(sample, FLAG, accepted, 1),  FIELD(sample, TEXT, text, 1),
+    FIELD(sample, TEXT, placement, 1), FIELD(sample, TEXT, socket, 1),
+    FIELD(sample, INT32, row, 1),      FIELD(sample, COUNT, n, MUKCA_MAX_JOINTS),
+    FIELD(sample, TEXT, joint, N),     FIELD(sample, REAL, position, N),
+    FIELD(sample, REAL, spread, N)};
+static const field result_fields[] = {FIELD(result, INT64, utime, 1),
+                                      FIELD(result, INT64, id, 1),
+                                      FIELD(result, TEXT, verb, 1),
+                                      FIELD(result, INT32, code, 1),
+                                      FIELD(result, TEXT, text, 1),
+                                      FIELD(result, TEXT, robot, 1),
+                                      FIELD(result, TEXT, urdf_sha256, 1),
+                                      FIELD(result, TEXT, base, 1),
+                                      FIELD(result, TEXT, tip, 1),
+                                      FIELD(result, TEXT, stream, 1),
+                                      FIELD(result, COUNT, n, MUKCA_MESSAGE_ROWS),
+                                      FIELD(result, TEXT, joint, N),
+                                      FIELD(result, TEXT, parameter, N),
+                                      FIELD(result, TEXT, unit, N),
+                                      FIELD(result, REAL, nominal, N),
+                                      FIELD(result, REAL, calibrated, N),
+                                      FIELD(result, REAL, offset, N),
+                                      FIELD(result, REAL, sigma, N),
+                                      FIELD(result, FLAG, identifiable, N),
+                                      FIELD(result, TEXT, json, 1)};
+static const field pose_fields[] = {FIELD(pose, INT64, utime, 1), FIELD(pose, REAL, position, 3),
+                                    FIELD(pose, REAL, quaternion, 4)};
 
-static void i64(cursor *c, int64_t *value)
-{
-    uint64_t u = (uint64_t)*value;
-    bytes(c, &u, 8);
-    if (c->decoding) *value = (int64_t)u;
-}
-
-static void i32(cursor *c, int *value)
-{
-    uint64_t u = (uint32_t)*value;
-    bytes(c, &u, 4);
-    if (c->decoding) *value = (int32_t)(uint32_t)u;
-}
-
-/* A count of array elements, 0 to `max`. */
-static void count(cursor *c, int *n, int max)
-{
-    i32(c, n);
-    if (*n < 0 || *n > max) {
-        c->bad = true;
-        if (c->decoding) *n = 0;
-    }
-}
-
-static void flags(cursor *c, bool *value, int n)
-{
-    for (int i = 0; i < n; i++) {
-        uint64_t u = c->decoding ? 0 : value[i];
-        bytes(c, &u, 1);
-        if (c->decoding) value[i] = u != 0;
-    }
-}
-
-static void reals(cursor *c, double *value, int n)
-{
-    for (int i = 0; i < n; i++) {
-        uint64_t u;
-        memcpy(&u, &value[i], sizeof u);
-        bytes(c, &u, 8);
-        if (c->decoding) memcpy(&value[i], &u, sizeof u);
-    }
-}
-
-static void text(cursor *c, const char **value)
-{
-    const char *given = c->decoding || !*value ? "" : *value;
-    uint64_t length = strlen(given) + 1;
-    bytes(c, &length, 4);
-    if (c->decoding) {
-        *value = "";
-        if (c->bad || length < 1 || length > c->size - c->at || c->in[c->at + length - 1] != '\0') {
-            c->bad = true;
-            return;
-        }
-        *value = (const char *)c->in + c->at;
-    } else if (c->at <= c->size && c->size - c->at >= length) {
-        memcpy(c->out + c->at, given, length);
-    }
-    c->at += length;
-}
-
-static void texts(cursor *c, const char **value, int n)
-{
-    for (int i = 0; i < n; i++) text(c, &value[i]);
-}
-
-static void visit_trigger(cursor *c, void *message)
-{
-    mukca_message_trigger *m = message;
-    i64(c, &m->utime);
-    i64(c, &m->id);
-    text(c, &m->placement);
-    text(c, &m->socket);
-}
-
-static void visit_command(cursor *c, void *message)
-{
-    mukca_message_command *m = message;
-    i64(c, &m->utime);
-    i64(c, &m->id);
-    text(c, &m->verb);
-    count(c, &m->n, MUKCA_MESSAGE_ARGUMENTS);
-    texts(c, m->argument, m->n);
-}
-
-static void visit_status(cursor *c, void *message)
-{
-    mukca_message_status *m = message;
-    i64(c, &m->utime);
-    text(c, &m->state);
-    text(c, &m->text);
-    text(c, &m->session);
-    text(c, &m->placement);
-    text(c, &m->socket);
-    i32(c, &m->rows);
-    i32(c, &m->rows_here);
-    text(c, &m->channel);
-    text(c, &m->type);
-    text(c, &m->stream);
-    reals(c, &m->rate_hz, 1);
-    reals(c, &m->age_s, 1);
-    i64(c, &m->received);
-    i64(c, &m->refused);
-    flags(c, &m->still, 1);
-    reals(c, &m->spread_m, 1);
-    reals(c, &m->expected_m, 1);
-    flags(c, &m->more_rows_help, 1);
-    count(c, &m->n, MUKCA_MAX_JOINTS);
-    texts(c, m->joint, m->n);
-    reals(c, m->position, m->n);
-    reals(c, m->coverage, m->n);
-}
-
-static void visit_sample(cursor *c, void *message)
-{
-    mukca_message_sample *m = message;
-    i64(c, &m->utime);
-    i64(c, &m->id);
-    flags(c, &m->accepted, 1);
-    text(c, &m->text);
-    text(c, &m->placement);
-    text(c, &m->socket);
-    i32(c, &m->row);
-    count(c, &m->n, MUKCA_MAX_JOINTS);
-    texts(c, m->joint, m->n);
-    reals(c, m->position, m->n);
-    reals(c, m->spread, m->n);
-}
-
-static void visit_result(cursor *c, void *message)
-{
-    mukca_message_result *m = message;
-    i64(c, &m->utime);
-    i64(c, &m->id);
-    text(c, &m->verb);
-    i32(c, &m->code);
-    text(c, &m->text);
-    text(c, &m->robot);
-    text(c, &m->urdf_sha256);
-    text(c, &m->base);
-    text(c, &m->tip);
-    text(c, &m->stream);
-    count(c, &m->n, MUKCA_MESSAGE_ROWS);
-    texts(c, m->joint, m->n);
-    texts(c, m->parameter, m->n);
-    texts(c, m->unit, m->n);
-    reals(c, m->nominal, m->n);
-    reals(c, m->calibrated, m->n);
-    reals(c, m->offset, m->n);
-    reals(c, m->sigma, m->n);
-    flags(c, m->identifiable, m->n);
-    text(c, &m->json);
-}
-
-static void visit_pose(cursor *c, void *message)
-{
-    mukca_message_pose *m = message;
-    i64(c, &m->utime);
-    reals(c, m->position, 3);
-    reals(c, m->quaternion, 4);
-}
-
-static void (*const visitors[])(cursor *, void *) = {visit_trigger, visit_command, visit_status,
-                                                     visit_sample,  visit_result,  visit_pose};
-
-void mukca_message_channel(char channel[64], mukca_lcm_builtin kind, const char *prefix)
-{
-    static const char *const suffix[] = {"TRIGGER", "COMMAND", "STATUS",
-                                         "SAMPLE",  "RESULT",  "POSE"};
-    snprintf(channel, 64, "%.50s_%s", prefix ? prefix : "MUKCA", suffix[kind - MUKCA_LCM_TRIGGER]);
-}
-
-size_t mukca_message_encode(void *buffer, size_t size, mukca_lcm_builtin kind, const void *message,
-                            const mukca_lcm_types *types)
-{
-    cursor c = {.out = buffer, .size = size};
-    uint64_t fingerprint = types->type[kind].fingerprint;
-    bytes(&c, &fingerprint, 8);
-    /* The visitor only reads while encoding. */
-    visitors[kind - MUKCA_LCM_TRIGGER](&c, (void *)(uintptr_t)message);
-    return c.bad ? 0 : c.at;
-}
-
-mukca_status mukca_message_decode(void *message, mukca_lcm_builtin kind, const void *data,
-                                  size_t size, const mukca_lcm_types *types, mukca_error *error)
-{
-    cursor c = {.decoding = true, .in = data, .size = size};
+static const struct {
+    const char *channel, *name;
     uint64_t fingerprint;
-    bytes(&c, &fingerprint, 8);
-    if (c.bad || fingerprint != types->type[kind].fingerprint)
-        return mukca_fail(error, MUKCA_INPUT, "not a %s message", types->type[kind].name);
-    visitors[kind - MUKCA_LCM_TRIGGER](&c, message);
-    if (c.bad || c.at != size)
-        return mukca_fail(error, MUKCA_INPUT, "malformed %s message", types->type[kind].name);
+    const field *fields;
+    size_t n_fields;
+} kinds[] = {
+#define KIND(channel, name, fingerprint)                   \
+    {#channel, "mukca." #name, fingerprint, name##_fields, \
+     sizeof name##_fields / sizeof name##_fields[0]},
+    MUKCA_MESSAGE_LIST(KIND)
+#undef KIND
+};
+
+void mukca_message_channel(char channel[64], mukca_message_kind kind, const char *prefix)
+{
+    snprintf(channel, 64, "%.50s_%s", prefix ? prefix : "MUKCA", kinds[kind].channel);
+}
+
+const char *mukca_message_identify(const void *data, size_t size)
+{
+    for (int k = 0; k < MUKCA_MESSAGES && size >= 8; k++)
+        if (mukca_lcm_wire_get(data, 8) == kinds[k].fingerprint) return kinds[k].name;
+    return NULL;
+}
+
+/* Number of elements of a field after the count `n`; -1 where a COUNT says what it may not. */
+static int elements(const field *f, const void *member, int *n)
+{
+    if (f->kind == COUNT) {
+        memcpy(n, member, sizeof *n);
+        return *n < 0 || *n > f->count ? -1 : 1;
+    }
+    return f->count == N ? *n : f->count;
+}
+
+/* ---- encode ---- */
+
+typedef struct {
+    unsigned char *at;
+    size_t size, used; /* used may exceed size: then nothing is written */
+} writer;
+
+static void put(writer *w, const void *bytes, uint64_t number, size_t n)
+{
+    if (w->used <= w->size && n <= w->size - w->used) {
+        if (bytes)
+            memcpy(w->at + w->used, bytes, n);
+        else
+            mukca_lcm_wire_put(w->at + w->used, number, (int)n);
+    }
+    w->used += n;
+}
+
+static void put_element(writer *w, field_kind kind, const char *member)
+{
+    const char *text = NULL;
+    uint64_t number = 0;
+    int small = 0;
+    bool flag = false;
+    switch (kind) {
+        case TEXT:
+            memcpy(&text, member, sizeof text);
+            if (!text) text = "";
+            put(w, NULL, strlen(text) + 1, 4);
+            put(w, text, 0, strlen(text) + 1);
+            return;
+        case FLAG:
+            memcpy(&flag, member, sizeof flag);
+            number = flag;
+            break;
+        case INT32:
+        case COUNT:
+            memcpy(&small, member, sizeof small);
+            number = (uint32_t)small;
+            break;
+        case INT64:
+        case REAL:
+            memcpy(&number, member, sizeof number);
+            break;
+    }
+    put(w, NULL, number, wire_size[kind]);
+}
+
+size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind, const void *message)
+{
+    writer w = {.at = buffer, .size = size};
+    int n = 0;
+    put(&w, NULL, kinds[kind].fingerprint, 8);
+    for (size_t i = 0; i < kinds[kind].n_fields; i++) {
+        const field *f = &kinds[kind].fields[i];
+        const char *member = (const char *)message + f->offset;
+        int count = elements(f, member, &n);
+        if (count < 0) return 0;
+        for (int k = 0; k < count; k++)
+            put_element(&w, f->kind, member + (size_t)k * member_size[f->kind]);
+    }
+    return w.used;
+}
+
+/* ---- decode ---- */
+
+static bool take_element(mukca_lcm_wire *wire, field_kind kind, char *member)
+{
+    if (kind == TEXT) {
+        const char *text = mukca_lcm_wire_text(wire);
+        memcpy(member, &text, sizeof text);
+        return text != NULL;
+    }
+    const unsigned char *at = mukca_lcm_wire_bytes(wire, wire_size[kind]);
+    if (!at) return false;
+    uint64_t number = mukca_lcm_wire_get(at, (int)wire_size[kind]);
+    int small = (int)(uint32_t)number;
+    bool flag = number != 0;
+    const void *value = kind == FLAG                     ? (const void *)&flag
+                        : kind == INT32 || kind == COUNT ? (const void *)&small
+                                                         : (const void *)&number;
+    memcpy(member, value, member_size[kind]);
+    return true;
+}
+
+mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const void *data,
+                                  size_t size, mukca_error *error)
+{
+    mukca_lcm_wire wire = {.at = data, .left = size};
+    const unsigned char *head = mukca_lcm_wire_bytes(&wire, 8);
+    if (!head || mukca_lcm_wire_get(head, 8) != kinds[kind].fingerprint)
+        return mukca_fail(error, MUKCA_INPUT, "not a %s message", kinds[kind].name);
+    bool good = true;
+    int n = 0;
+    for (size_t i = 0; i < kinds[kind].n_fields && good; i++) {
+        const field *f = &kinds[kind].fields[i];
+        char *member = (char *)message + f->offset;
+        int count = f->kind == COUNT ? 1 : elements(f, member, &n);
+        for (int k = 0; k < count && good; k++)
+            good = take_element(&wire, f->kind, member + (size_t)k * member_size[f->kind]);
+        if (good && f->kind == COUNT) good = elements(f, member, &n) == 1;
+    }
+    if (!good || wire.left)
+        return mukca_fail(error, MUKCA_INPUT, "malformed %s message", kinds[kind].name);
     return MUKCA_OK;
 }

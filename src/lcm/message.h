@@ -1,13 +1,37 @@
-/* Our own LCM messages (package mukca, data/lcm): as C structs, to the wire and back. */
+/* LCM messages of mukca itself (package mukca, data/lcm): as C structs, to the wire and back. */
 #ifndef MUKCA_LCM_MESSAGE_H
 #define MUKCA_LCM_MESSAGE_H
 
-#include "lcm/type.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-enum { MUKCA_MESSAGE_ARGUMENTS = 8, MUKCA_MESSAGE_ROWS = 512 };
+#include "mukca/chain.h"
+#include "mukca/status.h"
 
-/* Texts are NUL-terminated and belong to the sender, or point into the received message.  NULL is
- * sent as "". */
+/* channel, struct mukca_message_NAME, fingerprint by lcm-gen 1.3.1 (a test compares data/lcm) */
+#define MUKCA_MESSAGE_LIST(X)               \
+    X(TRIGGER, trigger, 0x7e17a1d01fe0e2fb) \
+    X(COMMAND, command, 0x9ed4cb80fd4c8cd9) \
+    X(STATUS, status, 0xed12f1132393a392)   \
+    X(SAMPLE, sample, 0x117e02e881428d9b)   \
+    X(RESULT, result, 0x07050f18097d47d5)   \
+    X(POSE, pose, 0x645cdf5dd6a54db9)
+
+typedef enum {
+#define MUKCA_MESSAGE_ENUM(channel, name, fingerprint) MUKCA_MESSAGE_##channel,
+    MUKCA_MESSAGE_LIST(MUKCA_MESSAGE_ENUM)
+#undef MUKCA_MESSAGE_ENUM
+        MUKCA_MESSAGES
+} mukca_message_kind;
+
+enum {
+    MUKCA_MESSAGE_ARGUMENTS = 8,
+    MUKCA_MESSAGE_ROWS = 512 /* of an offsets table */
+};
+
+/* data/lcm says what each field means.  Texts are NUL-terminated and belong to the sender, or point
+ * into the received message.  NULL is sent as "". */
 typedef struct {
     int64_t utime, id;
     const char *placement, *socket;
@@ -63,17 +87,20 @@ typedef struct {
     double position[3], quaternion[4];
 } mukca_message_pose;
 
-/* Channel of our messages: PREFIX_TRIGGER and so on; `prefix` NULL is MUKCA. */
-void mukca_message_channel(char channel[64], mukca_lcm_builtin kind, const char *prefix);
+/* Channel of a message: PREFIX_TRIGGER and so on; `prefix` NULL is MUKCA. */
+void mukca_message_channel(char channel[64], mukca_message_kind kind, const char *prefix);
 
-/* Encode `message` (the struct of `kind`, MUKCA_LCM_TRIGGER to MUKCA_LCM_POSE) to buffer[size].
- * Returns the bytes it takes, which may exceed `size` (then only the count is right); 0 where a
- * count in it is out of range.  Allocates nothing.  `buffer` may be NULL with size 0. */
-size_t mukca_message_encode(void *buffer, size_t size, mukca_lcm_builtin kind, const void *message,
-                            const mukca_lcm_types *types);
+/* Name of the type of data[size], "mukca.status" for one; NULL for a foreign message. */
+const char *mukca_message_identify(const void *data, size_t size);
+
+/* Encode `message` (the struct of `kind`) to buffer[size].  Returns the bytes it takes, which may
+ * exceed `size` (then only the count is right); 0 where a count in it is out of range.  Allocates
+ * nothing.  `buffer` may be NULL with size 0. */
+size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind,
+                            const void *message);
 
 /* Decode data[size] into the struct of `kind`.  Errors: MUKCA_INPUT (another type, malformed). */
-mukca_status mukca_message_decode(void *message, mukca_lcm_builtin kind, const void *data,
-                                  size_t size, const mukca_lcm_types *types, mukca_error *error);
+mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const void *data,
+                                  size_t size, mukca_error *error);
 
 #endif

@@ -1,8 +1,7 @@
-/* LCM message types: the built-in table, types read from .lcm descriptions, their fingerprints, and
- * the bounded decoder that both drive.
+/* LCM message types: their fields, their fingerprints, what a field means.
  *
- * One table (lcm_type.c) describes every message that carries joints, and our own; each entry is
- * written in the language of .lcm files and read by the same parser as `--type FILE.lcm`.
+ * Every type is described in the language of .lcm files: the built-in ones (state.h) and those of
+ * `--type FILE.lcm` alike.
  */
 #ifndef MUKCA_LCM_TYPE_H
 #define MUKCA_LCM_TYPE_H
@@ -33,48 +32,30 @@ typedef enum {
         MUKCA_LCM_NESTED
 } mukca_lcm_primitive;
 
-/* What a field of a message means to us; name as in `--position FIELD` and the like. */
-#define MUKCA_LCM_ROLE_LIST(X) \
-    X(TIME, "time")            \
-    X(NAME, "name")            \
-    X(POSITION, "position")    \
-    X(VELOCITY, "velocity")    \
-    X(EFFORT, "effort")        \
-    X(COMMAND, "command")      \
-    X(MODE, "mode")
+/* Name and size by primitive. */
+extern const char *const mukca_lcm_primitive_names[MUKCA_LCM_NESTED];
+extern const unsigned char mukca_lcm_primitive_sizes[MUKCA_LCM_NESTED];
 
+/* What a field of a message means to mukca. */
 typedef enum {
-#define MUKCA_LCM_ROLE_ENUM(name, text) MUKCA_LCM_ROLE_##name,
-    MUKCA_LCM_ROLE_LIST(MUKCA_LCM_ROLE_ENUM)
-#undef MUKCA_LCM_ROLE_ENUM
-        MUKCA_LCM_ROLES
+    MUKCA_LCM_ROLE_TIME,
+    MUKCA_LCM_ROLE_NAME,
+    MUKCA_LCM_ROLE_POSITION,
+    MUKCA_LCM_ROLE_VELOCITY,
+    MUKCA_LCM_ROLE_EFFORT,
+    MUKCA_LCM_ROLE_COMMAND,
+    MUKCA_LCM_ROLE_MODE,
+    MUKCA_LCM_ROLES
 } mukca_lcm_role;
 
-/* Entries of the built-in table. */
-typedef enum {
-    MUKCA_LCM_IIWA_STATUS,
-    MUKCA_LCM_PANDA_STATUS,
-    MUKCA_LCM_JACO_STATUS,
-    MUKCA_LCM_ROBOT_STATE,
-    MUKCA_LCM_JOINT_STATE,
-    MUKCA_LCM_JOINT_ANGLES,
-    MUKCA_LCM_TRIGGER, /* ours, from here on: lcm_message.h */
-    MUKCA_LCM_COMMAND,
-    MUKCA_LCM_STATUS,
-    MUKCA_LCM_SAMPLE,
-    MUKCA_LCM_RESULT,
-    MUKCA_LCM_POSE,
-    MUKCA_LCM_BUILTIN_TYPES
-} mukca_lcm_builtin;
-
-enum {
-    MUKCA_LCM_MAX_TYPES = 48,
-    MUKCA_LCM_MAX_FIELDS = 768, /* of all types together */
-    MUKCA_LCM_MAX_TYPE_FIELDS = 64,
-    MUKCA_LCM_MAX_DIMENSIONS = 3,
-    MUKCA_LCM_MAX_DEPTH = 8, /* of nested types */
-    MUKCA_LCM_MAX_JOINTS = 64,
-    MUKCA_LCM_NAME_SIZE = 96
+enum { /* several times what the public descriptions of robots need */
+       MUKCA_LCM_MAX_TYPES = 48,
+       MUKCA_LCM_MAX_FIELDS = 768, /* of all types together */
+       MUKCA_LCM_MAX_TYPE_FIELDS = 64,
+       MUKCA_LCM_MAX_DIMENSIONS = 3,
+       MUKCA_LCM_MAX_DEPTH = 8, /* of nested types */
+       MUKCA_LCM_MAX_JOINTS = 64,
+       MUKCA_LCM_NAME_SIZE = 96
 };
 
 typedef struct {
@@ -98,8 +79,8 @@ typedef struct {
     uint64_t fingerprint;
     /* Path of field indices for each role, ended by -1; [0] = -1 where the type has none. */
     signed char role[MUKCA_LCM_ROLES][MUKCA_LCM_MAX_DEPTH + 1];
-    double effort_factor; /* torque on the wire times this is the torque that holds the arm */
-    const char *channel;  /* usual one, NULL where there is none */
+    double effort_factor; /* the message's torque times this is the torque that holds the arm */
+    int guiding_mode;     /* see mukca_lcm_state */
 } mukca_lcm_type;
 
 typedef struct {
@@ -108,54 +89,26 @@ typedef struct {
     mukca_lcm_field field[MUKCA_LCM_MAX_FIELDS];
 } mukca_lcm_types;
 
-/* One message of joint states, decoded. */
-typedef struct {
-    int64_t time; /* us, the sender's; 0 where the type has none */
-    int mode;     /* robot_mode, -1 where the type has none */
-    int n;        /* joints */
-    bool has[MUKCA_LCM_ROLES];
-    const char *name[MUKCA_LCM_MAX_JOINTS]; /* into the message */
-    /* rad, rad/s, N m, rad; by role */
-    double value[MUKCA_LCM_ROLES][MUKCA_LCM_MAX_JOINTS];
-} mukca_lcm_joints;
-
-/* Robot mode of Franka's arms while somebody guides them by hand. */
-enum { MUKCA_LCM_MODE_GUIDING = 3 };
-
-/* Fill `types` with the built-in table.  Errors: none on a consistent table (a test checks it). */
-mukca_status mukca_lcm_types_init(mukca_lcm_types *types, mukca_error *error);
-
-/* Add the structs of one .lcm description, text[length]; `file` is for messages.  All or none.
- * Errors: MUKCA_INPUT with file, line and column (syntax; enum; nested type that is nowhere
- * described; too many). */
-mukca_status mukca_lcm_types_parse(mukca_lcm_types *types, const char *text, size_t length,
-                                   const char *file, mukca_error *error);
-
-/* The same from a file. */
-mukca_status mukca_lcm_types_read(mukca_lcm_types *types, const char *path, mukca_error *error);
-
-/* Resolve nested types and compute fingerprints of the types from index `first` on. */
+/* Resolve nested types and compute fingerprints of the types from index `first` on; `file` is for
+ * messages.  Errors: MUKCA_INPUT (a nested type without description). */
 mukca_status mukca_lcm_types_link(mukca_lcm_types *types, int first, const char *file,
                                   mukca_error *error);
 
-/* Say what `path` ("head.q") of a type means.  Errors: MUKCA_INPUT (no such field, or one that is
- * no number where a number is needed). */
+/* Set which field has a role; `path` as in "head.q".  Errors: MUKCA_INPUT (no such field; a text
+ * where a number is needed or the other way round). */
 mukca_status mukca_lcm_type_set_role(mukca_lcm_types *types, int type, mukca_lcm_role role,
                                      const char *path, mukca_error *error);
 
-/* Type of a message by its first eight bytes, -1 where unknown or shorter.  Later entries win. */
+/* Type of the message data[size] by its fingerprint, -1 where unknown.  Later types win. */
 int mukca_lcm_types_find(const mukca_lcm_types *types, const void *data, size_t size);
+
+/* The same by name, "package.name". */
+int mukca_lcm_types_find_name(const mukca_lcm_types *types, const char *name);
 
 /* Whether messages of that type carry joint positions. */
 static inline bool mukca_lcm_type_has_joints(const mukca_lcm_types *types, int type)
 {
     return type >= 0 && types->type[type].role[MUKCA_LCM_ROLE_POSITION][0] >= 0;
 }
-
-/* Decode a message of type `type` from data[size].  Reads nothing outside, takes time linear in
- * `size`, and allocates nothing.  Errors: MUKCA_INPUT (short, left-over bytes, counts that do not
- * fit or exceed 64 joints, unequal lengths, positions that are no numbers). */
-mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_types *types,
-                                     int type, const void *data, size_t size, mukca_error *error);
 
 #endif

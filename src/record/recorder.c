@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lcm/description.h"
+#include "lcm/state.h"
+
 const char *const recorder_streams[] = {"raw", "corrected", NULL};
 
 enum { SILENCE_US = 2000000, SEARCH_US = 500000, REPEAT_US = 10000000 };
@@ -61,7 +64,6 @@ static void describe_heard(const recorder *r, char *text, size_t size)
              "nothing at all (is the sender on this network, and the multicast route?)");
     for (int i = 0; i < r->n_heard && used < size; i++) {
         const recorder_heard *h = &r->heard[i];
-        if (h->type >= MUKCA_LCM_TRIGGER && h->type < MUKCA_LCM_BUILTIN_TYPES) continue;
         used += (size_t)snprintf(text + used, size - used, "%s%s (%s", used ? ", " : "", h->channel,
                                  h->type < 0 ? "unknown type" : r->types.type[h->type].name);
         if (h->joints && used < size)
@@ -124,7 +126,7 @@ static mukca_status read_types(recorder *r)
         status = mukca_lcm_types_read(&r->types, o->types.items[i], error);
     /* the struct that has the field: the last such one, as files come in order of need */
     int found = -1;
-    for (int t = r->types.n_types - 1; t >= MUKCA_LCM_BUILTIN_TYPES && found < 0 && !status; t--)
+    for (int t = r->types.n_types - 1; t >= MUKCA_LCM_STATES && found < 0 && !status; t--)
         if (!mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_POSITION, o->position, error))
             found = t;
     if (status || !o->types.n) return status;
@@ -154,8 +156,8 @@ mukca_status recorder_open(recorder *r, cli_call *call, const recorder_options *
     if (options->channel && strlen(options->channel) >= sizeof r->channel)
         return mukca_fail(&call->error, MUKCA_USAGE, "--channel: at most 63 characters");
     if (options->channel) memcpy(r->channel, options->channel, strlen(options->channel) + 1);
-    mukca_message_channel(r->trigger_channel, MUKCA_LCM_TRIGGER, r->options->prefix);
-    mukca_message_channel(r->command_channel, MUKCA_LCM_COMMAND, r->options->prefix);
+    mukca_message_channel(r->trigger_channel, MUKCA_MESSAGE_TRIGGER, r->options->prefix);
+    mukca_message_channel(r->command_channel, MUKCA_MESSAGE_COMMAND, r->options->prefix);
     return status ? status : open_link(r);
 }
 
@@ -244,14 +246,14 @@ mukca_status recorder_keep_log(recorder *r)
 
 /* ---- publishing ---- */
 
-void recorder_publish(recorder *r, mukca_lcm_builtin kind, const void *message)
+void recorder_publish(recorder *r, mukca_message_kind kind, const void *message)
 {
     char channel[64];
     void *buffer = r->outgoing, *more = NULL;
-    size_t size = mukca_message_encode(r->outgoing, sizeof r->outgoing, kind, message, &r->types);
+    size_t size = mukca_message_encode(r->outgoing, sizeof r->outgoing, kind, message);
     if (size > sizeof r->outgoing) { /* a result with its JSON */
         buffer = more = malloc(size);
-        if (more) mukca_message_encode(more, size, kind, message, &r->types);
+        if (more) mukca_message_encode(more, size, kind, message);
     }
     if (!size || !buffer) return;
     mukca_message_channel(channel, kind, r->options->prefix);

@@ -6,9 +6,9 @@
 #include "capture/capture.h"
 #include "cli/cli.h"
 #include "io/session_append.h"
+#include "lcm/decode.h"
 #include "lcm/link.h"
 #include "lcm/message.h"
-#include "lcm/type.h"
 
 enum { RECORDER_MAX_LABELS = 32, RECORDER_MAX_HEARD = 24, RECORDER_LINE = 448 };
 
@@ -199,7 +199,7 @@ void recorder_publish_status(recorder *r, const char *state);
 const char *recorder_state(const recorder *r);
 
 /* Send one of our messages on its channel. */
-void recorder_publish(recorder *r, mukca_lcm_builtin kind, const void *message);
+void recorder_publish(recorder *r, mukca_message_kind kind, const void *message);
 
 /* The handler of all packets; `r` is the recorder. */
 void recorder_on_packet(void *r, const mukca_lcm_packet *packet);

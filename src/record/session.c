@@ -214,7 +214,7 @@ mukca_status recorder_take(recorder *r, int64_t id, const char *placement, const
     name_joints(r, message.joint);
     memcpy(message.position, sample.q, sizeof message.position);
     memcpy(message.spread, sample.spread, sizeof message.spread);
-    recorder_publish(r, MUKCA_LCM_SAMPLE, &message);
+    recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
     if (!status && mukca_capture_advise(&r->advice, &r->capture, &error))
         recorder_say(r, "%s", error.text); /* the row is safe all the same */
     return status;
@@ -315,5 +315,5 @@ void recorder_publish_status(recorder *r, const char *state)
     name_joints(r, m->joint);
     memcpy(m->position, r->q, sizeof m->position);
     mukca_capture_coverage(m->coverage, &r->capture);
-    recorder_publish(r, MUKCA_LCM_STATUS, m);
+    recorder_publish(r, MUKCA_MESSAGE_STATUS, m);
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "lcm/wire.h"
 #include "record/recorder.h"
 
 /* Joint j as one of its readings; false where it can be none. */
@@ -44,7 +45,7 @@ static void feed(recorder *r, int64_t time)
         .q = r->q,
         .effort = r->joints.has[MUKCA_LCM_ROLE_EFFORT] ? r->effort : NULL,
         .command = r->joints.has[MUKCA_LCM_ROLE_COMMAND] ? r->command : NULL,
-        .guided = r->joints.mode == MUKCA_LCM_MODE_GUIDING};
+        .guided = r->joints.guided};
     unsigned found = mukca_capture_feed(&r->capture, &reading);
     if (found & MUKCA_CAPTURE_TWO_SENDERS)
         recorder_complain(
@@ -68,17 +69,16 @@ static void feed(recorder *r, int64_t time)
 /* A message that holds no joint states that we know of. */
 static void refuse_type(recorder *r, const mukca_lcm_packet *packet, int type)
 {
-    uint64_t fingerprint = 0;
-    for (size_t i = 0; i < 8 && i < packet->size; i++)
-        fingerprint = fingerprint << 8 | ((const unsigned char *)packet->data)[i];
+    uint64_t fingerprint = packet->size < 8 ? 0 : mukca_lcm_wire_get(packet->data, 8);
+    const char *own = mukca_message_identify(packet->data, packet->size);
     if (r->mapped)
         recorder_refuse(r, RECORDER_TYPE,
                         "%s: a message of another type: ignored (fingerprint %016" PRIx64 ")",
                         r->channel, fingerprint);
-    else if (type >= 0)
+    else if (type >= 0 || own)
         mukca_fail(&r->problem, MUKCA_INPUT,
                    "%s sends %s, which holds no joint positions: name another --channel",
-                   r->channel, r->types.type[type].name);
+                   r->channel, own ? own : r->types.type[type].name);
     else
         mukca_fail(&r->problem, MUKCA_INPUT,
                    "%s sends a type that mukca does not know (fingerprint %016" PRIx64
@@ -149,8 +149,7 @@ static void on_trigger(recorder *r, const mukca_lcm_packet *packet)
     mukca_message_trigger trigger;
     mukca_error error;
     char line[RECORDER_LINE];
-    if (mukca_message_decode(&trigger, MUKCA_LCM_TRIGGER, packet->data, packet->size, &r->types,
-                             &error)) {
+    if (mukca_message_decode(&trigger, MUKCA_MESSAGE_TRIGGER, packet->data, packet->size, &error)) {
         recorder_refuse(r, RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel, error.text);
         return;
     }
@@ -162,6 +161,7 @@ static void on_trigger(recorder *r, const mukca_lcm_packet *packet)
 static void hear(recorder *r, const mukca_lcm_packet *packet)
 {
     int i = 0;
+    if (mukca_message_identify(packet->data, packet->size)) return;
     while (i < r->n_heard && strcmp(r->heard[i].channel, packet->channel) != 0) i++;
     if (i == RECORDER_MAX_HEARD) return;
     recorder_heard *h = &r->heard[i];

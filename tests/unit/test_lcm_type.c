@@ -10,8 +10,10 @@
 
 #include <cmocka.h>
 
+#include "lcm/decode.h"
+#include "lcm/description.h"
 #include "lcm/message.h"
-#include "lcm/type.h"
+#include "lcm/state.h"
 #include "math/random.h"
 
 static mukca_lcm_types types;
@@ -27,18 +29,22 @@ static int setup(void **state)
     return 0;
 }
 
-/* What lcm-gen 1.3.1 prints for the public descriptions, and for data/lcm. */
+/* What lcm-gen 1.3.1 prints for the public descriptions: the rows' own column. */
 static void fingerprints_of_the_table(void **state)
 {
-    static const uint64_t expected[MUKCA_LCM_BUILTIN_TYPES] = {
-        0xf16fb804284abca3, 0x19571cdf4d82fae6, 0x9bc39ecbb8de40c8, 0x84cfb1722d58bd59,
-        0x3e377b4cebc593a4, 0x3e7cd307b8f9e790, 0x7e17a1d01fe0e2fb, 0x9ed4cb80fd4c8cd9,
-        0xed12f1132393a392, 0x117e02e881428d9b, 0x07050f18097d47d5, 0x645cdf5dd6a54db9};
+    static const struct {
+        const char *name;
+        uint64_t fingerprint;
+    } rows[] = {
+#define ROW(file, type, channel, fingerprint) {type, fingerprint},
+        MUKCA_LCM_STATE_LIST(ROW)};
     (void)state;
-    for (int t = 0; t < MUKCA_LCM_BUILTIN_TYPES; t++)
-        if (types.type[t].fingerprint != expected[t])
-            fail_msg("%s: %016llx", types.type[t].name,
-                     (unsigned long long)types.type[t].fingerprint);
+    assert_int_equal(types.n_types, MUKCA_LCM_STATES);
+    for (int t = 0; t < MUKCA_LCM_STATES; t++) {
+        assert_string_equal(types.type[t].name, rows[t].name);
+        if (types.type[t].fingerprint != rows[t].fingerprint)
+            fail_msg("%s: %016llx", rows[t].name, (unsigned long long)types.type[t].fingerprint);
+    }
 }
 
 /* Nested, recursive and many-dimensional types; the numbers are lcm-gen's. */
@@ -76,7 +82,7 @@ static void bad_descriptions(void **state)
         {"struct b { double n; double q[n]; }", "x.lcm:1:31: the array size is no integer"},
         {"struct b { double q[0]; }", "bad array size"},
         {"struct b { double q[2][2][2][2]; }", "too many dimensions"},
-        {"struct b { other_t x; }", "field x of b is a other_t, which no --type file"},
+        {"struct b { other_t x; }", "field x of b is a other_t, which neither this file"},
         {"struct b { double q; double q; }", "the same field twice"},
         {"struct b { double q }", "expected \";\""},
         {"struct b { double q; ", "expected a name at the end"},
@@ -133,43 +139,55 @@ static void put_text(message *m, const char *text)
     m->n += strlen(text) + 1;
 }
 
-/* A message of every type with joints; entry j of array a is 100 a + j / 8. */
+static int named(const char *name)
+{
+    int t = mukca_lcm_types_find_name(&types, name);
+    assert_true(t >= 0);
+    return t;
+}
+
+static const int64_t sent_at = 1700000000123456;
+
+/* A number on the wire.  The time is sent_at, every count n, the mode that of guiding; element j of
+ * another field i is 100 i + j / 8. */
+static void put_number(message *m, int t, int i, int j, int n)
+{
+    const mukca_lcm_type *type = &types.type[t];
+    const mukca_lcm_field *field = &types.field[type->first_field + i];
+    if (field->primitive == MUKCA_LCM_DOUBLE)
+        put_real(m, 100 * i + j / 8.);
+    else if (field->primitive == MUKCA_LCM_FLOAT)
+        put_float(m, 100.f * (float)i + (float)j / 8);
+    else
+        put(m,
+            i == type->role[MUKCA_LCM_ROLE_TIME][0]   ? (uint64_t)sent_at
+            : i == type->role[MUKCA_LCM_ROLE_MODE][0] ? (uint64_t)type->guiding_mode
+                                                      : (uint64_t)n,
+            mukca_lcm_primitive_sizes[field->primitive]);
+}
+
+/* A message of a row of the table with n joints. */
 static void compose(message *m, int t, int n)
 {
-    static const int arrays[] = {7, 8, 5, 0, 0, 0};
+    const mukca_lcm_type *type = &types.type[t];
     m->n = 0;
-    put(m, types.type[t].fingerprint, 8);
-    put(m, 1700000000123456, 8);
-    if (t == MUKCA_LCM_JOINT_ANGLES) put_text(m, "arm");
-    put(m, (uint64_t)n, t == MUKCA_LCM_ROBOT_STATE || t == MUKCA_LCM_JOINT_STATE ? 2 : 4);
-    for (int a = 0; a < arrays[t]; a++)
-        for (int j = 0; j < n; j++) put_real(m, 100 * a + j / 8.);
-    if (t >= MUKCA_LCM_ROBOT_STATE)
-        for (int j = 0; j < n; j++) put_text(m, (const char[]){'j', (char)('1' + j % 9), 0});
-    if (t == MUKCA_LCM_ROBOT_STATE || t == MUKCA_LCM_JOINT_STATE)
-        for (int a = 0; a < (t == MUKCA_LCM_ROBOT_STATE ? 1 : 3); a++)
-            for (int j = 0; j < n; j++) put_float(m, 100.f * (float)a + (float)j / 8);
-    if (t == MUKCA_LCM_JOINT_ANGLES)
-        for (int j = 0; j < n; j++) put_real(m, j / 8.);
-    if (t == MUKCA_LCM_PANDA_STATUS) {
-        put_real(m, 1);
-        put(m, MUKCA_LCM_MODE_GUIDING, 1);
-        put(m, 77, 8);
-        put(m, 1, 1);
-    }
-    if (t == MUKCA_LCM_JACO_STATUS) {
-        put(m, 3, 4);
-        for (int k = 0; k < 15; k++) put_real(m, 9);
+    put(m, type->fingerprint, 8);
+    for (int i = 0; i < type->n_fields; i++) {
+        const mukca_lcm_field *field = &types.field[type->first_field + i];
+        for (int j = 0; j < (field->n_dimensions ? n : 1); j++)
+            if (field->primitive == MUKCA_LCM_STRING)
+                put_text(m, (const char[]){'j', (char)('1' + j % 9), 0});
+            else
+                put_number(m, t, i, j, n);
     }
 }
 
+/* Whatever row the table gets: all that has a role comes out as it was sent. */
 static void decodes_every_type(void **state)
 {
-    /* index of the arrays on the wire, -1 where the type has none */
-    static const int velocity[] = {1, 2, 1, -1, 1, -1}, effort[] = {4, 5, 2, -1, 2, -1},
-                     command[] = {2, 1, -1, -1, -1, -1};
     (void)state;
-    for (int t = 0; t < MUKCA_LCM_TRIGGER; t++) {
+    for (int t = 0; t < MUKCA_LCM_STATES; t++) {
+        const mukca_lcm_type *type = &types.type[t];
         for (int n = 1; n <= 64; n += 9) {
             message m;
             mukca_lcm_joints joints;
@@ -177,33 +195,37 @@ static void decodes_every_type(void **state)
             compose(&m, t, n);
             assert_int_equal(mukca_lcm_types_find(&types, m.bytes, m.n), t);
             if (mukca_lcm_decode_joints(&joints, &types, t, m.bytes, m.n, &error))
-                fail_msg("%s: %s", types.type[t].name, error.text);
+                fail_msg("%s: %s", type->name, error.text);
             assert_int_equal(joints.n, n);
-            assert_true(joints.time == 1700000000123456);
-            assert_int_equal(joints.mode,
-                             t == MUKCA_LCM_PANDA_STATUS ? MUKCA_LCM_MODE_GUIDING : -1);
-            assert_int_equal(joints.has[MUKCA_LCM_ROLE_NAME], t >= MUKCA_LCM_ROBOT_STATE);
-            assert_int_equal(joints.has[MUKCA_LCM_ROLE_VELOCITY], velocity[t] >= 0);
-            assert_int_equal(joints.has[MUKCA_LCM_ROLE_EFFORT], effort[t] >= 0);
-            assert_int_equal(joints.has[MUKCA_LCM_ROLE_COMMAND], command[t] >= 0);
-            double sign = t == MUKCA_LCM_IIWA_STATUS ? -1 : 1;
-            for (int j = 0; j < n; j++) {
-                assert_true(joints.value[MUKCA_LCM_ROLE_POSITION][j] == j / 8.);
-                if (velocity[t] >= 0)
-                    assert_true(joints.value[MUKCA_LCM_ROLE_VELOCITY][j] ==
-                                100 * velocity[t] + j / 8.);
-                if (effort[t] >= 0)
-                    assert_true(joints.value[MUKCA_LCM_ROLE_EFFORT][j] ==
-                                sign * (100 * effort[t] + j / 8.));
-                if (command[t] >= 0)
-                    assert_true(joints.value[MUKCA_LCM_ROLE_COMMAND][j] ==
-                                100 * command[t] + j / 8.);
-                if (t >= MUKCA_LCM_ROBOT_STATE) assert_int_equal(joints.name[j][1], '1' + j % 9);
+            assert_true(joints.has[MUKCA_LCM_ROLE_POSITION]);
+            assert_int_equal(joints.time, type->role[MUKCA_LCM_ROLE_TIME][0] >= 0 ? sent_at : 0);
+            assert_int_equal(joints.guided, type->role[MUKCA_LCM_ROLE_MODE][0] >= 0);
+            for (int r = MUKCA_LCM_ROLE_NAME; r < MUKCA_LCM_ROLE_MODE; r++) {
+                int i = type->role[r][0];
+                assert_int_equal(joints.has[r], i >= 0);
+                double sign = r == MUKCA_LCM_ROLE_EFFORT ? type->effort_factor : 1;
+                for (int j = 0; j < n && i >= 0; j++)
+                    if (r == MUKCA_LCM_ROLE_NAME)
+                        assert_int_equal(joints.name[j][1], '1' + j % 9);
+                    else
+                        assert_true(joints.value[r][j] == sign * (100 * i + j / 8.));
             }
-            if (t == MUKCA_LCM_IIWA_STATUS) assert_int_equal(m.n, 20 + 56 * n);
-            if (t == MUKCA_LCM_PANDA_STATUS) assert_int_equal(m.n, 38 + 64 * n);
         }
     }
+}
+
+/* Known of the drivers: sizes, and the sign of the torque (IIWA reports that of the load). */
+static void facts_of_the_drivers(void **state)
+{
+    message m;
+    (void)state;
+    compose(&m, named("drake.lcmt_iiwa_status"), 7);
+    assert_int_equal(m.n, 20 + 56 * 7);
+    compose(&m, named("drake.lcmt_panda_status"), 7);
+    assert_int_equal(m.n, 38 + 64 * 7);
+    assert_true(types.type[named("drake.lcmt_iiwa_status")].effort_factor == -1);
+    assert_true(types.type[named("drake.lcmt_panda_status")].effort_factor == 1);
+    assert_true(types.type[named("drake.lcmt_panda_status")].guiding_mode == 3);
 }
 
 /* A copy that ends where memory ends, so that a sanitizer sees any read beyond. */
@@ -223,7 +245,7 @@ static void refuses_hostile_messages(void **state)
     static const uint32_t counts[] = {0,          8,          65,         0x7fffffff, 0x80000000,
                                       0xffffffff, 0x10000000, 0x20000000, 0x24924924, 0x12492492};
     (void)state;
-    for (int t = 0; t < MUKCA_LCM_TRIGGER; t++) {
+    for (int t = 0; t < MUKCA_LCM_STATES; t++) {
         message m;
         mukca_error error = {0};
         compose(&m, t, 7);
@@ -231,8 +253,11 @@ static void refuses_hostile_messages(void **state)
             assert_int_equal(decode_copy(t, m.bytes, cut, &error), MUKCA_INPUT);
         m.bytes[m.n] = 0;
         assert_int_equal(decode_copy(t, m.bytes, m.n + 1, &error), MUKCA_INPUT);
-        size_t at = t == MUKCA_LCM_JOINT_ANGLES ? 24 : 16;
-        int width = t == MUKCA_LCM_ROBOT_STATE || t == MUKCA_LCM_JOINT_STATE ? 2 : 4;
+        /* the count of joints follows the time, or a text of 3 bytes after it */
+        const mukca_lcm_field *fields = &types.field[types.type[t].first_field];
+        bool text = fields[1].primitive == MUKCA_LCM_STRING;
+        size_t at = text ? 23 : 16;
+        int width = mukca_lcm_primitive_sizes[fields[text ? 2 : 1].primitive];
         for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
             for (int k = 0; k < width; k++)
                 m.bytes[at + (size_t)k] = (unsigned char)(counts[i] >> 8 * (3 - k));
@@ -243,11 +268,12 @@ static void refuses_hostile_messages(void **state)
     }
     message m;
     mukca_error error = {0};
-    compose(&m, MUKCA_LCM_IIWA_STATUS, 7);
+    int iiwa = named("drake.lcmt_iiwa_status");
+    compose(&m, iiwa, 7);
     size_t end = m.n;
     m.n = 20 + 8 * 2;
     put_real(&m, (double)NAN);
-    assert_int_equal(decode_copy(MUKCA_LCM_IIWA_STATUS, m.bytes, end, &error), MUKCA_INPUT);
+    assert_int_equal(decode_copy(iiwa, m.bytes, end, &error), MUKCA_INPUT);
     assert_non_null(strstr(error.text, "position 3 is no finite number"));
 }
 
@@ -256,13 +282,13 @@ static void refuses_hostile_messages(void **state)
 static void survives_a_million_mutations(void **state)
 {
     mukca_random random;
-    message m[MUKCA_LCM_TRIGGER];
+    message m[MUKCA_LCM_STATES];
     int decoded = 0;
     (void)state;
     mukca_random_seed(&random, 4);
-    for (int t = 0; t < MUKCA_LCM_TRIGGER; t++) compose(&m[t], t, 7);
+    for (int t = 0; t < MUKCA_LCM_STATES; t++) compose(&m[t], t, 7);
     for (int i = 0; i < 1000000; i++) {
-        int t = i % MUKCA_LCM_TRIGGER, changes = 1 + mukca_random_below(&random, 8);
+        int t = i % MUKCA_LCM_STATES, changes = 1 + mukca_random_below(&random, 8);
         message copy = m[t];
         for (int c = 0; c < changes; c++)
             copy.bytes[8 + mukca_random_below(&random, (int)copy.n - 8)] =
@@ -384,10 +410,10 @@ static void own_messages_round_trip(void **state)
         result.sigma[i] = (double)INFINITY;
         result.identifiable[i] = i == 1;
     }
-    size_t n = mukca_message_encode(buffer, sizeof buffer, MUKCA_LCM_RESULT, &result, &types);
+    size_t n = mukca_message_encode(buffer, sizeof buffer, MUKCA_MESSAGE_RESULT, &result);
     assert_true(n > 0);
-    assert_int_equal(mukca_message_encode(NULL, 0, MUKCA_LCM_RESULT, &result, &types), n);
-    assert_int_equal(mukca_message_decode(&back, MUKCA_LCM_RESULT, buffer, n, &types, &error),
+    assert_int_equal(mukca_message_encode(NULL, 0, MUKCA_MESSAGE_RESULT, &result), n);
+    assert_int_equal(mukca_message_decode(&back, MUKCA_MESSAGE_RESULT, buffer, n, &error),
                      MUKCA_OK);
     assert_true(back.utime == -5 && back.id == 1LL << 60 && back.code == 1 && back.n == 3);
     assert_string_equal(back.verb, "calibrate");
@@ -399,14 +425,57 @@ static void own_messages_round_trip(void **state)
         unsigned char *copy = malloc(cut ? cut : 1);
         assert_non_null(copy);
         memcpy(copy, buffer, cut);
-        assert_int_equal(mukca_message_decode(&back, MUKCA_LCM_RESULT, copy, cut, &types, &error),
+        assert_int_equal(mukca_message_decode(&back, MUKCA_MESSAGE_RESULT, copy, cut, &error),
                          MUKCA_INPUT);
         free(copy);
     }
-    assert_int_equal(mukca_message_decode(&back, MUKCA_LCM_SAMPLE, buffer, n, &types, &error),
+    assert_int_equal(mukca_message_decode(&back, MUKCA_MESSAGE_SAMPLE, buffer, n, &error),
                      MUKCA_INPUT);
     result.n = MUKCA_MESSAGE_ROWS + 1;
-    assert_int_equal(mukca_message_encode(NULL, 0, MUKCA_LCM_RESULT, &result, &types), 0);
+    assert_int_equal(mukca_message_encode(NULL, 0, MUKCA_MESSAGE_RESULT, &result), 0);
+}
+
+/* The tables of message.c against the installed descriptions: fingerprints, and the decoder that
+ * goes by a description reads what the encoder wrote. */
+static void own_messages_are_those_of_data_lcm(void **state)
+{
+    static const char *const files[] = {
+#define FILE_OF(channel, name, fingerprint) "data/lcm/mukca_" #name ".lcm",
+        MUKCA_MESSAGE_LIST(FILE_OF)};
+    static const uint64_t expected[] = {
+#define FINGERPRINT(channel, name, fingerprint) fingerprint,
+        MUKCA_MESSAGE_LIST(FINGERPRINT)};
+    static mukca_lcm_types more;
+    static union {
+        mukca_message_trigger trigger;
+        mukca_message_command command;
+        mukca_message_status status;
+        mukca_message_sample sample;
+        mukca_message_result result;
+        mukca_message_pose pose;
+    } zero;
+    (void)state;
+    more = types;
+    for (int k = 0; k < MUKCA_MESSAGES; k++) {
+        unsigned char buffer[256];
+        mukca_lcm_joints joints;
+        mukca_error error = {0};
+        if (mukca_lcm_types_read(&more, files[k], &error)) fail_msg("%s", error.text);
+        int t = more.n_types - 1;
+        assert_true(more.type[t].fingerprint == expected[k]);
+        assert_int_equal(
+            mukca_lcm_type_set_role(&more, t, MUKCA_LCM_ROLE_POSITION, "utime", &error), MUKCA_OK);
+        memset(&zero, 0, sizeof zero);
+        int64_t utime = 77 + k; /* the first member of each */
+        memcpy(&zero, &utime, sizeof utime);
+        size_t n = mukca_message_encode(buffer, sizeof buffer, (mukca_message_kind)k, &zero);
+        assert_true(n > 8 && n <= sizeof buffer);
+        assert_string_equal(mukca_message_identify(buffer, n), more.type[t].name);
+        if (mukca_lcm_decode_joints(&joints, &more, t, buffer, n, &error))
+            fail_msg("%s: %s", files[k], error.text);
+        assert_true(joints.value[MUKCA_LCM_ROLE_POSITION][0] == 77 + k);
+    }
+    assert_null(mukca_message_identify("12345678", 8));
 }
 
 int main(void)
@@ -416,11 +485,13 @@ int main(void)
         cmocka_unit_test(fingerprints_of_descriptions),
         cmocka_unit_test(bad_descriptions),
         cmocka_unit_test(decodes_every_type),
+        cmocka_unit_test(facts_of_the_drivers),
         cmocka_unit_test(refuses_hostile_messages),
         cmocka_unit_test(survives_a_million_mutations),
         cmocka_unit_test(decodes_nested_positions),
         cmocka_unit_test(empty_and_recursive_types_are_bounded),
         cmocka_unit_test(own_messages_round_trip),
+        cmocka_unit_test(own_messages_are_those_of_data_lcm),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

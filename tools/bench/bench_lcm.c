@@ -1,15 +1,18 @@
-/* LCM: how fast messages are decoded, and how long a pose takes from the joint state that asks for
- * it. bench_lcm decode          name, bytes, seconds per message, of each type bench_lcm pose RATE
- * N     sends N joint states at RATE Hz to a running `mukca serve
- *                             --publish-pose` and waits for each pose: quantiles of the seconds
- * from just before the one is sent to just after the other is there */
+/* LCM: time to decode a message, and from a joint state to its pose.
+ *
+ *   bench_lcm decode        name, bytes, seconds per message, of three types
+ *   bench_lcm pose RATE N   sends N joint states at RATE Hz to a running `mukca serve
+ *                           --publish-pose`: quantiles of the seconds from sending a joint state
+ *                           to receiving its pose */
 #include <lcm/lcm.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
+#include "lcm/decode.h"
 #include "lcm/message.h"
+#include "lcm/state.h"
 #include "math/stats.h"
 
 enum { JOINTS = 7, REPEATS = 200000 };
@@ -43,20 +46,23 @@ static void put_reals(message *m, int n)
     }
 }
 
-static void compose(message *m, const mukca_lcm_types *types, int type, uint64_t utime)
+static const char iiwa[] = "drake.lcmt_iiwa_status", panda[] = "drake.lcmt_panda_status",
+                  named[] = "drake.lcmt_robot_state";
+
+static void compose(message *m, const mukca_lcm_types *types, const char *name, uint64_t utime)
 {
     m->n = 0;
-    put(m, types->type[type].fingerprint, 8);
+    put(m, types->type[mukca_lcm_types_find_name(types, name)].fingerprint, 8);
     put(m, utime, 8);
-    if (type == MUKCA_LCM_ROBOT_STATE) {
+    if (name == named) {
         put(m, JOINTS, 2);
         for (int j = 0; j < JOINTS; j++) put(m, 2, 4), put(m, 'a' << 8, 2);
         for (int j = 0; j < JOINTS; j++) put(m, 0, 4);
         return;
     }
     put(m, JOINTS, 4);
-    put_reals(m, (type == MUKCA_LCM_PANDA_STATUS ? 8 : 7) * JOINTS);
-    if (type != MUKCA_LCM_PANDA_STATUS) return;
+    put_reals(m, (name == panda ? 8 : 7) * JOINTS);
+    if (name != panda) return;
     put_reals(m, 1);
     put(m, 1, 1);
     put(m, utime, 8);
@@ -65,8 +71,7 @@ static void compose(message *m, const mukca_lcm_types *types, int type, uint64_t
 
 static int bench_decode(const mukca_lcm_types *types)
 {
-    static const int kinds[] = {MUKCA_LCM_IIWA_STATUS, MUKCA_LCM_PANDA_STATUS,
-                                MUKCA_LCM_ROBOT_STATE};
+    static const char *const kinds[] = {iiwa, panda, named};
     for (int k = 0; k < 3; k++) {
         static message m;
         static mukca_lcm_joints joints;
@@ -86,7 +91,7 @@ static int bench_decode(const mukca_lcm_types *types)
             double each = (now() - start) / REPEATS;
             if (each < best) best = each;
         }
-        printf("%s %zu %.4g\n", types->type[kinds[k]].name, m.n, best);
+        printf("%s %zu %.4g\n", kinds[k], m.n, best);
     }
     return 0;
 }
@@ -94,7 +99,6 @@ static int bench_decode(const mukca_lcm_types *types)
 /* ---- poses ---- */
 
 typedef struct {
-    const mukca_lcm_types *types;
     int64_t wanted;
     double arrived; /* s; 0: not yet */
 } waiter;
@@ -105,8 +109,7 @@ static void on_pose(const lcm_recv_buf_t *buffer, const char *channel, void *con
     mukca_message_pose pose;
     mukca_error error;
     (void)channel;
-    if (!mukca_message_decode(&pose, MUKCA_LCM_POSE, buffer->data, buffer->data_size, w->types,
-                              &error) &&
+    if (!mukca_message_decode(&pose, MUKCA_MESSAGE_POSE, buffer->data, buffer->data_size, &error) &&
         pose.utime == w->wanted)
         w->arrived = now();
 }
@@ -119,7 +122,7 @@ static int bench_pose(const mukca_lcm_types *types, double rate, int n)
         fprintf(stderr, "bench_lcm: no LCM network\n");
         return 1;
     }
-    waiter w = {.types = types};
+    waiter w = {.wanted = 0};
     lcm_subscribe(lcm, "MUKCA_POSE", on_pose, &w);
     static message m;
     int warm_up = (int)rate, good = 0, lost = 0;
@@ -132,7 +135,7 @@ static int bench_pose(const mukca_lcm_types *types, double rate, int n)
         }
         w.wanted = 1700000000000000 + (int64_t)(1e6 * (i + warm_up) / rate);
         w.arrived = 0;
-        compose(&m, types, MUKCA_LCM_IIWA_STATUS, (uint64_t)w.wanted);
+        compose(&m, types, iiwa, (uint64_t)w.wanted);
         double sent = now();
         lcm_publish(lcm, "IIWA_STATUS", m.bytes, (unsigned)m.n);
         while (w.arrived == 0 && now() - sent < 0.1) lcm_handle_timeout(lcm, 5);

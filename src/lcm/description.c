@@ -1,10 +1,10 @@
 /* Reader of .lcm type descriptions: package, struct, const, comments; as lcm-gen accepts them. */
+#include "lcm/description.h"
+
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "lcm/type.h"
 
 enum { TOKEN_SIZE = 96, MAX_FILE = 1 << 20 };
 
@@ -104,15 +104,6 @@ static mukca_status take_name(reader *r, char *name, size_t size, bool dots)
     return next(r);
 }
 
-static const struct {
-    const char *name;
-    bool integer;
-} primitives[] = {
-#define PRIMITIVE(name, text, size) {text, MUKCA_LCM_##name <= MUKCA_LCM_INT64},
-    MUKCA_LCM_PRIMITIVE_LIST(PRIMITIVE)
-#undef PRIMITIVE
-};
-
 /* "[ size ]" of a field; `before` are the fields of the struct so far. */
 static mukca_status parse_dimension(reader *r, mukca_lcm_field *field,
                                     const mukca_lcm_field *before, int n_before)
@@ -132,7 +123,7 @@ static mukca_status parse_dimension(reader *r, mukca_lcm_field *field,
     } else {
         for (int i = 0; i < n_before; i++)
             if (strcmp(before[i].name, r->token) == 0 && before[i].n_dimensions == 0 &&
-                before[i].primitive != MUKCA_LCM_NESTED && primitives[before[i].primitive].integer)
+                before[i].primitive <= MUKCA_LCM_INT64)
                 d->field = i;
         if (d->field < 0) return fail(r, "the array size is no integer field before this one");
     }
@@ -151,7 +142,8 @@ static mukca_status parse_members(reader *r, mukca_lcm_types *types, mukca_lcm_t
     mukca_status status = take_name(r, name, sizeof name, true);
     if (status) return status;
     for (int p = 0; p < MUKCA_LCM_NESTED; p++)
-        if (strcmp(name, primitives[p].name) == 0) form.primitive = (mukca_lcm_primitive)p;
+        if (strcmp(name, mukca_lcm_primitive_names[p]) == 0)
+            form.primitive = (mukca_lcm_primitive)p;
     if (form.primitive == MUKCA_LCM_NESTED) {
         bool whole = strchr(name, '.') || !package[0];
         int n = snprintf(form.nested_name, sizeof form.nested_name, "%s%s%s", whole ? "" : package,
@@ -185,6 +177,7 @@ static mukca_status parse_struct(reader *r, mukca_lcm_types *types, const char *
     char name[MUKCA_LCM_NAME_SIZE];
     memset(type, 0, sizeof *type);
     memset(type->role, -1, sizeof type->role);
+    type->effort_factor = 1;
     type->first_field = types->n_fields;
     mukca_status status = take_name(r, name, sizeof name, false);
     if (status) return status;

@@ -1,0 +1,39 @@
+/* The message types of joint states that mukca knows: one row here and one file state_NAME.c each.
+ * The row drives decoding, help and tests. */
+#ifndef MUKCA_LCM_STATE_H
+#define MUKCA_LCM_STATE_H
+
+#include "lcm/type.h"
+
+/* file, type, its usual channel (for help), its fingerprint by lcm-gen 1.3.1 (for tests) */
+#define MUKCA_LCM_STATE_LIST(X)                                                        \
+    X(iiwa_status, "drake.lcmt_iiwa_status", "IIWA_STATUS", 0xf16fb804284abca3)        \
+    X(panda_status, "drake.lcmt_panda_status", "PANDA_STATUS", 0x19571cdf4d82fae6)     \
+    X(jaco_status, "drake.lcmt_jaco_status", "KINOVA_JACO_STATUS", 0x9bc39ecbb8de40c8) \
+    X(robot_state, "drake.lcmt_robot_state", "any channel", 0x84cfb1722d58bd59)        \
+    X(joint_state, "bot_core.joint_state_t", "any channel", 0x3e377b4cebc593a4)        \
+    X(joint_angles, "bot_core.joint_angles_t", "any channel", 0x3e7cd307b8f9e790)
+
+/* Number of rows; types from this index on were described by the user. */
+#define MUKCA_LCM_STATE_COUNT(name, type, channel, fingerprint) +1
+enum { MUKCA_LCM_STATES = 0 MUKCA_LCM_STATE_LIST(MUKCA_LCM_STATE_COUNT) };
+#undef MUKCA_LCM_STATE_COUNT
+
+/* What a file state_NAME.c defines as mukca_lcm_state_NAME. */
+typedef struct {
+    const char *description;           /* the struct, in the language of .lcm files */
+    const char *role[MUKCA_LCM_ROLES]; /* the field of each role, NULL where there is none */
+    double effort_factor;              /* see mukca_lcm_type; 0: 1 */
+    int guiding_mode;                  /* value of the mode while a person guides the arm by hand */
+} mukca_lcm_state;
+
+#define MUKCA_LCM_STATE_EXTERN(name, type, channel, fingerprint) \
+    extern const mukca_lcm_state mukca_lcm_state_##name;
+MUKCA_LCM_STATE_LIST(MUKCA_LCM_STATE_EXTERN)
+#undef MUKCA_LCM_STATE_EXTERN
+
+/* Fill `types` with the rows, in their order.  Errors: none on a consistent table (a test checks
+ * it). */
+mukca_status mukca_lcm_types_init(mukca_lcm_types *types, mukca_error *error);
+
+#endif
