@@ -6,7 +6,7 @@
 #include <stddef.h>
 
 #include "mukca/chain.h"
-#include "mukca/effect.h"
+#include "mukca/row_state.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -63,12 +63,10 @@ void mukca_dataset_free(mukca_dataset *data);
 mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                                   const unsigned char *keep, mukca_error *error);
 
-/* What the effects see of a row (effect.h): angles, the move from the row before (0 in a file's
- * first row), command, placement, payload, and the time since the file's first row (without times:
- * MUKCA_SECONDS_PER_ROW each).  Torques and moments stay NULL.  `state` points into `data` and at
- * move[n_joints]. */
-void mukca_dataset_state(mukca_joint_state *state, double *move, const mukca_dataset *data,
-                         int row);
+/* State of a row (row_state.h).  Call it for all rows in order, from row 0; each file is a
+ * recording of its own.  The result points into `rows` and is valid until the next call. */
+const mukca_joint_state *mukca_dataset_state(mukca_row_state *rows, const mukca_dataset *data,
+                                             int row);
 
 /* Placement of a row, -1 for a row of a pose log. */
 static inline int mukca_dataset_placement(const mukca_dataset *data, int row)

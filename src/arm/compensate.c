@@ -23,33 +23,30 @@ void mukca_compensator_start(mukca_compensator *c, const mukca_corrected *arm, b
     c->position_only = position_only || arm->chain.n_joints < 6;
     c->tolerance = tolerance > 0 ? tolerance : 1e-8;
     mukca_geometry_set(&c->nominal, &arm->chain, NULL);
+    mukca_row_state_start(&c->rows, arm->chain.n_joints);
 }
 
-/* What the effects do, the row before and the state at hand. */
-typedef struct {
-    const mukca_compensator *compensator;
-    mukca_joint_state state;
-    double move[MUKCA_MAX_JOINTS];
-} situation;
+/* Begin a row with the angles that are meant; `reading` may be NULL. */
+static void begin_row(mukca_compensator *c, const double *q, const mukca_row_reading *reading)
+{
+    mukca_row_reading row = {.time = (double)NAN, .placement = -1, .number = c->rows.number + 1};
+    if (reading) row = *reading;
+    row.q = q;
+    row.command = NULL;
+    mukca_row_state_next(&c->rows, &row);
+}
 
 static void displace(mukca_displacement *displacement, const double *q, void *context)
 {
-    situation *s = context;
-    const mukca_corrected *arm = s->compensator->arm;
-    for (int j = 0; j < arm->chain.n_joints; j++)
-        s->move[j] = s->compensator->on_path ? q[j] - s->compensator->sent[j] : 0;
-    s->state.move = s->move;
-    mukca_effects_displacement(displacement, arm->effects, arm->n_effects, &arm->chain,
-                               &arm->geometry, q, &s->state);
+    mukca_compensator *c = context;
+    mukca_effects_displacement(displacement, c->arm->effects, c->arm->n_effects, &c->arm->chain,
+                               &c->arm->geometry, q, mukca_row_state_set(&c->rows, q));
 }
 
-static mukca_inverse_result solve(double *q, const mukca_compensator *c, const mukca_frame *target,
-                                  const mukca_joint_state *state)
+static mukca_inverse_result solve(double *q, mukca_compensator *c, const mukca_frame *target)
 {
-    situation s = {.compensator = c, .state = {.placement = -1}};
-    if (state) s.state = *state;
     const mukca_inverse_options options = {
-        .tolerance = c->tolerance, .displace = c->arm->n_effects ? displace : NULL, .context = &s};
+        .tolerance = c->tolerance, .displace = c->arm->n_effects ? displace : NULL, .context = c};
     return mukca_inverse_solve(q, &c->arm->chain, &c->arm->geometry, target, !c->position_only,
                                &options);
 }
@@ -71,20 +68,19 @@ static mukca_compensation outcome(const mukca_inverse_result *found)
 }
 
 mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
-                                           const mukca_joint_state *state)
+                                           const mukca_row_reading *reading)
 {
     const int n = c->arm->chain.n_joints;
     double meant[MUKCA_MAX_JOINTS], correction[MUKCA_MAX_JOINTS], before[MUKCA_MAX_JOINTS];
-    situation s = {.compensator = c, .state = {.placement = -1}};
     mukca_frame target, uncorrected;
     mukca_displacement displacement = {0};
-    if (state) s.state = *state;
     memcpy(meant, q, (size_t)n * sizeof *q);
     mukca_fk_pose(&target, &c->nominal, meant, NULL);
-    displace(&displacement, meant, &s);
+    begin_row(c, meant, reading);
+    displace(&displacement, meant, c);
     mukca_fk_pose(&uncorrected, &c->arm->geometry, meant, &displacement);
 
-    const mukca_inverse_result found = solve(q, c, &target, state);
+    const mukca_inverse_result found = solve(q, c, &target);
     mukca_compensation result = outcome(&found);
     double d[3];
     for (int i = 0; i < 3; i++) d[i] = uncorrected.p[i] - target.p[i];
@@ -103,6 +99,7 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     c->on_path = true;
     memcpy(c->target, meant, (size_t)n * sizeof *q);
     memcpy(c->sent, q, (size_t)n * sizeof *q);
+    mukca_row_state_set(&c->rows, q);
     return result;
 }
 
@@ -125,7 +122,7 @@ static void start_posture(double *q, int index, const mukca_chain *chain)
 }
 
 mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *c, const mukca_frame *target,
-                                         const mukca_joint_state *state)
+                                         const mukca_row_reading *reading)
 {
     enum { STARTS = 60 };
     const int n = c->arm->chain.n_joints;
@@ -133,11 +130,12 @@ mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *c, const 
     double tried[MUKCA_MAX_JOINTS];
     mukca_inverse_result found;
     if (c->on_path) memcpy(q, c->sent, (size_t)n * sizeof *q);
-    found = solve(q, c, target, state);
+    begin_row(c, q, reading);
+    found = solve(q, c, target);
     best = outcome(&found);
     for (int start = 0; start < STARTS && best.reach != MUKCA_REACH_OK; start++) {
         start_posture(tried, start, &c->arm->chain);
-        found = solve(tried, c, target, state);
+        found = solve(tried, c, target);
         result = outcome(&found);
         if (result.reach != MUKCA_REACH_OK && !(result.position_error < best.position_error))
             continue;
@@ -152,5 +150,6 @@ mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *c, const 
     c->on_path = true;
     memcpy(c->position, target->p, sizeof c->position);
     memcpy(c->sent, q, (size_t)n * sizeof *q);
+    mukca_row_state_set(&c->rows, q);
     return best;
 }

@@ -3,6 +3,7 @@
 #define MUKCA_ARM_COMPENSATE_H
 
 #include "mukca/corrected.h"
+#include "mukca/row_state.h"
 
 /* name in the output, sentence for people */
 #define MUKCA_REACH_LIST(X)                                                        \
@@ -28,13 +29,14 @@ typedef struct {
     double position_error, rotation_error;   /* m, rad: corrected */
 } mukca_compensation;
 
-/* What stays the same from row to row. */
+/* What stays the same from row to row, and the last row.  Do not copy it. */
 typedef struct {
     const mukca_corrected *arm;
     mukca_geometry nominal;
     bool position_only; /* implied by fewer than 6 joints */
     double tolerance;   /* m, rad */
     /* the row before, for paths */
+    mukca_row_state rows;
     bool on_path;
     double target[MUKCA_MAX_JOINTS], sent[MUKCA_MAX_JOINTS];
     double position[3];
@@ -44,15 +46,16 @@ typedef struct {
 void mukca_compensator_start(mukca_compensator *compensator, const mukca_corrected *arm,
                              bool position_only, double tolerance);
 
-/* q[n_joints]: the targets in, the corrected targets out; least change.  `state` (may be NULL)
- * tells time, command and payload; the last move is known from the row before.  Where the pose
- * cannot be reached, q is the best that was found. */
+/* q[n_joints]: the targets in, the corrected targets out; least change.  `reading` (may be NULL)
+ * gives time, payload, placement and row number; its angles and commands are not used.  The move is
+ * that from the last corrected targets.  Where the pose cannot be reached, q is the best found. */
 mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *compensator,
-                                           const mukca_joint_state *state);
+                                           const mukca_row_reading *reading);
 
-/* q[n_joints] that bring the corrected arm to `target`: near the row before; for the first one near
+/* q[n_joints] that bring the corrected arm to `target`: near the last row; for the first one near
  * q, or (where that fails) from other postures. */
 mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *compensator,
-                                         const mukca_frame *target, const mukca_joint_state *state);
+                                         const mukca_frame *target,
+                                         const mukca_row_reading *reading);
 
 #endif

@@ -74,7 +74,8 @@ typedef struct {
 static void trace_scores(const tracer *t, const double *theta, const mukca_dataset *data)
 {
     mukca_score mean = {.mae = NAN, .std = NAN, .distance_error = NAN};
-    if (data->n_rows > 0) mukca_evaluate(t->scores, &mean, &t->fit->chain, theta, NULL, 0, data);
+    const mukca_model model = {.chain = &t->fit->chain, .theta = theta};
+    if (data->n_rows > 0) mukca_evaluate(t->scores, &mean, &model, data);
     const double values[3] = {mean.mae, mean.std, mean.distance_error};
     for (int i = 0; i < 3; i++) {
         if (isfinite(values[i]))

@@ -249,10 +249,6 @@ cli_list cli_inputs(cli_call *call);
  * MUKCA_INPUT. */
 mukca_status cli_check_effects(cli_call *call, const cli_model *model);
 
-/* Displacement by the effects of --offsets in one row of `data`; zeroed where there are none. */
-void cli_displacement(mukca_displacement *displacement, const cli_model *model,
-                      const mukca_dataset *data, int row);
-
 /* Check --json and -o before any long work: not both `-`, not existing without --force, folder
  * writable. */
 mukca_status cli_check_outputs(cli_call *call);

@@ -73,20 +73,14 @@ static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mu
     if (status) return status;
     mukca_compensator_start(&compensator, arm, o->position_only, o->tolerance);
     if (first) print_header(stream, &arm->chain, rows.time >= 0);
-    double start = (double)NAN;
     while (!ferror(stream)) {
         bool more;
         status = mukca_rows_next(&rows, &row, &more, &call->error);
         if (status || !more) break;
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
         if (status) break;
-        if (rows.table.row == 1) start = row.time;
-        mukca_joint_state state = {.placement = -1,
-                                   .time = isfinite(row.time - start)
-                                               ? row.time - start
-                                               : MUKCA_SECONDS_PER_ROW * (rows.table.row - 1),
-                                   .payload_kg = isfinite(row.payload) ? row.payload : 0};
-        mukca_compensation c = mukca_compensate_joints(row.q, &compensator, &state);
+        const mukca_row_reading reading = mukca_row_read(&row, &rows);
+        mukca_compensation c = mukca_compensate_joints(row.q, &compensator, &reading);
         if (rows.time >= 0) fprintf(stream, "%.17g\t", row.time);
         print_row(stream, row.q, arm->chain.n_joints, &c);
         count(t, &c);
@@ -139,9 +133,9 @@ static mukca_status from_poses(cli_call *call, FILE *stream, tally *t, const muk
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
         if (status == MUKCA_OK) status = read_pose(&target, &table, column, oriented, &call->error);
         if (status) break;
-        const mukca_joint_state state = {.placement = -1,
-                                         .time = MUKCA_SECONDS_PER_ROW * (table.row - 1)};
-        mukca_compensation c = mukca_compensate_pose(q, &compensator, &target, &state);
+        const mukca_row_reading reading = {
+            .time = (double)NAN, .placement = -1, .number = table.row};
+        mukca_compensation c = mukca_compensate_pose(q, &compensator, &target, &reading);
         print_row(stream, q, arm->chain.n_joints, &c);
         count(t, &c);
     }

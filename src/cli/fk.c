@@ -1,5 +1,4 @@
 /* mukca fk: forward kinematics of rows of joint angles. */
-#include <math.h>
 #include <string.h>
 
 #include "cli/cli.h"
@@ -21,33 +20,16 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-/* The row before and the start of the file, for effects that need them. */
-typedef struct {
-    double before[MUKCA_MAX_JOINTS];
-    double start;
-} history;
-
 /* What the effects of --offsets do in this row. */
-static void displace(mukca_displacement *displacement, history *h, const cli_model *model,
-                     const mukca_rows *rows, const mukca_row *row)
+static void displace(mukca_displacement *displacement, mukca_row_state *states,
+                     const cli_model *model, const mukca_rows *rows, const mukca_row *row)
 {
-    double move[MUKCA_MAX_JOINTS] = {0};
-    mukca_joint_state state = {.q = row->q, .move = move, .placement = -1};
-    const int n = model->chain.n_joints;
-    const bool first = rows->table.row == 1;
-    if (first) h->start = row->time;
-    for (int j = 0; j < n && !first; j++) move[j] = row->q[j] - h->before[j];
-    state.time =
-        isnan(row->time) ? MUKCA_SECONDS_PER_ROW * (rows->table.row - 1) : row->time - h->start;
-    state.payload_kg = isnan(row->payload) ? 0 : row->payload;
-    bool commanded = rows->has_command;
-    for (int j = 0; j < n; j++) commanded &= !isnan(row->command[j]);
-    if (commanded) state.command = row->command;
-    for (int p = 0; row->placement && p < model->offsets.n_placements; p++)
-        if (strcmp(model->offsets.placements[p], row->placement) == 0) state.placement = p;
-    memcpy(h->before, row->q, sizeof h->before);
-    mukca_effects_displacement(displacement, model->offsets.effects, model->offsets.n_effects,
-                               &model->chain, &model->geometry, row->q, &state);
+    const mukca_offsets *offsets = &model->offsets;
+    mukca_row_reading reading = mukca_row_read(row, rows);
+    for (int p = 0; row->placement && p < offsets->n_placements; p++)
+        if (strcmp(offsets->placements[p], row->placement) == 0) reading.placement = p;
+    mukca_effects_displacement(displacement, offsets->effects, offsets->n_effects, &model->chain,
+                               &model->geometry, row->q, mukca_row_state_next(states, &reading));
 }
 
 static void print_row(FILE *stream, bool pose, const mukca_frame *T)
@@ -67,10 +49,11 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
     const fk_options *o = call->options;
     mukca_rows rows;
     mukca_row row;
-    history h = {0};
+    mukca_row_state states;
     mukca_status status =
         mukca_rows_open(&rows, path, MUKCA_EITHER, &model->chain, NULL, NULL, &call->error);
     if (status) return status;
+    mukca_row_state_start(&states, model->chain.n_joints);
     if (first) fputs(o->pose ? "x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n" : "x_m\ty_m\tz_m\n", stream);
     while (!ferror(stream)) {
         bool more;
@@ -80,7 +63,7 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
         if (status || !more) break;
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
         if (status) break;
-        if (model->offsets.n_effects) displace(&displacement, &h, model, &rows, &row);
+        if (model->offsets.n_effects) displace(&displacement, &states, model, &rows, &row);
         mukca_fk_pose(&T, &model->geometry, row.q, model->offsets.n_effects ? &displacement : NULL);
         print_row(stream, o->pose, &T);
     }

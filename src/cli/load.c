@@ -127,15 +127,3 @@ mukca_status cli_check_effects(cli_call *call, const cli_model *model)
     }
     return MUKCA_OK;
 }
-
-void cli_displacement(mukca_displacement *displacement, const cli_model *model,
-                      const mukca_dataset *data, int row)
-{
-    mukca_effect effects[MUKCA_MAX_EFFECTS];
-    mukca_joint_state state;
-    double move[MUKCA_MAX_JOINTS];
-    mukca_offsets_place_effects(effects, &model->offsets, data);
-    mukca_dataset_state(&state, move, data, row);
-    mukca_effects_displacement(displacement, effects, model->offsets.n_effects, &model->chain,
-                               &model->geometry, state.q, &state);
-}

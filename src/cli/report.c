@@ -155,8 +155,9 @@ static mukca_status joints(report_run *r, const mukca_chain *chain)
     if (errors && a->fitted && a->n_effects > 0 && !r->all.position) {
         const mukca_chain *arm = &r->model.chain;
         mukca_geometry_theta(theta, arm, &a->geometry);
-        const double *explained =
-            report_positions(&r->pool, arm, theta, a->effects, a->n_effects, &r->all);
+        const mukca_model model = {
+            .chain = arm, .theta = theta, .effects = a->effects, .n_effects = a->n_effects};
+        const double *explained = report_positions(&r->pool, &model, &r->all);
         left = explained ? report_joint_errors(&r->pool, arm, theta, explained, &r->all) : NULL;
         for (int i = 0; left && i < r->all.n_rows * r->all.n_joints; i++)
             left[i] = errors[i] - left[i];
@@ -240,9 +241,12 @@ static mukca_status prepare(report_run *r)
     p->diagnosis = r->diagnosed;
     p->repeatability = o->repeatability;
     p->steps = r->steps;
-    p->nominal = report_positions(&r->pool, chain, NULL, NULL, 0, &r->all);
-    p->calibrated =
-        report_positions(&r->pool, chain, table->theta, table->effects, table->n_effects, &r->all);
+    const mukca_model nominal = {.chain = chain}, calibrated = {.chain = chain,
+                                                                .theta = table->theta,
+                                                                .effects = table->effects,
+                                                                .n_effects = table->n_effects};
+    p->nominal = report_positions(&r->pool, &nominal, &r->all);
+    p->calibrated = report_positions(&r->pool, &calibrated, &r->all);
     status = joints(r, chain);
     if (status == MUKCA_OK)
         status =

@@ -41,22 +41,13 @@ mukca_status report_join(mukca_dataset *all, unsigned char **held_out, mukca_poo
     return MUKCA_OK;
 }
 
-double *report_positions(mukca_pool *pool, const mukca_chain *chain, const double *theta,
-                         const mukca_effect *effects, int n_effects, const mukca_dataset *data)
+double *report_positions(mukca_pool *pool, const mukca_model *model, const mukca_dataset *data)
 {
     double *positions = MUKCA_TAKE(pool, double, 3 * data->n_rows);
-    mukca_geometry geometry;
-    mukca_geometry_set(&geometry, chain, theta);
-    for (int r = 0; positions && r < data->n_rows; r++) {
-        mukca_displacement displacement = {0};
-        double move[MUKCA_MAX_JOINTS];
-        mukca_joint_state state;
-        mukca_dataset_state(&state, move, data, r);
-        mukca_effects_displacement(&displacement, effects, n_effects, chain, &geometry, state.q,
-                                   &state);
-        mukca_fk_position(positions + 3 * r, &geometry, state.q,
-                          n_effects > 0 ? &displacement : NULL);
-    }
+    mukca_frame *tips = MUKCA_TAKE(pool, mukca_frame, data->n_rows);
+    if (!positions || !tips) return NULL;
+    mukca_evaluate_tips(tips, model, data);
+    for (int r = 0; r < data->n_rows; r++) memcpy(positions + 3 * r, tips[r].p, sizeof tips[r].p);
     return positions;
 }
 
@@ -100,8 +91,9 @@ void report_step(mukca_report_step *step, const mukca_chain *chain, const double
                  const mukca_dataset *train, const mukca_dataset *test, mukca_score *scores)
 {
     mukca_score a = {0}, b = {.std = NAN, .distance_error = NAN};
-    mukca_evaluate(scores, &a, chain, theta, NULL, 0, train);
-    if (test->n_rows > 0) mukca_evaluate(scores, &b, chain, theta, NULL, 0, test);
+    const mukca_model model = {.chain = chain, .theta = theta};
+    mukca_evaluate(scores, &a, &model, train);
+    if (test->n_rows > 0) mukca_evaluate(scores, &b, &model, test);
     *step = (mukca_report_step){a.std, a.distance_error, b.std, b.distance_error};
 }
 

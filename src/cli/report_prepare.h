@@ -13,10 +13,8 @@
 mukca_status report_join(mukca_dataset *all, unsigned char **held_out, mukca_pool *pool,
                          const mukca_dataset *train, const mukca_dataset *test, mukca_error *error);
 
-/* Tip of each row, [n_rows][3], at theta (NULL: nominal) with effects[n_effects]; in the pool, NULL
- * when that is exhausted. */
-double *report_positions(mukca_pool *pool, const mukca_chain *chain, const double *theta,
-                         const mukca_effect *effects, int n_effects, const mukca_dataset *data);
+/* Tip of each row, [n_rows][3]; in the pool, NULL when that is exhausted. */
+double *report_positions(mukca_pool *pool, const mukca_model *model, const mukca_dataset *data);
 
 /* Each row's residual (position less its socket's mean, or less the measurement) along the way that
  * the ball moves with each joint, r . J_j / |J_j|, [n_rows][n_joints], m. */

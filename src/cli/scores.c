@@ -8,20 +8,21 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
                              const double *theta, const cli_model *model, const mukca_dataset *data)
 {
     const size_t room = (size_t)data->n_placements + 1;
-    double nominal[MUKCA_MAX_THETA];
     mukca_effect effects[MUKCA_MAX_EFFECTS];
     int n_effects = 0;
     if (model && model->offsets.n_effects > 0) {
         n_effects = model->offsets.n_effects;
         mukca_offsets_place_effects(effects, &model->offsets, data);
     }
-    mukca_chain_theta(nominal, chain);
+    const mukca_model before = {.chain = chain}, after = {.chain = chain,
+                                                          .theta = theta,
+                                                          .effects = effects,
+                                                          .n_effects = n_effects};
     scores->nominal = calloc(room, sizeof *scores->nominal);
     scores->calibrated = calloc(room, sizeof *scores->calibrated);
     if (scores->nominal && scores->calibrated &&
-        mukca_evaluate(scores->nominal, &scores->nominal_mean, chain, nominal, NULL, 0, data) >= 0)
-        scores->n = mukca_evaluate(scores->calibrated, &scores->calibrated_mean, chain, theta,
-                                   effects, n_effects, data);
+        mukca_evaluate(scores->nominal, &scores->nominal_mean, &before, data) >= 0)
+        scores->n = mukca_evaluate(scores->calibrated, &scores->calibrated_mean, &after, data);
     else
         scores->n = -1;
     if (scores->n >= 0) return MUKCA_OK;

@@ -284,6 +284,7 @@ static mukca_status run(cli_call *call)
         status = recorder_open(&s->engine, call, &s->options->recorder, &s->model, true, &hooks);
     if (!status) status = serve_remember(s);
     if (status) goto out;
+    mukca_row_state_stream(&s->pose.states, s->model.chain.n_joints);
     mukca_message_channel(s->pose.channel, MUKCA_MESSAGE_POSE, s->options->recorder.prefix);
     mukca_error error;
     if (serve_load_model(s, &error)) recorder_say(&s->engine, "%s", error.text);

@@ -45,6 +45,7 @@ typedef struct {
     bool ready; /* a table is loaded */
     mukca_offsets offsets;
     mukca_geometry geometry;
+    mukca_row_state states; /* of the stream */
     char channel[64];
     unsigned char buffer[SERVE_POSE_SIZE];
     int64_t sent;

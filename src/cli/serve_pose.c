@@ -48,11 +48,18 @@ void serve_send_pose(void *context, int64_t time_us, const double *q)
     mukca_displacement displacement;
     mukca_frame tip;
     mukca_message_pose message = {.utime = time_us};
+    /* Without a time: drift is known for a session, not for the days that a daemon runs. */
+    const mukca_row_reading reading = {
+        .q = q,
+        .command = s->engine.joints.has[MUKCA_LCM_ROLE_COMMAND] ? s->engine.command : NULL,
+        .time = (double)NAN,
+        .placement = -1};
+    const mukca_joint_state *state = mukca_row_state_next(&pose->states, &reading);
     if (!pose->ready) return;
     bool effects = pose->offsets.n_effects > 0;
     if (effects)
         mukca_effects_displacement(&displacement, pose->offsets.effects, pose->offsets.n_effects,
-                                   &s->model.chain, &pose->geometry, q, NULL);
+                                   &s->model.chain, &pose->geometry, q, state);
     mukca_fk_pose(&tip, &pose->geometry, q, effects ? &displacement : NULL);
     memcpy(message.position, tip.p, sizeof message.position);
     mukca_rotation_to_quaternion(message.quaternion, tip.R);

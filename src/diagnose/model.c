@@ -18,7 +18,7 @@ mukca_joint_state gap_model_state(const gap_model *m, int row)
         state.moment = (const double(*)[3])(m->total_moment + 3 * r * n);
         state.base_moment = m->total_base + 3 * r;
     }
-    if (m->data->command) state.command = m->data->command + r * n;
+    if (m->command) state.command = m->command + r * n;
     return state;
 }
 
@@ -210,18 +210,14 @@ static void fill_moments(gap_model *m)
 
 static void fill_state(gap_model *m)
 {
-    const mukca_dataset *data = m->data;
-    const int n_joints = m->chain->n_joints;
-    for (int row = 0, first = 0; row < data->n_rows; row++) {
-        const bool same = row > 0 && data->file[row] == data->file[row - 1];
-        if (!same) first = row;
-        for (int j = 0; j < n_joints; j++)
-            m->move[row * n_joints + j] =
-                same ? data->q[row * n_joints + j] - data->q[(row - 1) * n_joints + j] : 0;
-        const bool timed = data->time && isfinite(data->time[row]) && isfinite(data->time[first]);
-        m->time[row] =
-            timed ? data->time[row] : MUKCA_SECONDS_PER_ROW * (data->row[row] - data->row[first]);
-        m->placement[row] = mukca_dataset_placement(data, row);
+    const size_t n = (size_t)m->chain->n_joints, size = n * sizeof(double);
+    mukca_row_state rows;
+    for (int row = 0; row < m->data->n_rows; row++) {
+        const mukca_joint_state *state = mukca_dataset_state(&rows, m->data, row);
+        memcpy(m->move + (size_t)row * n, state->move, size);
+        if (m->command) memcpy(m->command + (size_t)row * n, state->command, size);
+        m->time[row] = state->time;
+        m->placement[row] = state->placement;
     }
     fill_moments(m);
 }
@@ -282,6 +278,7 @@ mukca_status gap_model_create(gap_model *m, const mukca_chain *chain, const mukc
     m->total_torque = MUKCA_TAKE(&m->pool, double, rows *n_joints);
     m->total_base = MUKCA_TAKE(&m->pool, double, 3 * rows);
     m->move = MUKCA_TAKE(&m->pool, double, rows *n_joints);
+    m->command = data->command ? MUKCA_TAKE(&m->pool, double, rows *n_joints) : NULL;
     m->time = MUKCA_TAKE(&m->pool, double, rows);
     m->placement = MUKCA_TAKE(&m->pool, int, rows);
     m->keep = MUKCA_TAKE(&m->pool, unsigned char, rows);

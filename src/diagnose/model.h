@@ -99,7 +99,7 @@ typedef struct {
     bool have_moments, have_torques;
     double *moment; /* [n_rows][n_lumps][n_joints][3], torque [n_rows][n_lumps][n_joints] */
     double *torque, *base_moment, *total_moment, *total_torque, *total_base;
-    double *move, *time;
+    double *move, *command, *time;
     int *placement;
 
     /* rows in use, by group */

@@ -5,21 +5,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pose of the tip in one row. */
-static void predict(mukca_frame *tip, const mukca_chain *chain, const mukca_geometry *geometry,
-                    const mukca_effect *effects, int n_effects, const mukca_dataset *data, int row)
+void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
 {
-    mukca_displacement displacement;
-    mukca_joint_state state;
-    double move[MUKCA_MAX_JOINTS];
-    const double *q = data->q + row * data->n_joints;
-    if (n_effects == 0) {
-        mukca_fk_pose(tip, geometry, q, NULL);
-        return;
+    mukca_geometry geometry;
+    mukca_row_state rows;
+    mukca_displacement displacement = {0};
+    mukca_geometry_set(&geometry, model->chain, model->theta);
+    for (int row = 0; row < data->n_rows; row++) {
+        const mukca_joint_state *state = mukca_dataset_state(&rows, data, row);
+        if (model->n_effects > 0)
+            mukca_effects_displacement(&displacement, model->effects, model->n_effects,
+                                       model->chain, &geometry, state->q, state);
+        mukca_fk_pose(&tips[row], &geometry, state->q, model->n_effects ? &displacement : NULL);
     }
-    mukca_dataset_state(&state, move, data, row);
-    mukca_effects_displacement(&displacement, effects, n_effects, chain, geometry, q, &state);
-    mukca_fk_pose(tip, geometry, q, &displacement);
 }
 
 static double distance(const double a[3], const double b[3])
@@ -99,20 +97,16 @@ static double mean_of(const mukca_score *scores, int n, size_t field)
     return have ? sum / have : (double)NAN;
 }
 
-int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_chain *chain,
-                   const double *theta, const mukca_effect *effects, int n_effects,
+int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data)
 {
-    mukca_geometry geometry;
     int n = -1;
     const size_t rows = (size_t)data->n_rows + 1, sockets = (size_t)data->n_sockets + 1;
     mukca_frame *tips = malloc(rows * sizeof *tips);
     double(*means)[3] = calloc(sockets, sizeof *means);
     int *count = calloc(sockets, sizeof *count);
     if (!tips || !means || !count) goto out;
-    mukca_geometry_set(&geometry, chain, theta);
-    for (int i = 0; i < data->n_rows; i++)
-        predict(&tips[i], chain, &geometry, effects, n_effects, data, i);
+    mukca_evaluate_tips(tips, model, data);
     socket_means(means, count, tips, data);
     n = 0;
     for (int p = 0; p <= data->n_placements; p++) {
@@ -150,9 +144,9 @@ mukca_status mukca_evaluate_trained(mukca_score *scores, mukca_score *extra_scor
     }
     status = mukca_dataset_subset(&part, data, keep, error);
     if (status == MUKCA_OK) status = mukca_fit_run(&fit, chain, &part, options, error);
-    if (status == MUKCA_OK &&
-        (mukca_evaluate(scores, NULL, &fit.chain, fit.theta, NULL, 0, data) < 0 ||
-         (extra && mukca_evaluate(extra_scores, NULL, &fit.chain, fit.theta, NULL, 0, extra) < 0)))
+    const mukca_model model = {.chain = &fit.chain, .theta = fit.theta};
+    if (status == MUKCA_OK && (mukca_evaluate(scores, NULL, &model, data) < 0 ||
+                               (extra && mukca_evaluate(extra_scores, NULL, &model, extra) < 0)))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     mukca_fit_free(&fit);
     mukca_dataset_free(&part);

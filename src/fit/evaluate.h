@@ -17,12 +17,21 @@ typedef struct {
     double rotation_error; /* mean angle from the measured orientations, rad; NaN without any */
 } mukca_score;
 
-/* Scores of `data` at theta[6 * n_elements] with effects[n_effects] (their placements those of
- * `data`; NULL and 0: none).  scores[n_placements + 1] gets one entry for each placement that has
- * rows, then the poses'; `mean` (may be NULL) the mean over them (rows: the sum).  Returns how
- * many, -1 when out of memory. */
-int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_chain *chain,
-                   const double *theta, const mukca_effect *effects, int n_effects,
+/* The model to score. */
+typedef struct {
+    const mukca_chain *chain;
+    const double *theta;         /* [6 * n_elements]; NULL: nominal */
+    const mukca_effect *effects; /* [n_effects], their placements those of the data; may be NULL */
+    int n_effects;
+} mukca_model;
+
+/* Pose of the tip in each row: tips[n_rows]. */
+void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data);
+
+/* Scores of `data`.  scores[n_placements + 1] gets one entry for each placement that has rows, then
+ * one for the poses; `mean` (may be NULL) the mean over them (rows: the sum).  Returns their
+ * number, -1 when out of memory. */
+int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data);
 
 /* Fit to the placements of `data` that have train[placement] != 0, and score: all of `data` into

@@ -283,3 +283,13 @@ mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca
     if (status == MUKCA_OK) status = read_pose(row, rows, error);
     return status;
 }
+
+mukca_row_reading mukca_row_read(const mukca_row *row, const mukca_rows *rows)
+{
+    return (mukca_row_reading){.q = row->q,
+                               .command = rows->has_command ? row->command : NULL,
+                               .time = row->time,
+                               .payload_kg = row->payload,
+                               .placement = -1,
+                               .number = rows->table.row};
+}

@@ -6,7 +6,7 @@
 #define MUKCA_IO_ROWS_H
 
 #include "io/table.h"
-#include "mukca/chain.h"
+#include "mukca/row_state.h"
 
 /* Which columns a file has; indices into the table's cells, -1 where absent. */
 typedef struct {
@@ -41,6 +41,9 @@ mukca_status mukca_rows_open(mukca_rows *rows, const char *path, mukca_table_kin
 /* Read and check one row: numbers, angles that look like degrees, positions that look like
  * millimetres, quaternions that are not normalised.  *more is false at the end. */
 mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca_error *error);
+
+/* The row for the accumulator of row states; its placement is unknown.  It points into `row`. */
+mukca_row_reading mukca_row_read(const mukca_row *row, const mukca_rows *rows);
 
 void mukca_rows_close(mukca_rows *rows); /* harmless on a zeroed one */
 

@@ -139,30 +139,17 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
     return MUKCA_OK;
 }
 
-void mukca_dataset_state(mukca_joint_state *state, double *move, const mukca_dataset *data, int row)
+const mukca_joint_state *mukca_dataset_state(mukca_row_state *rows, const mukca_dataset *data,
+                                             int row)
 {
-    const size_t n = (size_t)data->n_joints;
-    const double *q = data->q + (size_t)row * n;
-    const double *command = data->command ? data->command + (size_t)row * n : NULL;
-    int first = 0, last = row; /* the first row of the file: files come one after the other */
-    while (first < last) {
-        int middle = first + (last - first) / 2;
-        if (data->file[middle] < data->file[row])
-            first = middle + 1;
-        else
-            last = middle;
-    }
-    for (size_t j = 0; j < n; j++) {
-        move[j] = row > first ? q[j] - *(q + j - n) : 0;
-        if (command && isnan(command[j])) command = NULL;
-    }
-    memset(state, 0, sizeof *state);
-    state->q = q;
-    state->move = move;
-    state->command = command;
-    state->placement = mukca_dataset_placement(data, row);
-    state->payload_kg = data->payload && !isnan(data->payload[row]) ? data->payload[row] : 0;
-    state->time = MUKCA_SECONDS_PER_ROW * (data->row[row] - data->row[first]);
-    if (data->time && !isnan(data->time[row]) && !isnan(data->time[first]))
-        state->time = data->time[row] - data->time[first];
+    const size_t at = (size_t)row * (size_t)data->n_joints;
+    const mukca_row_reading reading = {.q = data->q + at,
+                                       .command = data->command ? data->command + at : NULL,
+                                       .time = data->time ? data->time[row] : (double)NAN,
+                                       .payload_kg = data->payload ? data->payload[row] : 0,
+                                       .placement = mukca_dataset_placement(data, row),
+                                       .number = data->row[row]};
+    if (row == 0 || data->file[row] != data->file[row - 1])
+        mukca_row_state_start(rows, data->n_joints);
+    return mukca_row_state_next(rows, &reading);
 }

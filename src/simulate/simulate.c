@@ -63,6 +63,7 @@ typedef struct {
     const mukca_true_arm *arm;
     mukca_dataset *data;
     mukca_simulate_options options;
+    mukca_row_state states;
     mukca_random postures, noise, effort, rotation, clock;
     double phase[MUKCA_MAX_JOINTS], pace[MUKCA_MAX_JOINTS]; /* of a sweep */
     double wander[3];                                       /* noise of the row, m */
@@ -70,30 +71,20 @@ typedef struct {
     int row;
 } recorder;
 
-/* What the effects do in the row at hand if its angles are q; command[n_joints] (may be NULL): the
- * angles that a controller meant, whose reading is stale. */
-static void displace_row(mukca_displacement *displacement, double *command, const double *q,
-                         const recorder *r)
+/* What the effects do in the row at hand if its angles are q. */
+static void displace(mukca_displacement *displacement, const double *q, void *context)
 {
-    const int n = r->data->n_joints, i = r->row;
-    double move[MUKCA_MAX_JOINTS] = {0}, meant[MUKCA_MAX_JOINTS];
-    const double *before = r->data->q + (size_t)(i > 0 ? i - 1 : 0) * (size_t)n;
-    for (int j = 0; j < n && i > 0; j++) move[j] = q[j] - before[j];
-    mukca_joint_state state = {.q = q,
-                               .move = move,
-                               .placement = mukca_dataset_placement(r->data, i),
-                               .time = r->data->time[i] - r->data->time[0]};
+    recorder *r = context;
+    const int n = r->data->n_joints;
+    double meant[MUKCA_MAX_JOINTS]; /* by a controller whose reading is stale */
+    mukca_joint_state state = *mukca_row_state_set(&r->states, q);
     mukca_effect_lag_direction(meant, n, 0, &state);
     for (int j = 0; j < n; j++) meant[j] = q[j] + r->stale * meant[j];
     state.command = meant;
-    if (command) memcpy(command, meant, (size_t)n * sizeof *command);
+    if (r->data->command)
+        memcpy(r->data->command + (size_t)r->row * (size_t)n, meant, (size_t)n * sizeof *meant);
     mukca_effects_displacement(displacement, r->arm->effects, r->arm->n_effects, &r->arm->chain,
                                &r->arm->geometry, q, &state);
-}
-
-static void displace(mukca_displacement *displacement, const double *q, void *context)
-{
-    displace_row(displacement, NULL, q, context);
 }
 
 /* The posture of a sweep in the row at hand: each joint swings through its range at its own pace.
@@ -125,9 +116,10 @@ static void finish_row(recorder *r)
     mukca_dataset *data = r->data;
     const size_t n = (size_t)data->n_joints, at = (size_t)r->row * n;
     const double *q = data->q + at;
+    mukca_row_state_set(&r->states, q);
     if (data->command) {
         mukca_displacement ignored;
-        displace_row(&ignored, data->command + at, q, r);
+        displace(&ignored, q, r);
     }
     if (data->effort) {
         mukca_chain_moments(NULL, data->effort + at, NULL, &r->arm->chain, &r->arm->geometry, q,
@@ -138,12 +130,17 @@ static void finish_row(recorder *r)
     r->row++;
 }
 
-/* Set the row's time: `pause` s after the row before and a little more or less. */
+/* Begin a row `pause` s after the row before and a little more or less. */
 static void tick(recorder *r, double pause)
 {
     double *t = r->data->time + r->row;
     const double jitter = 0.6 + 0.8 * mukca_random_uniform(&r->clock);
     *t = r->row > 0 ? t[-1] + round(1e3 * pause * jitter) / 1e3 : 0;
+    const mukca_row_reading reading = {.q = r->data->q + (size_t)r->row * (size_t)r->data->n_joints,
+                                       .time = *t,
+                                       .placement = mukca_dataset_placement(r->data, r->row),
+                                       .number = r->row + 1};
+    mukca_row_state_next(&r->states, &reading);
 }
 
 static bool interrupted(const recorder *r)
@@ -166,6 +163,7 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int socket
     memset(r, 0, sizeof *r);
     r->arm = arm;
     r->data = data;
+    mukca_row_state_start(&r->states, arm->chain.n_joints);
     r->options = settle(options);
     const uint64_t seed = r->options.seed;
     mukca_simulate_seed(&r->postures, seed, MUKCA_DRAW_POSTURES);
@@ -281,8 +279,8 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_true_arm *a
         for (int row = 0; row < o.rows; row++) {
             mukca_frame target = {{0}, {0}};
             if (interrupted(&r)) return stop(data);
-            tick(&r, row > 0 ? o.interval : socket ? 2 * o.interval : 10 * o.interval);
             data->socket[r.row] = s;
+            tick(&r, row > 0 ? o.interval : socket ? 2 * o.interval : 10 * o.interval);
             next_noise(&r, row == 0);
             mukca_simulate_seat(target.p, arm, &places[p], p, socket, row, faults, n_faults, &o);
             for (int a = 0; a < 3; a++) target.p[a] += r.wander[a];
@@ -330,7 +328,7 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
             sweep(data->q + i * n, &r);
         else
             mukca_simulate_posture(data->q + i * n, &arm->chain, &r.postures);
-        displace_row(&displacement, NULL, data->q + i * n, &r);
+        displace(&displacement, data->q + i * n, &r);
         mukca_fk_pose(&pose, &arm->geometry, data->q + i * n, &displacement);
         next_noise(&r, i == 0);
         for (int a = 0; a < 3; a++) data->position[3 * i + (size_t)a] = pose.p[a] + r.wander[a];

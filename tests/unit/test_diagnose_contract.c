@@ -300,16 +300,16 @@ static void check_table(const char *effects, bool effort, double mass_error)
     mukca_offsets_place_effects(placed, back, &data);
     double sum = 0;
     const int rows = s.how.rows;
+    mukca_row_state states;
     for (int socket = 0; socket < data.n_sockets; socket++) {
         double ball[30][3], mean[3] = {0};
         for (int i = 0; i < rows; i++) {
-            mukca_joint_state joints;
             mukca_displacement displacement;
-            double move[MUKCA_MAX_JOINTS];
-            mukca_dataset_state(&joints, move, &data, socket * rows + i);
+            const mukca_joint_state *joints =
+                mukca_dataset_state(&states, &data, socket * rows + i);
             mukca_effects_displacement(&displacement, placed, back->n_effects, &s.chain, &geometry,
-                                       joints.q, &joints);
-            mukca_fk_position(ball[i], &geometry, joints.q, &displacement);
+                                       joints->q, joints);
+            mukca_fk_position(ball[i], &geometry, joints->q, &displacement);
             for (int a = 0; a < 3; a++) mean[a] += ball[i][a] / rows;
         }
         for (int i = 0; i < rows; i++) {

@@ -60,7 +60,8 @@ static void test_by_hand(void **state)
     data.quaternion[32] = cos(0.2), data.quaternion[35] = sin(0.2); /* 0.4 rad; arm 0.5 */
     data.quaternion[33] = data.quaternion[34] = 0;
 
-    assert_int_equal(mukca_evaluate(scores, &mean, &chain, theta, NULL, 0, &data), 3);
+    mukca_model model = {.chain = &chain, .theta = theta};
+    assert_int_equal(mukca_evaluate(scores, &mean, &model, &data), 3);
     assert_int_equal(scores[0].placement, 0);
     assert_int_equal(scores[1].placement, 2);
     assert_int_equal(scores[2].placement, -1);
@@ -86,7 +87,9 @@ static void test_by_hand(void **state)
                                 .placement = -1,
                                 .terms = 1,
                                 .coefficient = {0.1}};
-    assert_int_equal(mukca_evaluate(scores, NULL, &chain, theta, &scale, 1, &data), 3);
+    model.effects = &scale;
+    model.n_effects = 1;
+    assert_int_equal(mukca_evaluate(scores, NULL, &model, &data), 3);
     assert_close(scores[0].mae, 0.0055, 1e-15);
     mukca_dataset_free(&data);
 }
@@ -116,7 +119,8 @@ static void test_trained(void **state)
     assert_int_equal(mukca_evaluate_trained(scores, extra, &chain, &data, train, &one, NULL, NULL),
                      MUKCA_OK);
     assert_int_equal(mukca_fit_run(&fit, &chain, &one, NULL, NULL), MUKCA_OK);
-    assert_int_equal(mukca_evaluate(again, NULL, &chain, fit.theta, NULL, 0, &data), 2);
+    const mukca_model model = {.chain = &chain, .theta = fit.theta};
+    assert_int_equal(mukca_evaluate(again, NULL, &model, &data), 2);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(scores[i].placement, again[i].placement);
         assert_close(scores[i].mae, again[i].mae, 1e-15);

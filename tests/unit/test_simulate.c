@@ -3,16 +3,14 @@
 #include "scene.h"
 
 /* Where the true arm has its ball in a row, found from the recorded row alone. */
-static void true_ball(double position[3], const mukca_dataset *data, int row,
-                      const mukca_true_arm *arm)
+static void true_ball(double position[3], mukca_row_state *states, const mukca_dataset *data,
+                      int row, const mukca_true_arm *arm)
 {
-    mukca_joint_state state;
     mukca_displacement displacement;
-    double move[MUKCA_MAX_JOINTS];
-    mukca_dataset_state(&state, move, data, row);
+    const mukca_joint_state *state = mukca_dataset_state(states, data, row);
     mukca_effects_displacement(&displacement, arm->effects, arm->n_effects, &arm->chain,
-                               &arm->geometry, state.q, &state);
-    mukca_fk_position(position, &arm->geometry, state.q, &displacement);
+                               &arm->geometry, state->q, state);
+    mukca_fk_position(position, &arm->geometry, state->q, &displacement);
 }
 
 /* One of everything that acts on the arm. */
@@ -28,6 +26,7 @@ static const char everything[] =
 static void check_consistent(const char *text, bool sweep)
 {
     scene s;
+    mukca_row_state states;
     mukca_dataset data;
     set_scene(&s, text, 5);
     s.how.sweep = sweep;
@@ -38,7 +37,7 @@ static void check_consistent(const char *text, bool sweep)
     for (int i = 0; i < data.n_rows; i++) {
         double ball[3];
         const int socket = data.socket[i];
-        true_ball(ball, &data, i, &s.arm);
+        true_ball(ball, &states, &data, i, &s.arm);
         if (i % 30 == 0) memcpy(centre[socket], ball, sizeof ball);
         for (int a = 0; a < 3; a++) assert_close(ball[a], centre[socket][a], 1e-9);
     }
@@ -196,6 +195,7 @@ static void test_noise(void **state)
 {
     (void)state;
     scene s;
+    mukca_row_state states;
     mukca_dataset data;
     double square = 0, product = 0;
     int n = 0;
@@ -208,7 +208,7 @@ static void test_noise(void **state)
         double ball[3], seat[3];
         static double before[3];
         const int socket = data.socket[i];
-        true_ball(ball, &data, i, &s.arm);
+        true_ball(ball, &states, &data, i, &s.arm);
         mukca_simulate_seat(seat, &s.arm, &s.places[socket / 2], socket / 2, socket % 2, i % 200,
                             NULL, 0, &s.how);
         for (int a = 0; a < 3; a++) {
@@ -234,6 +234,7 @@ static void test_faults(void **state)
 {
     (void)state;
     scene s;
+    mukca_row_state states;
     mukca_dataset clean, data;
     set_scene(&s, NULL, 4);
     record(&clean, &s);
@@ -246,7 +247,7 @@ static void test_faults(void **state)
     for (int i = 0; i < data.n_rows; i++) {
         double ball[3], seat[3], d[3];
         const int socket = data.socket[i], row = i % 30;
-        true_ball(ball, &data, i, &s.arm);
+        true_ball(ball, &states, &data, i, &s.arm);
         mukca_simulate_seat(seat, &s.arm, &s.places[socket / 2], socket / 2, socket % 2, row, NULL,
                             0, &s.how);
         for (int a = 0; a < 3; a++) d[a] = ball[a] - seat[a];
@@ -300,13 +301,14 @@ static void test_poses(void **state)
 {
     (void)state;
     scene s;
+    mukca_row_state states;
     mukca_dataset data;
     set_scene(&s, "joint_compliance:joint_2=2e-5,approach_hysteresis:joint_1=1e-3", 7);
     assert_int_equal(mukca_simulate_poses(&data, &s.arm, NULL, 50, &s.how, NULL), MUKCA_OK);
     assert_int_equal(data.n_sockets, 0);
     for (int i = 0; i < data.n_rows; i++) {
         double ball[3];
-        true_ball(ball, &data, i, &s.arm);
+        true_ball(ball, &states, &data, i, &s.arm);
         assert_int_equal(data.socket[i], -1);
         for (int a = 0; a < 3; a++) assert_close(data.position[3 * i + a], ball[a], 1e-12);
     }

@@ -124,7 +124,8 @@ static double held_out(const mukca_chain *chain, const mukca_dataset *train,
     mukca_score scores[PLACES + 1], mean;
     mukca_error error;
     if (mukca_fit_run(&fit, chain, train, NULL, &error)) fail(error.text);
-    if (mukca_evaluate(scores, &mean, chain, fit.theta, NULL, 0, test) < 0) fail("out of memory");
+    const mukca_model model = {.chain = chain, .theta = fit.theta};
+    if (mukca_evaluate(scores, &mean, &model, test) < 0) fail("out of memory");
     mukca_fit_free(&fit);
     return mean.mae;
 }

@@ -25,6 +25,18 @@ run compensate --urdf arm.urdf --offsets offsets.tsv --json - zero.csv
 expect "compensate --json - prints JSON alone" \
     sh -c "grep -q '\"schema\": *\"mukca.compensate/1\"' '$scratch/out' && ! grep -q error_before_m '$scratch/out'"
 accept "no --offsets" compensate --urdf arm.urdf zero.csv
+
+# a time that is missing: 8 s after the row before, and never nan
+printf 'j2\tjoint_drift\trad\t0\t1\t1\t0\t1\ttime_constant=0s\n' | cat offsets.tsv - >drift.tsv
+printf 'time_s\tj1\tj2\tj3\n\t0\t0\t0\n100\t0\t0\t0\n\t0\t0\t0\n102\t0\t0\t0\n' >untimed.tsv
+printf 'time_s\tj1\tj2\tj3\n0\t0\t0\t0\n8\t0\t0\t0\n16\t0\t0\t0\n10\t0\t0\t0\n' >timed.tsv
+for command in fk "compensate --position-only"; do
+    # shellcheck disable=SC2086
+    "$MUKCA" $command -q --urdf arm.urdf --offsets drift.tsv untimed.tsv | cut -f 2- >untimed.txt
+    # shellcheck disable=SC2086
+    "$MUKCA" $command -q --urdf arm.urdf --offsets drift.tsv timed.tsv | cut -f 2- >timed.txt
+    expect "$command goes on at 8 s per row where a time is missing" cmp untimed.txt timed.txt
+done
 run export --urdf arm.urdf
 expect "an export without offsets changes no byte" cmp "$scratch/out" arm.urdf
 

@@ -101,3 +101,18 @@ wait $process
 code=$?
 expect "interrupted: exit 130, one line, no file" test "$code $(cat err) $(find . -name '*never*')" = \
     "130 mukca diagnose: interrupted "
+
+# a lag towards the command, where a command is missing
+simulate --seed 3 --placements 4 --command -o plain.tsv
+awk -F'\t' -v OFS='\t' -v CONVFMT=%.17g '
+    /^#/ { print; next }
+    !n++ {
+        for (i = 1; i <= NF; i++) if ($i ~ /[.]command$/) { c = $i; sub(/[.]command/, "", c); joint[c] = i }
+        for (i = 1; i <= NF; i++) if ($i in joint) angle[i] = 1
+        print
+        next
+    }
+    { srand(n); for (i in angle) $i -= 2e-3 * (rand() - 0.2); if (n == 100) $joint["joint_2"] = ""; print }
+' plain.tsv >lagging.tsv
+run $d lagging.tsv -q --expect readback_lag
+expect "one missing command of 160 leaves the cause what it is" test $code -eq 0

@@ -1,0 +1,87 @@
+/* States of rows: moves, missing times and commands, streams. */
+#include <string.h>
+
+#include "close.h"
+#include "mukca/row_state.h"
+
+static const mukca_joint_state *next(mukca_row_state *rows, int number, double time, double q)
+{
+    const double angles[2] = {q, -q};
+    const mukca_row_reading reading = {
+        .q = angles, .time = time, .payload_kg = NAN, .placement = -1, .number = number};
+    return mukca_row_state_next(rows, &reading);
+}
+
+static void times_continue(void **state)
+{
+    (void)state;
+    mukca_row_state rows;
+    mukca_row_state_start(&rows, 2);
+    assert_close(next(&rows, 1, NAN, 0)->time, 0, 0);
+    assert_close(next(&rows, 2, 1e9, 0)->time, 8, 0); /* the first known time */
+    assert_close(next(&rows, 3, 1e9 + 5, 0)->time, 13, 0);
+    assert_close(next(&rows, 4, NAN, 0)->time, 21, 0);
+    assert_close(next(&rows, 6, NAN, 0)->time, 37, 0); /* one row was left out */
+    const mukca_joint_state *last = next(&rows, 7, 1e9 + 60, 0);
+    assert_close(last->time, 68, 0);
+    assert_close(last->payload_kg, 0, 0);
+    mukca_row_state_start(&rows, 2);
+    assert_close(next(&rows, 1, 1e9, 0)->time, 0, 0);
+    assert_close(next(&rows, 2, 1e9 + 7, 0)->time, 7, 0);
+}
+
+static void moves_are_from_the_last_row(void **state)
+{
+    (void)state;
+    mukca_row_state rows;
+    const double tried[2] = {0.7, 0}, sent[2] = {0.75, -0.5};
+    mukca_row_state_start(&rows, 2);
+    assert_close(next(&rows, 1, NAN, 0.25)->move[0], 0, 0);
+    assert_close(mukca_row_state_set(&rows, sent)->move[0], 0, 0); /* still the first row */
+    const mukca_joint_state *at = next(&rows, 2, NAN, 1);
+    assert_close(at->move[0], 0.25, 0);
+    assert_close(at->move[1], -0.5, 0);
+    assert_close(mukca_row_state_set(&rows, tried)->move[0], 0.7 - 0.75, 0);
+    assert_close(mukca_row_state_set(&rows, sent)->move[1], 0, 0);
+    assert_close(next(&rows, 3, NAN, 1)->move[0], 0.25, 0);
+}
+
+static void a_missing_command_shows_no_lag(void **state)
+{
+    (void)state;
+    mukca_row_state rows;
+    const double q[2] = {1, 2}, command[2] = {NAN, 2.5};
+    double direction[2];
+    mukca_row_reading reading = {.q = q, .command = command, .time = NAN, .number = 1};
+    mukca_row_state_start(&rows, 2);
+    mukca_effect_lag_direction(direction, 2, 1, mukca_row_state_next(&rows, &reading));
+    assert_close(direction[0], 0, 0);
+    assert_close(direction[1], 0.5, 0);
+    reading.command = NULL;
+    assert_null(mukca_row_state_next(&rows, &reading)->command);
+}
+
+/* The move does not depend on how often the states come, and is kept while the arm stands. */
+static void streams_keep_their_direction(void **state)
+{
+    (void)state;
+    for (int steps = 10; steps <= 10000; steps *= 10) {
+        mukca_row_state rows;
+        mukca_row_state_stream(&rows, 2);
+        for (int i = 0; i <= steps; i++) next(&rows, i, NAN, 0.5 * i / steps);
+        for (int i = 0; i < 100; i++) next(&rows, i, NAN, 0.5 + 1e-6 * (i % 2));
+        assert_close(rows.state.move[0], 0.1, 2e-6);
+        assert_close(rows.state.move[1], -0.1, 2e-6);
+        assert_close(next(&rows, 0, NAN, 0.47)->move[0], 0.07, 2e-6); /* it turns back */
+        assert_close(next(&rows, 0, NAN, 0.2)->move[0], -0.1, 2e-6);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(times_continue),
+                                       cmocka_unit_test(moves_are_from_the_last_row),
+                                       cmocka_unit_test(a_missing_command_shows_no_lag),
+                                       cmocka_unit_test(streams_keep_their_direction)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
