@@ -8,9 +8,10 @@
 
 #include <sha2.h>
 
-#include "cli/report_prepare.h"
+#include "cli/calibrate_say.h"
 #include "fit/nlopt_adapter.h"
 #include "io/output.h"
+#include "report/report.h"
 
 typedef struct {
     cli_common common;
@@ -53,117 +54,78 @@ enum { MAX_STEPS = 500 };
 typedef struct {
     cli_call *call;
     cli_model model;
-    mukca_dataset train, test, all;
+    mukca_dataset train, test;
     mukca_fit fit;
     mukca_offsets offsets;
     mukca_diagnosis diagnosis;
+    mukca_next_poses next;
     mukca_pool pool;
-    mukca_score *scores;
+    mukca_score *scores; /* scratch of `watch` */
     mukca_report_step steps[MAX_STEPS];
     mukca_report page;
-    json_t *calibration, *diagnosed;
 } report_run;
 
+/* Called at each iteration of the fit. */
 static void watch(void *context, const double *theta, const mukca_cost_value *value,
                   int evaluations)
 {
     report_run *r = context;
     (void)value;
     (void)evaluations;
+    const mukca_model model = {.chain = &r->fit.chain, .theta = theta};
     if (r->page.n_steps < MAX_STEPS)
-        report_step(&r->steps[r->page.n_steps++], &r->fit.chain, theta, &r->train, &r->test,
-                    r->scores);
+        mukca_report_step_fill(&r->steps[r->page.n_steps++], &model, &r->train, &r->test,
+                               r->scores);
 }
 
-/* Fit, or take the table of --offsets; then score and describe. */
+/* Fit, or take the table of --offsets. */
 static mukca_status calibrate(report_run *r)
 {
     cli_call *call = r->call;
     const report_options *o = call->options;
-    const bool given = call->common->offsets != NULL;
-    const int room = r->train.n_placements + r->test.n_placements + 2;
-    calibrate_result result = {.fit = &r->fit, .train = &r->train, .test = &r->test};
-    const mukca_fit_options how = {.free_base = o->free_base,
-                                   .free_tool = o->free_tool,
-                                   .solver = mukca_solver_table[0],
-                                   .limits = {.stop = cli_stop, .progress = watch, .context = r}};
-    mukca_status status = MUKCA_OK;
-    r->scores = MUKCA_TAKE(&r->pool, mukca_score, room);
-    if (!r->scores) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (given) {
-        r->fit.chain = r->model.chain;
+    if (call->common->offsets) {
         r->offsets = r->model.offsets;
-    } else {
-        status = mukca_fit_run(&r->fit, &r->model.chain, &r->train, &how, &call->error);
-        if (status != MUKCA_OK) return status;
-        calibrate_fill_offsets(&r->offsets, &r->fit);
+        r->page.fitted = &r->model.chain;
+        return MUKCA_OK;
     }
-    const cli_model *effects = given ? &r->model : NULL;
-    status = cli_scores_make(call, &result.train_scores, &r->fit.chain, r->offsets.theta, effects,
-                             &r->train);
-    if (status == MUKCA_OK)
-        status = cli_scores_make(call, &result.test_scores, &r->fit.chain, r->offsets.theta,
-                                 effects, &r->test);
-    if (status == MUKCA_OK && given)
-        r->calibration =
-            json_pack("{s:o, s:o, s:o}", "train", cli_scores_json(&result.train_scores, &r->train),
-                      "test", cli_scores_json(&result.test_scores, &r->test), "parameters",
-                      cli_json_offsets(&r->offsets, &r->fit.chain));
-    else if (status == MUKCA_OK)
-        r->calibration = calibrate_json(&result, &r->offsets, mukca_solver_table[0]->name, "fd",
-                                        cli_elapsed(call));
-    cli_scores_free(&result.train_scores);
-    cli_scores_free(&result.test_scores);
-    return status;
+    r->scores = MUKCA_TAKE(&r->pool, mukca_score, r->train.n_placements + r->test.n_placements + 2);
+    if (!r->scores) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    const mukca_fit_options fit_options = {
+        .free_base = o->free_base,
+        .free_tool = o->free_tool,
+        .solver = mukca_solver_table[0],
+        .limits = {.stop = cli_stop, .progress = watch, .context = r}};
+    const mukca_status status =
+        mukca_fit_run(&r->fit, &r->model.chain, &r->train, &fit_options, &call->error);
+    if (status != MUKCA_OK) return status;
+    calibrate_fill_offsets(&r->offsets, &r->fit);
+    r->page.fit = &r->fit;
+    r->page.fitted = &r->fit.chain;
+    r->page.solver = mukca_solver_table[0]->name;
+    return MUKCA_OK;
 }
 
 static mukca_status diagnose(report_run *r)
 {
     const report_options *o = r->call->options;
-    const mukca_diagnose_options how = {.test = r->test.n_rows > 0 ? &r->test : NULL,
-                                        .free_base = o->free_base,
-                                        .free_tool = o->free_tool,
-                                        .applied = true,
-                                        .progress = cli_show_progress,
-                                        .progress_context = r->call};
-    mukca_status status =
-        mukca_diagnose(&r->diagnosis, &r->model.chain, &r->train, &how, &r->call->error);
+    const mukca_dataset *test = r->test.n_rows > 0 ? &r->test : NULL;
+    const mukca_diagnose_options diagnose_options = {.test = test,
+                                                     .free_base = o->free_base,
+                                                     .free_tool = o->free_tool,
+                                                     .applied = true,
+                                                     .progress = cli_show_progress,
+                                                     .progress_context = r->call};
+    mukca_status status = mukca_diagnose(&r->diagnosis, &r->model.chain, &r->train,
+                                         &diagnose_options, &r->call->error);
     if (status != MUKCA_OK) return status;
-    mukca_next_poses *next = MUKCA_TAKE(&r->pool, mukca_next_poses, 1);
-    if (!next) return mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory");
-    status = mukca_next_poses_choose(next, &r->diagnosis, &r->model.chain, &r->train, cli_stop,
-                                     &r->call->error);
-    if (status != MUKCA_OK) return status;
-    const mukca_diagnosed result = {.diagnosis = &r->diagnosis,
-                                    .chain = &r->model.chain,
-                                    .data = &r->train,
-                                    .test = how.test,
-                                    .next = next};
-    r->diagnosed = cli_diagnosis_json(&result);
-    mukca_next_poses_free(next);
-    return MUKCA_OK;
-}
-
-/* What each row's residual means per joint, and what of it the causes explain. */
-static mukca_status joints(report_run *r, const mukca_chain *chain)
-{
-    const mukca_applied *a = &r->diagnosis.applied;
-    double theta[MUKCA_MAX_THETA], *left;
-    double *errors =
-        report_joint_errors(&r->pool, chain, r->offsets.theta, r->page.calibrated, &r->all);
-    r->page.joint_error = errors;
-    if (errors && a->fitted && a->n_effects > 0 && !r->all.position) {
-        const mukca_chain *arm = &r->model.chain;
-        mukca_geometry_theta(theta, arm, &a->geometry);
-        const mukca_model model = {
-            .chain = arm, .theta = theta, .effects = a->effects, .n_effects = a->n_effects};
-        const double *explained = report_positions(&r->pool, &model, &r->all);
-        left = explained ? report_joint_errors(&r->pool, arm, theta, explained, &r->all) : NULL;
-        for (int i = 0; left && i < r->all.n_rows * r->all.n_joints; i++)
-            left[i] = errors[i] - left[i];
-        r->page.joint_effect = left;
-    }
-    return r->pool.failed ? mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+    r->page.diagnosed = (mukca_diagnosed){.diagnosis = &r->diagnosis,
+                                          .chain = &r->model.chain,
+                                          .data = &r->train,
+                                          .test = test,
+                                          .next = &r->next,
+                                          .saved = true};
+    return mukca_next_poses_choose(&r->next, &r->diagnosis, &r->model.chain, &r->train, cli_stop,
+                                   &r->call->error);
 }
 
 /* Paths and hashes of all that was read; folders stand for the files in them. */
@@ -179,7 +141,7 @@ static mukca_status provenance(report_run *r)
         for (int f = 0; f < sets[k]->n_files; f++) {
             char *hash = MUKCA_TAKE(&r->pool, char, SHA256_DIGEST_STRING_LENGTH);
             if (!hash) return mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory");
-            if (!SHA256File(sets[k]->files[f], hash)) strcpy(hash, "gone");
+            if (!SHA256File(sets[k]->files[f], hash)) strcpy(hash, "file no longer exists");
             files[n++] = (mukca_report_file){sets[k]->files[f], hash};
         }
     r->page.files = files;
@@ -223,37 +185,20 @@ static mukca_status check(cli_call *call)
 static mukca_status prepare(report_run *r)
 {
     const report_options *o = r->call->options;
-    unsigned char *held_out;
-    mukca_status status = calibrate(r);
-    if (status == MUKCA_OK) status = diagnose(r);
-    if (status == MUKCA_OK)
-        status = report_join(&r->all, &held_out, &r->pool, &r->train, &r->test, &r->call->error);
-    if (status != MUKCA_OK) return status;
     mukca_report *p = &r->page;
-    const mukca_chain *chain = &r->fit.chain;
-    const mukca_offsets *table = &r->offsets;
-    mukca_report_bar *bars;
-    p->stop = cli_stop;
     p->chain = &r->model.chain;
-    p->data = &r->all;
-    p->held_out = held_out;
-    p->calibration = r->calibration;
-    p->diagnosis = r->diagnosed;
+    p->offsets = &r->offsets;
+    p->train = &r->train;
+    p->test = &r->test;
     p->repeatability = o->repeatability;
     p->steps = r->steps;
-    const mukca_model nominal = {.chain = chain}, calibrated = {.chain = chain,
-                                                                .theta = table->theta,
-                                                                .effects = table->effects,
-                                                                .n_effects = table->n_effects};
-    p->nominal = report_positions(&r->pool, &nominal, &r->all);
-    p->calibrated = report_positions(&r->pool, &calibrated, &r->all);
-    status = joints(r, chain);
-    if (status == MUKCA_OK)
-        status =
-            report_bars(&bars, &p->n_bars, &r->pool, r->call, &r->model.chain, &r->train, &r->test);
-    if (status != MUKCA_OK) return status;
-    p->bars = bars;
-    return provenance(r);
+    p->progress = cli_show_progress;
+    p->progress_context = r->call;
+    mukca_status status = calibrate(r);
+    if (status == MUKCA_OK) status = diagnose(r);
+    if (status == MUKCA_OK) status = mukca_report_prepare(p, &r->call->error);
+    if (status == MUKCA_OK) status = provenance(r);
+    return status;
 }
 
 static mukca_status run(cli_call *call)
@@ -291,14 +236,13 @@ static mukca_status run(cli_call *call)
         cli_answer(call, "The report is in %s.\n", call->common->output);
 out:
     free(command);
-    json_decref(r->calibration);
-    json_decref(r->diagnosed);
+    mukca_report_free(&r->page);
+    mukca_next_poses_free(&r->next);
     mukca_diagnosis_free(&r->diagnosis);
     mukca_fit_free(&r->fit);
     mukca_pool_free(&r->pool);
     mukca_dataset_free(&r->train);
     mukca_dataset_free(&r->test);
-    mukca_dataset_free(&r->all);
     free(r);
     return status;
 }

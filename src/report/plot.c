@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/utf8.h"
+#include "report/html.h"
 
 extern char **environ;
 
@@ -23,27 +23,6 @@ void mukca_plot_quote(FILE *script, const char *text)
         if ((unsigned char)*text >= ' ') fputc(*text, script);
     }
     fputc('\'', script);
-}
-
-void mukca_html_escape(FILE *out, const char *text)
-{
-    while (text && *text) {
-        size_t n = mukca_utf8_fit(text, 1);
-        for (size_t k = 2; n == 0 && k <= 4; k++) n = mukca_utf8_fit(text, k);
-        if (n == 0) /* a byte that is no letter would make the page invalid */
-            fputc('?', out);
-        else if (*text == '&')
-            fputs("&amp;", out);
-        else if (*text == '<')
-            fputs("&lt;", out);
-        else if (*text == '>')
-            fputs("&gt;", out);
-        else if (*text == '"')
-            fputs("&quot;", out);
-        else
-            fwrite(text, 1, n, out);
-        text += n ? n : 1;
-    }
 }
 
 /* All of a stream as text that ends in 0; NULL out of memory. */

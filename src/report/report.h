@@ -2,20 +2,18 @@
 #ifndef MUKCA_REPORT_REPORT_H
 #define MUKCA_REPORT_REPORT_H
 
-#include <jansson.h>
-#include <stdio.h>
+#include "base/pool.h"
+#include "fit/evaluate.h"
+#include "io/offsets.h"
+#include "report/wording.h"
 
-#include "mukca/chain.h"
-#include "mukca/dataset.h"
-#include "mukca/status.h"
-
-/* Consistency and distortion of training and held-out rows at each iteration, m. */
+/* Consistency error and distortion at one iteration of the fit, m. */
 typedef struct {
     double train_consistency, train_distortion;
-    double test_consistency, test_distortion; /* NaN where nothing was held out */
+    double test_consistency, test_distortion; /* NaN without test data */
 } mukca_report_step;
 
-/* One calibration of the comparison "train on some placements, test on the others". */
+/* One calibration of the comparison "trained on some placements, tested on the others". */
 typedef struct {
     char trained[128];      /* names of its placements */
     double mean, low, high; /* MAE over the other placements, m */
@@ -25,34 +23,64 @@ typedef struct {
     const char *path, *sha256;
 } mukca_report_file;
 
-/* All that the page shows.  Arrays are the caller's; those marked so may be NULL or empty. */
+/* Scores by placement, nominal and calibrated, and their means over the placements. */
 typedef struct {
+    int n;
+    mukca_score *nominal, *calibrated; /* [n] */
+    mukca_score nominal_mean, calibrated_mean;
+} mukca_report_scores;
+
+/* All that the page shows. */
+typedef struct {
+    /* Filled by the caller, who keeps the memory. */
     const char *command;            /* that made the page */
     const char *when;               /* UTC */
     const mukca_report_file *files; /* URDF first, then data */
     int n_files;
-    const mukca_chain *chain;
-    const mukca_dataset *data;     /* all rows, training and held out */
-    const unsigned char *held_out; /* [n_placements] */
-    const json_t *calibration;     /* mukca.calibrate/1 */
-    const json_t *diagnosis;       /* mukca.diagnose/1, or NULL */
+    const mukca_chain *chain;          /* the arm */
+    const mukca_chain *fitted;         /* of `offsets`: the arm, with a pose log's frames */
+    const mukca_offsets *offsets;      /* calibrated parameters, and effects of a given table */
+    const mukca_fit *fit;              /* NULL: the offsets come from a table */
+    const char *solver;                /* of `fit` */
+    const mukca_dataset *train, *test; /* `test` may be empty */
+    mukca_diagnosed diagnosed;         /* of `train` */
+    const mukca_report_step *steps;    /* [n_steps], may be empty */
+    int n_steps;
+    double repeatability;        /* of the arm, m; 0: unknown */
+    mukca_progress_fn *progress; /* NULL: none; returning false interrupts */
+    void *progress_context;
+    /* Filled by mukca_report_prepare. */
+    mukca_dataset data;            /* samples of `train`, then of `test` */
+    const unsigned char *held_out; /* [data.n_placements] 1: of `test` */
     const double *nominal;         /* [n_rows][3] predicted tip, m */
     const double *calibrated;      /* [n_rows][3] */
-    const double *joint_error;  /* [n_rows][n_joints] part of the row's error along which the ball
-                                   moves with the joint, m; or NULL */
-    const double *joint_effect; /* what of it the causes explain, or NULL */
-    const mukca_report_step *steps;
-    int n_steps; /* may be 0 */
-    const mukca_report_bar *bars;
-    int n_bars;           /* may be 0 */
-    double repeatability; /* of the arm, m; 0: not known */
-    bool (*stop)(void *); /* called with NULL before each figure, true: leave; or NULL */
+    const double *residual;        /* [n_rows][3] calibrated tip minus its socket's mean, or minus
+                                      the measured position; NaN where that is unknown */
+    const double *explained;       /* [n_rows][3] residual with the causes modelled; NULL: none */
+    const double *joint_error;     /* [n_rows][n_joints] part of the residual along which the ball
+                                      moves with the joint, m */
+    const double *joint_effect;    /* part of it that the causes explain; NULL without causes */
+    mukca_report_scores train_scores, test_scores;
+    mukca_report_bar *bars; /* [n_bars] */
+    int n_bars;
+    mukca_pool pool;
 } mukca_report;
 
-/* Write the page.  Errors: as mukca_plot_svg. */
+/* Compute the numbers that the page shows.  Free with mukca_report_free, also after an error.
+ * Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED, those of mukca_fit_run. */
+mukca_status mukca_report_prepare(mukca_report *report, mukca_error *error);
+void mukca_report_free(mukca_report *report); /* harmless on a zeroed one */
+
+/* Consistency error and distortion of a model.  scores[n_placements + 1 of the larger dataset] is
+ * scratch. */
+void mukca_report_step_fill(mukca_report_step *step, const mukca_model *model,
+                            const mukca_dataset *train, const mukca_dataset *test,
+                            mukca_score *scores);
+
+/* Write the page.  Errors: MUKCA_INTERRUPTED, those of mukca_plot_svg. */
 mukca_status mukca_report_write(FILE *out, const mukca_report *report, mukca_error *error);
 
-/* Write each figure as DIRECTORY/<id>.<format>, format "png", "pdf" or "svg". */
+/* Write each figure as DIRECTORY/<id>.<format>, format "png", "pdf" or "svg".  Errors: as above. */
 mukca_status mukca_report_write_figures(const char *directory, const char *format,
                                         const mukca_report *report, mukca_error *error);
 

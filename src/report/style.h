@@ -2,8 +2,6 @@
 #ifndef MUKCA_REPORT_STYLE_H
 #define MUKCA_REPORT_STYLE_H
 
-#include "report/plot.h"
-
 /* The figures carry the light colours as attributes; rules for an attribute's value restate each
  * for the scheme in use.  (gnuplot writes a colour as rgb with padded numbers.) */
 #define REPORT_COLOUR(value, variable)                    \
@@ -13,7 +11,7 @@
     ")}"                                                  \
     ".plot [color=\"" value "\"]{color:var(--" variable ")}\n"
 
-static const char report_style[] =
+static const char mukca_report_style[] =
     ":root{--ink:#1a1a1a;--paper:#fff;--soft:#f3f4f6;--line:#8a8f98;"
     "--before:#c35200;--after:#0072b2;--third:#007a58;--grid:#b0b4ba}\n"
     "@media (prefers-color-scheme:dark){:root{--ink:#e8e8e8;--paper:#15181c;--soft:#23272e;"
@@ -37,8 +35,8 @@ static const char report_style[] =
     "gap:1rem}\n"
     "figure{margin:0;min-width:0;overflow-x:auto}figure.broad{grid-column:1/-1}\n"
     "figcaption{font-size:.9rem}figcaption strong{display:block}\n"
-    ".plot{display:block;width:100%;max-width:40rem;height:auto}.middling .plot{min-width:30rem}.broad "
-    ".plot{min-width:40rem;max-width:none}\n"
+    ".plot{display:block;width:100%;max-width:36rem;height:auto}"
+    ".broad .plot{min-width:40rem;max-width:none}\n"
     REPORT_COLOUR("black", "ink") REPORT_COLOUR("rgb(  0,   0,   0)", "ink")
     REPORT_COLOUR("gray", "grid") REPORT_COLOUR("rgb(190, 190, 190)", "grid")
     REPORT_COLOUR("white", "paper") REPORT_COLOUR("rgb(213,  94,   0)", "before")
@@ -47,6 +45,10 @@ static const char report_style[] =
     "caption{text-align:left;font-weight:600;padding:.3rem 0}\n"
     "th,td{padding:.2rem .6rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:"
     "top}th{min-width:4.5rem}td:last-child:not(.n):not(:first-child){min-width:9rem}\n"
+    "@media screen and (max-width:40rem){.cards thead{display:none}.cards tr{display:block;padding:.3rem 0;"
+    "border-bottom:1px solid var(--line)}.cards td,.cards td.n{display:flex;gap:.6rem;border:0;"
+    "padding:.1rem 0;text-align:left}.cards td:empty{display:none}.cards td::before{content:attr("
+    "data-label);flex:0 0 7rem;opacity:.75}}\n"
     ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
     "anywhere}\n"
     "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"

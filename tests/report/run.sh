@@ -32,9 +32,9 @@ tell "references exist" sh -c '
 awk '/<svg/ {drawn = 0; words = title = ""} /<(path|use|rect|polygon|circle) / {drawn++}
     /<title id=/ {title = $0} /<desc id=/ {words = $0}
     /<\/svg>/ {print drawn, length(title), length(words)}' "$page" >"$out/figures"
-tell "19 figures" test "$(wc -l <"$out/figures")" -eq 19
+tell "20 figures" test "$(wc -l <"$out/figures")" -eq 20
 tell "none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; print} END {exit bad}' "$out/figures"
-tell "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 19' "$out/png"
+tell "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 20' "$out/png"
 
 "$MUKCA" calibrate -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/o.tsv" --json "$out/c.json"
 tell "held-out error as calibrate says" grep -q "$(awk -v m="$(tr -d '\n' <"$out/c.json" |
@@ -42,7 +42,7 @@ tell "held-out error as calibrate says" grep -q "$(awk -v m="$(tr -d '\n' <"$out
     'BEGIN {printf "calibrated, test data</dt><dd>%.3g ", m * 1000}')" "$page"
 tell "from an offsets table" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     --offsets "$1/o.tsv" -o "$1/p.html" --plots "$1/pdf" --format pdf && grep -q "</html>" "$1/p.html" &&
-    head -c 5 "$1/pdf/rows.pdf" | grep -q "%PDF-"' "$MUKCA" "$out"
+    head -c 5 "$1/pdf/samples.pdf" | grep -q "%PDF-"' "$MUKCA" "$out"
 tell "an existing page stays" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     -o "$1/p.html" 2>"$1/e"; test $? -eq 3 && grep -q -- --force "$1/e"' "$MUKCA" "$out"
 mkdir "$out/bin"

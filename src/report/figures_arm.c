@@ -1,0 +1,297 @@
+/* Axonometric figure: the arm, the placements and the residual vectors. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report/figures.h"
+
+enum {
+    MOST_VECTORS = 600, /* of a long recording every n-th sample is drawn */
+    MOST_ARMS = 9       /* postures; the first one in full, the others faint */
+};
+/* The camera is 25 degrees above the horizon and looks past the samples at 60 degrees, so that both
+ * depth and height are visible. */
+static const double elevation = 25 * M_PI / 180, aside = 60 * M_PI / 180;
+/* Length of the drawn vectors: their 90 % quantile as a share of the picture. */
+static const double vector_share = 0.1;
+static const double axis_length = 0.15; /* m */
+
+/* Orthographic projection, and the rectangle that holds what was projected so far, m. */
+typedef struct {
+    FILE *script;
+    double right[3], up[3];
+    double low[2], high[2];
+} view;
+
+/* A view in which the mean of the samples lies to the right of the base. */
+static view aim(FILE *script, const mukca_report *r)
+{
+    double x = 0, y = 0;
+    for (int i = 0; i < r->data.n_rows; i++)
+        x += r->calibrated[3 * i], y += r->calibrated[3 * i + 1];
+    const double azimuth = atan2(y, x) - aside;
+    return (view){
+        .script = script,
+        .right = {-sin(azimuth), cos(azimuth), 0},
+        .up = {-sin(elevation) * cos(azimuth), -sin(elevation) * sin(azimuth), cos(elevation)},
+        .low = {HUGE_VAL, HUGE_VAL},
+        .high = {-HUGE_VAL, -HUGE_VAL}};
+}
+
+static void project(double uv[2], const view *v, const double p[3])
+{
+    uv[0] = uv[1] = 0;
+    for (int k = 0; k < 3; k++) uv[0] += v->right[k] * p[k], uv[1] += v->up[k] * p[k];
+}
+
+/* Write a projected point and extend the rectangle to it. */
+static void put_point(view *v, const double p[3])
+{
+    double uv[2];
+    project(uv, v, p);
+    for (int k = 0; k < 2; k++) {
+        v->low[k] = fmin(v->low[k], uv[k]);
+        v->high[k] = fmax(v->high[k], uv[k]);
+    }
+    fprintf(v->script, "%.5f %.5f\n", uv[0], uv[1]);
+}
+
+/* The sample of a placement (-1: of all samples) whose joint angles are nearest to their mean; -1
+ * without any. */
+static int typical_sample(const mukca_report *r, int placement)
+{
+    const int n = r->data.n_joints;
+    double mean[MUKCA_MAX_JOINTS] = {0}, nearest = HUGE_VAL;
+    int count = 0, best = -1;
+    for (int i = 0; i < r->data.n_rows; i++) {
+        if (placement >= 0 && mukca_dataset_placement(&r->data, i) != placement) continue;
+        count++;
+        for (int j = 0; j < n; j++) mean[j] += (r->data.q[i * n + j] - mean[j]) / count;
+    }
+    for (int i = 0; i < r->data.n_rows; i++) {
+        double square = 0;
+        if (placement >= 0 && mukca_dataset_placement(&r->data, i) != placement) continue;
+        for (int j = 0; j < n; j++) square += pow(r->data.q[i * n + j] - mean[j], 2);
+        if (square < nearest) nearest = square, best = i;
+    }
+    return best;
+}
+
+/* Links and joints of one posture as blocks $arm<index> and $joints<index>. */
+static void put_arm(view *v, const mukca_report *r, int index, int sample)
+{
+    mukca_geometry geometry;
+    mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
+    const mukca_chain *chain = r->fitted;
+    const double origin[3] = {0};
+    mukca_geometry_set(&geometry, chain, r->offsets->theta);
+    mukca_fk_frames(before, &tip, &geometry, r->data.q + sample * r->data.n_joints, NULL);
+    fprintf(v->script, "$arm%d << EOD\n", index);
+    /* a pose log's chain begins at the tracker, its first frame is the arm's base */
+    if (chain->n_elements == r->chain->n_elements) put_point(v, origin);
+    for (int k = 0; k < chain->n_elements; k++) put_point(v, before[k].p);
+    put_point(v, tip.p);
+    fprintf(v->script, "EOD\n$joints%d << EOD\n", index);
+    for (int j = 0; j < chain->n_joints; j++) put_point(v, before[chain->joint_element[j]].p);
+    fputs("EOD\n", v->script);
+}
+
+/* One posture for each placement, or one for a pose log; returns how many. */
+static int put_arms(view *v, const mukca_report *r)
+{
+    int n = 0;
+    for (int p = r->data.n_placements > 0 ? 0 : -1; p < r->data.n_placements && n < MOST_ARMS;
+         p++) {
+        const int sample = typical_sample(r, p);
+        if (sample >= 0) put_arm(v, r, n++, sample);
+    }
+    return n;
+}
+
+/* Grid of the base plane under the base and all samples; returns its step, m. */
+static double put_ground(view *v, const mukca_report *r)
+{
+    double low[2] = {-axis_length, -axis_length}, high[2] = {axis_length, axis_length};
+    for (int i = 0; i < r->data.n_rows; i++)
+        for (int k = 0; k < 2; k++) {
+            low[k] = fmin(low[k], r->calibrated[3 * i + k]);
+            high[k] = fmax(high[k], r->calibrated[3 * i + k]);
+        }
+    const double step = fmax(high[0] - low[0], high[1] - low[1]) > 1.5 ? 0.5 : 0.2;
+    for (int k = 0; k < 2; k++) {
+        low[k] = step * floor(low[k] / step);
+        high[k] = step * ceil(high[k] / step);
+    }
+    fputs("$ground << EOD\n", v->script);
+    for (int k = 0; k < 2; k++)
+        for (double at = low[k]; at < high[k] + 0.5 * step; at += step) {
+            double p[3] = {at, at, 0};
+            for (int end = 0; end < 2; end++) {
+                p[1 - k] = end ? high[1 - k] : low[1 - k];
+                put_point(v, p);
+            }
+            fputs("\n", v->script);
+        }
+    fputs("EOD\n", v->script);
+    return step;
+}
+
+static void put_axes(const view *v)
+{
+    for (int k = 0; k < 3; k++) {
+        double tip[3] = {0}, uv[2];
+        tip[k] = axis_length;
+        project(uv, v, tip);
+        fprintf(v->script,
+                "set arrow from 0, 0 to %.5f, %.5f filled size screen 0.015, 20 lc rgb " PLOT_THIRD
+                " lw 1.5 front\nset label '%c' at %.5f, %.5f center tc rgb " PLOT_THIRD " front\n",
+                uv[0], uv[1], "xyz"[k], 1.25 * uv[0], 1.25 * uv[1]);
+    }
+}
+
+/* Sockets, and for each placement its name and a plumb line to the base plane. */
+static void put_placements(view *v, const mukca_report *r)
+{
+    const mukca_dataset *data = &r->data;
+    double uv[2];
+    fputs("$sockets << EOD\n", v->script);
+    for (int k = 0; k < data->n_sockets; k++)
+        for (int i = 0; i < data->n_rows; i++) {
+            if (data->socket[i] != k) continue;
+            double seat[3];
+            for (int c = 0; c < 3; c++) seat[c] = r->calibrated[3 * i + c] - r->residual[3 * i + c];
+            put_point(v, seat);
+            break;
+        }
+    fputs("EOD\n$plumb << EOD\n", v->script);
+    for (int p = 0; p < data->n_placements; p++) {
+        double foot[3] = {0};
+        int n = 0;
+        for (int i = 0; i < data->n_rows; i++) {
+            if (mukca_dataset_placement(data, i) != p) continue;
+            n++;
+            for (int k = 0; k < 3; k++) foot[k] += (r->calibrated[3 * i + k] - foot[k]) / n;
+        }
+        if (n == 0) continue;
+        put_point(v, foot);
+        foot[2] = 0;
+        put_point(v, foot);
+        fputs("\n", v->script);
+    }
+    fputs("EOD\n", v->script);
+    for (int p = 0; p < data->n_placements; p++) {
+        const int sample = typical_sample(r, p);
+        if (sample < 0) continue;
+        project(uv, v, r->calibrated + 3 * sample);
+        fputs("set label ", v->script);
+        mukca_plot_quote(v->script, data->placements[p].name);
+        fprintf(v->script, " at %.5f, %.5f left offset 2.5, -1 front\n", uv[0], uv[1]);
+    }
+}
+
+/* The largest of 1, 2, 5, 10, 20, ... that is not above x. */
+static double round_down(double x)
+{
+    const double power = pow(10, floor(log10(x)));
+    return x >= 5 * power ? 5 * power : x >= 2 * power ? 2 * power : power;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* 90 % quantile of the residuals' lengths, m; 0 without any. */
+static double large_residual(const mukca_report *r)
+{
+    double *length = calloc((size_t)r->data.n_rows + 1, sizeof *length), result = 0;
+    int n = 0;
+    for (int i = 0; length && i < r->data.n_rows; i++) {
+        const double *e = r->residual + 3 * i;
+        const double square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
+        if (isfinite(square)) length[n++] = sqrt(square);
+    }
+    if (n > 0) {
+        qsort(length, (size_t)n, sizeof *length, by_value);
+        result = length[(int)(0.9 * (n - 1))];
+    }
+    free(length);
+    return result;
+}
+
+/* Residuals from the true position on, enlarged, as block $<name>; returns how many. */
+static int put_residuals(view *v, const mukca_report *r, const char *name, const double *residual,
+                         double scale)
+{
+    const int every = 1 + (r->data.n_rows - 1) / MOST_VECTORS;
+    int n = 0;
+    fprintf(v->script, "$%s << EOD\n", name);
+    for (int i = 0; i < r->data.n_rows; i += every) {
+        double from[3], to[3];
+        for (int k = 0; k < 3; k++) {
+            from[k] = r->calibrated[3 * i + k] - r->residual[3 * i + k];
+            to[k] = from[k] + scale * residual[3 * i + k];
+        }
+        if (!isfinite(from[0] + from[1] + from[2] + to[0] + to[1] + to[2])) continue;
+        put_point(v, from);
+        put_point(v, to);
+        fputs("\n", v->script);
+        n++;
+    }
+    fputs("EOD\n", v->script);
+    return n;
+}
+
+int mukca_report_count_arm(const mukca_report *r)
+{
+    return r->data.n_rows > 0 && large_residual(r) > 0;
+}
+
+void mukca_report_draw_arm(mukca_sheet *sheet, const mukca_report *r, int index)
+{
+    (void)index;
+    FILE *s = sheet->script;
+    mukca_sheet_begin(sheet, "arm", "Arm, placements and residual vectors", MUKCA_SHEET_HALF, 0);
+    view v = aim(s, r);
+    const double step = put_ground(&v, r);
+    const int arms = put_arms(&v, r);
+    put_axes(&v);
+    put_placements(&v, r);
+    const double large = large_residual(r);
+    const double size = fmax(v.high[0] - v.low[0], v.high[1] - v.low[1]);
+    const double scale = round_down(vector_share * size / large), bar = round_down(large);
+    const int vectors = put_residuals(&v, r, "geometry", r->residual, scale);
+    if (r->explained) put_residuals(&v, r, "causes", r->explained, scale);
+    const double margin = 0.04 * size, width = v.high[0] - v.low[0] + 2 * margin;
+    const double height = v.high[1] - v.low[1] + 4 * margin;
+    sheet->height = 40 + (int)fmin(MUKCA_SHEET_HALF * height / width, 600);
+    const double left = v.low[0], bottom = v.low[1] - 2 * margin;
+    fprintf(s,
+            "unset border\nunset tics\nunset grid\nset size ratio -1\nset margins 0, 0, 0, 2\n"
+            "set xrange [%g:%g]\nset yrange [%g:%g]\n"
+            "set arrow from %g, %g to %g, %g heads size screen 0.008, 90 lw 1.5\n"
+            "set label '%g mm of residual' at %g, %g left offset 1, 0\n",
+            v.low[0] - margin, v.high[0] + margin, bottom - margin, v.high[1] + margin, left,
+            bottom, left + scale * bar, bottom, bar * 1e3, left + scale * bar, bottom);
+    fputs(
+        "plot $ground with lines lc rgb 'gray' lw 0.5 notitle, "
+        "$plumb with lines lc rgb 'black' dt 3 lw 0.8 notitle, ",
+        s);
+    for (int k = arms - 1; k >= 0; k--)
+        fprintf(s,
+                "$arm%d with lines lc rgb %s lw %g notitle, "
+                "$joints%d with points lc rgb %s pt 7 ps %g notitle, ",
+                k, k ? "'gray'" : "'black'", k ? 1.2 : 3.0, k, k ? "'gray'" : "'black'",
+                k ? 0.4 : 0.8);
+    fputs("$geometry with lines lc rgb " PLOT_BEFORE " lw 0.8 title 'after geometry', ", s);
+    if (r->explained)
+        fputs("$causes with lines lc rgb " PLOT_AFTER " lw 0.8 title 'with the causes', ", s);
+    fputs("$sockets with points lc rgb 'black' pt 7 ps 0.5 notitle\n", s);
+    mukca_sheet_describe(
+        sheet,
+        "Axonometric view in the base frame, grid of %g m. Lines from each %s are the residuals of "
+        "%d samples, enlarged %.0f times%s.",
+        step, r->data.n_sockets > 0 ? "socket" : "measured position", vectors, scale,
+        arms > 1 ? "; the arm is shown in one posture for each placement" : "");
+}

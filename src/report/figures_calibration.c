@@ -1,0 +1,235 @@
+/* Figures of the calibration: errors by placement, convergence, generalisation, offsets. */
+#include <math.h>
+#include <string.h>
+
+#include "report/figures.h"
+
+static const double mm = 1e3;
+
+/* A logarithmic axis has no zero: a hundredth of a micrometre takes its place. */
+static double positive(double metres)
+{
+    return fmax(metres, 1e-8) * mm;
+}
+
+/* ---- errors by placement ---- */
+
+/* Entry i of the scores of training data, then of test data. */
+static const char *placement(const mukca_score **nominal, const mukca_score **calibrated,
+                             const mukca_report *r, int i)
+{
+    const bool test = i >= r->train_scores.n;
+    const mukca_report_scores *scores = test ? &r->test_scores : &r->train_scores;
+    const mukca_dataset *data = test ? r->test : r->train;
+    const int at = test ? i - r->train_scores.n : i;
+    *nominal = &scores->nominal[at];
+    *calibrated = &scores->calibrated[at];
+    const int p = scores->calibrated[at].placement;
+    return p < 0 ? "poses" : data->placements[p].name;
+}
+
+static double error_of(const mukca_score *score, int kind)
+{
+    return kind == 0 ? score->mae : score->distance_error;
+}
+
+int mukca_report_count_placements(const mukca_report *r)
+{
+    const int n = r->train_scores.n + r->test_scores.n;
+    const mukca_score *a, *b;
+    for (int i = 0; i < n; i++) {
+        placement(&a, &b, r, i);
+        if (isfinite(b->distance_error)) return 2;
+    }
+    return n > 0;
+}
+
+void mukca_report_draw_placements(mukca_sheet *sheet, const mukca_report *r, int index)
+{
+    static const struct {
+        const char *id, *title, *label;
+    } kinds[2] = {
+        {"error-by-placement", "Consistency error by placement", "mean consistency error, mm"},
+        {"distance-error", "Distortion by placement", "distortion, mm"}};
+    const int n = r->train_scores.n + r->test_scores.n;
+    const mukca_score *a, *b;
+    mukca_sheet_begin(sheet, kinds[index].id, kinds[index].title, MUKCA_SHEET_HALF, 120 + 24 * n);
+    FILE *s = sheet->script;
+    double before = 0, after = 0;
+    int shown = 0;
+    fputs("$d << EOD\n", s);
+    for (int i = 0; i < n; i++) {
+        placement(&a, &b, r, i);
+        const double nominal = error_of(a, index), calibrated = error_of(b, index);
+        if (!isfinite(nominal) || !isfinite(calibrated)) continue;
+        fprintf(s, "%d %.6g %.6g\n", n - i, positive(nominal), positive(calibrated));
+        before += nominal, after += calibrated, shown++;
+    }
+    fputs("EOD\nset ytics (", s);
+    for (int i = 0; i < n; i++) {
+        char name[MUKCA_NAME_SIZE + 16];
+        snprintf(name, sizeof name, "%s%s", placement(&a, &b, r, i),
+                 i >= r->train_scores.n ? " (test)" : "");
+        fputs(i ? ", " : "", s);
+        mukca_plot_quote(s, name);
+        fprintf(s, " %d", n - i);
+    }
+    fprintf(s,
+            ")\nset yrange [0.4:%g]\nset logscale x\nset format x '%%g'\nset xlabel '%s'\n"
+            "plot $d using 2:1:($3-$2):(0) with vectors nohead lc rgb 'gray' notitle, "
+            "$d using 2:1 with points lc rgb " PLOT_BEFORE
+            " pt 6 lw 2 title 'nominal', "
+            "$d using 3:1 with points lc rgb " PLOT_AFTER " pt 7 title 'calibrated'\n",
+            n + 0.6, kinds[index].label);
+    mukca_sheet_describe(sheet, "Mean over %d placement%s: %.3g mm nominal, %.3g mm calibrated.",
+                         shown, shown == 1 ? "" : "s", before / shown * mm, after / shown * mm);
+}
+
+/* ---- convergence ---- */
+
+int mukca_report_count_convergence(const mukca_report *r)
+{
+    return r->n_steps > 1;
+}
+
+void mukca_report_draw_convergence(mukca_sheet *sheet, const mukca_report *r, int index)
+{
+    (void)index;
+    mukca_sheet_begin(sheet, "training", "Consistency error and distortion during the fit",
+                      MUKCA_SHEET_HALF, 360);
+    FILE *s = sheet->script;
+    const mukca_report_step *first = r->steps, *last = &r->steps[r->n_steps - 1];
+    const struct {
+        const char *title, *style;
+        double from, to;
+    } curves[4] = {
+        {"consistency, train", PLOT_AFTER " pt 7", first->train_consistency,
+         last->train_consistency},
+        {"distortion, train", PLOT_BEFORE " pt 5", first->train_distortion, last->train_distortion},
+        {"consistency, test", PLOT_AFTER " dt 2 pt 6", first->test_consistency,
+         last->test_consistency},
+        {"distortion, test", PLOT_BEFORE " dt 2 pt 4", first->test_distortion,
+         last->test_distortion}};
+    fputs("$d << EOD\n", s);
+    for (int i = 0; i < r->n_steps; i++) {
+        const mukca_report_step *p = &r->steps[i];
+        fprintf(s, "%d %g %g %g %g\n", i, positive(p->train_consistency),
+                positive(p->train_distortion), positive(p->test_consistency),
+                positive(p->test_distortion));
+    }
+    fprintf(s,
+            "EOD\nset logscale y\nset format y '%%g'\nset xlabel 'iteration'\nset ylabel 'mm'\n"
+            "set xrange [0:*]\nset xtics %d\nset key maxcols 2\n",
+            1 + r->n_steps / 9);
+    if (r->repeatability > 0)
+        fprintf(s,
+                "rep = %g\nset yrange [*<0.5*rep:*]\n"
+                "set arrow from graph 0, first rep to graph 1, first rep nohead linecolor 'black' "
+                "dashtype 2\nset label sprintf('repeatability, %%g mm', rep) at graph 0.99, first "
+                "rep right offset 0, 0.5\n",
+                r->repeatability * mm);
+    mukca_sheet_describe(sheet, "Over %d iterations", r->n_steps - 1);
+    for (int k = 0, shown = 0; k < 4; k++) {
+        if (!isfinite(curves[k].to)) continue;
+        fprintf(s, "%s $d using 1:%d with linespoints lc rgb %s ps 0.6 title '%s'",
+                shown ? "," : "plot", k + 2, curves[k].style, curves[k].title);
+        mukca_sheet_describe(sheet, "%s %s goes from %.3g to %.3g mm", shown ? ";" : "",
+                             curves[k].title, curves[k].from * mm, curves[k].to * mm);
+        shown++;
+    }
+    fputc('\n', s);
+    mukca_sheet_describe(sheet, ".");
+}
+
+/* ---- generalisation ---- */
+
+int mukca_report_count_generalisation(const mukca_report *r)
+{
+    return r->n_bars > 0;
+}
+
+void mukca_report_draw_generalisation(mukca_sheet *sheet, const mukca_report *r, int index)
+{
+    (void)index;
+    mukca_sheet_begin(sheet, "generalisation", "Error on placements not used for training",
+                      MUKCA_SHEET_HALF, 100 + 32 * r->n_bars);
+    FILE *s = sheet->script;
+    const mukca_report_bar *best = r->bars;
+    fputs("unset ytics\n$d << EOD\n", s);
+    for (int i = 0; i < r->n_bars; i++) {
+        const mukca_report_bar *b = &r->bars[i];
+        fprintf(s, "%d %.5g %.5g %.5g\n", r->n_bars - i, b->mean * mm, b->low * mm, b->high * mm);
+        if (b->mean < best->mean) best = b;
+    }
+    fputs("EOD\n", s);
+    for (int i = 0; i < r->n_bars; i++)
+        mukca_sheet_name_line(sheet, r->bars[i].trained, r->n_bars - i);
+    fprintf(s,
+            "set yrange [0.6:%g]\nset xrange [0:*]\nset xlabel 'mean error on the other "
+            "placements, mm (line: best to worst)'\nset style fill solid 0.45 border\n"
+            "plot $d using ($2/2):1:($2/2):(0.15) with boxxyerror lc rgb " PLOT_AFTER
+            " notitle, $d using 2:1:3:4 with xerrorbars lc rgb 'black' pt 0 notitle\n",
+            r->n_bars + 0.8);
+    mukca_sheet_describe(sheet,
+                         "One bar for each set of training placements. Smallest mean error: %.3g "
+                         "mm, trained on %s.",
+                         best->mean * mm, best->trained);
+}
+
+/* ---- offsets and their standard errors ---- */
+
+int mukca_report_count_offsets(const mukca_report *r)
+{
+    for (int i = 0; i < MUKCA_PARAMETERS * r->fitted->n_elements; i++)
+        if (r->offsets->listed[i]) return 2;
+    return 0;
+}
+
+void mukca_report_draw_offsets(mukca_sheet *sheet, const mukca_report *r, int index)
+{
+    const bool angles = index == 1;
+    const mukca_offsets *table = r->offsets;
+    double nominal[MUKCA_MAX_THETA];
+    int n = 0, known = 0;
+    mukca_chain_theta(nominal, r->fitted);
+    mukca_sheet_begin(
+        sheet, angles ? "offsets-angles" : "offsets-lengths",
+        angles ? "Offsets of angles (bars: 2 sigma)" : "Offsets of lengths (bars: 2 sigma)",
+        MUKCA_SHEET_HALF, 320);
+    FILE *s = sheet->script;
+    fputs("set xtics () rotate by -45\n$d << EOD\n", s);
+    for (int i = 0; i < MUKCA_PARAMETERS * r->fitted->n_elements; i++) {
+        const double offset = (table->theta[i] - nominal[i]) * mm;
+        if (!table->listed[i] || i % MUKCA_PARAMETERS / 3 != angles) continue;
+        n++;
+        if (table->identifiable[i] && isfinite(table->sigma[i])) {
+            fprintf(s, "%d %.6g %.6g NaN\n", n, offset, 2 * table->sigma[i] * mm);
+            known++;
+        } else {
+            fprintf(s, "%d NaN NaN %.6g\n", n, offset);
+        }
+    }
+    fputs("EOD\n", s);
+    for (int i = 0, at = 0, last = -1; i < MUKCA_PARAMETERS * r->fitted->n_elements; i++) {
+        const int element = i / MUKCA_PARAMETERS;
+        if (!table->listed[i] || i % MUKCA_PARAMETERS / 3 != angles) continue;
+        at++;
+        if (element == last) continue;
+        last = element;
+        fputs("set xtics add (", s);
+        mukca_plot_quote(s, r->fitted->element[element].name);
+        fprintf(s, " %d)\n", at);
+    }
+    fprintf(s,
+            "set xrange [0:%d]\nset ylabel '%s'\nset xzeroaxis lc rgb 'black' lw 0.6\n"
+            "plot $d using 1:2:3 with yerrorbars lc rgb " PLOT_AFTER
+            " pt 7 ps 0.5 title 'identifiable'"
+            ", $d using 1:4 with points lc rgb " PLOT_BEFORE
+            " pt 6 ps 0.7 title 'not identifiable'\n",
+            n + 1, angles ? "offset, mrad" : "offset, mm");
+    mukca_sheet_describe(
+        sheet,
+        "Offset of each %s parameter with two standard deviations, joint by joint; "
+        "%d of %d are identifiable. The table holds the same numbers.",
+        angles ? "angle" : "length", known, n);
+}

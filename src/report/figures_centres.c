@@ -1,0 +1,89 @@
+/* Figure of the predicted ball centres: three projections of one placement. */
+#include <math.h>
+
+#include "report/figures.h"
+
+static const double mm = 1e3;
+
+int mukca_report_count_centres(const mukca_report *r)
+{
+    return r->data.n_sockets > 0 ? r->data.n_placements : 0;
+}
+
+static void put_block(FILE *s, const char *name, const double *positions, const double *origin,
+                      const mukca_dataset *data, int placement)
+{
+    for (int k = 0, n = 0; k < data->n_sockets; k++) {
+        if (data->sockets[k].placement != placement) continue;
+        fprintf(s, "$%s%d << EOD\n", name, n++);
+        for (int i = 0; i < data->n_rows; i++)
+            if (data->socket[i] == k)
+                fprintf(s, "%.4f %.4f %.4f\n", (positions[3 * i] - origin[0]) * mm,
+                        (positions[3 * i + 1] - origin[1]) * mm,
+                        (positions[3 * i + 2] - origin[2]) * mm);
+        fputs("EOD\n", s);
+    }
+}
+
+/* Mean of the calibrated positions, and the largest coordinate about it; returns the samples. */
+static int measure(double origin[3], double *reach, const mukca_report *r, int placement)
+{
+    int rows = 0;
+    *reach = origin[0] = origin[1] = origin[2] = 0;
+    for (int i = 0; i < r->data.n_rows; i++) {
+        if (mukca_dataset_placement(&r->data, i) != placement) continue;
+        for (int k = 0; k < 3; k++) origin[k] += r->calibrated[3 * i + k];
+        rows++;
+    }
+    for (int k = 0; k < 3 && rows > 0; k++) origin[k] /= rows;
+    for (int i = 0; i < r->data.n_rows; i++) {
+        if (mukca_dataset_placement(&r->data, i) != placement) continue;
+        for (int k = 0; k < 3; k++) {
+            *reach = fmax(*reach, fabs(r->calibrated[3 * i + k] - origin[k]));
+            *reach = fmax(*reach, fabs(r->nominal[3 * i + k] - origin[k]));
+        }
+    }
+    return rows;
+}
+
+void mukca_report_draw_centres(mukca_sheet *sheet, const mukca_report *r, int index)
+{
+    static const char axes[3][3] = {"xy", "xz", "yz"};
+    static const int open_point[4] = {6, 8, 4, 12}, full_point[4] = {7, 9, 5, 13};
+    const mukca_dataset *data = &r->data;
+    char id[64], title[160];
+    double origin[3], reach;
+    const int rows = measure(origin, &reach, r, index);
+    int sockets = 0;
+    for (int k = 0; k < data->n_sockets; k++) sockets += data->sockets[k].placement == index;
+    snprintf(id, sizeof id, "centres-%d", index + 1);
+    snprintf(title, sizeof title, "Predicted ball centres, placement %s%s",
+             data->placements[index].name, r->held_out[index] ? " (test)" : "");
+    mukca_sheet_begin(sheet, id, title, MUKCA_SHEET_FULL, 370);
+    FILE *s = sheet->script;
+    put_block(s, "b", r->nominal, origin, data, index);
+    put_block(s, "a", r->calibrated, origin, data, index);
+    fprintf(s,
+            "set multiplot layout 1,3 margins 0.07,0.985,0.17,0.9 spacing 0.075\n"
+            "reach = %g\nset size ratio -1\nset xrange [-reach:reach]\nset yrange [-reach:reach]\n"
+            "set key at graph 0, 1.1\n",
+            1.05 * reach * mm);
+    for (int panel = 0; panel < 3; panel++) {
+        const int u = axes[panel][0] - 'x' + 1, v = axes[panel][1] - 'x' + 1;
+        fprintf(s, "set xlabel '%c, mm'\nset ylabel '%c, mm' offset 1,0\nplot ", axes[panel][0],
+                axes[panel][1]);
+        for (int k = 0; k < sockets; k++)
+            fprintf(s, "$b%d using %d:%d with points lc rgb " PLOT_BEFORE " pt %d ps 0.7 %s, ", k,
+                    u, v, open_point[k % 4], panel == 0 && k == 0 ? "title 'nominal'" : "notitle");
+        for (int k = 0; k < sockets; k++)
+            fprintf(s, "$a%d using %d:%d with points lc rgb " PLOT_AFTER " pt %d ps 0.6 %s%s", k, u,
+                    v, full_point[k % 4], panel == 1 && k == 0 ? "title 'calibrated'" : "notitle",
+                    k + 1 < sockets ? ", " : "\n");
+    }
+    fputs("unset multiplot\n", s);
+    mukca_sheet_describe(sheet,
+                         "Predicted ball centre of each of %d samples in %d sockets, in the base "
+                         "frame about the centre of the placement, along z, y and x, at true "
+                         "scale. Calibration gathers the samples of each socket.",
+                         rows, sockets);
+}

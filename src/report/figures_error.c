@@ -1,0 +1,222 @@
+/* Figures of the remaining error: step by step, by joint and by sample. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report/figures.h"
+
+static const double mm = 1e3;
+
+/* ---- held-out error, step by step ---- */
+
+enum { MAX_RUNGS = MUKCA_MAX_CAUSES + 5 };
+
+typedef struct {
+    char name[200];
+    double value, low, high; /* m */
+} rung;
+
+/* Appends a rung with the interval of `held_out` (NULL: none), unless its value is unknown. */
+static void add_rung(rung *rungs, int *n, const char *name, double value,
+                     const mukca_shrink *held_out)
+{
+    if (*n >= MAX_RUNGS || !isfinite(value)) return;
+    rung *x = &rungs[(*n)++];
+    *x = (rung){.value = value, .low = value, .high = value};
+    snprintf(x->name, sizeof x->name, "%s", name);
+    if (held_out && isfinite(held_out->low_percent) && isfinite(held_out->high_percent)) {
+        x->low = held_out->before_m * (1 - held_out->high_percent / 100);
+        x->high = held_out->before_m * (1 - held_out->low_percent / 100);
+    }
+}
+
+static int collect_rungs(rung rungs[MAX_RUNGS], const mukca_report *r)
+{
+    const mukca_diagnosis *d = r->diagnosed.diagnosis;
+    int n = 0;
+    add_rung(rungs, &n, "nominal model", d->nominal_m, NULL);
+    add_rung(rungs, &n, "calibrated geometry", d->geometry_m, NULL);
+    if (d->n_faults > 0)
+        add_rung(rungs, &n, "geometry, faulty samples left out", d->faults_excused_m, NULL);
+    for (int i = 0; i < d->n_causes; i++) {
+        char name[MUKCA_WORDING + 16], cause[MUKCA_WORDING];
+        const mukca_shrink *held_out = &d->causes[i].held_out;
+        mukca_wording_cause(cause, &d->causes[i], &r->diagnosed);
+        snprintf(name, sizeof name, "geometry and %s", cause);
+        add_rung(rungs, &n, name, held_out->after_m, held_out);
+    }
+    if (d->n_causes > 1)
+        add_rung(rungs, &n, "geometry and all causes", d->held_out.after_m, &d->held_out);
+    if (d->noise_floor_m > 0) add_rung(rungs, &n, "noise floor", d->noise_floor_m, NULL);
+    return n;
+}
+
+int mukca_report_count_ladder(const mukca_report *r)
+{
+    return isfinite(r->diagnosed.diagnosis->geometry_m);
+}
+
+void mukca_report_draw_ladder(mukca_sheet *sheet, const mukca_report *r, int index)
+{
+    (void)index;
+    rung rungs[MAX_RUNGS];
+    const int n = collect_rungs(rungs, r);
+    const double floor = r->diagnosed.diagnosis->noise_floor_m;
+    double most = 0;
+    for (int k = 1; k < n; k++) most = fmax(most, fmax(rungs[k].value, rungs[k].high));
+    /* A nominal model that would press the others together is an arrow at the edge. */
+    const double edge = 1.25 * most * mm, nominal = rungs[0].value * mm;
+    const bool beyond = nominal > edge;
+    mukca_sheet_begin(sheet, "error-steps", "Held-out error, step by step", MUKCA_SHEET_HALF,
+                      90 + 42 * n);
+    FILE *s = sheet->script;
+    fputs("$d << EOD\n", s);
+    for (int k = beyond; k < n; k++)
+        fprintf(s, "%d %.6g %.6g %.6g\n", n - k, rungs[k].value * mm, rungs[k].low * mm,
+                rungs[k].high * mm);
+    fprintf(s,
+            "EOD\nunset ytics\nset border 1\nset yrange [0.5:%g]\nset xrange [0:%g]\n"
+            "set lmargin 2\nset rmargin 3\nset tmargin 2\n"
+            "set xlabel 'mean error on placements left out of the fit, mm'\n",
+            n + 0.8, edge);
+    for (int k = 0; k < n; k++) mukca_sheet_name_line(sheet, rungs[k].name, n - k);
+    if (beyond)
+        fprintf(s,
+                "set arrow from first 0, %d to first %g, %d linecolor rgb " PLOT_BEFORE
+                " linewidth 2\nset label '%.3g ' at first %g, %d right offset 0, 0.75\n",
+                n, edge, n, nominal, edge, n);
+    if (floor > 0)
+        fprintf(s,
+                "set arrow from first %g, graph 0 to first %g, graph 1 nohead back linecolor "
+                "'gray' dashtype 2\n",
+                floor * mm, floor * mm);
+    fputs("plot $d using (0):1:2:(0) with vectors nohead lc rgb " PLOT_AFTER
+          " lw 2 notitle, $d using 2:1 with points lc rgb " PLOT_AFTER
+          " pt 7 notitle, $d using 2:1:3:4 with xerrorbars lc rgb " PLOT_AFTER
+          " pt 7 ps 0 lw 1.5 notitle, "
+          "$d using 4:1:(sprintf('%.3g', $2)) with labels left offset 1, 0 notitle\n",
+          s);
+    mukca_sheet_describe(sheet, "Mean held-out error in mm:");
+    for (int k = 0; k < n; k++)
+        mukca_sheet_describe(sheet, "%s %s %.3g", k ? ";" : "", rungs[k].name, rungs[k].value * mm);
+    mukca_sheet_describe(sheet, ".");
+}
+
+/* ---- error over the angle of one joint ---- */
+
+int mukca_report_count_joints(const mukca_report *r)
+{
+    return r->chain->n_joints;
+}
+
+void mukca_report_draw_joints(mukca_sheet *sheet, const mukca_report *r, int index)
+{
+    const int n = r->chain->n_joints, rows = r->data.n_rows;
+    const mukca_element *e = &r->chain->element[r->chain->joint_element[index]];
+    const bool turns = e->type != MUKCA_PRISMATIC;
+    const char *coordinate = turns ? "angle" : "position";
+    const double unit = turns ? 180 / M_PI : mm;
+    char id[64], title[160];
+    double residual = 0, left = 0;
+    snprintf(id, sizeof id, "joint-%d", index + 1);
+    snprintf(title, sizeof title, "Error over the %s of %s", coordinate, e->name);
+    mukca_sheet_begin(sheet, id, title, MUKCA_SHEET_HALF, 320);
+    FILE *s = sheet->script;
+    fputs("$d << EOD\n", s);
+    for (int k = 0; k < rows; k++) {
+        const double error = r->joint_error[k * n + index] * mm;
+        const double effect = r->joint_effect ? r->joint_effect[k * n + index] * mm : 0;
+        fprintf(s, "%.3f %.5g %.5g\n", r->data.q[k * n + index] * unit, error, effect);
+        residual += error * error / rows;
+        left += (error - effect) * (error - effect) / rows;
+    }
+    fprintf(s,
+            "EOD\nset xlabel '%s, %s'\nset ylabel 'error along its motion, mm' offset 1,0\nset "
+            "xzeroaxis lc rgb 'black' lw 0.6\n"
+            "plot $d using 1:2 with points lc rgb " PLOT_BEFORE
+            " pt 6 ps 0.5 title 'after geometry'",
+            coordinate, turns ? "deg" : "mm");
+    if (r->joint_effect)
+        fputs(", $d using 1:3 with points lc rgb " PLOT_AFTER
+              " pt 7 ps 0.4 title 'explained by the causes'",
+              s);
+    fputc('\n', s);
+    mukca_sheet_describe(sheet,
+                         "The part of each sample's error along which %s moves the ball, over the "
+                         "joint's %s: %.3g mm rms after geometry",
+                         e->name, coordinate, sqrt(residual));
+    if (r->joint_effect)
+        mukca_sheet_describe(sheet, ", %.3g mm with the causes modelled", sqrt(left));
+    mukca_sheet_describe(sheet, ".");
+}
+
+/* ---- error of each sample in recording order, faults marked ---- */
+
+int mukca_report_count_samples(const mukca_report *r)
+{
+    return r->data.n_rows > 0;
+}
+
+static double sample_error(const mukca_report *r, int row)
+{
+    const double *e = r->residual + 3 * row;
+    return sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * mm;
+}
+
+/* A line and a name where each placement begins. */
+static void mark_placements(FILE *s, const mukca_dataset *data)
+{
+    for (int k = 0; k < data->n_rows; k++) {
+        const int p = mukca_dataset_placement(data, k);
+        if (p < 0 || (k > 0 && p == mukca_dataset_placement(data, k - 1))) continue;
+        fprintf(s,
+                "set arrow from first %g, graph 0 to first %g, graph 1 nohead lc rgb 'gray' "
+                "lw 0.8\nset label ",
+                k + 0.5, k + 0.5);
+        mukca_plot_quote(s, data->placements[p].name);
+        fprintf(s, " at first %g, graph 0.99 left rotate by -90 offset 0.7, 0\n", k + 0.5);
+    }
+}
+
+void mukca_report_draw_samples(mukca_sheet *sheet, const mukca_report *r, int index)
+{
+    (void)index;
+    const mukca_dataset *data = &r->data;
+    const bool sockets = data->n_sockets > 0, faults = r->diagnosed.diagnosis->n_faults > 0;
+    double most = 0;
+    mukca_sheet_begin(sheet, "samples", "Error of each sample, in recording order",
+                      MUKCA_SHEET_FULL, 360);
+    FILE *s = sheet->script;
+    fputs("$d << EOD\n", s);
+    for (int k = 0; k < data->n_rows; k++) {
+        const double error = sample_error(r, k);
+        if (!isfinite(error)) continue;
+        fprintf(s, data->socket[k] % 2 > 0 ? "%d NaN %.5g\n" : "%d %.5g NaN\n", k + 1, error);
+        most = fmax(most, error);
+    }
+    fputs("EOD\n$f << EOD\n", s);
+    for (int i = 0; i < r->diagnosed.diagnosis->n_faults; i++) {
+        const int row = r->diagnosed.diagnosis->faults[i].data_row;
+        fprintf(s, "%d %.5g\n", row + 1, sample_error(r, row));
+    }
+    fputs("EOD\n", s);
+    mark_placements(s, data);
+    fprintf(s,
+            "set xrange [0:%d]\nset yrange [0:%g]\nset xlabel 'sample'\n"
+            "set ylabel '%s, mm' offset 1,0\n"
+            "plot $d using 1:2 with points lc rgb " PLOT_AFTER " pt 7 ps 0.5 %s%s%s\n",
+            data->n_rows + 1, most > 0 ? 1.15 * most : 1,
+            sockets ? "consistency error" : "distance from the measured position",
+            sockets ? "title 'first socket'" : "notitle",
+            sockets ? ", $d using 1:3 with points lc rgb " PLOT_THIRD
+                      " pt 9 ps 0.5 title 'second socket'"
+                    : "",
+            faults ? ", $f using 1:2 with points lc rgb " PLOT_BEFORE
+                     " pt 2 ps 1.6 lw 2 title 'recording fault'"
+                   : "");
+    mukca_sheet_describe(sheet,
+                         "%d samples after calibration; largest error %.3g mm; %d recording "
+                         "fault%s marked.",
+                         data->n_rows, most, r->diagnosed.diagnosis->n_faults,
+                         r->diagnosed.diagnosis->n_faults == 1 ? "" : "s");
+}

@@ -1,0 +1,275 @@
+/* The numbers that the report shows, from the arm, the data and the results. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report/report.h"
+
+/* Training and test samples as one dataset; placements and sockets of `test` follow those of
+ * `train`. */
+static mukca_status join(mukca_report *r, mukca_error *error)
+{
+    mukca_dataset *all = &r->data;
+    const mukca_dataset *train = r->train, *test = r->test;
+    const int n = train->n_joints, sockets = train->n_sockets, placements = train->n_placements;
+    mukca_status status =
+        mukca_dataset_create(all, train->n_rows + test->n_rows, n, sockets + test->n_sockets,
+                             placements + test->n_placements, error);
+    if (status != MUKCA_OK) return status;
+    unsigned char *held_out = MUKCA_TAKE(&r->pool, unsigned char, all->n_placements + 1);
+    if (train->position || test->position)
+        all->position = calloc((size_t)all->n_rows, 3 * sizeof *all->position);
+    if (!held_out || ((train->position || test->position) && !all->position))
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    r->held_out = held_out;
+    for (int i = 0; i < all->n_rows; i++) {
+        const bool second = i >= train->n_rows;
+        const mukca_dataset *from = second ? test : train;
+        const int at = second ? i - train->n_rows : i, socket = from->socket[at];
+        memcpy(all->q + i * n, from->q + at * n, (size_t)n * sizeof *all->q);
+        all->socket[i] = socket < 0 ? -1 : socket + (second ? sockets : 0);
+        all->row[i] = from->row[at];
+        for (int k = 0; all->position && k < 3; k++)
+            all->position[3 * i + k] = from->position ? from->position[3 * at + k] : (double)NAN;
+    }
+    for (int k = 0; k < sockets; k++) all->sockets[k] = train->sockets[k];
+    for (int p = 0; p < placements; p++) all->placements[p] = train->placements[p];
+    for (int k = 0; k < test->n_sockets; k++) {
+        all->sockets[sockets + k] = test->sockets[k];
+        all->sockets[sockets + k].placement += placements;
+    }
+    for (int p = 0; p < test->n_placements; p++) {
+        all->placements[placements + p] = test->placements[p];
+        held_out[placements + p] = 1;
+    }
+    return MUKCA_OK;
+}
+
+/* Tip of each sample by models[0] for the training data and models[1] for the test data,
+ * [n_rows][3]; NULL out of memory. */
+static double *positions(mukca_report *r, const mukca_model models[2])
+{
+    double *tips = MUKCA_TAKE(&r->pool, double, 3 * r->data.n_rows + 1);
+    mukca_frame *frames = MUKCA_TAKE(&r->pool, mukca_frame, r->data.n_rows + 1);
+    if (!tips || !frames) return NULL;
+    mukca_evaluate_tips(frames, &models[0], r->train);
+    if (r->test->n_rows > 0) mukca_evaluate_tips(frames + r->train->n_rows, &models[1], r->test);
+    for (int i = 0; i < r->data.n_rows; i++) memcpy(tips + 3 * i, frames[i].p, sizeof frames[i].p);
+    return tips;
+}
+
+/* Tips minus their socket's mean, or minus the measured position, [n_rows][3]; NULL out of memory.
+ */
+static double *residuals(mukca_report *r, const double *tips)
+{
+    const mukca_dataset *data = &r->data;
+    double *residual = MUKCA_TAKE(&r->pool, double, 3 * data->n_rows + 1);
+    double *sum = MUKCA_TAKE(&r->pool, double, 3 * data->n_sockets + 1);
+    double *count = MUKCA_TAKE(&r->pool, double, data->n_sockets + 1);
+    if (!tips || r->pool.failed) return NULL;
+    for (int i = 0; i < data->n_rows; i++) {
+        const int s = data->socket[i];
+        if (s < 0) continue;
+        count[s]++;
+        for (int k = 0; k < 3; k++) sum[3 * s + k] += tips[3 * i + k];
+    }
+    for (int i = 0; i < data->n_rows; i++)
+        for (int k = 0; k < 3; k++) {
+            const int s = data->socket[i];
+            const double truth = s < 0 ? data->position[3 * i + k] : sum[3 * s + k] / count[s];
+            residual[3 * i + k] = tips[3 * i + k] - truth;
+        }
+    return residual;
+}
+
+/* Part of each residual along which the ball moves with each joint, r . J_j / |J_j|, m,
+ * [n_rows][n_joints]; NULL out of memory. */
+static double *joint_errors(mukca_report *r, const mukca_chain *chain, const double *theta,
+                            const double *residual)
+{
+    const int n = r->data.n_joints;
+    double *errors = MUKCA_TAKE(&r->pool, double, r->data.n_rows *n + 1);
+    mukca_geometry geometry;
+    if (!errors || !residual) return NULL;
+    mukca_geometry_set(&geometry, chain, theta);
+    for (int i = 0; i < r->data.n_rows; i++) {
+        double J[6 * MUKCA_MAX_JOINTS];
+        mukca_fk_jacobian(J, NULL, &geometry, r->data.q + i * n, NULL);
+        for (int j = 0; j < n; j++) {
+            double dot = 0, square = 0;
+            for (int k = 0; k < 3; k++) {
+                dot += residual[3 * i + k] * J[k * n + j];
+                square += J[k * n + j] * J[k * n + j];
+            }
+            /* below 1 um per rad the joint does not move the ball */
+            errors[i * n + j] = square > 1e-12 && isfinite(dot) ? dot / sqrt(square) : 0;
+        }
+    }
+    return errors;
+}
+
+/* Geometry and effects of the diagnosis: the joint errors that they leave.  Its effects name the
+ * placements of the training data; those of a placement do not act on the test data. */
+static double *explain(mukca_report *r)
+{
+    const mukca_applied *applied = &r->diagnosed.diagnosis->applied;
+    double theta[MUKCA_MAX_THETA];
+    mukca_effect general[MUKCA_MAX_CAUSES];
+    int n = 0;
+    for (int i = 0; i < applied->n_effects; i++)
+        if (applied->effects[i].placement < 0) general[n++] = applied->effects[i];
+    mukca_geometry_theta(theta, r->chain, &applied->geometry);
+    const mukca_model models[2] = {
+        {.chain = r->chain,
+         .theta = theta,
+         .effects = applied->effects,
+         .n_effects = applied->n_effects},
+        {.chain = r->chain, .theta = theta, .effects = general, .n_effects = n}};
+    r->explained = residuals(r, positions(r, models));
+    return joint_errors(r, r->chain, theta, r->explained);
+}
+
+/* Positions, residuals and their parts by joint. */
+static mukca_status predict(mukca_report *r, mukca_error *error)
+{
+    const mukca_applied *applied = &r->diagnosed.diagnosis->applied;
+    const mukca_model nominal = {.chain = r->fitted};
+    mukca_effect effects[2][MUKCA_MAX_EFFECTS];
+    mukca_model models[2];
+    for (int k = 0; k < 2; k++) {
+        mukca_offsets_place_effects(effects[k], r->offsets, k ? r->test : r->train);
+        models[k] = (mukca_model){.chain = r->fitted,
+                                  .theta = r->offsets->theta,
+                                  .effects = effects[k],
+                                  .n_effects = r->offsets->n_effects};
+    }
+    r->nominal = positions(r, (const mukca_model[2]){nominal, nominal});
+    r->calibrated = positions(r, models);
+    r->residual = residuals(r, r->calibrated);
+    double *errors = joint_errors(r, r->fitted, r->offsets->theta, r->residual);
+    r->joint_error = errors;
+    if (applied->fitted && applied->n_effects > 0 && !r->data.position) {
+        double *left = explain(r);
+        for (int i = 0; left && errors && i < r->data.n_rows * r->data.n_joints; i++)
+            left[i] = errors[i] - left[i];
+        r->joint_effect = left;
+    }
+    return r->pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+}
+
+static mukca_status score(mukca_report_scores *scores, mukca_report *r, const mukca_dataset *data,
+                          mukca_error *error)
+{
+    const int room = data->n_placements + 1;
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    mukca_offsets_place_effects(effects, r->offsets, data);
+    const mukca_model nominal = {.chain = r->fitted},
+                      calibrated = {.chain = r->fitted,
+                                    .theta = r->offsets->theta,
+                                    .effects = effects,
+                                    .n_effects = r->offsets->n_effects};
+    scores->nominal = MUKCA_TAKE(&r->pool, mukca_score, room);
+    scores->calibrated = MUKCA_TAKE(&r->pool, mukca_score, room);
+    if (!r->pool.failed &&
+        mukca_evaluate(scores->nominal, &scores->nominal_mean, &nominal, data) >= 0)
+        scores->n = mukca_evaluate(scores->calibrated, &scores->calibrated_mean, &calibrated, data);
+    else
+        scores->n = -1;
+    return scores->n < 0 ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+}
+
+void mukca_report_step_fill(mukca_report_step *step, const mukca_model *model,
+                            const mukca_dataset *train, const mukca_dataset *test,
+                            mukca_score *scores)
+{
+    mukca_score a = {0}, b = {.std = NAN, .distance_error = NAN};
+    mukca_evaluate(scores, &a, model, train);
+    if (test->n_rows > 0) mukca_evaluate(scores, &b, model, test);
+    *step = (mukca_report_step){.train_consistency = a.std,
+                                .train_distortion = a.distance_error,
+                                .test_consistency = b.std,
+                                .test_distortion = b.distance_error};
+}
+
+/* Take one test placement into a bar's mean and range. */
+static void add_to_bar(mukca_report_bar *bar, int *count, double mae)
+{
+    bar->mean += (mae - bar->mean) / ++*count;
+    bar->low = fmin(bar->low, mae);
+    bar->high = fmax(bar->high, mae);
+}
+
+/* Fit to the marked placements and append a bar, unless nothing is left to test on. */
+static mukca_status add_bar(mukca_report *r, const unsigned char *marked, mukca_score *scores,
+                            mukca_error *error)
+{
+    const mukca_dataset *train = r->train, *test = r->test;
+    mukca_score *others = scores + train->n_placements + 1;
+    mukca_report_bar *bar = &r->bars[r->n_bars];
+    int count = 0, named = 0;
+    memset(others, 0, (size_t)(test->n_placements + 2) * sizeof *others);
+    mukca_status status = mukca_evaluate_trained(scores, others, r->chain, train, marked,
+                                                 test->n_rows > 0 ? test : NULL, NULL, error);
+    if (status != MUKCA_OK) return status;
+    *bar = (mukca_report_bar){.low = HUGE_VAL};
+    for (int p = 0, i = 0; p < train->n_placements; p++) {
+        const size_t used = strlen(bar->trained);
+        named += marked[p];
+        if (marked[p])
+            snprintf(bar->trained + used, sizeof bar->trained - used, "%s%.40s", used ? " + " : "",
+                     train->placements[p].name);
+        if (scores[i].placement != p) continue;
+        if (!marked[p]) add_to_bar(bar, &count, scores[i].mae);
+        i++;
+    }
+    if (named > 2) snprintf(bar->trained, sizeof bar->trained, "all");
+    for (int i = 0; i <= test->n_placements && others[i].rows > 0; i++)
+        add_to_bar(bar, &count, others[i].mae);
+    r->n_bars += count > 0;
+    return MUKCA_OK;
+}
+
+static bool report_progress(const mukca_report *r, double share)
+{
+    return !r->progress || r->progress(r->progress_context, share, "training and testing");
+}
+
+/* Train on each placement, on each pair, and on all where those are more; test on the rest and on
+ * the test data. */
+static mukca_status cross_train(mukca_report *r, mukca_error *error)
+{
+    const int n = r->train->n_placements, most = n + n * (n - 1) / 2 + 1;
+    r->bars = MUKCA_TAKE(&r->pool, mukca_report_bar, most);
+    unsigned char *marked = MUKCA_TAKE(&r->pool, unsigned char, n + 1);
+    mukca_score *scores = MUKCA_TAKE(&r->pool, mukca_score, n + r->test->n_placements + 4);
+    if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    for (int size = 1; size <= 3 && n > 0; size++)
+        for (int a = 0; a < n; a++)
+            for (int b = size == 2 ? a + 1 : a; b < (size == 2 ? n : a + 1); b++) {
+                if (size == 3 && (a > 0 || n < 3)) continue; /* all: once */
+                if (!report_progress(r, (double)r->n_bars / most))
+                    return mukca_fail(error, MUKCA_INTERRUPTED,
+                                      "interrupted; the page was not written");
+                memset(marked, size == 3, (size_t)n);
+                marked[a] = marked[b] = 1;
+                const mukca_status status = add_bar(r, marked, scores, error);
+                if (status != MUKCA_OK) return status;
+            }
+    return MUKCA_OK;
+}
+
+mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
+{
+    mukca_status status = join(r, error);
+    if (status == MUKCA_OK) status = score(&r->train_scores, r, r->train, error);
+    if (status == MUKCA_OK) status = score(&r->test_scores, r, r->test, error);
+    if (status == MUKCA_OK) status = predict(r, error);
+    if (status == MUKCA_OK) status = cross_train(r, error);
+    return status;
+}
+
+void mukca_report_free(mukca_report *r)
+{
+    mukca_dataset_free(&r->data);
+    mukca_pool_free(&r->pool);
+}
