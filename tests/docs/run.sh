@@ -13,7 +13,7 @@ export NO_COLOR=1 MUKCA
 failures=0
 number=0
 # Pages with examples, in the order in which they run: later ones use files of earlier ones.
-pages="README.md docs/diagnosis.md docs/method.md"
+pages="README.md docs/guide.md docs/diagnosis.md docs/method.md docs/comparison.md"
 
 check() { # NAME TEXT: passes where TEXT is empty
     if [ -z "$2" ]; then
@@ -151,10 +151,10 @@ a="--urdf data/demo/arm.urdf" d="data/demo/train.tsv --test data/demo/test.tsv"
     mukca calibrate $a $d --json calibrate.json --trace trace.tsv
     mukca evaluate $a $d --matrix --json evaluate.json -o evaluate.tsv
     mukca diagnose $a $d --json diagnose.json
-    mukca recalibrate --urdf data/gen3.urdf build/first/sweeps.tsv --json recalibrate.json
+    mukca recalibrate --urdf data/gen3.urdf build/guide/sweeps.tsv --json recalibrate.json
     mukca plan $a data/demo/train.tsv --rows 2 --json plan.json -o plan.tsv
     mukca simulate $a --effort --command --labels labels.json --seed 1 --rows 3 -o simulate.tsv
-    grep -v '^#' data/demo/test.tsv | mukca compensate $a --offsets build/first/arm.tsv --json compensate.json -o compensate.tsv
+    grep -v '^#' data/demo/test.tsv | mukca compensate $a --offsets build/guide/arm.tsv --json compensate.json -o compensate.tsv
 } >json.out 2>&1
 check "every JSON key is in mukca-formats.5" "$("${PYTHON:-python3}" - *.json <<'PY'
 import json, re, sys
@@ -178,7 +178,7 @@ if len(sys.argv) < 8:
 PY
 )"
 check "every column is in mukca-formats.5" "$(
-    for table in *.tsv build/first/*.tsv build/demo/*.tsv; do
+    for table in *.tsv build/guide/*.tsv build/demo/*.tsv; do
         grep -v '^#' "$table" | head -n 1 | tr '\t' '\n' | sed -E 's/^joint_[0-9]\.?//; s/^(front|left|right)_//' |
             grep . | sort -u | while read -r column; do
             grep -qw -- "$column" formats.txt || echo "$table: $column"; done
