@@ -8,16 +8,17 @@
 
 /* One coefficient instead of one per mass: the sum of the masses' parts without the factors that
  * measured efforts gave them, which nobody else knows. */
-static bool tie_masses(gap_hypothesis *h, gap_model *m)
+static bool tie_masses(mukca_candidate *h, mukca_regression *m)
 {
-    const int rows = m->data->n_rows, terms = h->terms, width = h->width;
+    const int rows = m->recording.data->n_rows, terms = h->terms, width = h->width_of_term;
     float *basis = MUKCA_TAKE(&m->pool, float, rows *width);
     if (!basis) return false;
     for (int row = 0; row < rows; row++)
         for (int k = 0; k < width; k++) {
             double sum = 0;
             for (int t = 1; t < terms; t++)
-                sum += (double)h->basis[(row * terms + t) * width + k] / m->lump_scale[t - 1];
+                sum += (double)h->basis[(row * terms + t) * width + k] /
+                       m->recording.mass_factor[t - 1];
             basis[row * width + k] = (float)sum;
         }
     h->basis = basis;
@@ -26,80 +27,77 @@ static bool tie_masses(gap_hypothesis *h, gap_model *m)
 }
 
 /* Derivative of the six parameters of a slot by its local offsets: J[6][6], differences of 1e-6. */
-static void slot_jacobian(double J[6][6], gap_model *m, int slot, int width)
+static void slot_jacobian(double J[6][6], mukca_regression *m, int slot, int width)
 {
     const double step = 1e-6;
     double side[2][MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
-    const int at = MUKCA_PARAMETERS * m->slot_element[slot];
+    const int at = MUKCA_PARAMETERS * m->unknowns.slot_element[slot];
     memset(J, 0, sizeof(double[6][6]));
     for (int c = 0; c < width; c++) {
-        double *unknown = m->theta + 6 * slot + c;
+        double *unknown = m->unknowns.theta + 6 * slot + c;
         const double kept = *unknown;
         for (int s = 0; s < 2; s++) {
             *unknown = kept + (s ? step : -step);
-            gap_model_set_geometry(m);
-            mukca_geometry_theta(side[s], m->chain, &m->geometry);
+            mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
+            mukca_geometry_theta(side[s], m->recording.chain, &m->unknowns.geometry);
         }
         *unknown = kept;
         for (int p = 0; p < 6; p++) J[p][c] = (side[1][at + p] - side[0][at + p]) / (2 * step);
     }
-    gap_model_set_geometry(m);
+    mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
 }
 
-static void parameter_sigmas(mukca_applied *a, gap_model *m)
+static void parameter_sigmas(mukca_applied *a, mukca_regression *m)
 {
-    for (int i = 0; i < MUKCA_PARAMETERS * m->chain->n_elements; i++)
+    for (int i = 0; i < MUKCA_PARAMETERS * m->recording.chain->n_elements; i++)
         a->theta_sigma[i] = a->theta_prior[i] = NAN;
-    for (int k = 0; k < m->n_slots; k++) {
-        const int width = k + 1 < m->n_slots ? 6 : m->slot_width;
+    for (int k = 0; k < m->unknowns.n_slots; k++) {
+        const int width = k + 1 < m->unknowns.n_slots ? 6 : m->unknowns.slot_width;
         double J[6][6];
         slot_jacobian(J, m, k, width);
         for (int p = 0; p < width; p++) {
-            const int i = MUKCA_PARAMETERS * m->slot_element[k] + p;
+            const int i = MUKCA_PARAMETERS * m->unknowns.slot_element[k] + p;
             double square = 0;
             for (int c = 0; c < width; c++)
-                square += J[p][c] * J[p][c] * m->prior[6 * k + c] * m->prior[6 * k + c];
-            a->theta_sigma[i] = gap_model_standard_error(m, 6 * k, J[p], width);
+                square +=
+                    J[p][c] * J[p][c] * m->evidence.prior[6 * k + c] * m->evidence.prior[6 * k + c];
+            a->theta_sigma[i] = mukca_regression_standard_error(m, 6 * k, J[p], width);
             a->theta_prior[i] = sqrt(square);
         }
     }
 }
 
-void gap_applied(mukca_diagnosis *d, gap_model *m)
+void mukca_applied_fit(mukca_diagnosis *d, mukca_regression *m)
 {
     mukca_applied *a = &d->applied;
-    for (int c = 0; c < m->n_causes; c++) {
-        gap_hypothesis *h = &m->cause[c].hypothesis;
-        if (h->kind == GAP_BUMPS)
-            gap_model_drop(m, c--);
-        else if (gap_hypothesis_by_mass(h) && !tie_masses(h, m))
+    for (int c = 0; c < m->unknowns.n_causes; c++) {
+        mukca_candidate *h = &m->unknowns.cause[c].candidate;
+        if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN)
+            mukca_unknowns_drop(&m->unknowns, c--);
+        else if (mukca_candidate_by_mass(h) && !tie_masses(h, m))
             return;
     }
-    gap_model_fit(m, 6, GAP_FREE);
-    gap_model_prior(m->prior, m, -1);
-    for (int i = 0; i < GAP_RHOS; i++)
-        if (gap_rho[i] == m->rho) {
-            gap_model_pack(&m->pack[i], m, m->rho);
-            if (!(gap_model_evidence(m, &m->pack[i], m->prior, m->sigma, NULL) > -HUGE_VAL)) return;
-        }
+    mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
+    if (!(mukca_regression_factor(m) > -HUGE_VAL)) return;
     parameter_sigmas(a, m);
-    int column = m->n_geometry;
-    for (int c = 0; c < m->n_causes; c++) {
-        const gap_hypothesis *h = &m->cause[c].hypothesis;
-        if (h->kind == GAP_EFFECT && a->n_effects < MUKCA_MAX_CAUSES) {
+    int column = m->unknowns.n_geometry;
+    for (int c = 0; c < m->unknowns.n_causes; c++) {
+        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
+        if (h->kind == MUKCA_CANDIDATE_EFFECT && a->n_effects < MUKCA_MAX_CAUSES) {
             mukca_effect *effect = &a->effects[a->n_effects];
             *effect = h->effect;
             effect->terms = h->terms;
             for (int t = 0; t < h->terms; t++) {
                 const double one = 1;
-                effect->coefficient[t] = m->cause[c].coefficient[t];
-                a->effect_sigma[a->n_effects][t] = gap_model_standard_error(m, column + t, &one, 1);
+                effect->coefficient[t] = m->unknowns.cause[c].coefficient[t];
+                a->effect_sigma[a->n_effects][t] =
+                    mukca_regression_standard_error(m, column + t, &one, 1);
             }
             a->n_effects++;
         }
         column += h->terms;
     }
-    a->geometry = m->geometry;
-    a->tracker = m->tracker;
+    a->geometry = m->unknowns.geometry;
+    a->tracker = m->unknowns.tracker;
     a->fitted = true;
 }

@@ -3,10 +3,10 @@
 #define MUKCA_DIAGNOSE_APPLIED_H
 
 #include "diagnose/diagnose.h"
-#include "diagnose/model.h"
+#include "diagnose/regression.h"
 
 /* Fill diagnosis->applied: drop unknown functions, let each elastic cause have one coefficient at
  * the masses as they are named, fit again, and tell standard errors.  The model is changed. */
-void gap_applied(mukca_diagnosis *diagnosis, gap_model *m);
+void mukca_applied_fit(mukca_diagnosis *diagnosis, mukca_regression *m);
 
 #endif

@@ -1,458 +1,280 @@
-/* The list of candidate causes for a recording. */
+/* The list of candidate causes for a recording, with their prior odds. */
 #include "diagnose/candidates.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Coefficient sizes per unit of displacement for the waves: rms of a sine. */
-#define WAVE_UNIT 0.70710678118654752440
-
-int gap_hypothesis_class(const gap_hypothesis *h)
-{
-    return h->kind == GAP_SPIKE                             ? GAP_CLASS_OUTLIER
-           : h->kind == GAP_BUMPS || h->kind == GAP_STRETCH ? GAP_CLASS_UNKNOWN
-                                                            : (int)h->effect.kind;
-}
-
-bool gap_hypothesis_by_mass(const gap_hypothesis *h)
-{
-    return h->kind == GAP_EFFECT &&
-           h->terms > mukca_effect_terms(h->effect.kind, h->effect.variant);
-}
-
-static bool uses_masses(const gap_hypothesis *h)
-{
-    return h->kind == GAP_EFFECT && (h->effect.kind == MUKCA_EFFECT_JOINT_COMPLIANCE ||
-                                     h->effect.kind == MUKCA_EFFECT_LINK_BENDING ||
-                                     h->effect.kind == MUKCA_EFFECT_BASE_COMPLIANCE);
-}
-
-enum { CROSS_DEGREE = 3, CROSS_TERMS = (CROSS_DEGREE + 1) * (CROSS_DEGREE + 2) / 2 - 1 };
-
-/* Products of Chebyshev polynomials T_a(x) T_b(y), 0 < a + b <= CROSS_DEGREE. */
-static void products(float *out, double x, double y)
-{
-    double T[2][CROSS_DEGREE + 1] = {{1, x}, {1, y}};
-    for (int k = 2; k <= CROSS_DEGREE; k++)
-        for (int s = 0; s < 2; s++) T[s][k] = 2 * T[s][1] * T[s][k - 1] - T[s][k - 2];
-    for (int a = 0, t = 0; a <= CROSS_DEGREE; a++)
-        for (int b = 0; a + b <= CROSS_DEGREE; b++)
-            if (a + b > 0) out[t++] = (float)(T[0][a] * T[1][b]);
-}
-
-/* Gaussian bumps of width `effect.variant` / 1000 rad on a grid over the driver's range; for a
- * driver that is another joint, Chebyshev polynomials of its angle of degree 1 .. 4 or, with
- * CROSS_TERMS terms, products of both joints' angles. */
-static void fill_bumps(float *basis, gap_hypothesis *h, const gap_model *m)
-{
-    const int n_joints = m->chain->n_joints;
-    const double lo = h->lo, hi = h->hi;
-    const bool timed = h->driver == GAP_TIME, local = timed || h->driver == h->effect.joint;
-    double low = HUGE_VAL, high = -HUGE_VAL; /* of the joint's own angle */
-    for (int row = 0; !timed && row < m->data->n_rows; row++) {
-        low = fmin(low, m->data->q[row * n_joints + h->effect.joint]);
-        high = fmax(high, m->data->q[row * n_joints + h->effect.joint]);
-    }
-    const double width = timed ? (hi - lo) / (h->terms - 1) : 1e-3 * h->effect.variant;
-    for (int row = 0; row < m->data->n_rows; row++) {
-        const double q = timed ? m->time[row] : m->data->q[row * n_joints + h->driver];
-        float *out = basis + row * h->terms;
-        if (local) {
-            for (int t = 0; t < h->terms; t++) {
-                const double x = (q - lo - t * width) / width;
-                out[t] = (float)(exp(-0.5 * x * x) / 1.33); /* neighbours add up to 1 or so */
-            }
-        } else if (h->terms == CROSS_TERMS) {
-            const double own = m->data->q[row * n_joints + h->effect.joint];
-            products(out, hi > lo ? (2 * q - lo - hi) / (hi - lo) : 0,
-                     high > low ? (2 * own - low - high) / (high - low) : 0);
-        } else {
-            const double x = hi > lo ? (2 * q - lo - hi) / (hi - lo) : 0;
-            double before = 1, now = x;
-            for (int t = 0; t < h->terms; t++) {
-                const double next = 2 * x * now - before;
-                out[t] = (float)now;
-                before = now, now = next;
-            }
-        }
-    }
-}
-
-/* Basis of the three elastic effects: all masses together, then each mass alone. */
-static void fill_elastic(float *basis, const gap_hypothesis *h, const gap_model *m)
-{
-    const int n_joints = m->chain->n_joints, j = h->effect.joint;
-    const double *axis = j >= 0 ? m->chain->element[m->chain->joint_element[j]].axis : NULL;
-    for (int row = 0; row < m->data->n_rows; row++) {
-        float *out = basis + (size_t)row * (size_t)(h->terms * h->width);
-        for (int t = 0; t < h->terms; t++) {
-            mukca_joint_state state = gap_model_state(m, row);
-            double term[MUKCA_MAX_TERMS][3];
-            if (t > 0) {
-                const size_t at = (size_t)row * (size_t)m->n_lumps + (size_t)(t - 1);
-                state.torque = m->torque + at * (size_t)n_joints;
-                state.moment = (const double(*)[3])(m->moment + 3 * at * (size_t)n_joints);
-                state.base_moment = m->base_moment + 3 * at;
-            }
-            mukca_effect_basis(term, &h->effect, axis, &state);
-            for (int i = 0; i < h->width; i++) out[t * h->width + i] = (float)term[0][i];
-        }
-    }
-}
-
-bool gap_hypothesis_prepare(gap_hypothesis *h, mukca_pool *pool, const gap_model *m)
-{
-    const int n_joints = m->chain->n_joints, rows = m->data->n_rows;
-    const mukca_effect_site site =
-        h->kind == GAP_BUMPS ? MUKCA_SITE_ANGLE : mukca_effect_table[h->effect.kind].site;
-    for (int t = 0; t < GAP_MAX_TERMS; t++) h->unit[t] = 1;
-    if (h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE) {
-        h->terms = h->width = 3;
-        return true;
-    }
-    if (h->kind == GAP_DISTANCE) {
-        h->terms = h->width = 1;
-        return true;
-    }
-    if (h->kind == GAP_STRETCH) h->terms = 3;
-    h->width = h->kind == GAP_STRETCH || site == MUKCA_SITE_ANGLE ? 1
-               : site == MUKCA_SITE_ANGLES                        ? n_joints
-                                                                  : 3;
-    if (h->kind == GAP_EFFECT) {
-        h->effect.terms = mukca_effect_terms(h->effect.kind, h->effect.variant);
-        h->terms = h->effect.terms;
-        if (uses_masses(h) && m->options.mass_spread > 0 && m->n_lumps > 0)
-            h->terms = 1 + m->n_lumps;
-    }
-    h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width));
-    if (!h->basis) return false;
-    if (h->kind == GAP_BUMPS && h->driver == GAP_TIME && h->terms == 1) {
-        for (int row = 0; row < rows; row++) h->basis[row] = row >= h->row;
-        return true;
-    }
-    if (h->kind == GAP_BUMPS) {
-        fill_bumps(h->basis, h, m);
-        return true;
-    }
-    if (h->kind == GAP_STRETCH) {
-        for (int row = 0; row < rows; row++)
-            h->basis[3 * row] = (float)(1 - exp(-(m->time[row] - h->lo) / h->effect.variant));
-        return true;
-    }
-    if (uses_masses(h)) {
-        fill_elastic(h->basis, h, m);
-    } else {
-        const int j = h->effect.joint;
-        const double *axis = j >= 0 ? m->chain->element[m->chain->joint_element[j]].axis : NULL;
-        for (int row = 0; row < rows; row++) {
-            const mukca_joint_state state = gap_model_state(m, row);
-            float *out = h->basis + (size_t)row * (size_t)(h->terms * h->width);
-            double term[MUKCA_MAX_TERMS][3], direction[MUKCA_MAX_JOINTS];
-            if (site == MUKCA_SITE_ANGLES) {
-                mukca_effect_lag_direction(direction, n_joints, h->effect.variant, &state);
-                for (int i = 0; i < n_joints; i++) out[i] = (float)direction[i];
-                continue;
-            }
-            mukca_effect_basis(term, &h->effect, axis, &state);
-            for (int t = 0; t < h->terms; t++)
-                for (int i = 0; i < h->width; i++) out[t * h->width + i] = (float)term[t][i];
-        }
-    }
-    /* Unit: rms about the mean of what one unit of coefficient turns the joint by. */
-    if (site == MUKCA_SITE_TIP) return true;
-    const bool wave = h->effect.kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
-                      h->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC ||
-                      h->effect.kind == MUKCA_EFFECT_AXIS_WOBBLE;
-    for (int t = 0; t < h->terms; t++) {
-        double square = 0, whole = 0;
-        int used = 0;
-        for (int i = 0; i < h->width; i++) {
-            double sum = 0, sum2 = 0;
-            used = 0;
-            for (int row = 0; row < rows; row++) {
-                if (!m->keep[row]) continue;
-                const double x = (double)h->basis[(size_t)row * (size_t)(h->terms * h->width) +
-                                                  (size_t)(t * h->width + i)];
-                sum += x, sum2 += x * x, used++;
-            }
-            if (used) square += sum2 / used - (sum / used) * (sum / used), whole += sum2 / used;
-        }
-        if (site == MUKCA_SITE_ANGLES) square /= n_joints;
-        /* what hardly varies is rounding about a constant */
-        square = fmax(square, fmax(1e-18, 1e-8 * whole));
-        h->unit[t] = wave ? WAVE_UNIT : sqrt(square);
-        if (uses_masses(h) && t > 0) h->unit[t] = h->unit[0] / m->options.mass_spread;
-    }
-    return true;
-}
-
 enum {
-    LONGEST_BURST = 3, /* rows that a badly seated ball may stay so */
-    TIME_BUMPS = 10,   /* over the whole recording */
+    LONGEST_BURST = 3, /* samples that a badly seated ball may stay so */
     MOST_SLIPS = 200   /* rows at which a joint is tried for a slip */
 };
 
 typedef struct {
-    gap_hypotheses *all;
+    mukca_candidates *all;
     mukca_pool *pool;
-    const gap_model *m;
+    const mukca_recording *recording;
+    const mukca_unknowns *unknowns;
     const unsigned char *disabled;
     bool ok;
 } lister;
 
-static gap_hypothesis *append(lister *l, gap_hypothesis h)
+static void append(lister *l, mukca_candidate h)
 {
-    gap_hypotheses *all = l->all;
-    const int class = gap_hypothesis_class(&h);
-    if (!l->ok || (class < MUKCA_EFFECT_COUNT && l->disabled && l->disabled[class])) return NULL;
+    mukca_candidates *all = l->all;
+    const int class = mukca_candidate_class(&h);
+    if (!l->ok || (class < MUKCA_EFFECT_COUNT && l->disabled && l->disabled[class])) return;
     if (all->count == all->capacity) {
         const int capacity = all->capacity ? 2 * all->capacity : 512;
-        gap_hypothesis *bigger = MUKCA_TAKE(l->pool, gap_hypothesis, capacity);
+        mukca_candidate *bigger = MUKCA_TAKE(l->pool, mukca_candidate, capacity);
         if (!bigger) {
             l->ok = false;
-            return NULL;
+            return;
         }
         if (all->count) memcpy(bigger, all->list, sizeof *bigger * (size_t)all->count);
         all->list = bigger;
         all->capacity = capacity;
     }
-    l->ok = gap_hypothesis_prepare(&h, l->pool, l->m);
-    all->list[all->count] = h;
-    return &all->list[all->count++];
+    l->ok = mukca_candidate_prepare(&h, l->pool, l->recording);
+    all->list[all->count++] = h;
 }
 
 static void append_effect(lister *l, mukca_effect_kind kind, int joint, int variant, int placement)
 {
-    append(l, (gap_hypothesis){
-                  .kind = GAP_EFFECT,
+    append(l, (mukca_candidate){
+                  .kind = MUKCA_CANDIDATE_EFFECT,
+                  .joint = joint,
+                  .placement = placement,
                   .effect = {
                       .kind = kind, .joint = joint, .variant = variant, .placement = placement}});
 }
 
-static void append_bumps(lister *l, int joint, int driver, int width, const double (*span)[2])
+/* Largest minus smallest angle of a joint. */
+static double turned(const lister *l, int joint)
 {
-    const double *of = span[driver == GAP_TIME ? l->m->chain->n_joints : driver];
-    const double lo = of[0], hi = of[1], range = hi - lo;
-    int terms = 4;
-    if (driver == GAP_TIME) {
-        terms = TIME_BUMPS;
-    } else if (joint == driver) {
-        if (1e-3 * width > 0.6 * range) return;
-        terms = (int)ceil(range / (1e-3 * width)) + 1;
-        if (terms > GAP_MAX_TERMS) return;
-    } else if (width) {
-        terms = CROSS_TERMS;
-    }
-    append(l, (gap_hypothesis){.kind = GAP_BUMPS,
-                               .effect = {.joint = joint, .variant = width, .placement = -1},
-                               .driver = driver,
-                               .lo = lo,
-                               .hi = hi,
-                               .terms = terms});
+    double range[2];
+    mukca_recording_range(range, l->recording, l->recording->data->q, l->recording->chain->n_joints,
+                          joint);
+    return range[1] - range[0];
 }
 
-/* Largest and smallest value, and largest magnitude below which gravity's side changes. */
-static void range_of(double *lo, double *hi, double *least, const double *x, int n, int stride)
+/* Effects that need gravity to load the joint differently. */
+static void list_elastic(lister *l, int j, bool turns)
 {
-    *lo = HUGE_VAL, *hi = -HUGE_VAL, *least = HUGE_VAL;
-    for (int i = 0; i < n; i++) {
-        *lo = fmin(*lo, x[i * stride]), *hi = fmax(*hi, x[i * stride]);
-        *least = fmin(*least, fabs(x[i * stride]));
-    }
-}
-
-static void list_joint(lister *l, int j, const double (*span)[2], bool moved)
-{
-    static const int time_constants[] = {0, 300, 1000, 3000};
     static const int torque_scales[] = {300, 1000, 3000};
-    static const int wobbles[] = {1, 2, 11, 12, 98, 99, 102, 103};
-    static const int widths[] = {120, 250, 500, 1000};
-    const gap_model *m = l->m;
-    const int n_joints = m->chain->n_joints, rows = m->data->n_rows;
-    const bool turns = m->chain->element[m->chain->joint_element[j]].type != MUKCA_PRISMATIC;
-    double lo, hi, least;
-    if (m->have_torques) {
-        range_of(&lo, &hi, &least, m->total_torque + j, rows, n_joints);
-        const double most = fmax(fabs(lo), fabs(hi));
-        if (most > 0.05 && hi - lo > 0.01) {
+    const mukca_recording *recording = l->recording;
+    const int n_joints = recording->chain->n_joints;
+    if (recording->have_torques) {
+        double range[2], least = HUGE_VAL;
+        mukca_recording_range(range, recording, recording->total_torque, n_joints, j);
+        for (int row = 0; row < recording->data->n_rows; row++)
+            least = fmin(least, fabs(recording->total_torque[row * n_joints + j]));
+        const double most = fmax(fabs(range[0]), fabs(range[1]));
+        if (most > 0.05 && range[1] - range[0] > 0.01) {
             append_effect(l, MUKCA_EFFECT_JOINT_COMPLIANCE, j, 0, -1);
-            if ((lo < 0 && hi > 0) || least < 0.3 * most)
+            if ((range[0] < 0 && range[1] > 0) || least < 0.3 * most)
                 for (int i = 0; i < 3; i++)
                     append_effect(l, MUKCA_EFFECT_BACKLASH, j, torque_scales[i], -1);
         }
     }
-    if (m->have_moments && turns) append_effect(l, MUKCA_EFFECT_LINK_BENDING, j, 0, -1);
+    if (recording->have_moments && turns) append_effect(l, MUKCA_EFFECT_LINK_BENDING, j, 0, -1);
+}
+
+/* Unknown functions that turn a joint by anything but its own angle. */
+static void list_other_functions(lister *l, int j)
+{
+    static const int time_constants[] = {300, 1000, 3000};
+    const mukca_recording *recording = l->recording;
+    const mukca_unknowns *unknowns = l->unknowns;
+    const int element = recording->chain->joint_element[j], rows = recording->data->n_rows;
+    const int *socket = recording->data->socket;
+    mukca_candidate h = {.joint = j, .placement = -1};
+    for (h.other = 0; h.other < recording->chain->n_joints; h.other++)
+        for (int both = 0; both < 2; both++) {
+            h.kind = both ? MUKCA_CANDIDATE_ANGLE_PRODUCT : MUKCA_CANDIDATE_OTHER_ANGLE;
+            if (h.other != j && turned(l, h.other) > 0.1) append(l, h);
+        }
+    h.kind = MUKCA_CANDIDATE_TIME;
+    append(l, h);
+    /* A slip of the first joint, or in the last socket, moves one socket and nothing else that is
+     * seen: that is a moved tool. */
+    h.kind = MUKCA_CANDIDATE_SLIP;
+    int end = rows - LONGEST_BURST;
+    while (end > 0 && socket[end - 1] >= 0 && socket[end - 1] == socket[rows - 1]) end--;
+    for (h.row = LONGEST_BURST; h.row < end && unknowns->slot_element[0] <= element;
+         h.row += rows / MOST_SLIPS + 1)
+        append(l, h);
+    h.kind = MUKCA_CANDIDATE_STRETCH;
+    for (int k = 0; k < unknowns->n_slots; k++)
+        for (int i = 0; i < 3 && unknowns->slot_element[k] == element; i++) {
+            h.stretch.slot = k, h.stretch.time_constant = time_constants[i];
+            append(l, h);
+        }
+}
+
+static void list_joint(lister *l, int j, bool moved)
+{
+    static const int time_constants[] = {0, 300, 1000, 3000};
+    static const int wobbles[] = {1, 2, 11, 12, 98, 99, 102, 103};
+    static const int widths_mrad[] = {120, 250, 500, 1000};
+    const mukca_recording *recording = l->recording;
+    const int n_joints = recording->chain->n_joints, placements = recording->data->n_placements;
+    const bool turns =
+        recording->chain->element[recording->chain->joint_element[j]].type != MUKCA_PRISMATIC;
+    list_elastic(l, j, turns);
     for (int i = 0; i < 4; i++)
         append_effect(l, MUKCA_EFFECT_JOINT_DRIFT, j, time_constants[i], -1);
-    for (int p = 0; m->data->n_placements > 1 && p < m->data->n_placements; p++)
+    for (int p = 0; placements > 1 && p < placements; p++)
         append_effect(l, MUKCA_EFFECT_ZERO_JUMP, j, 0, p);
     for (int side = -1; side <= 1; side += 2)
-        if (j + side >= 0 && j + side < n_joints && span[j + side][1] - span[j + side][0] > 1e-3)
+        if (j + side >= 0 && j + side < n_joints && turned(l, j + side) > 1e-3)
             append_effect(l, MUKCA_EFFECT_JOINT_COUPLING, j, side, -1);
-    for (int i = 0; i < n_joints; i++)
-        for (int both = 0; both < 2; both++)
-            if (i != j && span[i][1] - span[i][0] > 0.1) append_bumps(l, j, i, both, span);
-    append_bumps(l, j, GAP_TIME, 0, span);
-    /* The joint slips once, at a row.  A slip of the first joint, or in the last socket, moves one
-     * socket and nothing else that is seen: that is a moved tool. */
-    const int stride = rows / MOST_SLIPS + 1;
-    int end = rows - LONGEST_BURST;
-    while (end > 0 && m->data->socket[end - 1] >= 0 &&
-           m->data->socket[end - 1] == m->data->socket[rows - 1])
-        end--;
-    for (int i = LONGEST_BURST; i < end && m->slot_element[0] <= m->chain->joint_element[j];
-         i += stride)
-        append(l, (gap_hypothesis){.kind = GAP_BUMPS,
-                                   .effect = {.joint = j, .placement = -1},
-                                   .driver = GAP_TIME,
-                                   .row = i,
-                                   .terms = 1});
-    for (int k = 0; k < m->n_slots; k++)
-        for (int i = 1; i < 4 && m->slot_element[k] == m->chain->joint_element[j]; i++)
-            append(l, (gap_hypothesis){
-                          .kind = GAP_STRETCH,
-                          .effect = {.joint = j, .variant = time_constants[i], .placement = -1},
-                          .driver = GAP_TIME,
-                          .lo = span[n_joints][0],
-                          .group = k});
-    const double range = span[j][1] - span[j][0];
+    list_other_functions(l, j);
+    const double range = turned(l, j);
     if (range < 1e-3) return;
     if (moved) append_effect(l, MUKCA_EFFECT_APPROACH_HYSTERESIS, j, 0, -1);
     append_effect(l, MUKCA_EFFECT_JOINT_SCALE, j, 0, -1);
-    for (int i = 0; turns && i < 4 && range > 0.1; i++) append_bumps(l, j, j, widths[i], span);
     if (!turns) return;
+    for (int i = 0; i < 4 && range > 0.1; i++) {
+        const double width =
+            1e-3 * widths_mrad[i]; /* two bumps or more, as many as there is room */
+        if (width <= 0.6 * range && (int)ceil(range / width) + 1 <= MUKCA_MAX_COLUMNS)
+            append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_OWN_ANGLE,
+                                        .joint = j,
+                                        .placement = -1,
+                                        .width = width});
+    }
     append_effect(l, MUKCA_EFFECT_ENCODER_ECCENTRICITY, j, 0, -1);
     for (size_t i = 0; i < sizeof wobbles / sizeof *wobbles; i++)
         append_effect(l, MUKCA_EFFECT_AXIS_WOBBLE, j, wobbles[i], -1);
 }
 
+/* Faults that begin at sample i of a group. */
+static void list_faults_at(lister *l, int g, int i)
+{
+    const mukca_group *group = &l->recording->groups[g];
+    const int *rows = l->recording->order + group->start, last = group->count - 1;
+    mukca_candidate h = {.kind = MUKCA_CANDIDATE_OUTLIER,
+                         .joint = -1,
+                         .placement = group->placement,
+                         .fault = {.group = g, .first = rows[i], .last = rows[i]}};
+    append(l, h);
+    /* A few samples at either end: a move there cannot be told from a badly seated ball. */
+    for (int n = 1; n < LONGEST_BURST && i + n <= last; n++)
+        if (i == 0 || i + n == last) {
+            h.fault.last = rows[i + n];
+            append(l, h);
+        }
+    if (group->socket < 0 || i < LONGEST_BURST || i > last - LONGEST_BURST) return;
+    h.kind = MUKCA_CANDIDATE_STEP;
+    append(l, h);
+}
+
 static void list_faults(lister *l)
 {
-    const gap_model *m = l->m;
-    for (int g = 0; g < m->n_groups; g++) {
-        const gap_group *group = &m->groups[g];
-        for (int i = 0; i < group->count; i++) {
-            const int row = m->order[group->start + i];
-            gap_hypothesis h = {.group = g, .row = row, .effect = {.joint = -1, .placement = -1}};
-            h.effect.kind = MUKCA_EFFECT_TOOL_MOTION;
-            h.effect.placement = group->placement;
-            h.kind = GAP_SPIKE;
-            h.last = row;
-            append(l, h);
-            /* A few rows at either end: a move there cannot be told from a badly seated ball. */
-            for (int n = 1; n < LONGEST_BURST && i + n < group->count; n++) {
-                if (i != 0 && i + n != group->count - 1) continue;
-                h.last = m->order[group->start + i + n];
-                append(l, h);
-            }
-            if (group->socket < 0 || i < LONGEST_BURST || i > group->count - LONGEST_BURST - 1)
-                continue;
-            h.kind = GAP_STEP;
-            append(l, h);
-        }
-        if (group->socket >= 0 && group->count >= 6) {
-            gap_hypothesis h = {
-                .kind = GAP_CREEP,
-                .group = g,
-                .row = m->order[group->start],
-                .effect = {
-                    .kind = MUKCA_EFFECT_TOOL_MOTION, .joint = -1, .placement = group->placement}};
-            append(l, h);
-        }
+    for (int g = 0; g < l->recording->n_groups; g++) {
+        const mukca_group *group = &l->recording->groups[g];
+        for (int i = 0; i < group->count; i++) list_faults_at(l, g, i);
+        if (group->socket < 0 || group->count < 2 * LONGEST_BURST) continue;
+        append(l, (mukca_candidate){
+                      .kind = MUKCA_CANDIDATE_CREEP,
+                      .joint = -1,
+                      .placement = group->placement,
+                      .fault = {.group = g, .first = l->recording->order[group->start]}});
     }
 }
 
 /* Prior odds: equal per class, then per joint, then per variant; a quarter of tool motions creep,
  * half of the outliers are bursts, half of the unknown functions have another argument than the
  * joint's own angle alone. */
-static void set_priors(gap_hypotheses *all)
+static void set_priors(mukca_candidates *all)
 {
-    int variants[GAP_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
-    int joints[GAP_CLASSES] = {0}, kinds[GAP_STRETCH + 1] = {0}, single = 0;
+    int variants[MUKCA_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
+    int joints[MUKCA_CLASSES] = {0}, kinds[MUKCA_CANDIDATE_KINDS] = {0}, single = 0;
     for (int i = 0; i < all->count; i++) {
-        const gap_hypothesis *h = &all->list[i];
-        const int class = gap_hypothesis_class(h), slot = h->effect.joint + 1;
-        const bool cross = class == GAP_CLASS_UNKNOWN && h->driver != h->effect.joint;
-        single += h->kind == GAP_SPIKE && h->last == h->row;
+        const mukca_candidate *h = &all->list[i];
+        const int class = mukca_candidate_class(h), slot = h->joint + 1;
+        const bool cross = class == MUKCA_CLASS_UNKNOWN && h->kind != MUKCA_CANDIDATE_OWN_ANGLE;
+        single += h->kind == MUKCA_CANDIDATE_OUTLIER && h->fault.last == h->fault.first;
         all->enabled[class] = true;
         kinds[h->kind]++;
-        if (!variants[class][slot] && !(class == GAP_CLASS_UNKNOWN && crossed[slot]))
+        if (!variants[class][slot] && !(class == MUKCA_CLASS_UNKNOWN && crossed[slot]))
             joints[class]++;
-        if (cross)
-            crossed[slot]++;
-        else
-            variants[class][slot]++;
+        ++*(cross ? &crossed[slot] : &variants[class][slot]);
     }
     all->classes = all->harmonics;
-    for (int c = 0; c < GAP_CLASSES; c++) all->classes += all->enabled[c];
+    for (int c = 0; c < MUKCA_CLASSES; c++) all->classes += all->enabled[c];
     for (int i = 0; i < all->count; i++) {
-        gap_hypothesis *h = &all->list[i];
-        const int class = gap_hypothesis_class(h), slot = h->effect.joint + 1;
+        mukca_candidate *h = &all->list[i];
+        const int class = mukca_candidate_class(h), slot = h->joint + 1;
         double share = 1.0 / joints[class]; /* of the class */
-        if (h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE) {
+        if (h->kind == MUKCA_CANDIDATE_OUTLIER) {
+            const bool burst = h->fault.last != h->fault.first;
+            share = 0.5 / (burst ? kinds[h->kind] - single : single);
+        } else if (mukca_candidate_is_fault(h)) {
             share = 1.0 / kinds[h->kind];
-            if (h->kind == GAP_SPIKE)
-                share = 0.5 / (h->last == h->row ? single : kinds[GAP_SPIKE] - single);
-            else if (kinds[GAP_CREEP])
-                share *= h->kind == GAP_CREEP ? 0.25 : 0.75;
-        } else if (class == GAP_CLASS_UNKNOWN && crossed[slot] && variants[class][slot]) {
-            share *= 0.5 / (h->driver == h->effect.joint ? variants[class][slot] : crossed[slot]);
+            if (kinds[MUKCA_CANDIDATE_CREEP])
+                share *= h->kind == MUKCA_CANDIDATE_CREEP ? 0.25 : 0.75;
+        } else if (class == MUKCA_CLASS_UNKNOWN && crossed[slot] && variants[class][slot]) {
+            share *= 0.5 /
+                     (h->kind == MUKCA_CANDIDATE_OWN_ANGLE ? variants[class][slot] : crossed[slot]);
         } else {
-            share /= variants[class][slot] + (class == GAP_CLASS_UNKNOWN ? crossed[slot] : 0);
+            share /= variants[class][slot] + (class == MUKCA_CLASS_UNKNOWN ? crossed[slot] : 0);
         }
         h->log_prior = log(share / all->classes);
     }
 }
 
-mukca_status gap_hypotheses_list(gap_hypotheses *all, mukca_pool *pool, const gap_model *m,
-                                 const unsigned char *disabled, mukca_error *error)
+static const char *reason_missing(mukca_effect_kind kind, bool sockets)
 {
-    lister l = {all, pool, m, disabled, true};
-    const int n_joints = m->chain->n_joints, rows = m->data->n_rows;
-    double span[MUKCA_MAX_JOINTS + 1][2] = {{0}}, lo, hi, least;
-    bool moved = false, commanded = false;
+    const int needs = mukca_effect_table[kind].needs;
+    if (needs & MUKCA_NEEDS_MASSES) return "no masses: give --inertials FILE";
+    if (needs & MUKCA_NEEDS_PLACEMENTS)
+        return sockets ? "one placement only: record a second one"
+                       : "a log of poses has no placements";
+    if (!(needs & MUKCA_NEEDS_SOCKETS))
+        return needs & MUKCA_NEEDS_ORDER ? "no moves between rows" : "no joint moved enough";
+    if (!sockets) return "a log of poses has no sockets";
+    return kind == MUKCA_EFFECT_TOOL_MOTION
+               ? "too few rows in each socket: record 20 or more"
+               : "needs two pairs of sockets a known distance apart: record another placement";
+}
+
+mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
+                                   const mukca_recording *recording, const mukca_unknowns *unknowns,
+                                   const unsigned char *disabled, mukca_error *error)
+{
+    lister l = {all, pool, recording, unknowns, disabled, true};
+    const mukca_dataset *data = recording->data;
+    const int n_joints = recording->chain->n_joints, rows = data->n_rows;
+    bool moved = false, commanded = false, sockets = false;
     memset(all, 0, sizeof *all);
     for (int j = 0; j < n_joints; j++) {
-        if (rows) range_of(&span[j][0], &span[j][1], &least, m->data->q + j, rows, n_joints);
-        range_of(&lo, &hi, &least, m->move + j, rows, n_joints);
-        moved |= hi - lo > 1e-6;
+        double range[2];
+        mukca_recording_range(range, recording, recording->move, n_joints, j);
+        moved |= range[1] - range[0] > 1e-6;
     }
-    if (rows) range_of(&span[n_joints][0], &span[n_joints][1], &least, m->time, rows, 1);
-    for (int i = 0; m->data->command && i < rows * n_joints; i++)
-        commanded |= fabs(m->data->command[i] - m->data->q[i]) > 1e-7;
-    for (int j = 0; j < n_joints; j++) list_joint(&l, j, (const double(*)[2])span, moved);
-    if (m->have_moments) append_effect(&l, MUKCA_EFFECT_BASE_COMPLIANCE, -1, 0, -1);
+    for (int i = 0; recording->command && i < rows * n_joints; i++)
+        commanded |= fabs(recording->command[i] - data->q[i]) > 1e-7;
+    for (int j = 0; j < n_joints; j++) list_joint(&l, j, moved);
+    if (recording->have_moments) append_effect(&l, MUKCA_EFFECT_BASE_COMPLIANCE, -1, 0, -1);
     if (moved) append_effect(&l, MUKCA_EFFECT_READBACK_LAG, -1, 0, -1);
     if (commanded) append_effect(&l, MUKCA_EFFECT_READBACK_LAG, -1, 1, -1);
-    for (int p = 0; m->data->n_placements > 1 && p < m->data->n_placements; p++)
+    for (int p = 0; data->n_placements > 1 && p < data->n_placements; p++)
         append_effect(&l, MUKCA_EFFECT_BALL_SHIFT, -1, 0, p);
-    for (int p = -1; m->n_pairs > 1 && p < m->data->n_placements; p++) /* in all, or in one */
+    /* a wrong distance in all placements, or in one */
+    for (int p = -1; recording->n_pairs > 1 && p < data->n_placements; p++)
         append(&l,
-               (gap_hypothesis){
-                   .kind = GAP_DISTANCE,
-                   .effect = {.kind = MUKCA_EFFECT_SOCKET_DISTANCE, .joint = -1, .placement = p}});
+               (mukca_candidate){.kind = MUKCA_CANDIDATE_DISTANCE, .joint = -1, .placement = p});
     list_faults(&l);
     if (!l.ok)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows", rows);
     all->harmonics = !(disabled && disabled[MUKCA_EFFECT_GEAR_HARMONIC]);
     set_priors(all);
-    int sockets = 0;
-    for (int g = 0; g < m->n_groups; g++) sockets += m->groups[g].socket >= 0;
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
-        const int needs = mukca_effect_table[kind].needs;
-        if (all->enabled[kind] || kind == MUKCA_EFFECT_GEAR_HARMONIC) continue;
-        all->missing[kind] =
-            disabled && disabled[kind]     ? "left out on request"
-            : (needs & MUKCA_NEEDS_MASSES) ? "no masses: give --inertials FILE"
-            : (needs & MUKCA_NEEDS_PLACEMENTS)
-                ? (sockets ? "one placement only: record a second one"
-                           : "a log of poses has no placements")
-            : !(needs & MUKCA_NEEDS_SOCKETS)
-                ? (needs & MUKCA_NEEDS_ORDER ? "no moves between rows" : "no joint moved enough")
-            : !sockets ? "a log of poses has no sockets"
-            : kind == MUKCA_EFFECT_TOOL_MOTION
-                ? "too few rows in each socket: record 20 or more"
-                : "needs two pairs of sockets a known distance apart: record another placement";
-    }
+    for (int g = 0; g < recording->n_groups; g++) sockets |= recording->groups[g].socket >= 0;
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
+        if (!all->enabled[kind] && kind != MUKCA_EFFECT_GEAR_HARMONIC)
+            all->missing[kind] = disabled && disabled[kind]
+                                     ? "left out on request"
+                                     : reason_missing((mukca_effect_kind)kind, sockets);
     return MUKCA_OK;
 }

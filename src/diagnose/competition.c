@@ -14,43 +14,43 @@ enum { MOST_CAUSES = 10, MOST_SPIKES = 12 };
 
 static int by_odds(const void *a, const void *b)
 {
-    const gap_candidate *x = a, *y = b;
+    const mukca_contender *x = a, *y = b;
     return (x->log_odds < y->log_odds) - (x->log_odds > y->log_odds);
 }
 
-static gap_candidate key_of(const gap_hypothesis *h)
+static mukca_contender key_of(const mukca_candidate *h)
 {
-    gap_candidate c = {gap_hypothesis_class(h), h->effect.joint, -1, -HUGE_VAL, -1};
-    if (h->kind == GAP_SPIKE)
-        c.place = 8 * h->row + (h->last - h->row) % 8;
-    else if (h->kind == GAP_STEP || h->kind == GAP_CREEP)
-        c.place = h->group;
+    mukca_contender c = {mukca_candidate_class(h), h->joint, -1, -HUGE_VAL, -1};
+    if (h->kind == MUKCA_CANDIDATE_OUTLIER)
+        c.place = 8 * h->fault.first + (h->fault.last - h->fault.first) % 8;
+    else if (mukca_candidate_is_fault(h))
+        c.place = h->fault.group;
     else if (c.class == MUKCA_EFFECT_ZERO_JUMP || c.class == MUKCA_EFFECT_BALL_SHIFT ||
              c.class == MUKCA_EFFECT_SOCKET_DISTANCE)
-        c.place = h->effect.placement;
+        c.place = h->placement;
     return c;
 }
 
-static bool same_key(const gap_candidate *a, const gap_candidate *b)
+static bool same_key(const mukca_contender *a, const mukca_contender *b)
 {
     return a->class == b->class && a->joint == b->joint && a->place == b->place;
 }
 
-void gap_compete_rank(gap_contest *contest)
+void mukca_competition_rank(mukca_competition *contest)
 {
-    const gap_scan *scan = contest->scan;
+    const mukca_scan *scan = contest->scan;
     contest->n_table = 0;
     for (int i = 0; i < scan->n_scores; i++) {
-        const gap_score *score = &scan->score[i];
+        const mukca_score *score = &scan->score[i];
         if (!(score->log_odds > -HUGE_VAL)) continue;
-        gap_candidate key = key_of(gap_scan_hypothesis(scan, i));
-        int at = key.class == GAP_CLASS_OUTLIER ? -1 : contest->n_table - 1;
+        mukca_contender key = key_of(mukca_scan_hypothesis(scan, i));
+        int at = key.class == MUKCA_CLASS_OUTLIER ? -1 : contest->n_table - 1;
         while (at >= 0 && !same_key(&contest->table[at], &key)) at--;
         if (at < 0) {
             at = contest->n_table++;
             contest->table[at] = key;
         }
-        gap_candidate *c = &contest->table[at];
+        mukca_contender *c = &contest->table[at];
         if (c->best < 0 || score->log_odds > scan->score[c->best].log_odds) c->best = i;
         const double hi = fmax(c->log_odds, score->log_odds),
                      lo = fmin(c->log_odds, score->log_odds);
@@ -61,107 +61,107 @@ void gap_compete_rank(gap_contest *contest)
 
 /* Something that an accepted unknown function explains already: no function of the same argument
  * may be named after it.  What was accepted before (and is now left out) may come back. */
-static bool shadowed(const gap_contest *contest, const gap_candidate *c, int without)
+static bool shadowed(const mukca_competition *contest, const mukca_contender *c, int without)
 {
-    const gap_model *m = contest->m;
+    const mukca_regression *m = contest->m;
     if (without >= 0) {
-        const gap_candidate own = key_of(&m->cause[without].hypothesis);
+        const mukca_contender own = key_of(&m->unknowns.cause[without].candidate);
         if (same_key(&own, c)) return false;
     }
-    for (int i = 0; i < m->n_causes; i++) {
-        const gap_hypothesis *h = &m->cause[i].hypothesis;
-        if (i == without || gap_hypothesis_class(h) != GAP_CLASS_UNKNOWN ||
-            h->effect.joint != c->joint)
+    for (int i = 0; i < m->unknowns.n_causes; i++) {
+        const mukca_candidate *h = &m->unknowns.cause[i].candidate;
+        if (i == without || mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN || h->joint != c->joint)
             continue;
-        if (c->class == GAP_CLASS_UNKNOWN) return true;
-        if (h->driver == GAP_TIME) {
-            if (c->class == MUKCA_EFFECT_JOINT_DRIFT) return true;
-        } else if (h->driver != h->effect.joint) {
+        if (c->class == MUKCA_CLASS_UNKNOWN) return true;
+        if (h->kind == MUKCA_CANDIDATE_OWN_ANGLE) {
+            if (c->class == MUKCA_EFFECT_GEAR_HARMONIC ||
+                c->class == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
+                c->class == MUKCA_EFFECT_JOINT_SCALE)
+                return true;
+        } else if (h->kind == MUKCA_CANDIDATE_OTHER_ANGLE ||
+                   h->kind == MUKCA_CANDIDATE_ANGLE_PRODUCT) {
             if (c->class == MUKCA_EFFECT_JOINT_COUPLING) return true;
-        } else if (c->class == MUKCA_EFFECT_GEAR_HARMONIC ||
-                   c->class == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
-                   c->class == MUKCA_EFFECT_JOINT_SCALE) {
+        } else if (c->class == MUKCA_EFFECT_JOINT_DRIFT) {
             return true;
         }
     }
     return false;
 }
 
-bool gap_compete_taken(const gap_contest *contest, const gap_candidate *c, int except)
+bool mukca_competition_taken(const mukca_competition *contest, const mukca_contender *c, int except)
 {
-    const gap_model *m = contest->m;
-    const gap_hypothesis *best = gap_scan_hypothesis(contest->scan, c->best);
-    for (int i = 0; i < m->n_causes; i++) {
-        const gap_hypothesis *h = &m->cause[i].hypothesis;
-        const gap_candidate key = key_of(h);
-        if (i != except && same_key(&key, c) && h->kind == best->kind && h->row == best->row &&
-            h->driver == best->driver && h->effect.variant == best->effect.variant)
-            return true;
+    const mukca_regression *m = contest->m;
+    const mukca_candidate *best = mukca_scan_hypothesis(contest->scan, c->best);
+    for (int i = 0; i < m->unknowns.n_causes; i++) {
+        if (i != except && mukca_candidate_same(&m->unknowns.cause[i].candidate, best)) return true;
     }
     return false;
 }
 
-static const gap_candidate *leader(const gap_contest *contest, int without)
+static const mukca_contender *leader(const mukca_competition *contest, int without)
 {
     for (int i = 0; i < contest->n_table; i++) {
-        const gap_candidate *c = &contest->table[i];
-        if (!shadowed(contest, c, without) && !gap_compete_taken(contest, c, without)) return c;
+        const mukca_contender *c = &contest->table[i];
+        if (!shadowed(contest, c, without) && !mukca_competition_taken(contest, c, without))
+            return c;
     }
     return NULL;
 }
 
-static int spikes(const gap_model *m)
+static int spikes(const mukca_regression *m)
 {
     int n = 0;
-    for (int c = 0; c < m->n_causes; c++) n += m->cause[c].hypothesis.kind == GAP_SPIKE;
+    for (int c = 0; c < m->unknowns.n_causes; c++)
+        n += m->unknowns.cause[c].candidate.kind == MUKCA_CANDIDATE_OUTLIER;
     return n;
 }
 
-static bool watch(const gap_contest *contest, const char *doing, mukca_error *error)
+static bool watch(const mukca_competition *contest, const char *doing, mukca_error *error)
 {
     const mukca_diagnose_options *o = contest->options;
-    const double share = 0.1 + 0.6 * contest->m->n_causes / (MOST_CAUSES / 2.0);
+    const double share = 0.1 + 0.6 * contest->m->unknowns.n_causes / (MOST_CAUSES / 2.0);
     if (!o->progress || o->progress(o->progress_context, fmin(share, 0.7), doing)) return true;
     mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
     return false;
 }
 
-static bool add(gap_contest *contest, const gap_hypothesis *h)
+static bool add(mukca_competition *contest, const mukca_candidate *h)
 {
-    if (!gap_model_add(contest->m, h)) return false;
-    contest->m->cause[contest->m->n_causes - 1].step = contest->scan->steps - 1;
+    if (!mukca_unknowns_add(&contest->m->unknowns, h)) return false;
+    contest->m->unknowns.cause[contest->m->unknowns.n_causes - 1].step = contest->scan->steps - 1;
     return true;
 }
 
 /* Accept a single bad row, and with it all others that are as plain. */
-static bool add_spikes(gap_contest *contest, double least)
+static bool add_spikes(mukca_competition *contest, double least)
 {
-    gap_model *m = contest->m;
-    const int before = m->n_causes;
+    mukca_regression *m = contest->m;
+    const int before = m->unknowns.n_causes;
     for (int i = 0; i < contest->n_table && spikes(m) < MOST_SPIKES; i++) {
-        const gap_candidate *c = &contest->table[i];
+        const mukca_contender *c = &contest->table[i];
         if (c->log_odds < least) break;
-        if (c->class != GAP_CLASS_OUTLIER) continue;
-        const gap_hypothesis *h = gap_scan_hypothesis(contest->scan, c->best);
+        if (c->class != MUKCA_CLASS_OUTLIER) continue;
+        const mukca_candidate *h = mukca_scan_hypothesis(contest->scan, c->best);
         bool taken = false;
-        for (int k = 0; k < m->n_causes; k++) {
-            const gap_hypothesis *other = &m->cause[k].hypothesis;
-            taken |= other->kind == GAP_SPIKE && other->group == h->group &&
-                     h->row <= other->last && other->row <= h->last;
+        for (int k = 0; k < m->unknowns.n_causes; k++) {
+            const mukca_candidate *other = &m->unknowns.cause[k].candidate;
+            taken |= other->kind == MUKCA_CANDIDATE_OUTLIER &&
+                     other->fault.group == h->fault.group && h->fault.first <= other->fault.last &&
+                     other->fault.first <= h->fault.last;
         }
         if (!taken) add(contest, h);
     }
-    return m->n_causes > before;
+    return m->unknowns.n_causes > before;
 }
 
-static mukca_status forward(gap_contest *contest, mukca_error *error)
+static mukca_status forward(mukca_competition *contest, mukca_error *error)
 {
-    gap_model *m = contest->m;
-    gap_scan_extent extent = GAP_SCAN_ALL;
-    while (m->n_causes - spikes(m) < MOST_CAUSES && spikes(m) < MOST_SPIKES) {
+    mukca_regression *m = contest->m;
+    mukca_scan_extent extent = MUKCA_SCAN_ALL;
+    while (m->unknowns.n_causes - spikes(m) < MOST_CAUSES && spikes(m) < MOST_SPIKES) {
         if (!watch(contest, "looking for causes", error)) return MUKCA_INTERRUPTED;
-        gap_scan_run(contest->scan, m, -1, extent);
-        gap_compete_rank(contest);
+        mukca_scan_run(contest->scan, m, -1, extent);
+        mukca_competition_rank(contest);
         if (!contest->n_first) {
             contest->n_first = contest->n_table;
             memcpy(contest->first, contest->table,
@@ -169,55 +169,60 @@ static mukca_status forward(gap_contest *contest, mukca_error *error)
             memcpy(contest->first_score, contest->scan->score,
                    sizeof *contest->first_score * (size_t)contest->scan->n_scores);
         }
-        const gap_candidate *top = leader(contest, -1);
-        const double threshold = m->n_causes ? LATER_THRESHOLD : FIRST_THRESHOLD;
+        const mukca_contender *top = leader(contest, -1);
+        const double threshold = m->unknowns.n_causes ? LATER_THRESHOLD : FIRST_THRESHOLD;
         if (!top || top->log_odds < threshold) {
-            if (extent != GAP_SCAN_ALL) { /* before giving up: all orders of ripple once more */
-                extent = GAP_SCAN_ALL;
+            if (extent != MUKCA_SCAN_ALL) { /* before giving up: all orders of ripple once more */
+                extent = MUKCA_SCAN_ALL;
                 continue;
             }
-            if (!gap_reinstate(contest->diagnosis, m)) return MUKCA_OK;
-        } else if (top->class == GAP_CLASS_OUTLIER) {
+            if (!mukca_screening_reinstate(contest->diagnosis, m)) return MUKCA_OK;
+        } else if (top->class == MUKCA_CLASS_OUTLIER) {
             if (!add_spikes(contest, fmax(threshold, 0.5 * top->log_odds))) return MUKCA_OK;
-        } else if (!add(contest, gap_scan_hypothesis(contest->scan, top->best))) {
+        } else if (!add(contest, mukca_scan_hypothesis(contest->scan, top->best))) {
             return MUKCA_OK;
         }
-        extent = GAP_SCAN_LISTED;
-        gap_model_fit(m, 3, GAP_FREE);
+        extent = MUKCA_SCAN_LISTED;
+        mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
     }
     return MUKCA_OK;
 }
 
-/* Take each cause out, look who fills the hole best, and swap or drop. */
-static mukca_status settle(gap_contest *contest, mukca_error *error)
+/* Would the verdict be the same?  It does not name the other joint of an unknown function. */
+static bool says_the_same(const mukca_candidate *a, const mukca_candidate *b)
 {
-    gap_model *m = contest->m;
+    const bool other =
+        a->kind == MUKCA_CANDIDATE_OTHER_ANGLE || a->kind == MUKCA_CANDIDATE_ANGLE_PRODUCT;
+    return mukca_candidate_same(a, b) || (other && a->kind == b->kind && a->joint == b->joint);
+}
+
+/* Take each cause out, look who fills the hole best, and swap or drop. */
+static mukca_status settle(mukca_competition *contest, mukca_error *error)
+{
+    mukca_regression *m = contest->m;
     for (int round = 0; round < 2; round++) {
         bool changed = false;
-        for (int c = 0; c < m->n_causes; c++) {
+        for (int c = 0; c < m->unknowns.n_causes; c++) {
             if (!watch(contest, "testing each cause again", error)) return MUKCA_INTERRUPTED;
-            gap_scan_run(contest->scan, m, c, GAP_SCAN_CONTENDERS);
-            gap_compete_rank(contest);
-            const gap_candidate *top = leader(contest, c);
+            mukca_scan_run(contest->scan, m, c, MUKCA_SCAN_CONTENDERS);
+            mukca_competition_rank(contest);
+            const mukca_contender *top = leader(contest, c);
             if (!top || top->log_odds < FIRST_THRESHOLD) {
-                gap_model_drop(m, c--);
-                gap_model_fit(m, 3, GAP_FREE);
+                mukca_unknowns_drop(&m->unknowns, c--);
+                mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
                 changed = true;
                 continue;
             }
-            const gap_hypothesis *best = gap_scan_hypothesis(contest->scan, top->best);
-            const gap_hypothesis *now = &m->cause[c].hypothesis;
-            const gap_candidate key = key_of(now);
-            if (now->kind == GAP_SPIKE || round > 0 ||
-                (same_key(&key, top) && best->effect.variant == now->effect.variant &&
-                 best->row == now->row && best->kind == now->kind))
+            const mukca_candidate *best = mukca_scan_hypothesis(contest->scan, top->best);
+            const mukca_candidate *now = &m->unknowns.cause[c].candidate;
+            if (now->kind == MUKCA_CANDIDATE_OUTLIER || round > 0 || says_the_same(best, now))
                 continue;
-            const int last = m->n_causes, step = m->cause[c].step;
+            const int last = m->unknowns.n_causes, step = m->unknowns.cause[c].step;
             if (!add(contest, best)) continue;
-            m->cause[last].step = step;
-            m->cause[c] = m->cause[last];
-            m->n_causes = last;
-            gap_model_fit(m, 3, GAP_FREE);
+            m->unknowns.cause[last].step = step;
+            m->unknowns.cause[c] = m->unknowns.cause[last];
+            m->unknowns.n_causes = last;
+            mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
             changed = true;
         }
         if (!changed) break;
@@ -225,7 +230,7 @@ static mukca_status settle(gap_contest *contest, mukca_error *error)
     return MUKCA_OK;
 }
 
-mukca_status gap_compete(gap_contest *contest, mukca_error *error)
+mukca_status mukca_competition_run(mukca_competition *contest, mukca_error *error)
 {
     mukca_status status = forward(contest, error);
     if (status == MUKCA_OK) status = settle(contest, error);

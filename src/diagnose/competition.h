@@ -11,30 +11,31 @@ typedef struct {
     int class, joint, place; /* place: placement, group or row; -1 */
     double log_odds;         /* of the group */
     int best;                /* score of its best member */
-} gap_candidate;
+} mukca_contender;
 
 typedef struct {
-    gap_model *m;
-    gap_hypotheses *all;
-    gap_scan *scan;
+    mukca_regression *m;
+    mukca_candidates *all;
+    mukca_scan *scan;
     mukca_diagnosis *diagnosis;
     const mukca_diagnose_options *options;
-    gap_candidate *table; /* [scores], by falling odds after gap_compete_rank */
+    mukca_contender *table; /* [scores], by falling odds after mukca_competition_rank */
     int n_table;
-    gap_candidate *first; /* the same after the first scan: what each candidate is worth alone */
+    mukca_contender *first; /* the same after the first scan: what each candidate is worth alone */
     int n_first;
-    gap_score *first_score;
-} gap_contest;
+    mukca_score *first_score;
+} mukca_competition;
 
 /* Collapse the last scan into candidates, best first. */
-void gap_compete_rank(gap_contest *contest);
+void mukca_competition_rank(mukca_competition *contest);
 
 /* Is the candidate's best member in the model already, as another cause than `except`?  It comes up
  * again where its prior is too narrow for what the rows say. */
-bool gap_compete_taken(const gap_contest *contest, const gap_candidate *candidate, int except);
+bool mukca_competition_taken(const mukca_competition *contest, const mukca_contender *candidate,
+                             int except);
 
 /* Run the competition on a screened, fitted model; causes end in contest->m.  Errors:
  * MUKCA_INTERRUPTED. */
-mukca_status gap_compete(gap_contest *contest, mukca_error *error);
+mukca_status mukca_competition_run(mukca_competition *contest, mukca_error *error);
 
 #endif

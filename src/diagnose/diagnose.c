@@ -41,20 +41,21 @@ static double now_s(void)
 
 /* What is measured and handed on is the geometry with the causes that were told: an unknown
  * function fits these rows and says nothing of others. */
-static void keep_told(mukca_diagnosis *d, gap_model *m)
+static void keep_told(mukca_diagnosis *d, mukca_regression *m)
 {
     bool dropped = false;
     if (d->unexplained || d->verdict == MUKCA_VERDICT_UNKNOWN)
-        d->structure_m = gap_held_out_structure(m);
-    for (int c = 0; c < m->n_causes; c++) {
-        const gap_hypothesis *h = &m->cause[c].hypothesis;
-        const int class = gap_hypothesis_class(h);
-        const bool fault = h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE;
-        if (fault || (class != GAP_CLASS_UNKNOWN && d->verdict != MUKCA_VERDICT_UNKNOWN)) continue;
-        gap_model_drop(m, c--);
+        d->structure_m = mukca_cross_validation_structure(m);
+    for (int c = 0; c < m->unknowns.n_causes; c++) {
+        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
+        const int class = mukca_candidate_class(h);
+        const bool fault = mukca_candidate_is_fault(h);
+        if (fault || (class != MUKCA_CLASS_UNKNOWN && d->verdict != MUKCA_VERDICT_UNKNOWN))
+            continue;
+        mukca_unknowns_drop(&m->unknowns, c--);
         dropped = true;
     }
-    if (dropped) gap_model_fit(m, 4, GAP_NOISE);
+    if (dropped) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
 }
 
 void mukca_diagnosis_free(mukca_diagnosis *diagnosis)
@@ -68,73 +69,74 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
                             mukca_error *error)
 {
     const double started = now_s();
-    gap_model m;
-    gap_hypotheses all;
-    gap_scan scan = {0};
-    gap_contest contest = {&m, &all, &scan, diagnosis, options, NULL, 0, NULL, 0, NULL};
-    const gap_options model_options = {
+    mukca_regression m;
+    mukca_candidates all;
+    mukca_scan scan = {0};
+    mukca_competition contest = {&m, &all, &scan, diagnosis, options, NULL, 0, NULL, 0, NULL};
+    const mukca_recording_options model_options = {
         .mass_spread = options->mass_spread > 0 ? options->mass_spread : 0.1,
         .distance_sigma = 1e-4,
         .free_base = options->free_base,
         .free_tool = options->free_tool};
     memset(diagnosis, 0, sizeof *diagnosis);
-    mukca_status status = gap_model_create(&m, chain, data, &model_options, error);
+    mukca_status status = mukca_regression_create(&m, chain, data, &model_options, error);
     if (status != MUKCA_OK) return status;
 
-    gap_screen(diagnosis, &m);
-    gap_held_out_nothing(diagnosis);
-    diagnosis->efforts_correlation = m.efforts_correlation;
-    if (gap_distinct_rows(&m) * m.dim < 3 * m.n_groups + 12) {
-        gap_untested_all(diagnosis, "too few different rows: record 20 or more for each socket");
+    mukca_screening_run(diagnosis, &m);
+    mukca_cross_validation_clear(diagnosis);
+    diagnosis->efforts_correlation = m.recording.efforts_correlation;
+    if (mukca_untested_distinct(&m.recording) * m.recording.dim < 3 * m.recording.n_groups + 12) {
+        mukca_untested_all(diagnosis, "too few different rows: record 20 or more for each socket");
         goto out;
     }
-    gap_model_fit(&m, 6, GAP_FREE);
-    status = gap_hypotheses_list(&all, &m.pool, &m, options->disabled, error);
+    mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
+    status =
+        mukca_candidates_list(&all, &m.pool, &m.recording, &m.unknowns, options->disabled, error);
     if (status != MUKCA_OK) goto out;
-    status = gap_scan_create(&scan, &all, &m, error);
+    status = mukca_scan_create(&scan, &all, &m, error);
     if (status != MUKCA_OK) goto out;
-    const int most = all.count + chain->n_joints * GAP_HARMONICS_MOST;
-    contest.table = MUKCA_TAKE(&m.pool, gap_candidate, most);
-    contest.first = MUKCA_TAKE(&m.pool, gap_candidate, most);
-    contest.first_score = MUKCA_TAKE(&m.pool, gap_score, most);
+    const int most = all.count + chain->n_joints * MUKCA_RIPPLE_MOST;
+    contest.table = MUKCA_TAKE(&m.pool, mukca_contender, most);
+    contest.first = MUKCA_TAKE(&m.pool, mukca_contender, most);
+    contest.first_score = MUKCA_TAKE(&m.pool, mukca_score, most);
     if (m.pool.failed) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
         goto out;
     }
-    status = gap_compete(&contest, error);
+    status = mukca_competition_run(&contest, error);
     if (status != MUKCA_OK) goto out;
-    diagnosis->sigma_m = m.sigma;
-    diagnosis->rho = m.rho;
-    if (m.sigma < MOST_SIGMA) {
-        gap_tell(diagnosis, &contest);
+    diagnosis->sigma_m = m.unknowns.sigma;
+    diagnosis->rho = m.unknowns.rho;
+    if (m.unknowns.sigma < MOST_SIGMA) {
+        mukca_verdict_reach(diagnosis, &contest);
         keep_told(diagnosis, &m);
     } else {
-        gap_untested_all(diagnosis,
-                         "the rows do not fit this arm: check the URDF, the tip, the columns and "
-                         "their order; a tracker's log needs --free-base and --free-tool");
+        mukca_untested_all(diagnosis,
+                           "the rows do not fit this arm: check the URDF, the tip, the columns and "
+                           "their order; a tracker's log needs --free-base and --free-tool");
         int told = 0; /* where a row belongs, an arm that does not fit cannot say */
         for (int f = 0; f < diagnosis->n_faults; f++)
             if (diagnosis->faults[f].kind == MUKCA_FAULT_DUPLICATE)
                 diagnosis->faults[told++] = diagnosis->faults[f];
         diagnosis->n_faults = told;
-        while (m.n_causes) gap_model_drop(&m, 0);
-        gap_model_fit(&m, 4, GAP_FREE);
+        while (m.unknowns.n_causes) mukca_unknowns_drop(&m.unknowns, 0);
+        mukca_regression_fit(&m, 4, MUKCA_FIT_ALL);
     }
-    diagnosis->geometry = m.geometry;
-    diagnosis->tracker = m.tracker;
-    if (!options->no_folds) status = gap_held_out(diagnosis, &m, options, error);
+    diagnosis->geometry = m.unknowns.geometry;
+    diagnosis->tracker = m.unknowns.tracker;
+    if (!options->no_folds) status = mukca_cross_validation_run(diagnosis, &m, options, error);
     if (diagnosis->surprise_sigmas > SURPRISED) {
         if (diagnosis->verdict == MUKCA_VERDICT_NONE)
             diagnosis->verdict = MUKCA_VERDICT_UNKNOWN;
         else
             diagnosis->unexplained = diagnosis->n_causes > 0;
     }
-    if (status == MUKCA_OK && options->applied) gap_applied(diagnosis, &m);
+    if (status == MUKCA_OK && options->applied) mukca_applied_fit(diagnosis, &m);
     if (m.pool.failed || diagnosis->pool.failed)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
 out:
-    gap_scan_free(&scan);
-    gap_model_free(&m);
+    mukca_scan_free(&scan);
+    mukca_regression_free(&m);
     if (status != MUKCA_OK) mukca_diagnosis_free(diagnosis);
     diagnosis->elapsed_s = now_s() - started;
     return status;

@@ -15,23 +15,26 @@
 
 enum { POSE_FOLDS = 5, DRAWS = 400 };
 
-void gap_left_out_take(gap_left_out *b)
+void mukca_folds_create(mukca_folds *b)
 {
-    gap_model *m = b->m;
-    const int rows = m->data->n_rows;
+    mukca_regression *m = b->m;
+    const int rows = m->recording.data->n_rows;
     b->fold = MUKCA_TAKE(&m->pool, int, rows);
-    b->prior = MUKCA_TAKE(&m->pool, double, m->capacity);
-    b->gram = MUKCA_TAKE(&m->pool, double, (m->capacity + 1) * (m->capacity + 1));
-    b->distance = MUKCA_TAKE(&m->pool, double, (m->data->n_distances + 1) * (m->capacity + 1));
+    b->gram = MUKCA_TAKE(
+        &m->pool, double,
+        (mukca_unknowns_capacity(&m->unknowns) + 1) * (mukca_unknowns_capacity(&m->unknowns) + 1));
+    b->distance = MUKCA_TAKE(
+        &m->pool, double,
+        (m->recording.data->n_distances + 1) * (mukca_unknowns_capacity(&m->unknowns) + 1));
     b->position = MUKCA_TAKE(&m->pool, double, 3 * rows);
     b->error = MUKCA_TAKE(&m->pool, double, rows);
     b->all = MUKCA_TAKE(&m->pool, unsigned char, rows);
     if (b->all) memset(b->all, 1, (size_t)rows);
 }
 
-int gap_left_out_folds(int *fold, const gap_model *m, bool by_socket)
+int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket)
 {
-    const mukca_dataset *data = m->data;
+    const mukca_dataset *data = m->recording.data;
     int n = 0, poses = 0;
     for (int row = 0; row < data->n_rows; row++) poses += data->socket[row] < 0;
     const bool sockets = by_socket || data->n_placements < 2;
@@ -40,39 +43,40 @@ int gap_left_out_folds(int *fold, const gap_model *m, bool by_socket)
         if (data->socket[row] < 0)
             fold[row] = n + (int)((long long)POSE_FOLDS * i++ / poses);
         else
-            fold[row] = sockets ? data->socket[row] : m->placement[row];
+            fold[row] = sockets ? data->socket[row] : m->recording.placement[row];
     }
     return n + (poses >= POSE_FOLDS ? POSE_FOLDS : 0);
 }
 
-void gap_left_out_errors(double *error, const gap_model *m, const double *position,
-                         const unsigned char *of, bool excuse)
+void mukca_folds_errors(double *error, const mukca_regression *m, const double *position,
+                        const unsigned char *of, bool excuse)
 {
-    const mukca_dataset *data = m->data;
+    const mukca_dataset *data = m->recording.data;
     for (int row = 0; row < data->n_rows; row++) {
         error[row] = NAN;
         if (!of[row] || data->socket[row] >= 0) continue;
         double difference[3], in_base[3];
         for (int c = 0; c < 3; c++)
-            difference[c] = data->position[3 * (size_t)row + (size_t)c] - m->tracker.p[c];
-        mukca_mat3_tvec(in_base, m->tracker.R, difference);
+            difference[c] = data->position[3 * (size_t)row + (size_t)c] - m->unknowns.tracker.p[c];
+        mukca_mat3_tvec(in_base, m->unknowns.tracker.R, difference);
         for (int c = 0; c < 3; c++) in_base[c] -= position[3 * row + c];
         error[row] = sqrt(mukca_dot3(in_base, in_base));
     }
     for (int s = 0; s < data->n_sockets; s++) {
-        const gap_hypothesis *step = NULL, *creep = NULL;
-        for (int c = 0; excuse && c < m->n_causes; c++) {
-            const gap_hypothesis *h = &m->cause[c].hypothesis;
-            if (m->groups[h->group].socket != s) continue;
-            if (h->kind == GAP_STEP) step = h;
-            if (h->kind == GAP_CREEP) creep = h;
+        const mukca_candidate *step = NULL, *creep = NULL;
+        for (int c = 0; excuse && c < m->unknowns.n_causes; c++) {
+            const mukca_candidate *h = &m->unknowns.cause[c].candidate;
+            if (!mukca_candidate_is_fault(h) || m->recording.groups[h->fault.group].socket != s)
+                continue;
+            if (h->kind == MUKCA_CANDIDATE_STEP) step = h;
+            if (h->kind == MUKCA_CANDIDATE_CREEP) creep = h;
         }
         for (int part = 0; part < (step ? 2 : 1); part++) {
             double n = 0, mean[3] = {0}, share_mean = 0, slope[3] = {0}, share2 = 0;
             for (int pass = 0; pass < 3; pass++)
                 for (int row = 0; row < data->n_rows; row++) {
                     if (!of[row] || data->socket[row] != s) continue;
-                    if (step && (row >= step->row) != part) continue;
+                    if (step && (row >= step->fault.first) != part) continue;
                     const double *x = position + 3 * row;
                     if (pass == 0) {
                         const double before = n++;
@@ -93,7 +97,7 @@ void gap_left_out_errors(double *error, const gap_model *m, const double *positi
     }
 }
 
-double gap_left_out_mean(const double *error, int n)
+double mukca_folds_mean(const double *error, int n)
 {
     double sum = 0;
     int count = 0;
@@ -102,21 +106,16 @@ double gap_left_out_mean(const double *error, int n)
     return count ? sum / count : (double)NAN;
 }
 
-bool gap_left_out_fault(const gap_hypothesis *h)
-{
-    return h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE;
-}
-
 /* Prior sigmas with only the causes that `use` marks (and the faults of the tool). */
-static void priors_of(gap_left_out *b, const unsigned char *use)
+static void set_priors(mukca_regression *m, const unsigned char *use)
 {
-    const gap_model *m = b->m;
-    gap_model_prior(b->prior, m, -1);
-    int column = m->n_geometry;
-    for (int c = 0; c < m->n_causes; c++) {
-        const gap_hypothesis *h = &m->cause[c].hypothesis;
-        for (int t = 0; t < h->terms; t++, column++)
-            if (!gap_left_out_fault(h) && !use[c]) b->prior[column] = 0;
+    const mukca_unknowns *u = &m->unknowns;
+    mukca_unknowns_prior(m->evidence.prior, u);
+    double *prior = m->evidence.prior + u->n_geometry;
+    for (int c = 0; c < u->n_causes; c++) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        for (int t = 0; t < h->terms; t++, prior++)
+            if (!mukca_candidate_is_fault(h) && !use[c]) *prior = 0;
     }
 }
 
@@ -124,80 +123,66 @@ static void priors_of(gap_left_out *b, const unsigned char *use)
  *
  * With Gaussians, -2 log p(fold | rest) has the quadratic part Q(all) - Q(rest): the fold's squared
  * misfit with noise and with what the rest leaves open, all correlations of its rows included. */
-static void cross_predict(gap_left_out *b, gap_pack *pack, const unsigned char *use)
+static void cross_predict(mukca_folds *b, mukca_normal_equations *normal, const unsigned char *use)
 {
-    gap_model *m = b->m;
-    const int size = m->n_columns + 1, d = m->dim;
-    double *mean = m->mean;
-    for (int i = 0; i < 3 * m->data->n_rows; i++) b->position[i] = NAN; /* not predicted */
-    double *theta = MUKCA_TAKE(&m->pool, double, m->n_geometry);
-    gap_cause *causes = MUKCA_TAKE(&m->pool, gap_cause, GAP_MAX_CAUSES);
-    if (!theta || !causes) return;
-    const mukca_geometry geometry = m->geometry;
-    const mukca_frame tracker = m->tracker;
-    memcpy(theta, m->theta, sizeof *theta * (size_t)m->n_geometry);
-    memcpy(causes, m->cause, sizeof *causes * (size_t)m->n_causes);
-    memcpy(b->distance, pack->distance, sizeof *b->distance * (size_t)(m->n_pairs * size));
-    priors_of(b, use);
+    mukca_regression *m = b->m;
+    const int size = m->linear.n_columns + 1, d = m->recording.dim;
+    double *mean = m->evidence.mean;
+    for (int i = 0; i < 3 * m->recording.data->n_rows; i++)
+        b->position[i] = NAN; /* not predicted */
+    mukca_unknowns fitted;
+    if (!mukca_unknowns_clone(&fitted, &m->pool, &m->unknowns)) return;
+    memcpy(b->distance, normal->distance,
+           sizeof *b->distance * (size_t)(m->recording.n_pairs * size));
+    set_priors(m, use);
     b->surprise = 0, b->freedom = 0;
-    const bool whole = gap_model_evidence(m, pack, b->prior, m->sigma, NULL) > -HUGE_VAL;
-    const double quadratic = m->quadratic;
+    const bool whole =
+        mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL) > -HUGE_VAL;
+    const double quadratic = m->evidence.quadratic;
     for (int f = 0; f < b->n_folds; f++) {
         memset(b->gram, 0, sizeof *b->gram * (size_t)(size * size));
-        for (int i = 0; i < m->n; i++)
-            if (b->fold[m->order[i]] == f) {
+        for (int i = 0; i < m->recording.n_samples; i++)
+            if (b->fold[m->recording.order[i]] == f) {
                 int count = 1;
-                while (i + count < m->n && b->fold[m->order[i + count]] == f) count++;
-                mukca_dense_syrk(b->gram, size, pack->white + (size_t)(i * d) * (size_t)size,
+                while (i + count < m->recording.n_samples &&
+                       b->fold[m->recording.order[i + count]] == f)
+                    count++;
+                mukca_dense_syrk(b->gram, size, normal->white + (size_t)(i * d) * (size_t)size,
                                  count * d, size);
                 i += count;
             }
-        for (int i = 0; i < size * size; i++) pack->gram[i] -= b->gram[i];
-        for (int p = 0; p < m->n_pairs; p++) {
-            const int a = m->order[m->groups[m->pairs[p].a].start],
-                      c = m->order[m->groups[m->pairs[p].b].start];
+        for (int i = 0; i < size * size; i++) normal->gram[i] -= b->gram[i];
+        for (int p = 0; p < m->recording.n_pairs; p++) {
+            const int a = m->recording.order[m->recording.groups[m->recording.pairs[p].a].start],
+                      c = m->recording.order[m->recording.groups[m->recording.pairs[p].b].start];
             if (b->fold[a] == f || b->fold[c] == f)
-                memset(pack->distance + p * size, 0, sizeof *b->distance * (size_t)size);
+                memset(normal->distance + p * size, 0, sizeof *b->distance * (size_t)size);
         }
-        if (gap_model_evidence(m, pack, b->prior, m->sigma, mean) > -HUGE_VAL) {
-            if (whole) b->surprise += quadratic - m->quadratic;
-            for (int g = 0; whole && g < m->n_groups; g++)
-                for (int i = 0; i < m->groups[g].count; i++)
-                    if (b->fold[m->order[m->groups[g].start + i]] == f)
-                        b->freedom += m->groups[g].socket < 0 ? d : i > 0 ? d : 0;
-            memcpy(m->theta, mean, sizeof *mean * (size_t)m->n_geometry);
-            int column = m->n_geometry;
-            for (int c = 0; c < m->n_causes; c++)
-                for (int t = 0; t < m->cause[c].hypothesis.terms; t++)
-                    m->cause[c].coefficient[t] = mean[column++];
-            gap_model_set_geometry(m);
-            for (int row = 0; row < m->data->n_rows; row++)
-                if (b->fold[row] == f) gap_model_predict(b->position + 3 * row, m, row);
+        if (mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, mean) > -HUGE_VAL) {
+            if (whole) b->surprise += quadratic - m->evidence.quadratic;
+            for (int g = 0; whole && g < m->recording.n_groups; g++)
+                for (int i = 0; i < m->recording.groups[g].count; i++)
+                    if (b->fold[m->recording.order[m->recording.groups[g].start + i]] == f)
+                        b->freedom += m->recording.groups[g].socket < 0 ? d : i > 0 ? d : 0;
+            mukca_unknowns_set(&m->unknowns, mean);
+            mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
+            for (int row = 0; row < m->recording.data->n_rows; row++)
+                if (b->fold[row] == f)
+                    mukca_unknowns_predict(b->position + 3 * row, &m->unknowns, &m->recording, row);
         }
-        memcpy(m->theta, theta, sizeof *theta * (size_t)m->n_geometry);
-        memcpy(m->cause, causes, sizeof *causes * (size_t)m->n_causes);
-        m->geometry = geometry;
-        m->tracker = tracker;
-        for (int i = 0; i < size * size; i++) pack->gram[i] += b->gram[i];
-        memcpy(pack->distance, b->distance, sizeof *b->distance * (size_t)(m->n_pairs * size));
+        mukca_unknowns_assign(&m->unknowns, &fitted);
+        for (int i = 0; i < size * size; i++) normal->gram[i] += b->gram[i];
+        memcpy(normal->distance, b->distance,
+               sizeof *b->distance * (size_t)(m->recording.n_pairs * size));
     }
 }
 
-gap_pack *gap_left_out_pack(gap_model *m)
+void mukca_folds_run(double *error, mukca_folds *b, mukca_normal_equations *normal,
+                     const unsigned char *use, bool by_socket)
 {
-    gap_pack *pack = &m->pack[0];
-    for (int i = 0; i < GAP_RHOS; i++)
-        if (gap_rho[i] == m->rho) pack = &m->pack[i];
-    gap_model_pack(pack, m, m->rho);
-    return pack;
-}
-
-void gap_left_out_run(double *error, gap_left_out *b, gap_pack *pack, const unsigned char *use,
-                      bool by_socket)
-{
-    b->n_folds = gap_left_out_folds(b->fold, b->m, by_socket);
-    cross_predict(b, pack, use);
-    gap_left_out_errors(error, b->m, b->position, b->m->keep, true);
+    b->n_folds = mukca_folds_assign(b->fold, b->m, by_socket);
+    cross_predict(b, normal, use);
+    mukca_folds_errors(error, b->m, b->position, b->m->recording.keep, true);
 }
 
 /* Interval of the shrink by resampling sockets and, within them, rows. */
@@ -241,12 +226,12 @@ out:
     free(rows);
 }
 
-void gap_left_out_compare(mukca_shrink *shrink, const gap_left_out *b, const double *before,
-                          const double *after)
+void mukca_folds_compare(mukca_shrink *shrink, const mukca_folds *b, const double *before,
+                         const double *after)
 {
-    const mukca_dataset *data = b->m->data;
-    shrink->before_m = gap_left_out_mean(before, data->n_rows);
-    shrink->after_m = gap_left_out_mean(after, data->n_rows);
+    const mukca_dataset *data = b->m->recording.data;
+    shrink->before_m = mukca_folds_mean(before, data->n_rows);
+    shrink->after_m = mukca_folds_mean(after, data->n_rows);
     shrink->shrink_percent = 100 * (1 - shrink->after_m / shrink->before_m);
     shrink->folds = shrink->folds_better = 0;
     for (int f = 0; f < b->n_folds; f++) {

@@ -1,166 +1,159 @@
-/* Linearisation of the model of a recording: levers, columns of geometry and causes. */
+/* Linearisation of the recording's predictions: levers, columns of geometry and causes. */
+#include "diagnose/linearisation.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/model.h"
 #include "math/dense.h"
 
-/* Is dataset row `row` moved by a socket fault, and by how much of its coefficients? */
-static double fault_share(const gap_model *m, const gap_hypothesis *h, int row)
+bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
+                                const mukca_recording *recording, const mukca_unknowns *unknowns)
 {
-    const gap_group *g = &m->groups[h->group];
-    if (m->data->socket[row] != g->socket) return 0;
-    switch (h->kind) {
-        case GAP_STEP:
-            return row >= h->row;
-        case GAP_SPIKE:
-            return row >= h->row && row <= h->last;
-        case GAP_CREEP: { /* from 0 at the socket's first kept row to 1 at its last */
-            const int first = m->order[g->start], last = m->order[g->start + g->count - 1];
-            return last > first ? (double)(row - first) / (last - first) : 0;
-        }
-        default:
-            return 0;
-    }
+    const int rows = recording->data->n_rows, n_joints = recording->chain->n_joints,
+              d = recording->dim, size = mukca_unknowns_capacity(unknowns) + 1;
+    const int pairs = recording->data->n_distances + 1, groups = recording->data->n_sockets + 2;
+    *linear = (mukca_linearisation){
+        .tip = MUKCA_TAKE(pool, double, 3 * rows),
+        .tip_frame = MUKCA_TAKE(pool, double, 9 * rows),
+        .mean = MUKCA_TAKE(pool, double[3], groups),
+        .direction = MUKCA_TAKE(pool, double[3], pairs),
+        .lever = MUKCA_TAKE(pool, double, rows *n_joints *d),
+        .rotation_lever = MUKCA_TAKE(pool, double, 3 * rows * n_joints * d),
+        .base_lever = MUKCA_TAKE(pool, double, 3 * rows * d),
+        .columns = MUKCA_TAKE(pool, double, (size_t)(rows * d) * (size_t)size),
+        .pair_columns = MUKCA_TAKE(pool, double, pairs *size)};
+    return !pool->failed;
 }
 
-bool gap_distance_acts(const gap_model *m, const gap_hypothesis *h, int pair)
+void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
+                                 const mukca_recording *recording, const mukca_candidate *h)
 {
-    return h->effect.placement < 0 || m->groups[m->pairs[pair].a].placement == h->effect.placement;
-}
-
-void gap_hypothesis_columns(double *E, int ld, const gap_model *m, const gap_hypothesis *h)
-{
-    const int d = m->dim, n_joints = m->chain->n_joints, j = h->effect.joint;
-    const mukca_effect_site site =
-        h->kind == GAP_BUMPS ? MUKCA_SITE_ANGLE : mukca_effect_table[h->effect.kind].site;
-    for (int i = 0; i < m->n; i++) {
+    const int d = recording->dim, n_joints = recording->chain->n_joints, terms = h->terms;
+    const mukca_effect_site site = mukca_candidate_site(h);
+    for (int i = 0; i < recording->n_samples; i++) {
         double *out = E + (size_t)i * (size_t)d * (size_t)ld;
-        const int row = m->order[i];
-        const float *basis =
-            h->basis ? h->basis + (size_t)row * (size_t)(h->terms * h->width) : NULL;
+        const int row = recording->order[i], width = h->width_of_term;
+        const float *basis = h->basis ? h->basis + (size_t)row * (size_t)(terms * width) : NULL;
         for (int c = 0; c < d; c++)
-            for (int t = 0; t < h->terms; t++) out[c * ld + t] = 0;
-        if (!basis) { /* faults of a socket, and its distance */
-            if (h->kind == GAP_DISTANCE) continue;
-            const double share = fault_share(m, h, row);
+            for (int t = 0; t < terms; t++) out[c * ld + t] = 0;
+        const double *lever = NULL; /* [d][width] */
+        if (mukca_candidate_is_fault(h)) {
+            const double share = mukca_candidate_fault_share(h, recording, row);
             for (int c = 0; c < 3; c++) out[c * ld + c] = -share;
-            continue;
-        }
-        const double *lever = NULL;
-        int width = h->width, stride = width; /* lever[c * stride + i] */
-        if (h->kind == GAP_STRETCH) { /* along the axes of the slot's frame: as its x y z do */
-            const int ldx = m->n_columns + 1;
-            lever = m->columns + (size_t)i * (size_t)d * (size_t)ldx + 6 * h->group;
+        } else if (h->kind == MUKCA_CANDIDATE_STRETCH) { /* as x y z of the slot's frame do */
+            const int ldx = linear->n_columns + 1;
+            const double *slot =
+                linear->columns + (size_t)i * (size_t)d * (size_t)ldx + 6 * h->stretch.slot;
             for (int c = 0; c < d; c++)
-                for (int t = 0; t < 3; t++) out[c * ld + t] = lever[c * ldx + t] * (double)basis[0];
-            continue;
-        }
-        if (site == MUKCA_SITE_ANGLE) {
-            lever = m->lever + (size_t)(i * n_joints + j) * (size_t)d;
-        } else if (site == MUKCA_SITE_ROTATION) {
-            lever = m->rotation_lever + (size_t)(i * n_joints + j) * (size_t)(3 * d);
-        } else if (site == MUKCA_SITE_BASE) {
-            lever = m->base_lever + (size_t)i * (size_t)(3 * d);
+                for (int t = 0; t < 3; t++) out[c * ld + t] = slot[c * ldx + t] * (double)basis[t];
         } else if (site == MUKCA_SITE_TIP) {
             for (int c = 0; c < 3; c++)
                 for (int t = 0; t < 3; t++)
                     out[c * ld + t] =
-                        m->tip_frame[9 * i + 3 * c + t] * (double)basis[t * h->width + t];
-            continue;
-        } else { /* all angles: joints' levers lie one after the other */
+                        linear->tip_frame[9 * i + 3 * c + t] * (double)basis[t * width + t];
+        } else if (site == MUKCA_SITE_ANGLES) { /* the joints' levers lie one after the other */
             for (int k = 0; k < n_joints; k++)
                 for (int c = 0; c < d; c++)
-                    out[c * ld] += m->lever[(size_t)(i * n_joints + k) * (size_t)d + (size_t)c] *
-                                   (double)basis[k];
-            continue;
+                    out[c * ld] +=
+                        linear->lever[(size_t)(i * n_joints + k) * (size_t)d + (size_t)c] *
+                        (double)basis[k];
+        } else if (site == MUKCA_SITE_ANGLE) {
+            lever = linear->lever + (size_t)(i * n_joints + h->joint) * (size_t)d;
+        } else if (site == MUKCA_SITE_ROTATION) {
+            lever = linear->rotation_lever + (size_t)(i * n_joints + h->joint) * (size_t)(3 * d);
+        } else if (site == MUKCA_SITE_BASE) {
+            lever = linear->base_lever + (size_t)i * (size_t)(3 * d);
         }
-        for (int t = 0; t < h->terms; t++)
+        for (int t = 0; lever && t < terms; t++)
             for (int c = 0; c < d; c++) {
                 double sum = 0;
                 for (int k = 0; k < width; k++)
-                    sum += lever[c * stride + k] * (double)basis[t * width + k];
+                    sum += lever[c * width + k] * (double)basis[t * width + k];
                 out[c * ld + t] = sum;
             }
     }
 }
 
-/* Measured minus predicted of one row of a pose log, in the base frame. */
-static void pose_residual(double *y, const gap_model *m, int row, const double *p, const double *R)
+/* Measured minus predicted of sample i of a pose log, in the base frame. */
+static void pose_residual(double *y, const mukca_linearisation *linear,
+                          const mukca_recording *recording, const mukca_unknowns *unknowns, int i)
 {
-    const double *x = m->data->position + 3 * (size_t)row;
-    double in_base[3], difference[3];
-    for (int c = 0; c < 3; c++) difference[c] = x[c] - m->tracker.p[c];
-    mukca_mat3_tvec(in_base, m->tracker.R, difference);
-    for (int c = 0; c < 3; c++) y[c] = in_base[c] - p[c];
-    if (m->dim < 6) return;
-    const double *quaternion = m->data->quaternion + 4 * (size_t)row;
+    const size_t row = (size_t)recording->order[i];
+    const double *p = linear->tip + 3 * i, *R = linear->tip_frame + 9 * i;
+    const double *tracker = unknowns->tracker.R;
+    mukca_unknowns_to_base(y, unknowns, recording->data->position + 3 * row);
+    for (int c = 0; c < 3; c++) y[c] -= p[c];
+    if (recording->dim < 6) return;
     double measured[9], base[9], relative[9], turned[9], w[3];
-    mukca_rotation_from_quaternion(measured, quaternion);
+    mukca_rotation_from_quaternion(measured, recording->data->quaternion + 4 * row);
     for (int a = 0; a < 3; a++) /* base := tracker' measured */
         for (int b = 0; b < 3; b++)
-            base[3 * a + b] = m->tracker.R[a] * measured[b] +
-                              m->tracker.R[3 + a] * measured[3 + b] +
-                              m->tracker.R[6 + a] * measured[6 + b];
+            base[3 * a + b] = tracker[a] * measured[b] + tracker[3 + a] * measured[3 + b] +
+                              tracker[6 + a] * measured[6 + b];
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) turned[3 * a + b] = R[3 * b + a];
     mukca_mat3_mul(relative, base, turned);
     mukca_rotation_log(w, relative);
-    for (int c = 0; c < 3; c++) y[3 + c] = m->rotation_weight * w[c];
+    for (int c = 0; c < 3; c++) y[3 + c] = unknowns->rotation_weight * w[c];
 }
 
-/* Predictions of the kept rows at the present unknowns, and the pairs of sockets seen with them. */
-static void predict_rows(gap_model *m)
+/* Predictions of the samples, means of their groups, and directions between paired sockets. */
+static void predict(mukca_linearisation *linear, const mukca_recording *recording,
+                    const mukca_unknowns *unknowns)
 {
-    const int n_joints = m->chain->n_joints;
-    for (int i = 0; i < m->n; i++) {
+    const int n_joints = recording->chain->n_joints;
+    for (int i = 0; i < recording->n_samples; i++) {
         mukca_frame tip;
         mukca_displacement displacement;
-        gap_model_displacement(&displacement, m, m->order[i]);
-        mukca_fk_pose(&tip, &m->geometry, m->data->q + (size_t)(m->order[i] * n_joints),
-                      &displacement);
-        memcpy(m->tip + 3 * i, tip.p, sizeof tip.p);
-        memcpy(m->tip_frame + 9 * i, tip.R, sizeof tip.R);
+        mukca_unknowns_displacement(&displacement, unknowns, n_joints, recording->order[i]);
+        mukca_fk_pose(&tip, &unknowns->geometry,
+                      recording->data->q + (size_t)(recording->order[i] * n_joints), &displacement);
+        memcpy(linear->tip + 3 * i, tip.p, sizeof tip.p);
+        memcpy(linear->tip_frame + 9 * i, tip.R, sizeof tip.R);
     }
-    for (int g = 0; g < m->n_groups; g++) {
-        gap_group *group = &m->groups[g];
-        memset(group->mean, 0, sizeof group->mean);
+    for (int g = 0; g < recording->n_groups; g++) {
+        const mukca_group *group = &recording->groups[g];
+        double *mean = linear->mean[g];
+        memset(mean, 0, sizeof linear->mean[g]);
         for (int i = group->start; i < group->start + group->count; i++)
-            for (int c = 0; c < 3; c++) group->mean[c] += m->tip[3 * i + c] / group->count;
+            for (int c = 0; c < 3; c++) mean[c] += linear->tip[3 * i + c] / group->count;
     }
-    for (int p = 0; p < m->n_pairs; p++) {
-        gap_pair *pair = &m->pairs[p];
-        double square = 0;
+    for (int p = 0; p < recording->n_pairs; p++) {
+        double *direction = linear->direction[p], square = 0;
         for (int c = 0; c < 3; c++) {
-            pair->direction[c] = m->groups[pair->a].mean[c] - m->groups[pair->b].mean[c];
-            square += pair->direction[c] * pair->direction[c];
+            direction[c] =
+                linear->mean[recording->pairs[p].a][c] - linear->mean[recording->pairs[p].b][c];
+            square += direction[c] * direction[c];
         }
-        for (int c = 0; c < 3; c++) pair->direction[c] /= fmax(sqrt(square), 1e-9);
+        for (int c = 0; c < 3; c++) direction[c] /= fmax(sqrt(square), 1e-9);
     }
 }
 
-/* The recorded angles, moved the least so that the prediction lies in the socket's mean.  Columns
- * are taken there: at the recorded angles they would go with the noise of their own row, and the
- * regression would shrink the arm to shrink its noise. */
-static void seat(double *seated, const gap_model *m, const gap_group *group, int i,
+/* From the prediction of sample i to where its socket's mean and the socket's faults want it. */
+static void misfit(double r[3], const mukca_linearisation *linear, const mukca_recording *recording,
+                   const mukca_unknowns *unknowns, int g, int i)
+{
+    for (int c = 0; c < 3; c++) r[c] = linear->mean[g][c] - linear->tip[3 * i + c];
+    for (int c = 0; c < unknowns->n_causes; c++) {
+        const mukca_accepted *cause = &unknowns->cause[c];
+        if (!mukca_candidate_is_fault(&cause->candidate)) continue;
+        const double share =
+            mukca_candidate_fault_share(&cause->candidate, recording, recording->order[i]);
+        for (int k = 0; k < 3; k++) r[k] += share * cause->coefficient[k];
+    }
+}
+
+/* The angles `seated`, moved the least so that the prediction moves by r.  Columns are taken there:
+ * at the recorded angles they would go with the noise of their own sample, and the regression would
+ * shrink the arm to shrink its noise. */
+static void seat(double *seated, double r[3], int n, const mukca_geometry *geometry,
                  const mukca_displacement *displacement)
 {
-    const int n = m->chain->n_joints, row = m->order[i];
-    const double *q = m->data->q + (size_t)(row * n);
-    double J[6 * MUKCA_MAX_JOINTS], A[9], r[3];
-    memcpy(seated, q, sizeof *seated * (size_t)n);
-    if (group->socket < 0) return;
-    for (int c = 0; c < 3; c++) r[c] = group->mean[c] - m->tip[3 * i + c];
-    for (int c = 0; c < m->n_causes; c++) {
-        const gap_hypothesis *h = &m->cause[c].hypothesis;
-        if (h->kind != GAP_STEP && h->kind != GAP_CREEP && h->kind != GAP_SPIKE) continue;
-        const double share = fault_share(m, h, row);
-        for (int k = 0; k < 3; k++) r[k] += share * m->cause[c].coefficient[k];
-    }
-    mukca_fk_jacobian(J, NULL, &m->geometry, q, displacement);
+    double J[6 * MUKCA_MAX_JOINTS], A[9];
+    mukca_fk_jacobian(J, NULL, geometry, seated, displacement);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) {
-            A[3 * a + b] = a == b ? 1e-4 : 0;
+            A[3 * a + b] = a == b ? 1e-4 : 0; /* (1 cm per rad)^2: damps singular postures */
             for (int j = 0; j < n; j++) A[3 * a + b] += J[a * n + j] * J[b * n + j];
         }
     if (mukca_dense_cholesky(A, 3)) return;
@@ -170,54 +163,70 @@ static void seat(double *seated, const gap_model *m, const gap_group *group, int
         for (int c = 0; c < 3; c++) seated[j] += J[c * n + j] * r[c];
 }
 
-/* Levers and geometry columns of kept row i. */
-static void row_columns(gap_model *m, int i, const double *q,
-                        const mukca_displacement *displacement)
+/* Tip per rotation of the base. */
+static void fill_base_lever(double *lever, const double tip[3], int d, double rotation_weight)
 {
-    const int d = m->dim, n_joints = m->chain->n_joints, ld = m->n_columns + 1;
-    double *X = m->columns + (size_t)i * (size_t)d * (size_t)ld;
-    mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
-    mukca_fk_frames(before, &tip, &m->geometry, q, displacement);
-    memset(X, 0, sizeof *X * (size_t)d * (size_t)ld);
-    double *base_lever = m->base_lever + (size_t)i * (size_t)(3 * d);
     for (int a = 0; a < 3; a++) {
         double e[3] = {0, 0, 0}, cross[3];
         e[a] = 1;
-        mukca_cross(cross, e, tip.p);
+        mukca_cross(cross, e, tip);
         for (int c = 0; c < 3; c++) {
-            base_lever[c * 3 + a] = cross[c];
-            if (d == 6) base_lever[(3 + c) * 3 + a] = m->rotation_weight * e[c];
+            lever[c * 3 + a] = cross[c];
+            if (d == 6) lever[(3 + c) * 3 + a] = rotation_weight * e[c];
         }
     }
-    int slot = 0;
-    for (int k = 0; k < m->chain->n_elements; k++) {
-        const mukca_element *element = &m->chain->element[k];
-        double turn[6][3]; /* rotation vector of this frame -> tip */
-        const double *R = before[k].R;
-        const bool free = slot < m->n_slots && m->slot_element[slot] == k;
-        if (!free && element->joint < 0) continue;
-        for (int a = 0; a < 3; a++) {
-            const double column[3] = {R[a], R[3 + a], R[6 + a]};
-            double lever[3], cross[3];
-            for (int c = 0; c < 3; c++) lever[c] = tip.p[c] - before[k].p[c];
-            mukca_cross(cross, column, lever);
-            for (int c = 0; c < 3; c++) {
-                turn[c][a] = cross[c];
-                turn[3 + c][a] = m->rotation_weight * column[c];
-            }
+}
+
+/* turn[6][3]: tip (position, weighted orientation) per rotation vector of a frame. */
+static void turn_of(double turn[6][3], const mukca_frame *frame, const double tip[3],
+                    double rotation_weight)
+{
+    double arm[3];
+    for (int c = 0; c < 3; c++) arm[c] = tip[c] - frame->p[c];
+    for (int a = 0; a < 3; a++) {
+        const double axis[3] = {frame->R[a], frame->R[3 + a], frame->R[6 + a]};
+        double cross[3];
+        mukca_cross(cross, axis, arm);
+        for (int c = 0; c < 3; c++) {
+            turn[c][a] = cross[c];
+            turn[3 + c][a] = rotation_weight * axis[c];
         }
+    }
+}
+
+/* Levers and geometry columns of sample i at the angles q. */
+static void fill_sample(mukca_linearisation *linear, const mukca_recording *recording,
+                        const mukca_unknowns *u, int i, const double *q,
+                        const mukca_displacement *displacement)
+{
+    const mukca_chain *chain = recording->chain;
+    const int d = recording->dim, ld = linear->n_columns + 1;
+    double *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
+    double *base_lever = linear->base_lever + (size_t)i * (size_t)(3 * d);
+    mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
+    mukca_fk_frames(before, &tip, &u->geometry, q, displacement);
+    memset(X, 0, sizeof *X * (size_t)d * (size_t)ld);
+    fill_base_lever(base_lever, tip.p, d, u->rotation_weight);
+    int slot = 0;
+    for (int k = 0; k < chain->n_elements; k++) {
+        const mukca_element *element = &chain->element[k];
+        const double *R = before[k].R;
+        const bool free = slot < u->n_slots && u->slot_element[slot] == k;
+        double turn[6][3];
+        if (!free && element->joint < 0) continue;
+        turn_of(turn, &before[k], tip.p, u->rotation_weight);
         if (element->joint >= 0) {
-            const size_t at = (size_t)(i * n_joints + element->joint) * (size_t)d;
+            const size_t at = (size_t)(i * chain->n_joints + element->joint) * (size_t)d;
             for (int c = 0; c < d; c++) {
-                memcpy(m->rotation_lever + 3 * (at + (size_t)c), turn[c], sizeof turn[c]);
+                memcpy(linear->rotation_lever + 3 * (at + (size_t)c), turn[c], sizeof turn[c]);
                 double along = mukca_dot3(turn[c], element->axis);
                 if (element->type == MUKCA_PRISMATIC)
                     along = c < 3 ? mukca_dot3(R + 3 * c, element->axis) : 0;
-                m->lever[at + (size_t)c] = along;
+                linear->lever[at + (size_t)c] = along;
             }
         }
         if (!free) continue;
-        const int width = slot + 1 < m->n_slots ? 6 : m->slot_width;
+        const int width = slot + 1 < u->n_slots ? 6 : u->slot_width;
         for (int c = 0; c < d; c++)
             for (int a = 0; a < 3; a++) {
                 if (c < 3) X[c * ld + 6 * slot + a] = R[3 * c + a];
@@ -225,68 +234,74 @@ static void row_columns(gap_model *m, int i, const double *q,
             }
         slot++;
     }
-    for (int c = 0; c < 3; c++) X[c * ld + 6 * (m->n_slots - 1) + m->slot_width] = tip.p[c];
-    if (m->options.free_base) {
-        const int at = m->n_geometry - 6;
-        for (int a = 0; a < 3; a++) {
-            X[a * ld + at + a] = 1;
-            for (int c = 0; c < d; c++) X[c * ld + at + 3 + a] = base_lever[c * 3 + a];
+    for (int c = 0; c < 3; c++) X[c * ld + 6 * (u->n_slots - 1) + u->slot_width] = tip.p[c];
+    for (int a = 0; u->free_base && a < 3; a++) {
+        double *frame = X + u->n_geometry - 6 + a;
+        frame[a * ld] = 1;
+        for (int c = 0; c < d; c++) frame[c * ld + 3] = base_lever[c * 3 + a];
+    }
+}
+
+/* y = measured - predicted + what the columns already explain, so that solutions are totals. */
+static void fill_y(mukca_linearisation *linear, const mukca_recording *recording,
+                   const mukca_unknowns *u)
+{
+    const int d = recording->dim, ld = linear->n_columns + 1;
+    for (int i = 0; i < recording->n_samples; i++) {
+        double y[6] = {0};
+        double *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
+        if (recording->data->socket[recording->order[i]] < 0)
+            pose_residual(y, linear, recording, u, i);
+        else
+            for (int c = 0; c < 3; c++) y[c] = -linear->tip[3 * i + c];
+        for (int c = 0; c < d; c++) {
+            double sum = y[c];
+            for (int k = 0; k < u->n_geometry; k++) sum += X[c * ld + k] * u->theta[k];
+            int column = u->n_geometry;
+            for (int e = 0; e < u->n_causes; e++) {
+                const mukca_candidate *h = &u->cause[e].candidate;
+                /* A socket's fault moves the socket, not the arm: tip does not hold it. */
+                for (int t = 0; mukca_candidate_moves_arm(h) && t < h->terms; t++)
+                    sum += X[c * ld + column + t] * u->cause[e].coefficient[t];
+                column += h->terms;
+            }
+            X[c * ld + ld - 1] = sum;
         }
     }
 }
 
-void gap_model_linearise(gap_model *m)
+void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recording *recording,
+                                mukca_unknowns *u)
 {
-    const int d = m->dim;
-    int used = m->n_geometry;
-    for (int c = 0; c < m->n_causes; c++) used += m->cause[c].hypothesis.terms;
-    m->n_columns = used;
-    const int ld = used + 1;
-    gap_model_set_geometry(m);
-    predict_rows(m);
-    for (int g = 0; g < m->n_groups; g++) {
-        const gap_group *group = &m->groups[g];
+    linear->n_columns = mukca_unknowns_column(u, u->n_causes);
+    const int ld = linear->n_columns + 1;
+    mukca_unknowns_set_geometry(u, recording->chain);
+    predict(linear, recording, u);
+    for (int g = 0; g < recording->n_groups; g++) {
+        const mukca_group *group = &recording->groups[g];
         for (int i = group->start; i < group->start + group->count; i++) {
-            double seated[MUKCA_MAX_JOINTS];
+            const int n_joints = recording->chain->n_joints, row = recording->order[i];
+            double seated[MUKCA_MAX_JOINTS], r[3];
             mukca_displacement displacement;
-            gap_model_displacement(&displacement, m, m->order[i]);
-            seat(seated, m, group, i, &displacement);
-            row_columns(m, i, seated, &displacement);
+            mukca_unknowns_displacement(&displacement, u, n_joints, row);
+            memcpy(seated, recording->data->q + (size_t)(row * n_joints),
+                   sizeof *seated * (size_t)n_joints);
+            if (group->socket >= 0) {
+                misfit(r, linear, recording, u, g, i);
+                seat(seated, r, n_joints, &u->geometry, &displacement);
+            }
+            fill_sample(linear, recording, u, i, seated, &displacement);
         }
     }
-    int at = m->n_geometry;
-    memset(m->direct, 0, sizeof *m->direct * (size_t)(m->n_pairs * ld));
-    for (int c = 0; c < m->n_causes; c++) {
-        const gap_hypothesis *h = &m->cause[c].hypothesis;
-        gap_hypothesis_columns(m->columns + at, ld, m, h);
-        if (h->kind == GAP_DISTANCE)
-            for (int p = 0; p < m->n_pairs; p++)
-                m->direct[p * ld + at] = gap_distance_acts(m, h, p) ? -1 : 0;
+    memset(linear->pair_columns, 0,
+           sizeof *linear->pair_columns * (size_t)(recording->n_pairs * ld));
+    for (int c = 0, at = u->n_geometry; c < u->n_causes; c++) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        mukca_linearisation_columns(linear->columns + at, ld, linear, recording, h);
+        for (int p = 0; p < recording->n_pairs; p++)
+            if (mukca_candidate_changes_pair(h, recording, p))
+                linear->pair_columns[p * ld + at] = -1;
         at += h->terms;
     }
-
-    /* y = measured - predicted + what the columns already explain, so that solutions are totals. */
-    for (int i = 0; i < m->n; i++) {
-        double y[6] = {0};
-        double *X = m->columns + (size_t)i * (size_t)d * (size_t)ld;
-        const int row = m->order[i];
-        if (m->data->socket[row] < 0) {
-            pose_residual(y, m, row, m->tip + 3 * i, m->tip_frame + 9 * i);
-        } else {
-            for (int c = 0; c < 3; c++) y[c] = -m->tip[3 * i + c];
-        }
-        for (int c = 0; c < d; c++) {
-            double sum = y[c];
-            for (int k = 0; k < m->n_geometry; k++) sum += X[c * ld + k] * m->theta[k];
-            int column = m->n_geometry;
-            for (int e = 0; e < m->n_causes; e++) {
-                const gap_hypothesis *h = &m->cause[e].hypothesis;
-                /* A socket's fault moves the socket, not the arm: tip does not hold it. */
-                for (int t = 0; h->basis && h->kind != GAP_STRETCH && t < h->terms; t++)
-                    sum += X[c * ld + column + t] * m->cause[e].coefficient[t];
-                column += h->terms;
-            }
-            X[c * ld + used] = sum;
-        }
-    }
+    fill_y(linear, recording, u);
 }

@@ -6,9 +6,9 @@
 
 #define HALF_WAVE 0.70710678118654752440 /* rms of a sine */
 
-enum { CHUNK = GAP_MAX_TERMS }; /* orders scanned together: two columns each */
+enum { CHUNK = MUKCA_MAX_COLUMNS }; /* orders scanned together: two columns each */
 
-double gap_order_log_prior(int order)
+double mukca_ripple_log_prior(int order)
 {
     /* Ratios of strain wave and cycloidal gears in cobots, their doubles (two lobes a turn), and
      * encoder line counts that alias onto low orders. */
@@ -22,22 +22,24 @@ double gap_order_log_prior(int order)
     return log(p);
 }
 
-void gap_harmonic_scan(double *value, const gap_joint_view *view, double *mean, double *waves)
+void mukca_ripple_scan(double *value, const mukca_joint_view *view, double *mean, double *waves)
 {
-    const gap_projector *p = view->p;
-    const gap_model *m = p->m;
-    const int n = p->n, n_joints = m->chain->n_joints, rows = m->n;
+    const mukca_projector *p = view->p;
+    const mukca_regression *m = p->m;
+    const int n = p->n, n_joints = m->recording.chain->n_joints, rows = m->recording.n_samples;
     double *sine = waves, *cosine = sine + rows, *s1 = cosine + rows, *c1 = s1 + rows;
-    const gap_hypothesis h = {.kind = GAP_EFFECT,
-                              .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = view->joint},
-                              .terms = 2,
-                              .unit = {HALF_WAVE, HALF_WAVE}};
+    const mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
+                               .joint = view->joint,
+                               .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC},
+                               .terms = 2,
+                               .unit = {HALF_WAVE, HALF_WAVE}};
     for (int i = 0; i < rows; i++) {
-        const double q = m->data->q[m->order[i] * n_joints + view->joint];
+        const double q = m->recording.data->q[m->recording.order[i] * n_joints + view->joint];
         s1[i] = sine[i] = sin(q), c1[i] = cosine[i] = cos(q);
     }
-    for (int start = 2; start <= GAP_LAST_ORDER; start += CHUNK) {
-        const int count = GAP_LAST_ORDER + 1 - start < CHUNK ? GAP_LAST_ORDER + 1 - start : CHUNK;
+    for (int start = 2; start <= MUKCA_RIPPLE_ORDERS; start += CHUNK) {
+        const int count =
+            MUKCA_RIPPLE_ORDERS + 1 - start < CHUNK ? MUKCA_RIPPLE_ORDERS + 1 - start : CHUNK;
         const int width = 2 * count;
         double g[2 * CHUNK], same[2 * CHUNK] = {0}, cross[CHUNK] = {0};
         double lost[2 * CHUNK] = {0}, lost_cross[CHUNK] = {0};
@@ -51,7 +53,7 @@ void gap_harmonic_scan(double *value, const gap_joint_view *view, double *mean, 
             }
             sine[i] = s, cosine[i] = c;
         }
-        gap_joint_view_project(g, mean, view, width);
+        mukca_joint_view_project(g, mean, view, width);
         for (int i = 0; i < rows; i++) {
             const double *f = view->F + (size_t)i * (size_t)width;
             const double *x = view->H + (size_t)i * (size_t)width;
@@ -59,20 +61,20 @@ void gap_harmonic_scan(double *value, const gap_joint_view *view, double *mean, 
             for (int o = 0; o < count; o++)
                 cross[o] += 0.5 * (x[2 * o] * f[2 * o + 1] + x[2 * o + 1] * f[2 * o]);
         }
-        for (int e = 0; e < m->n_groups; e++)
-            for (int c = 0; c < 3 && m->groups[e].socket >= 0; c++) {
+        for (int e = 0; e < m->recording.n_groups; e++)
+            for (int c = 0; c < 3 && m->recording.groups[e].socket >= 0; c++) {
                 const double *x = mean + (3 * e + c) * width;
                 for (int k = 0; k < width; k++) same[k] -= p->weights[e] * x[k] * x[k];
                 for (int o = 0; o < count; o++) cross[o] -= p->weights[e] * x[2 * o] * x[2 * o + 1];
             }
-        for (int r = 0; r < m->n_pairs; r++) {
-            const gap_pair *pair = &m->pairs[r];
+        for (int r = 0; r < m->recording.n_pairs; r++) {
+            const mukca_socket_pair *pair = &m->recording.pairs[r];
             const double w = p->inverse[r] / p->precision;
             double along[2 * CHUNK] = {0};
             for (int c = 0; c < 3; c++)
                 for (int k = 0; k < width; k++)
-                    along[k] += pair->direction[c] * (mean[(3 * pair->a + c) * width + k] -
-                                                      mean[(3 * pair->b + c) * width + k]);
+                    along[k] += m->linear.direction[r][c] * (mean[(3 * pair->a + c) * width + k] -
+                                                             mean[(3 * pair->b + c) * width + k]);
             for (int k = 0; k < width; k++) same[k] += w * along[k] * along[k];
             for (int o = 0; o < count; o++) cross[o] += w * along[2 * o] * along[2 * o + 1];
         }
@@ -87,7 +89,7 @@ void gap_harmonic_scan(double *value, const gap_joint_view *view, double *mean, 
                            p->precision * same[2 * o + 1] - lost[2 * o + 1]};
             double gradient[2] = {g[2 * o], g[2 * o + 1]};
             value[start + o] =
-                gap_block_log_bayes(G, gradient, &h, p->residual, p->pack->dof, NULL);
+                mukca_projector_block(G, gradient, &h, p->residual, p->normal->dof, NULL);
         }
     }
 }

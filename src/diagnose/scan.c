@@ -8,82 +8,80 @@
 #include "diagnose/ripple.h"
 #include "math/dense.h"
 
-const gap_hypothesis *gap_scan_hypothesis(const gap_scan *scan, int index)
+const mukca_candidate *mukca_scan_hypothesis(const mukca_scan *scan, int index)
 {
     return index < scan->all->count ? &scan->all->list[index]
                                     : &scan->harmonic[index - scan->all->count];
 }
 
 /* The best orders of each joint join the candidates. */
-static void pick_harmonics(gap_scan *scan, const gap_joint_view *view, double *mean)
+static void pick_harmonics(mukca_scan *scan, const mukca_joint_view *view, double *mean)
 {
-    const gap_model *m = view->p->m;
-    const int n_joints = m->chain->n_joints, j = view->joint;
-    double value[GAP_LAST_ORDER + 1], lo = HUGE_VAL, hi = -HUGE_VAL;
-    const mukca_element *element = &m->chain->element[m->chain->joint_element[j]];
-    for (int i = 0; i < m->n; i++) {
-        lo = fmin(lo, m->data->q[m->order[i] * n_joints + j]);
-        hi = fmax(hi, m->data->q[m->order[i] * n_joints + j]);
+    const mukca_regression *m = view->p->m;
+    const int n_joints = m->recording.chain->n_joints, j = view->joint;
+    double value[MUKCA_RIPPLE_ORDERS + 1], lo = HUGE_VAL, hi = -HUGE_VAL;
+    const mukca_element *element =
+        &m->recording.chain->element[m->recording.chain->joint_element[j]];
+    for (int i = 0; i < m->recording.n_samples; i++) {
+        lo = fmin(lo, m->recording.data->q[m->recording.order[i] * n_joints + j]);
+        hi = fmax(hi, m->recording.data->q[m->recording.order[i] * n_joints + j]);
     }
     if (element->type == MUKCA_PRISMATIC || hi - lo < 1e-2) return;
-    gap_harmonic_scan(value, view, mean, view->p->white);
-    for (int order = 2; order <= GAP_LAST_ORDER; order++)
-        value[order] += gap_order_log_prior(order);
-    for (int k = 0; k < GAP_HARMONICS_KEPT; k++) {
+    mukca_ripple_scan(value, view, mean, view->p->white);
+    for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
+        value[order] += mukca_ripple_log_prior(order);
+    for (int k = 0; k < MUKCA_RIPPLE_KEPT; k++) {
         int best = 2, known = 0, of_joint = 0;
-        for (int order = 3; order <= GAP_LAST_ORDER; order++)
+        for (int order = 3; order <= MUKCA_RIPPLE_ORDERS; order++)
             if (value[order] > value[best]) best = order;
         for (int i = 0; i < scan->n_harmonic; i++) {
-            const mukca_effect *e = &scan->harmonic[i].effect;
-            known |= e->joint == j && e->variant == best;
+            const mukca_candidate *e = &scan->harmonic[i];
+            known |= e->joint == j && e->effect.variant == best;
             of_joint += e->joint == j;
         }
         value[best] = -HUGE_VAL;
-        if (known || of_joint == GAP_HARMONICS_MOST) continue;
-        gap_hypothesis *h = &scan->harmonic[scan->n_harmonic];
-        *h = (gap_hypothesis){
-            .kind = GAP_EFFECT,
+        if (known || of_joint == MUKCA_RIPPLE_MOST) continue;
+        mukca_candidate *h = &scan->harmonic[scan->n_harmonic];
+        *h = (mukca_candidate){
+            .kind = MUKCA_CANDIDATE_EFFECT,
+            .joint = j,
+            .placement = -1,
             .effect = {
                 .kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = j, .placement = -1, .variant = best}};
-        if (!gap_hypothesis_prepare(h, &scan->pool, m)) continue;
-        h->log_prior = gap_order_log_prior(best) - log(n_joints) - log(scan->all->classes);
+        if (!mukca_candidate_prepare(h, &scan->pool, &m->recording)) continue;
+        h->log_prior = mukca_ripple_log_prior(best) - log(n_joints) - log(scan->all->classes);
         scan->n_harmonic++;
     }
 }
 
-static bool turns_joint(const gap_hypothesis *h)
-{
-    return h->basis && h->width == 1 &&
-           (h->kind == GAP_BUMPS ||
-            (h->kind == GAP_EFFECT && mukca_effect_table[h->effect.kind].site == MUKCA_SITE_ANGLE));
-}
-
 /* Score those functions of one joint's angle that `wanted` marks, several in one product. */
-static void score_angles(double *value, double *information, gap_scan *scan,
-                         const gap_joint_view *view, const unsigned char *wanted, double *mean)
+static void score_angles(double *value, double *information, mukca_scan *scan,
+                         const mukca_joint_view *view, const unsigned char *wanted, double *mean)
 {
-    const gap_projector *p = view->p;
-    const gap_model *m = p->m;
-    double G[GAP_MAX_TERMS * GAP_MAX_TERMS], g[2 * GAP_MAX_TERMS];
-    int batch[2 * GAP_MAX_TERMS], at[2 * GAP_MAX_TERMS], n = 0, width = 0;
+    const mukca_projector *p = view->p;
+    const mukca_regression *m = p->m;
+    double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[2 * MUKCA_MAX_COLUMNS];
+    int batch[2 * MUKCA_MAX_COLUMNS], at[2 * MUKCA_MAX_COLUMNS], n = 0, width = 0;
     for (int k = 0; k <= scan->n_scores; k++) {
-        const gap_hypothesis *h = k < scan->n_scores ? gap_scan_hypothesis(scan, k) : NULL;
-        if (h && (!wanted[k] || !turns_joint(h) || h->effect.joint != view->joint)) continue;
-        if (n && (!h || width + h->terms > 2 * GAP_MAX_TERMS)) {
+        const mukca_candidate *h = k < scan->n_scores ? mukca_scan_hypothesis(scan, k) : NULL;
+        if (h && (!wanted[k] || !mukca_candidate_turns_joint(h) || h->joint != view->joint))
+            continue;
+        if (n && (!h || width + h->terms > 2 * MUKCA_MAX_COLUMNS)) {
             for (int b = 0; b < n; b++) {
-                const gap_hypothesis *x = gap_scan_hypothesis(scan, batch[b]);
-                for (int i = 0; i < m->n; i++) {
-                    const float *basis = x->basis + (size_t)m->order[i] * (size_t)x->terms;
+                const mukca_candidate *x = mukca_scan_hypothesis(scan, batch[b]);
+                for (int i = 0; i < m->recording.n_samples; i++) {
+                    const float *basis =
+                        x->basis + (size_t)m->recording.order[i] * (size_t)x->terms;
                     double *f = view->F + (size_t)i * (size_t)width + at[b];
                     for (int t = 0; t < x->terms; t++) f[t] = (double)basis[t];
                 }
             }
-            gap_joint_view_project(g, mean, view, width);
+            mukca_joint_view_project(g, mean, view, width);
             for (int b = 0; b < n; b++) {
-                const gap_hypothesis *x = gap_scan_hypothesis(scan, batch[b]);
-                gap_joint_view_gram(G, view, mean, width, at[b], x->terms);
-                value[batch[b]] = gap_block_log_bayes(G, g + at[b], x, p->residual, p->pack->dof,
-                                                      &information[batch[b]]);
+                const mukca_candidate *x = mukca_scan_hypothesis(scan, batch[b]);
+                mukca_joint_view_gram(G, view, mean, width, at[b], x->terms);
+                value[batch[b]] = mukca_projector_block(G, g + at[b], x, p->residual,
+                                                        p->normal->dof, &information[batch[b]]);
             }
             n = width = 0;
         }
@@ -94,33 +92,30 @@ static void score_angles(double *value, double *information, gap_scan *scan,
 }
 
 /* Prior sigmas with one cause taken out: a prior of width 0 does that. */
-static void leave_out(gap_model *m, int without)
+static void leave_out(mukca_regression *m, int without)
 {
-    gap_model_prior(m->prior, m, -1);
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     if (without < 0) return;
-    int column = m->n_geometry;
-    for (int c = 0; c < without; c++) column += m->cause[c].hypothesis.terms;
-    for (int t = 0; t < m->cause[without].hypothesis.terms; t++) m->prior[column + t] = 0;
+    memset(m->evidence.prior + mukca_unknowns_column(&m->unknowns, without), 0,
+           sizeof *m->evidence.prior * (size_t)m->unknowns.cause[without].candidate.terms);
 }
 
 /* Odds that make a candidate a contender for the place of an accepted cause. */
 #define NEAR_THE_FRONT (-3.0F)
 
 /* The same effect at the same joint, placement or socket. */
-static bool kin(const gap_hypothesis *a, const gap_hypothesis *b)
+static bool kin(const mukca_candidate *a, const mukca_candidate *b)
 {
-    return gap_hypothesis_class(a) == gap_hypothesis_class(b) &&
-           a->effect.joint == b->effect.joint && a->effect.placement == b->effect.placement &&
-           a->kind != GAP_SPIKE;
+    return mukca_candidate_class(a) == mukca_candidate_class(b) && a->joint == b->joint &&
+           a->placement == b->placement && a->kind != MUKCA_CANDIDATE_OUTLIER;
 }
 
-static bool contends(const gap_scan *scan, int index, const gap_cause *cause, int capacity)
+static bool contends(const mukca_scan *scan, int index, const mukca_accepted *cause, int capacity)
 {
-    const gap_hypothesis *h = gap_scan_hypothesis(scan, index), *own = &cause->hypothesis;
-    if (own->kind == GAP_SPIKE)
-        return h->kind == GAP_SPIKE && h->row == own->row && h->last == own->last;
+    const mukca_candidate *h = mukca_scan_hypothesis(scan, index), *own = &cause->candidate;
+    if (own->kind == MUKCA_CANDIDATE_OUTLIER) return mukca_candidate_same(h, own);
     if (kin(h, own)) return true;
-    for (int step = cause->step; step < scan->steps && step < GAP_STEPS; step++)
+    for (int step = cause->step; step < scan->steps && step < MUKCA_SCAN_STEPS; step++)
         if (scan->seen[step * capacity + index] > NEAR_THE_FRONT) return true;
     return false;
 }
@@ -132,65 +127,68 @@ static bool worth_averaging(double log_bayes, double log_prior, double most)
     return log_bayes + log_prior > -4.0 || log_bayes > fmax(0.25 * most, 4.0);
 }
 
-void gap_scan_run(gap_scan *scan, gap_model *m, int without, gap_scan_extent extent)
+void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent)
 {
-    gap_projector p = gap_projector_lay_out(m, scan->memory);
-    double *view_memory = scan->memory + gap_projector_size(m);
-    double *mean = view_memory + gap_joint_view_size(m);
-    double value[GAP_RHOS], sigma[GAP_RHOS], most = -HUGE_VAL;
-    int order[GAP_RHOS] = {0, 1, 2};
+    mukca_projector p = mukca_projector_lay_out(m, scan->memory);
+    double *view_memory = scan->memory + mukca_projector_size(m);
+    double *mean = view_memory + mukca_joint_view_size(m);
+    double value[MUKCA_RHOS], sigma[MUKCA_RHOS], most = -HUGE_VAL;
+    int order[MUKCA_RHOS] = {0, 1, 2};
     leave_out(m, without);
-    for (int i = 0; i < GAP_RHOS; i++) {
-        gap_model_pack(&m->pack[i], m, gap_rho[i]);
-        sigma[i] = gap_model_best_sigma(m, &m->pack[i], m->prior, &value[i]);
+    for (int i = 0; i < MUKCA_RHOS; i++) {
+        mukca_regression_collect(m, i);
+        sigma[i] = mukca_evidence_noise(&m->evidence, &m->evidence.normal[i], m->unknowns.sigma,
+                                        &value[i]);
         if (without >= 0) { /* the noise is what the full model leaves, not what the hole adds */
-            sigma[i] = fmin(sigma[i], 1.15 * m->sigma);
-            value[i] = gap_model_evidence(m, &m->pack[i], m->prior, sigma[i], NULL);
+            sigma[i] = fmin(sigma[i], 1.15 * m->unknowns.sigma);
+            value[i] =
+                mukca_evidence_evaluate(&m->evidence, &m->evidence.normal[i], sigma[i], NULL);
         }
     }
-    for (int i = 1; i < GAP_RHOS; i++) /* best rho first: the harmonics are picked there */
+    for (int i = 1; i < MUKCA_RHOS; i++) /* best rho first: the harmonics are picked there */
         if (value[i] > value[order[0]]) order[i] = order[0], order[0] = i;
 
     double first = -HUGE_VAL; /* evidence of the rhos averaged so far */
-    const int step = scan->steps < GAP_STEPS ? scan->steps : GAP_STEPS - 1;
-    const int capacity = scan->all->count + m->chain->n_joints * GAP_HARMONICS_MOST;
+    const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
+    const int capacity = scan->all->count + m->recording.chain->n_joints * MUKCA_RIPPLE_MOST;
     memset(scan->wanted, 1, (size_t)capacity);
     scan->n_scores = scan->all->count + scan->n_harmonic;
-    for (int k = 0; extent == GAP_SCAN_CONTENDERS && k < scan->n_scores; k++)
-        scan->wanted[k] = contends(scan, k, &m->cause[without], capacity);
+    for (int k = 0; extent == MUKCA_SCAN_CONTENDERS && k < scan->n_scores; k++)
+        scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without], capacity);
     for (int k = 0; k < scan->n_scores; k++)
-        scan->score[k] = (gap_score){k, -HUGE_VAL, -HUGE_VAL, 0};
-    for (int i = 0; i < GAP_RHOS; i++) {
+        scan->score[k] = (mukca_score){k, -HUGE_VAL, -HUGE_VAL, 0};
+    for (int i = 0; i < MUKCA_RHOS; i++) {
         const int which = order[i];
         if (i && value[which] < value[order[0]] - 15 - 0.25 * fmax(most, 0)) continue;
-        gap_projector_aim(&p, &m->pack[which], sigma[which]);
+        mukca_projector_aim(&p, &m->evidence.normal[which], sigma[which]);
         if (i == 0) scan->rho = which, scan->sigma = sigma[which];
-        for (int j = 0; j < m->chain->n_joints; j++) {
-            const gap_joint_view view = gap_joint_view_aim(&p, j, view_memory);
-            if (i == 0 && scan->all->harmonics && extent == GAP_SCAN_ALL)
+        for (int j = 0; j < m->recording.chain->n_joints; j++) {
+            const mukca_joint_view view = mukca_joint_view_aim(&p, j, view_memory);
+            if (i == 0 && scan->all->harmonics && extent == MUKCA_SCAN_ALL)
                 pick_harmonics(scan, &view, mean);
             scan->n_scores = scan->all->count + scan->n_harmonic;
             score_angles(scan->value, scan->information, scan, &view, scan->wanted, mean);
         }
         for (int k = 0; k < scan->n_scores; k++) {
-            const gap_hypothesis *h = gap_scan_hypothesis(scan, k);
-            if (!scan->wanted[k] || turns_joint(h)) continue;
-            const bool fault = h->kind == GAP_STEP || h->kind == GAP_CREEP || h->kind == GAP_SPIKE;
-            if (fault && (!m->groups[h->group].count || !m->keep[h->row]))
+            const mukca_candidate *h = mukca_scan_hypothesis(scan, k);
+            if (!scan->wanted[k] || mukca_candidate_turns_joint(h)) continue;
+            const bool fault = mukca_candidate_is_fault(h);
+            if (fault &&
+                (!m->recording.groups[h->fault.group].count || !m->recording.keep[h->fault.first]))
                 scan->value[k] = -HUGE_VAL;
             else if (fault)
-                scan->value[k] = gap_fault_log_bayes(&p, h, &scan->information[k]);
+                scan->value[k] = mukca_projector_fault(&p, h, &scan->information[k]);
             else
-                scan->value[k] = gap_field_log_bayes(&p, h, &scan->information[k]);
+                scan->value[k] = mukca_projector_field(&p, h, &scan->information[k]);
         }
         /* Running average over rho, weighted by the evidence of the model scanned against. */
         const double hi = fmax(first, value[which]);
         const double old_share = exp(first - hi) / (exp(first - hi) + exp(value[which] - hi));
         for (int k = 0; k < scan->n_scores; k++) {
-            gap_score *score = &scan->score[k];
+            mukca_score *score = &scan->score[k];
             if (!scan->wanted[k]) continue;
             if (i == 0) {
-                *score = (gap_score){k, scan->value[k], 0, scan->information[k]};
+                *score = (mukca_score){k, scan->value[k], 0, scan->information[k]};
                 most = fmax(most, scan->value[k]);
             } else if (scan->value[k] > -HUGE_VAL) {
                 const double a = score->log_bayes + log(fmax(old_share, 1e-300));
@@ -201,38 +199,32 @@ void gap_scan_run(gap_scan *scan, gap_model *m, int without, gap_scan_extent ext
         first = hi + log(exp(first - hi) + exp(value[which] - hi));
         for (int k = 0; i == 0 && k < scan->n_scores; k++)
             scan->wanted[k] =
-                worth_averaging(scan->value[k], gap_scan_hypothesis(scan, k)->log_prior, most);
+                worth_averaging(scan->value[k], mukca_scan_hypothesis(scan, k)->log_prior, most);
     }
     for (int k = 0; k < scan->n_scores; k++) {
-        gap_score *score = &scan->score[k];
-        score->log_odds = score->log_bayes + gap_scan_hypothesis(scan, k)->log_prior;
+        mukca_score *score = &scan->score[k];
+        score->log_odds = score->log_bayes + mukca_scan_hypothesis(scan, k)->log_prior;
         if (without < 0) scan->seen[step * capacity + k] = (float)score->log_odds;
     }
     if (without < 0) scan->steps++;
 }
 
-/* Columns that stand for a hypothesis when two are compared: elastic ones by their sum of masses.
- */
-static int own_terms(const gap_hypothesis *h)
+double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
+                              const mukca_candidate *a, const mukca_candidate *b)
 {
-    return h->kind == GAP_EFFECT && h->basis ? mukca_effect_terms(h->effect.kind, h->effect.variant)
-                                             : h->terms;
-}
-
-double gap_scan_correlation(gap_scan *scan, gap_model *m, int without, const gap_hypothesis *a,
-                            const gap_hypothesis *b)
-{
-    enum { MOST = GAP_MAX_TERMS };
+    enum { MOST = MUKCA_MAX_COLUMNS };
     double G[MOST * MOST], g[MOST], block[3][MOST * MOST], s[MOST];
-    const int k = a->terms + b->terms, ka = own_terms(a), kb = own_terms(b);
-    if (k > MOST || a->kind == GAP_DISTANCE || b->kind == GAP_DISTANCE) return NAN;
-    gap_projector p = gap_projector_lay_out(m, scan->memory);
+    const int k = a->terms + b->terms, ka = mukca_candidate_own_terms(a),
+              kb = mukca_candidate_own_terms(b);
+    if (k > MOST || a->kind == MUKCA_CANDIDATE_DISTANCE || b->kind == MUKCA_CANDIDATE_DISTANCE)
+        return NAN;
+    mukca_projector p = mukca_projector_lay_out(m, scan->memory);
     leave_out(m, without);
-    gap_model_pack(&m->pack[scan->rho], m, gap_rho[scan->rho]);
-    gap_projector_aim(&p, &m->pack[scan->rho], scan->sigma);
-    gap_hypothesis_columns(p.E, k, m, a);
-    gap_hypothesis_columns(p.E + a->terms, k, m, b);
-    gap_project(G, g, &p, p.E, k, a);
+    mukca_regression_collect(m, scan->rho);
+    mukca_projector_aim(&p, &m->evidence.normal[scan->rho], scan->sigma);
+    mukca_linearisation_columns(p.E, k, &m->linear, &m->recording, a);
+    mukca_linearisation_columns(p.E + a->terms, k, &m->linear, &m->recording, b);
+    mukca_projector_project(G, g, &p, p.E, k, a);
     for (int i = 0; i < ka; i++)
         for (int j = 0; j < ka; j++) block[0][i * ka + j] = G[i * k + j];
     for (int i = 0; i < kb; i++)
@@ -256,29 +248,31 @@ double gap_scan_correlation(gap_scan *scan, gap_model *m, int without, const gap
     return fmin(s[0], 1);
 }
 
-mukca_status gap_scan_create(gap_scan *scan, gap_hypotheses *all, const gap_model *m,
-                             mukca_error *error)
+mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mukca_regression *m,
+                               mukca_error *error)
 {
-    const int harmonics = m->chain->n_joints * GAP_HARMONICS_MOST, most = all->count + harmonics;
+    const int harmonics = m->recording.chain->n_joints * MUKCA_RIPPLE_MOST,
+              most = all->count + harmonics;
     memset(scan, 0, sizeof *scan);
     scan->all = all;
-    scan->harmonic = MUKCA_TAKE(&scan->pool, gap_hypothesis, harmonics);
-    scan->score = MUKCA_TAKE(&scan->pool, gap_score, most);
-    scan->seen = MUKCA_TAKE(&scan->pool, float, (size_t)most *GAP_STEPS);
+    scan->harmonic = MUKCA_TAKE(&scan->pool, mukca_candidate, harmonics);
+    scan->score = MUKCA_TAKE(&scan->pool, mukca_score, most);
+    scan->seen = MUKCA_TAKE(&scan->pool, float, (size_t)most *MUKCA_SCAN_STEPS);
     scan->wanted = MUKCA_TAKE(&scan->pool, unsigned char, most);
     scan->value = MUKCA_TAKE(&scan->pool, double, most);
     scan->information = MUKCA_TAKE(&scan->pool, double, most);
-    scan->memory = MUKCA_TAKE(&scan->pool, double,
-                              gap_projector_size(m) + gap_joint_view_size(m) +
-                                  (size_t)(m->data->n_sockets + 1) * 6 * GAP_MAX_TERMS);
-    for (int k = 0; scan->seen && k < most * GAP_STEPS; k++) scan->seen[k] = -HUGE_VALF;
+    scan->memory =
+        MUKCA_TAKE(&scan->pool, double,
+                   mukca_projector_size(m) + mukca_joint_view_size(m) +
+                       (size_t)(m->recording.data->n_sockets + 1) * 6 * MUKCA_MAX_COLUMNS);
+    for (int k = 0; scan->seen && k < most * MUKCA_SCAN_STEPS; k++) scan->seen[k] = -HUGE_VALF;
     if (!scan->pool.failed) return MUKCA_OK;
-    gap_scan_free(scan);
+    mukca_scan_free(scan);
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",
                       all->count);
 }
 
-void gap_scan_free(gap_scan *scan)
+void mukca_scan_free(mukca_scan *scan)
 {
     mukca_pool_free(&scan->pool);
     memset(scan, 0, sizeof *scan);

@@ -3,6 +3,7 @@
 #define MUKCA_DIAGNOSE_SCAN_H
 
 #include "diagnose/candidates.h"
+#include "diagnose/regression.h"
 
 typedef struct {
     int index;        /* of the hypothesis in the list; harmonics found by the scan follow it */
@@ -10,30 +11,30 @@ typedef struct {
     double log_odds;  /* with its prior */
     double
         information; /* largest eigenvalue of its projected Gram matrix in units (bound), 1/rad^2 */
-} gap_score;
+} mukca_score;
 
 enum {
-    GAP_HARMONICS_KEPT = 8, /* best orders of a joint that one scan of all orders adds */
-    GAP_HARMONICS_MOST = 24 /* orders of a joint that are scored as candidates */
+    MUKCA_RIPPLE_KEPT = 8, /* best orders of a joint that one scan of all orders adds */
+    MUKCA_RIPPLE_MOST = 24 /* orders of a joint that are scored as candidates */
 };
 
-enum { GAP_STEPS = 48 }; /* runs that are remembered; later ones count for the last */
+enum { MUKCA_SCAN_STEPS = 48 }; /* runs that are remembered; later ones count for the last */
 
 /* How much of the list a run scores. */
 typedef enum {
-    GAP_SCAN_ALL,       /* everything, all orders of gear ripple included */
-    GAP_SCAN_LISTED,    /* the list, and the orders that a scan of all has found worth it */
-    GAP_SCAN_CONTENDERS /* what came near the front since the cause that is left out was accepted,
+    MUKCA_SCAN_ALL,       /* everything, all orders of gear ripple included */
+    MUKCA_SCAN_LISTED,    /* the list, and the orders that a scan of all has found worth it */
+    MUKCA_SCAN_CONTENDERS /* what came near the front since the cause that is left out was accepted,
                             and its kin; of a single bad row only itself */
-} gap_scan_extent;
+} mukca_scan_extent;
 
 typedef struct {
-    gap_hypotheses *all;
-    gap_hypothesis *harmonic; /* [n_joints * GAP_HARMONICS_MOST], in the order they were found */
+    mukca_candidates *all;
+    mukca_candidate *harmonic; /* [n_joints * MUKCA_RIPPLE_MOST], in the order they were found */
     int n_harmonic;
-    float *seen;      /* [GAP_STEPS][scores] log odds in each run against the whole model */
-    int steps;        /* such runs so far */
-    gap_score *score; /* [all->count + harmonics], unsorted */
+    float *seen; /* [MUKCA_SCAN_STEPS][scores] log odds in each run against the whole model */
+    int steps;   /* such runs so far */
+    mukca_score *score; /* [all->count + harmonics], unsorted */
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
     double sigma;
@@ -41,24 +42,24 @@ typedef struct {
     double *value, *information; /* [scores] scratch: at one rho */
     double *memory;
     mukca_pool pool;
-} gap_scan;
+} mukca_scan;
 
 /* Room for scans over that list.  Errors: MUKCA_MEMORY. */
-mukca_status gap_scan_create(gap_scan *scan, gap_hypotheses *all, const gap_model *m,
-                             mukca_error *error);
-void gap_scan_free(gap_scan *scan);
+mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mukca_regression *m,
+                               mukca_error *error);
+void mukca_scan_free(mukca_scan *scan);
 
 /* Hypothesis behind a score. */
-const gap_hypothesis *gap_scan_hypothesis(const gap_scan *scan, int index);
+const mukca_candidate *mukca_scan_hypothesis(const mukca_scan *scan, int index);
 
 /* Score all candidates against the fitted, linearised model; `without` >= 0 leaves that cause out
  * first, so that its score is what the data say of it. */
-void gap_scan_run(gap_scan *scan, gap_model *m, int without, gap_scan_extent extent);
+void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent);
 
 /* Largest canonical correlation of two hypotheses, after geometry and the other causes are
  * projected out, in the state of the last run with the same `without`; NaN where it cannot be told.
  */
-double gap_scan_correlation(gap_scan *scan, gap_model *m, int without, const gap_hypothesis *a,
-                            const gap_hypothesis *b);
+double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
+                              const mukca_candidate *a, const mukca_candidate *b);
 
 #endif

@@ -4,18 +4,18 @@
 #define MUKCA_DIAGNOSE_SCREENING_H
 
 #include "diagnose/diagnose.h"
-#include "diagnose/model.h"
+#include "diagnose/regression.h"
 
 /* Append a fault (dropped silently when the table is full). */
-void gap_fault_add(mukca_diagnosis *diagnosis, const gap_model *m, mukca_fault_kind kind, int row,
-                   double size_m);
+void mukca_screening_add(mukca_diagnosis *diagnosis, const mukca_regression *m,
+                         mukca_fault_kind kind, int row, double size_m);
 
-/* Find wrong labels, wild rows and duplicates; the first two leave m->keep.  Fits a robust geometry
- * on the way (m->theta) and leaves the rows regrouped. */
-void gap_screen(mukca_diagnosis *diagnosis, gap_model *m);
+/* Find wrong labels, wild rows and duplicates; the first two leave m->recording.keep.  Fits a
+ * robust geometry on the way (m->unknowns.theta) and leaves the rows regrouped. */
+void mukca_screening_run(mukca_diagnosis *diagnosis, mukca_regression *m);
 
 /* Rows that were cut as outliers or mislabelled and that the present model explains after all come
  * back; returns how many. */
-int gap_reinstate(mukca_diagnosis *diagnosis, gap_model *m);
+int mukca_screening_reinstate(mukca_diagnosis *diagnosis, mukca_regression *m);
 
 #endif

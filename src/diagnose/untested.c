@@ -26,11 +26,12 @@ static double span(const double *x, int rows, int n, int j)
     return rows ? hi - lo : 0;
 }
 
-static const char *reason(int kind, const gap_model *m, int joint)
+static const char *reason(int kind, const mukca_recording *recording, int joint)
 {
-    const int n = m->chain->n_joints, rows = m->data->n_rows;
+    const int n = recording->chain->n_joints, rows = recording->data->n_rows;
     double most = 0;
-    for (int row = 0; row < rows; row++) most = fmax(most, fabs(m->total_torque[row * n + joint]));
+    for (int row = 0; row < rows; row++)
+        most = fmax(most, fabs(recording->total_torque[row * n + joint]));
     switch (kind) {
         case MUKCA_EFFECT_JOINT_COMPLIANCE:
         case MUKCA_EFFECT_BACKLASH:
@@ -41,13 +42,13 @@ static const char *reason(int kind, const gap_model *m, int joint)
         case MUKCA_EFFECT_JOINT_COUPLING:
             return "no neighbour of it moved: record poses that turn them";
         default:
-            return span(m->data->q, rows, n, joint) < 1e-3
+            return span(recording->data->q, rows, n, joint) < 1e-3
                        ? "it did not move: record poses that turn it"
                        : "these rows hold nothing that tells of it";
     }
 }
 
-const char *gap_untested_faint(int kind, int joint)
+const char *mukca_untested_faint(int kind, int joint)
 {
     if (kind == MUKCA_EFFECT_ZERO_JUMP && joint == 0)
         return "turns the whole placement, sockets and all: only a tracker can see it";
@@ -55,7 +56,8 @@ const char *gap_untested_faint(int kind, int joint)
     return "hardly moves the ball in these poses: turn it further, or mount the ball off its axis";
 }
 
-void gap_untested_add(mukca_diagnosis *d, const gap_model *m, const gap_hypotheses *all)
+void mukca_untested_add(mukca_diagnosis *d, const mukca_recording *recording,
+                        const mukca_candidates *all)
 {
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
         const mukca_effect_site site = mukca_effect_table[kind].site;
@@ -68,35 +70,37 @@ void gap_untested_add(mukca_diagnosis *d, const gap_model *m, const gap_hypothes
             add(d, kind, -1, "left out on request");
             continue;
         }
-        for (int j = 0; j < m->chain->n_joints; j++) {
+        for (int j = 0; j < recording->chain->n_joints; j++) {
             const bool slides =
-                m->chain->element[m->chain->joint_element[j]].type == MUKCA_PRISMATIC;
+                recording->chain->element[recording->chain->joint_element[j]].type ==
+                MUKCA_PRISMATIC;
             bool listed = slides && (site == MUKCA_SITE_ROTATION ||
                                      kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
                                      kind == MUKCA_EFFECT_GEAR_HARMONIC);
             for (int t = 0; t < d->n_tested && !listed; t++)
                 listed = (int)d->tested[t].effect == kind && d->tested[t].joint == j;
-            if (!listed) add(d, kind, j, reason(kind, m, j));
+            if (!listed) add(d, kind, j, reason(kind, recording, j));
         }
     }
 }
 
-int gap_distinct_rows(const gap_model *m)
+int mukca_untested_distinct(const mukca_recording *recording)
 {
-    const int n = m->chain->n_joints;
+    const int n = recording->chain->n_joints;
     int distinct = 0;
-    for (int g = 0; g < m->n_groups; g++)
-        for (int i = 0; i < m->groups[g].count; i++) {
-            const int *row = m->order + m->groups[g].start + i;
+    for (int g = 0; g < recording->n_groups; g++)
+        for (int i = 0; i < recording->groups[g].count; i++) {
+            const int *row = recording->order + recording->groups[g].start + i;
             double most = i ? 0 : HUGE_VAL;
             for (int j = 0; i && j < n; j++)
-                most = fmax(most, fabs(m->data->q[row[0] * n + j] - m->data->q[row[-1] * n + j]));
+                most = fmax(most, fabs(recording->data->q[row[0] * n + j] -
+                                       recording->data->q[row[-1] * n + j]));
             distinct += most > 1e-5;
         }
     return distinct;
 }
 
-void gap_untested_all(mukca_diagnosis *d, const char *why)
+void mukca_untested_all(mukca_diagnosis *d, const char *why)
 {
     d->verdict = MUKCA_VERDICT_UNTESTABLE;
     d->why = why;

@@ -17,28 +17,28 @@
 
 /* Elastic causes were fitted with one factor per mass, and are told as the one coefficient that
  * does most nearly the same to the recorded rows: sum of weight[t] coefficient[t]. */
-static void load_weights(double *weight, const gap_model *m, const gap_hypothesis *h)
+static void load_weights(double *weight, const mukca_regression *m, const mukca_candidate *h)
 {
-    memset(weight, 0, sizeof *weight * GAP_MAX_TERMS);
-    for (int i = 0; i < m->n; i++) {
-        const float *basis = h->basis + (size_t)m->order[i] * (size_t)(h->terms * h->width);
+    memset(weight, 0, sizeof *weight * MUKCA_MAX_COLUMNS);
+    for (int i = 0; i < m->recording.n_samples; i++) {
+        const float *basis =
+            h->basis + (size_t)m->recording.order[i] * (size_t)(h->terms * h->width_of_term);
         for (int t = 0; t < h->terms; t++)
-            for (int k = 0; k < h->width; k++)
-                weight[t] += (double)basis[t * h->width + k] * (double)basis[k];
+            for (int k = 0; k < h->width_of_term; k++)
+                weight[t] += (double)basis[t * h->width_of_term + k] * (double)basis[k];
     }
     const double square = weight[0];
     for (int t = 0; t < h->terms; t++) weight[t] = square > 0 ? weight[t] / square : t == 0;
 }
 
-static void effect_coefficients(mukca_cause *out, const gap_model *m, const gap_cause *cause)
+static void effect_coefficients(mukca_cause *out, const mukca_regression *m,
+                                const mukca_accepted *cause)
 {
-    const gap_hypothesis *h = &cause->hypothesis;
+    const mukca_candidate *h = &cause->candidate;
     mukca_effect *effect = &out->effect;
-    *effect = h->effect;
-    effect->terms =
-        h->kind == GAP_EFFECT ? mukca_effect_terms(effect->kind, effect->variant) : h->terms;
-    if (gap_hypothesis_by_mass(h)) {
-        double weight[GAP_MAX_TERMS];
+    *effect = mukca_candidate_effect(h);
+    if (mukca_candidate_by_mass(h)) {
+        double weight[MUKCA_MAX_COLUMNS];
         load_weights(weight, m, h);
         for (int t = 0; t < h->terms; t++)
             effect->coefficient[0] += weight[t] * cause->coefficient[t];
@@ -49,13 +49,13 @@ static void effect_coefficients(mukca_cause *out, const gap_model *m, const gap_
 }
 
 /* Size of a cause and its 95 % interval from the posterior covariance (delta method). */
-static void measure(mukca_cause *out, gap_model *m, int index)
+static void measure(mukca_cause *out, mukca_regression *m, int index)
 {
-    const gap_hypothesis *h = &m->cause[index].hypothesis;
+    const mukca_candidate *h = &m->unknowns.cause[index].candidate;
     const int terms = out->effect.terms;
-    int column = m->n_geometry;
-    double direction[GAP_MAX_TERMS] = {1};
-    for (int c = 0; c < index; c++) column += m->cause[c].hypothesis.terms;
+    int column = m->unknowns.n_geometry;
+    double direction[MUKCA_MAX_COLUMNS] = {1};
+    for (int c = 0; c < index; c++) column += m->unknowns.cause[c].candidate.terms;
     out->amplitude = out->effect.coefficient[0];
     if (terms > 1) {
         double square = 0;
@@ -65,12 +65,12 @@ static void measure(mukca_cause *out, gap_model *m, int index)
         for (int t = 0; t < terms; t++) {
             const double one = 1;
             direction[t] = square > 0 ? out->effect.coefficient[t] / out->amplitude : 0;
-            out->sigma[t] = gap_model_standard_error(m, column + t, &one, 1);
+            out->sigma[t] = mukca_regression_standard_error(m, column + t, &one, 1);
         }
-    } else if (gap_hypothesis_by_mass(h)) {
+    } else if (mukca_candidate_by_mass(h)) {
         load_weights(direction, m, h);
     }
-    const double sigma = gap_model_standard_error(m, column, direction, h->terms);
+    const double sigma = mukca_regression_standard_error(m, column, direction, h->terms);
     const double half = 1.959963984540054 * sigma;
     if (terms == 1) out->sigma[0] = sigma;
     out->low = out->amplitude - half;
@@ -79,10 +79,10 @@ static void measure(mukca_cause *out, gap_model *m, int index)
 }
 
 /* The effect of a tied hypothesis, of a size that moves the joints about as much as the cause. */
-static mukca_effect rival_effect(const gap_hypothesis *h, const mukca_effect *cause,
-                                 const gap_hypothesis *of)
+static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *cause,
+                                 const mukca_candidate *of)
 {
-    mukca_effect rival = h->effect;
+    mukca_effect rival = mukca_candidate_effect(h);
     double square = 0;
     for (int t = 0; t < cause->terms; t++) square += pow(cause->coefficient[t] * of->unit[0], 2);
     rival.terms = mukca_effect_terms(rival.kind, rival.variant);
@@ -93,16 +93,16 @@ static mukca_effect rival_effect(const gap_hypothesis *h, const mukca_effect *ca
 
 /* Without masses nobody knows the load, and what gravity bends looks like a smooth error of the
  * angle: such a name shares its place with the flexibility that cannot be tested. */
-static void tie_untested_flexibility(mukca_cause *out, const gap_contest *contest)
+static void tie_untested_flexibility(mukca_cause *out, const mukca_competition *contest)
 {
-    const gap_model *m = contest->m;
+    const mukca_regression *m = contest->m;
     const mukca_effect_kind kind = out->effect.kind;
     const unsigned char *disabled = contest->options->disabled;
     const bool smooth = kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
                         kind == MUKCA_EFFECT_JOINT_SCALE || kind == MUKCA_EFFECT_JOINT_COUPLING ||
                         kind == MUKCA_EFFECT_AXIS_WOBBLE ||
                         (kind == MUKCA_EFFECT_GEAR_HARMONIC && out->effect.variant <= 3);
-    if (m->have_torques || !smooth || out->n_ties == MUKCA_MAX_TIES ||
+    if (m->recording.have_torques || !smooth || out->n_ties == MUKCA_MAX_TIES ||
         (disabled && disabled[MUKCA_EFFECT_JOINT_COMPLIANCE]))
         return;
     out->ties[out->n_ties++] = (mukca_tie){.effect = MUKCA_EFFECT_JOINT_COMPLIANCE,
@@ -111,12 +111,12 @@ static void tie_untested_flexibility(mukca_cause *out, const gap_contest *contes
                                            .correlation = NAN};
 }
 
-static void add_ties(mukca_cause *out, gap_contest *contest, int index)
+static void add_ties(mukca_cause *out, mukca_competition *contest, int index)
 {
-    gap_model *m = contest->m;
+    mukca_regression *m = contest->m;
     const double best = contest->n_table ? contest->table[0].log_odds : 0;
     for (int i = 0; i < contest->n_table && out->n_ties < MUKCA_MAX_TIES; i++) {
-        const gap_candidate *c = &contest->table[i];
+        const mukca_contender *c = &contest->table[i];
         if (c->log_odds < best - 2 * TIE_ODDS) break;
         if (c->class >= MUKCA_EFFECT_COUNT) continue;
         if (c->class == (int)out->effect.kind && c->joint == out->effect.joint) continue;
@@ -124,9 +124,9 @@ static void add_ties(mukca_cause *out, gap_contest *contest, int index)
         for (int t = 0; t < out->n_ties; t++)
             listed |= (int)out->ties[t].effect == c->class && out->ties[t].joint == c->joint;
         if (listed) continue;
-        const gap_hypothesis *cause = &m->cause[index].hypothesis;
-        const gap_hypothesis *rival = gap_scan_hypothesis(contest->scan, c->best);
-        const double correlation = gap_scan_correlation(contest->scan, m, index, cause, rival);
+        const mukca_candidate *cause = &m->unknowns.cause[index].candidate;
+        const mukca_candidate *rival = mukca_scan_hypothesis(contest->scan, c->best);
+        const double correlation = mukca_scan_correlation(contest->scan, m, index, cause, rival);
         if (c->log_odds < best - TIE_ODDS && !(correlation > TIE_CORRELATION)) continue;
         out->ties[out->n_ties++] =
             (mukca_tie){.effect = (mukca_effect_kind)c->class,
@@ -144,31 +144,31 @@ typedef struct {
 } standing;
 
 /* One cause of the final model, told: who else could it be, how probable, how large. */
-static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, standing *place)
+static void tell_cause(mukca_diagnosis *d, mukca_competition *contest, int index, standing *place)
 {
-    gap_model *m = contest->m;
-    const gap_hypothesis h = m->cause[index].hypothesis;
-    gap_scan_run(contest->scan, m, index, GAP_SCAN_CONTENDERS);
-    gap_compete_rank(contest);
+    mukca_regression *m = contest->m;
+    const mukca_candidate h = m->unknowns.cause[index].candidate;
+    mukca_scan_run(contest->scan, m, index, MUKCA_SCAN_CONTENDERS);
+    mukca_competition_rank(contest);
     int others = 0;
     for (int i = 0; i < contest->n_table; i++)
-        if (!gap_compete_taken(contest, &contest->table[i], index))
+        if (!mukca_competition_taken(contest, &contest->table[i], index))
             contest->table[others++] = contest->table[i];
     contest->n_table = others;
     double total = 0, own = 0;
     const double best = fmax(contest->n_table ? contest->table[0].log_odds : 0, 0);
-    const int class = gap_hypothesis_class(&h);
-    const gap_candidate *mine = NULL;
+    const int class = mukca_candidate_class(&h);
+    const mukca_contender *mine = NULL;
     memset(place, 0, sizeof *place);
     place->index = -1;
     for (int i = 0; i < contest->n_table; i++) {
-        const gap_candidate *c = &contest->table[i];
+        const mukca_contender *c = &contest->table[i];
         const double p = exp(c->log_odds - best);
         total += p;
-        const gap_hypothesis *member = gap_scan_hypothesis(contest->scan, c->best);
-        if (c->class == GAP_CLASS_UNKNOWN) place->unknown_share[c->joint] += p;
-        if (c->class == class && c->joint == h.effect.joint &&
-            (class != MUKCA_EFFECT_TOOL_MOTION || member->group == h.group)) {
+        const mukca_candidate *member = mukca_scan_hypothesis(contest->scan, c->best);
+        if (c->class == MUKCA_CLASS_UNKNOWN) place->unknown_share[c->joint] += p;
+        if (c->class == class && c->joint == h.joint &&
+            (class != MUKCA_EFFECT_TOOL_MOTION || member->fault.group == h.fault.group)) {
             own += p;
             if (!mine) mine = c;
         }
@@ -181,7 +181,7 @@ static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, stan
     memset(out, 0, sizeof *out);
     out->held_out = d->held_out; /* not measured yet */
     out->socket = -1;
-    effect_coefficients(out, m, &m->cause[index]);
+    effect_coefficients(out, m, &m->unknowns.cause[index]);
     out->log_bayes_factor = mine ? contest->scan->score[mine->best].log_bayes : -HUGE_VAL;
     out->probability = fmin(own / total, 1);
     add_ties(out, contest, index);
@@ -189,59 +189,64 @@ static void tell_cause(mukca_diagnosis *d, gap_contest *contest, int index, stan
     for (int j = 0; j < MUKCA_MAX_JOINTS; j++) unknown += place->unknown_share[j];
     out->or_unknown = unknown > UNKNOWN_SHARE;
     tie_untested_flexibility(out, contest);
-    if (h.kind == GAP_STEP || h.kind == GAP_CREEP) {
-        out->socket = m->groups[h.group].socket;
-        out->row = m->data->row[h.row];
-        out->file = m->data->file[h.row];
-        out->creep = h.kind == GAP_CREEP;
+    if (h.kind == MUKCA_CANDIDATE_STEP || h.kind == MUKCA_CANDIDATE_CREEP) {
+        out->socket = m->recording.groups[h.fault.group].socket;
+        out->row = m->recording.data->row[h.fault.first];
+        out->file = m->recording.data->file[h.fault.first];
+        out->creep = h.kind == MUKCA_CANDIDATE_CREEP;
     }
     place->index = d->n_causes++;
 }
 
-static void tell_spike(mukca_diagnosis *d, const gap_model *m, const gap_cause *cause)
+static void tell_spike(mukca_diagnosis *d, const mukca_regression *m, const mukca_accepted *cause)
 {
     double size = 0;
     for (int c = 0; c < 3; c++) size += cause->coefficient[c] * cause->coefficient[c];
-    if (sqrt(size) > 12 * m->sigma)
-        for (int row = cause->hypothesis.row; row <= cause->hypothesis.last; row++)
-            gap_fault_add(d, m, MUKCA_FAULT_OUTLIER, row, sqrt(size));
+    if (sqrt(size) > 12 * m->unknowns.sigma)
+        for (int row = cause->candidate.fault.first; row <= cause->candidate.fault.last; row++)
+            mukca_screening_add(d, m, MUKCA_FAULT_OUTLIER, row, sqrt(size));
 }
 
 /* Where an unknown function of a joint's angle departs from its mean by half its largest. */
-static void unknown_range(double range[2], const gap_model *m, const gap_cause *cause)
+static void unknown_range(double range[2], const mukca_regression *m, const mukca_accepted *cause)
 {
-    const gap_hypothesis *h = &cause->hypothesis;
-    const int n_joints = m->chain->n_joints;
+    const mukca_candidate *h = &cause->candidate;
+    const int n_joints = m->recording.chain->n_joints;
+    const int argument =
+        h->kind == MUKCA_CANDIDATE_OWN_ANGLE ? h->joint
+        : h->kind == MUKCA_CANDIDATE_OTHER_ANGLE || h->kind == MUKCA_CANDIDATE_ANGLE_PRODUCT
+            ? h->other
+            : -1;
     double mean = 0, largest = 0;
     for (int pass = 0; pass < 3; pass++)
-        for (int i = 0; i < m->n; i++) {
-            const int row = m->order[i];
+        for (int i = 0; i < m->recording.n_samples; i++) {
+            const int row = m->recording.order[i];
             double value = 0;
             for (int t = 0; t < h->terms; t++)
                 value += cause->coefficient[t] * (double)h->basis[row * h->terms + t];
-            if (pass == 0) mean += value / m->n;
+            if (pass == 0) mean += value / m->recording.n_samples;
             if (pass == 1) largest = fmax(largest, fabs(value - mean));
             if (pass < 2 || fabs(value - mean) < 0.5 * largest) continue;
-            if (h->driver < 0) continue;
-            const double q = m->data->q[row * n_joints + h->driver];
+            if (argument < 0) continue;
+            const double q = m->recording.data->q[row * n_joints + argument];
             range[0] = fmin(range[0], q), range[1] = fmax(range[1], q);
         }
 }
 
-static void tell_where(mukca_diagnosis *d, const gap_model *m, const standing *place, int n)
+static void tell_where(mukca_diagnosis *d, const mukca_regression *m, const standing *place, int n)
 {
     double share[MUKCA_MAX_JOINTS] = {0}, total = 0;
-    const int n_joints = m->chain->n_joints;
+    const int n_joints = m->recording.chain->n_joints;
     bool unknown = false;
     for (int c = 0; c < n; c++)
-        unknown |= gap_hypothesis_class(&m->cause[c].hypothesis) == GAP_CLASS_UNKNOWN;
+        unknown |= mukca_candidate_class(&m->unknowns.cause[c].candidate) == MUKCA_CLASS_UNKNOWN;
     for (int c = 0; c < n; c++) {
-        const gap_hypothesis *h = &m->cause[c].hypothesis;
+        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
         if (unknown) {
-            if (gap_hypothesis_class(h) == GAP_CLASS_UNKNOWN)
+            if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN)
                 for (int j = 0; j < n_joints; j++) share[j] += place[c].unknown_share[j];
-        } else if (h->effect.joint >= 0) {
-            share[h->effect.joint] += fmax(place[c].log_odds, 0);
+        } else if (h->joint >= 0) {
+            share[h->joint] += fmax(place[c].log_odds, 0);
         }
     }
     for (int j = 0; j < n_joints; j++) total += share[j];
@@ -250,12 +255,12 @@ static void tell_where(mukca_diagnosis *d, const gap_model *m, const standing *p
         mukca_where *w = &d->where[d->n_where++];
         *w = (mukca_where){j, share[j] / total, {HUGE_VAL, -HUGE_VAL}};
         for (int c = 0; c < n; c++)
-            if (m->cause[c].hypothesis.kind == GAP_BUMPS &&
-                m->cause[c].hypothesis.effect.joint == j)
-                unknown_range(w->range_rad, m, &m->cause[c]);
+            if (mukca_candidate_class(&m->unknowns.cause[c].candidate) == MUKCA_CLASS_UNKNOWN &&
+                m->unknowns.cause[c].candidate.joint == j)
+                unknown_range(w->range_rad, m, &m->unknowns.cause[c]);
         if (w->range_rad[0] > w->range_rad[1])
-            for (int i = 0; i < m->n; i++) {
-                const double q = m->data->q[m->order[i] * n_joints + j];
+            for (int i = 0; i < m->recording.n_samples; i++) {
+                const double q = m->recording.data->q[m->recording.order[i] * n_joints + j];
                 w->range_rad[0] = fmin(w->range_rad[0], q);
                 w->range_rad[1] = fmax(w->range_rad[1], q);
             }
@@ -269,16 +274,16 @@ static void tell_where(mukca_diagnosis *d, const gap_model *m, const standing *p
 }
 
 /* What each (effect, joint) scored alone, and what these data could show of it at all. */
-static void tell_tested(mukca_diagnosis *d, const gap_contest *contest)
+static void tell_tested(mukca_diagnosis *d, const mukca_competition *contest)
 {
     for (int i = 0; i < contest->n_first && d->n_tested < MUKCA_MAX_TESTED; i++) {
-        const gap_candidate *c = &contest->first[i];
+        const mukca_contender *c = &contest->first[i];
         if (c->class >= MUKCA_EFFECT_COUNT) continue;
         bool listed = false;
         for (int t = 0; t < d->n_tested && !listed; t++)
             listed = (int)d->tested[t].effect == c->class && d->tested[t].joint == c->joint;
         if (listed) continue;
-        const gap_score *score = &contest->first_score[c->best];
+        const mukca_score *score = &contest->first_score[c->best];
         /* Log evidence grows as amplitude^2 information / 2 and must beat prior odds, Occam's
          * factor and the threshold: some 12 in all. */
         const double limit = sqrt(24 / fmax(score->information, 1e-12));
@@ -292,9 +297,9 @@ static void tell_tested(mukca_diagnosis *d, const gap_contest *contest)
                            c->log_odds,
                            limit,
                            testable,
-                           testable ? NULL : gap_untested_faint(c->class, c->joint)};
+                           testable ? NULL : mukca_untested_faint(c->class, c->joint)};
     }
-    gap_untested_add(d, contest->m, contest->all);
+    mukca_untested_add(d, &contest->m->recording, contest->all);
 }
 
 /* Beside a larger thing that nobody can name, smaller names are not to be trusted: only what
@@ -310,37 +315,36 @@ static int drop_doubtful(mukca_diagnosis *d, int used)
 
 /* Is a cause unknown, or a smooth function of the angle of a joint in which something unknown was
  * found, too, of about its weight: a part of that?  (A single bad row is neither.) */
-static bool part_of_unknown(const gap_model *m, const standing *place, int cause)
+static bool part_of_unknown(const mukca_regression *m, const standing *place, int cause)
 {
-    const gap_hypothesis *h = &m->cause[cause].hypothesis;
+    const mukca_candidate *h = &m->unknowns.cause[cause].candidate;
     const mukca_effect_kind kind = h->effect.kind;
-    if (gap_hypothesis_class(h) == GAP_CLASS_UNKNOWN) return true;
-    if (h->kind != GAP_EFFECT ||
+    if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN) return true;
+    if (h->kind != MUKCA_CANDIDATE_EFFECT ||
         !(kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY || kind == MUKCA_EFFECT_JOINT_SCALE ||
           kind == MUKCA_EFFECT_GEAR_HARMONIC))
         return false;
-    for (int c = 0; c < m->n_causes; c++) {
-        const gap_hypothesis *other = &m->cause[c].hypothesis;
-        if (gap_hypothesis_class(other) == GAP_CLASS_UNKNOWN &&
-            other->effect.joint == h->effect.joint &&
+    for (int c = 0; c < m->unknowns.n_causes; c++) {
+        const mukca_candidate *other = &m->unknowns.cause[c].candidate;
+        if (mukca_candidate_class(other) == MUKCA_CLASS_UNKNOWN && other->joint == h->joint &&
             place[c].log_odds > 0.5 * place[cause].log_odds)
             return true;
     }
     return false;
 }
 
-void gap_tell(mukca_diagnosis *d, gap_contest *contest)
+void mukca_verdict_reach(mukca_diagnosis *d, mukca_competition *contest)
 {
-    gap_model *m = contest->m;
-    standing place[GAP_MAX_CAUSES] = {0};
+    mukca_regression *m = contest->m;
+    standing place[MUKCA_MAX_ACCEPTED] = {0};
     mukca_cause sorted[MUKCA_MAX_CAUSES];
     double leading = -HUGE_VAL, unknown = -HUGE_VAL, known = -HUGE_VAL;
-    const int n = m->n_causes;
+    const int n = m->unknowns.n_causes;
     for (int c = 0; c < n; c++) {
-        if (m->cause[c].hypothesis.kind == GAP_SPIKE) {
+        if (m->unknowns.cause[c].candidate.kind == MUKCA_CANDIDATE_OUTLIER) {
             memset(&place[c], 0, sizeof place[c]);
             place[c].index = -1, place[c].log_odds = -HUGE_VAL;
-            tell_spike(d, m, &m->cause[c]);
+            tell_spike(d, m, &m->unknowns.cause[c]);
             continue;
         }
         tell_cause(d, contest, c, &place[c]);
@@ -351,12 +355,7 @@ void gap_tell(mukca_diagnosis *d, gap_contest *contest)
         *of = fmax(*of, place[c].log_odds);
     }
     /* Intervals need the factor of the full model. */
-    for (int i = 0; i < GAP_RHOS; i++)
-        if (gap_rho[i] == m->rho) {
-            gap_model_pack(&m->pack[i], m, m->rho);
-            gap_model_prior(m->prior, m, -1);
-            gap_model_evidence(m, &m->pack[i], m->prior, m->sigma, NULL);
-        }
+    mukca_regression_factor(m);
     for (int c = 0; c < n; c++)
         if (place[c].index >= 0) measure(&d->causes[place[c].index], m, c);
 
@@ -372,8 +371,9 @@ void gap_tell(mukca_diagnosis *d, gap_contest *contest)
     memcpy(d->causes, sorted, sizeof *sorted * (size_t)used);
     for (int i = 0; i < used; i++)
         if (d->causes[i].effect.kind == MUKCA_EFFECT_TOOL_MOTION) {
-            const gap_hypothesis *h = &m->cause[order[i]].hypothesis;
-            gap_fault_add(d, m, MUKCA_FAULT_TOOL_MOTION, h->row, d->causes[i].amplitude);
+            const mukca_candidate *h = &m->unknowns.cause[order[i]].candidate;
+            mukca_screening_add(d, m, MUKCA_FAULT_TOOL_MOTION, h->fault.first,
+                                d->causes[i].amplitude);
         }
     const bool any_unknown = unknown > -HUGE_VAL;
     if (any_unknown && unknown >= known) used = drop_doubtful(d, used);

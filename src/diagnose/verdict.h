@@ -6,6 +6,6 @@
 
 /* Fill causes, ties, verdict, where and what was tested of a diagnosis from the model as the
  * competition left it. */
-void gap_tell(mukca_diagnosis *diagnosis, gap_contest *contest);
+void mukca_verdict_reach(mukca_diagnosis *diagnosis, mukca_competition *contest);
 
 #endif

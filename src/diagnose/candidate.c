@@ -1,0 +1,353 @@
+/* A candidate cause: its class, and its forward model on the rows of a recording. */
+#include "diagnose/candidate.h"
+
+#include <math.h>
+
+/* Coefficient size of a wave that displaces by 1 rad rms: the rms of a sine. */
+#define WAVE_UNIT 0.70710678118654752440
+
+/* Root of the summed squares of Gaussian bumps one width apart, pi^(1/4): divided by it, a function
+ * with independent coefficients has their standard deviation. */
+#define BUMP_NORM 1.33
+
+enum {
+    TIME_BUMPS = 10, /* over the whole recording */
+    POWERS = 4,      /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
+    PRODUCT_DEGREE = 3,
+    PRODUCTS = (PRODUCT_DEGREE + 1) * (PRODUCT_DEGREE + 2) / 2 - 1
+};
+
+#define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
+
+bool mukca_candidate_is_fault(const mukca_candidate *h)
+{
+    return h->kind == MUKCA_CANDIDATE_STEP || h->kind == MUKCA_CANDIDATE_CREEP ||
+           h->kind == MUKCA_CANDIDATE_OUTLIER;
+}
+
+int mukca_candidate_class(const mukca_candidate *h)
+{
+    switch (h->kind) {
+        case MUKCA_CANDIDATE_EFFECT:
+            return (int)h->effect.kind;
+        case MUKCA_CANDIDATE_DISTANCE:
+            return MUKCA_EFFECT_SOCKET_DISTANCE;
+        case MUKCA_CANDIDATE_STEP:
+        case MUKCA_CANDIDATE_CREEP:
+            return MUKCA_EFFECT_TOOL_MOTION;
+        case MUKCA_CANDIDATE_OUTLIER:
+            return MUKCA_CLASS_OUTLIER;
+        default:
+            return MUKCA_CLASS_UNKNOWN;
+    }
+}
+
+mukca_effect mukca_candidate_effect(const mukca_candidate *h)
+{
+    if (h->kind == MUKCA_CANDIDATE_EFFECT) return h->effect;
+    return (mukca_effect){.kind = (mukca_effect_kind)mukca_candidate_class(h),
+                          .joint = h->joint,
+                          .placement = h->placement,
+                          .terms = h->terms};
+}
+
+mukca_effect_site mukca_candidate_site(const mukca_candidate *h)
+{
+    const int class = mukca_candidate_class(h);
+    return class < MUKCA_EFFECT_COUNT    ? mukca_effect_table[class].site
+           : mukca_candidate_is_fault(h) ? MUKCA_SITE_SOCKET
+                                         : MUKCA_SITE_ANGLE;
+}
+
+bool mukca_candidate_moves_arm(const mukca_candidate *h)
+{
+    return h->basis && h->kind != MUKCA_CANDIDATE_STRETCH;
+}
+
+bool mukca_candidate_turns_joint(const mukca_candidate *h)
+{
+    return mukca_candidate_moves_arm(h) && mukca_candidate_site(h) == MUKCA_SITE_ANGLE;
+}
+
+int mukca_candidate_own_terms(const mukca_candidate *h)
+{
+    return h->kind == MUKCA_CANDIDATE_EFFECT ? mukca_effect_terms(h->effect.kind, h->effect.variant)
+                                             : h->terms;
+}
+
+bool mukca_candidate_by_mass(const mukca_candidate *h)
+{
+    return h->terms > mukca_candidate_own_terms(h);
+}
+
+bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b)
+{
+    if (a->kind != b->kind || a->joint != b->joint || a->placement != b->placement) return false;
+    switch (a->kind) {
+        case MUKCA_CANDIDATE_EFFECT:
+            return a->effect.kind == b->effect.kind && a->effect.variant == b->effect.variant;
+        case MUKCA_CANDIDATE_STEP:
+        case MUKCA_CANDIDATE_CREEP:
+        case MUKCA_CANDIDATE_OUTLIER:
+            return a->fault.group == b->fault.group && a->fault.first == b->fault.first &&
+                   a->fault.last == b->fault.last;
+        case MUKCA_CANDIDATE_OWN_ANGLE:
+            return a->width == b->width;
+        case MUKCA_CANDIDATE_OTHER_ANGLE:
+        case MUKCA_CANDIDATE_ANGLE_PRODUCT:
+            return a->other == b->other;
+        case MUKCA_CANDIDATE_SLIP:
+            return a->row == b->row;
+        case MUKCA_CANDIDATE_STRETCH:
+            return a->stretch.time_constant == b->stretch.time_constant;
+        default:
+            return true;
+    }
+}
+
+double mukca_candidate_fault_share(const mukca_candidate *h, const mukca_recording *recording,
+                                   int row)
+{
+    const mukca_group *group = &recording->groups[h->fault.group];
+    if (recording->data->socket[row] != group->socket) return 0;
+    if (h->kind == MUKCA_CANDIDATE_STEP) return row >= h->fault.first;
+    if (h->kind == MUKCA_CANDIDATE_OUTLIER) return row >= h->fault.first && row <= h->fault.last;
+    /* creep: from 0 at the socket's first sample to 1 at its last */
+    const int first = recording->order[group->start],
+              last = recording->order[group->start + group->count - 1];
+    return last > first ? (double)(row - first) / (last - first) : 0;
+}
+
+bool mukca_candidate_changes_pair(const mukca_candidate *h, const mukca_recording *recording,
+                                  int pair)
+{
+    return h->kind == MUKCA_CANDIDATE_DISTANCE &&
+           (h->placement < 0 ||
+            recording->groups[recording->pairs[pair].a].placement == h->placement);
+}
+
+int mukca_candidate_scales(const double **scales, const mukca_candidate *h)
+{
+    /* Grids half a decade apart over the sizes that arms show: errors of an angle from below
+     * repeatability to a bad zero, rad; of a socket from a nudge to a wrong label, m; of a ball in
+     * its holder, m. */
+    static const double angle[] = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3};
+    static const double socket[] = {0.2e-3, 1e-3, 5e-3, 20e-3};
+    static const double ball[] = {0.05e-3, 0.2e-3, 1e-3};
+    switch (mukca_candidate_site(h)) {
+        case MUKCA_SITE_SOCKET:
+            *scales = socket;
+            return COUNT(socket);
+        case MUKCA_SITE_TIP:
+            *scales = ball;
+            return COUNT(ball);
+        default:
+            *scales = angle;
+            return COUNT(angle);
+    }
+}
+
+/* x in the range, mapped to [-1, 1]. */
+static double normalised(double x, const double range[2])
+{
+    return range[1] > range[0] ? (2 * x - range[0] - range[1]) / (range[1] - range[0]) : 0;
+}
+
+/* T[0 .. degree] at x: Chebyshev polynomials by their recurrence. */
+static void chebyshev(double *T, int degree, double x)
+{
+    T[0] = 1, T[1] = x;
+    for (int k = 2; k <= degree; k++) T[k] = 2 * x * T[k - 1] - T[k - 2];
+}
+
+/* Gaussian bumps of `width` on a grid over the range of x[n_rows][columns]. */
+static void fill_bumps(mukca_candidate *h, const mukca_recording *recording, const double *x,
+                       int columns, int column)
+{
+    double range[2];
+    mukca_recording_range(range, recording, x, columns, column);
+    const double width =
+        h->kind == MUKCA_CANDIDATE_TIME ? (range[1] - range[0]) / (h->terms - 1) : h->width;
+    for (int row = 0; row < recording->data->n_rows; row++)
+        for (int t = 0; t < h->terms; t++) {
+            const double u = (x[row * columns + column] - range[0] - t * width) / width;
+            h->basis[row * h->terms + t] = (float)(exp(-0.5 * u * u) / BUMP_NORM);
+        }
+}
+
+/* Chebyshev polynomials T_a of the other joint's angle, a >= 1; with products T_a T_b of both
+ * angles, 0 < a + b <= PRODUCT_DEGREE. */
+static void fill_polynomials(mukca_candidate *h, const mukca_recording *recording)
+{
+    const int n_joints = recording->chain->n_joints;
+    const double *q = recording->data->q;
+    double range[2], own_range[2];
+    mukca_recording_range(range, recording, q, n_joints, h->other);
+    mukca_recording_range(own_range, recording, q, n_joints, h->joint);
+    for (int row = 0; row < recording->data->n_rows; row++, q += n_joints) {
+        double T[POWERS + 1], own[PRODUCT_DEGREE + 1];
+        float *out = h->basis + row * h->terms;
+        chebyshev(T, POWERS, normalised(q[h->other], range));
+        if (h->kind == MUKCA_CANDIDATE_OTHER_ANGLE) {
+            for (int t = 0; t < POWERS; t++) out[t] = (float)T[t + 1];
+            continue;
+        }
+        chebyshev(own, PRODUCT_DEGREE, normalised(q[h->joint], own_range));
+        for (int a = 0; a <= PRODUCT_DEGREE; a++)
+            for (int b = 0; a + b <= PRODUCT_DEGREE; b++)
+                if (a + b > 0) *out++ = (float)(T[a] * own[b]);
+    }
+}
+
+static void fill_stretch(mukca_candidate *h, const mukca_recording *recording)
+{
+    double range[2];
+    mukca_recording_range(range, recording, recording->time, 1, 0);
+    for (int row = 0; row < recording->data->n_rows; row++)
+        for (int t = 0; t < 3; t++)
+            h->basis[3 * row + t] =
+                (float)(1 - exp(-(recording->time[row] - range[0]) / h->stretch.time_constant));
+}
+
+static bool is_elastic(const mukca_candidate *h)
+{
+    return h->kind == MUKCA_CANDIDATE_EFFECT && (h->effect.kind == MUKCA_EFFECT_JOINT_COMPLIANCE ||
+                                                 h->effect.kind == MUKCA_EFFECT_LINK_BENDING ||
+                                                 h->effect.kind == MUKCA_EFFECT_BASE_COMPLIANCE);
+}
+
+/* An effect's basis; the terms behind an elastic effect's own are what each body alone does. */
+static void fill_effect(mukca_candidate *h, const mukca_recording *recording)
+{
+    const int n_joints = recording->chain->n_joints, width = h->width_of_term;
+    const bool elastic = is_elastic(h);
+    const double *axis =
+        h->joint >= 0 ? recording->chain->element[recording->chain->joint_element[h->joint]].axis
+                      : NULL;
+    for (int row = 0; row < recording->data->n_rows; row++) {
+        mukca_joint_state state = mukca_recording_state(recording, row);
+        float *out = h->basis + (size_t)row * (size_t)(h->terms * width);
+        double term[MUKCA_MAX_TERMS][3], direction[MUKCA_MAX_JOINTS];
+        if (mukca_effect_table[h->effect.kind].site == MUKCA_SITE_ANGLES) {
+            mukca_effect_lag_direction(direction, n_joints, h->effect.variant, &state);
+            for (int i = 0; i < n_joints; i++) out[i] = (float)direction[i];
+            continue;
+        }
+        mukca_effect_basis(term, &h->effect, axis, &state);
+        for (int t = 0; t < h->terms; t++) {
+            if (elastic && t > 0) {
+                const size_t at = (size_t)row * (size_t)recording->n_bodies + (size_t)(t - 1);
+                state.torque = recording->torque + at * (size_t)n_joints;
+                state.moment = (const double(*)[3])(recording->moment + 3 * at * (size_t)n_joints);
+                state.base_moment = recording->base_moment + 3 * at;
+                mukca_effect_basis(term, &h->effect, axis, &state);
+            }
+            for (int i = 0; i < width; i++) out[t * width + i] = (float)term[elastic ? 0 : t][i];
+        }
+    }
+}
+
+/* Unit of each term: rms about the mean of what one unit of coefficient turns the joint by. */
+static void set_units(mukca_candidate *h, const mukca_recording *recording)
+{
+    const int width = h->width_of_term;
+    const mukca_effect_site site = mukca_effect_table[h->effect.kind].site;
+    const bool wave = h->effect.kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
+                      h->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC ||
+                      h->effect.kind == MUKCA_EFFECT_AXIS_WOBBLE;
+    for (int t = 0; t < h->terms && site != MUKCA_SITE_TIP; t++) {
+        double square = 0, whole = 0;
+        for (int i = 0; i < width; i++) {
+            double sum = 0, sum2 = 0;
+            int used = 0;
+            for (int row = 0; row < recording->data->n_rows; row++) {
+                if (!recording->keep[row]) continue;
+                const double x =
+                    (double)h
+                        ->basis[(size_t)row * (size_t)(h->terms * width) + (size_t)(t * width + i)];
+                sum += x, sum2 += x * x, used++;
+            }
+            if (used) square += sum2 / used - (sum / used) * (sum / used), whole += sum2 / used;
+        }
+        if (site == MUKCA_SITE_ANGLES) square /= width;
+        /* what hardly varies is rounding about a constant */
+        square = fmax(square, fmax(1e-18, 1e-8 * whole));
+        h->unit[t] = wave ? WAVE_UNIT : sqrt(square);
+        if (is_elastic(h) && t > 0) h->unit[t] = h->unit[0] / recording->options.mass_spread;
+    }
+}
+
+/* Terms of a candidate and how many numbers a term is. */
+static void set_shape(mukca_candidate *h, const mukca_recording *recording)
+{
+    double range[2];
+    h->terms = h->width_of_term = 1;
+    switch (h->kind) {
+        case MUKCA_CANDIDATE_EFFECT: {
+            const mukca_effect_site site = mukca_effect_table[h->effect.kind].site;
+            h->width_of_term = site == MUKCA_SITE_ANGLE    ? 1
+                               : site == MUKCA_SITE_ANGLES ? recording->chain->n_joints
+                                                           : 3;
+            h->terms = h->effect.terms = mukca_effect_terms(h->effect.kind, h->effect.variant);
+            if (is_elastic(h) && recording->options.mass_spread > 0 && recording->n_bodies > 0)
+                h->terms = 1 + recording->n_bodies;
+            break;
+        }
+        case MUKCA_CANDIDATE_STEP:
+        case MUKCA_CANDIDATE_CREEP:
+        case MUKCA_CANDIDATE_OUTLIER:
+            h->terms = h->width_of_term = 3;
+            break;
+        case MUKCA_CANDIDATE_OWN_ANGLE:
+            mukca_recording_range(range, recording, recording->data->q, recording->chain->n_joints,
+                                  h->joint);
+            h->terms = (int)ceil((range[1] - range[0]) / h->width) + 1;
+            break;
+        case MUKCA_CANDIDATE_OTHER_ANGLE:
+            h->terms = POWERS;
+            break;
+        case MUKCA_CANDIDATE_ANGLE_PRODUCT:
+            h->terms = PRODUCTS;
+            break;
+        case MUKCA_CANDIDATE_TIME:
+            h->terms = TIME_BUMPS;
+            break;
+        case MUKCA_CANDIDATE_STRETCH:
+            h->terms = 3;
+            break;
+        default:
+            break;
+    }
+}
+
+bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_recording *recording)
+{
+    const int rows = recording->data->n_rows;
+    for (int t = 0; t < MUKCA_MAX_COLUMNS; t++) h->unit[t] = 1;
+    set_shape(h, recording);
+    if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE) return true;
+    h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term));
+    if (!h->basis) return false;
+    switch (h->kind) {
+        case MUKCA_CANDIDATE_EFFECT:
+            fill_effect(h, recording);
+            set_units(h, recording);
+            break;
+        case MUKCA_CANDIDATE_OWN_ANGLE:
+            fill_bumps(h, recording, recording->data->q, recording->chain->n_joints, h->joint);
+            break;
+        case MUKCA_CANDIDATE_TIME:
+            fill_bumps(h, recording, recording->time, 1, 0);
+            break;
+        case MUKCA_CANDIDATE_SLIP:
+            for (int row = 0; row < rows; row++) h->basis[row] = row >= h->row;
+            break;
+        case MUKCA_CANDIDATE_STRETCH:
+            fill_stretch(h, recording);
+            break;
+        default:
+            fill_polynomials(h, recording);
+            break;
+    }
+    return true;
+}

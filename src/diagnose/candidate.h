@@ -1,0 +1,92 @@
+/* A candidate cause: what it is, and its forward model on the rows of a recording. */
+#ifndef MUKCA_DIAGNOSE_CANDIDATE_H
+#define MUKCA_DIAGNOSE_CANDIDATE_H
+
+#include "diagnose/recording.h"
+
+enum { MUKCA_MAX_COLUMNS = 64 }; /* terms of one candidate */
+
+/* An effect of the catalogue, or a rival that explains structure by something else. */
+typedef enum {
+    MUKCA_CANDIDATE_EFFECT,        /* of the catalogue, acting on the arm */
+    MUKCA_CANDIDATE_DISTANCE,      /* socket_distance */
+    MUKCA_CANDIDATE_STEP,          /* tool_motion: the socket moved once, before a row */
+    MUKCA_CANDIDATE_CREEP,         /* tool_motion: the socket crept through all its rows */
+    MUKCA_CANDIDATE_OUTLIER,       /* one row is off, or a few in a row are off alike */
+    MUKCA_CANDIDATE_OWN_ANGLE,     /* unknown: the joint turns by a smooth function of its angle */
+    MUKCA_CANDIDATE_OTHER_ANGLE,   /* unknown: ... of another joint's angle */
+    MUKCA_CANDIDATE_ANGLE_PRODUCT, /* unknown: ... of both angles together */
+    MUKCA_CANDIDATE_TIME,          /* unknown: ... of time */
+    MUKCA_CANDIDATE_SLIP,          /* unknown: the joint slips once, before a row */
+    MUKCA_CANDIDATE_STRETCH,       /* unknown: a link changes its length with time */
+    MUKCA_CANDIDATE_KINDS
+} mukca_candidate_kind;
+
+/* Classes compete as equals: the catalogue's effects, then the two rivals of all of them. */
+enum { MUKCA_CLASS_OUTLIER = MUKCA_EFFECT_COUNT, MUKCA_CLASS_UNKNOWN, MUKCA_CLASSES };
+
+typedef struct {
+    mukca_candidate_kind kind;
+    int joint, placement; /* that it acts on; -1: none or all */
+    union {
+        mukca_effect effect; /* EFFECT: joint and placement as above */
+        struct {
+            int group, first, last; /* STEP, CREEP, OUTLIER: rows of the dataset */
+        } fault;
+        double width; /* OWN_ANGLE: of a bump, rad */
+        int other;    /* OTHER_ANGLE, ANGLE_PRODUCT: the other joint */
+        int row;      /* SLIP: first row of the dataset after it */
+        struct {
+            int slot;             /* STRETCH: of the unknowns */
+            double time_constant; /* s */
+        } stretch;
+    };
+    int terms, width_of_term; /* a term is 1 angle, 3 of a rotation or shift, n_joints angles */
+    float *basis;             /* [n_rows][terms][width_of_term]; NULL: faults and distances */
+    double unit[MUKCA_MAX_COLUMNS]; /* coefficient size that moves the joint by 1 rad rms (m: 1) */
+    double log_prior;
+} mukca_candidate;
+
+/* The effect that a candidate is an instance of, or one of the two rival classes. */
+int mukca_candidate_class(const mukca_candidate *candidate);
+
+/* Is it a fault of one socket or row, which moves the socket and not the arm? */
+bool mukca_candidate_is_fault(const mukca_candidate *candidate);
+
+/* Does it displace the arm's joints or tip?  Faults, distances and stretched links do not. */
+bool mukca_candidate_moves_arm(const mukca_candidate *candidate);
+
+/* Does it turn one joint about its axis? */
+bool mukca_candidate_turns_joint(const mukca_candidate *candidate);
+
+/* Was it fitted with one factor per mass: the first term is all masses, the others one each? */
+bool mukca_candidate_by_mass(const mukca_candidate *candidate);
+
+/* Terms of the effect itself, without those that stand for what the masses may be off by. */
+int mukca_candidate_own_terms(const mukca_candidate *candidate);
+
+/* The same kind with the same parameters at the same place? */
+bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b);
+
+/* The effect of a candidate that is no rival, without coefficients. */
+mukca_effect mukca_candidate_effect(const mukca_candidate *candidate);
+
+/* Where its displacement acts. */
+mukca_effect_site mukca_candidate_site(const mukca_candidate *candidate);
+
+/* How far a fault moves its socket at a row of the dataset, in units of its coefficients. */
+double mukca_candidate_fault_share(const mukca_candidate *candidate,
+                                   const mukca_recording *recording, int row);
+
+/* Does a DISTANCE candidate change the distance of that pair of sockets? */
+bool mukca_candidate_changes_pair(const mukca_candidate *candidate,
+                                  const mukca_recording *recording, int pair);
+
+/* Prior scales of coefficient * unit that a candidate is averaged over; returns their number. */
+int mukca_candidate_scales(const double **scales, const mukca_candidate *candidate);
+
+/* Fill terms, basis and units of a candidate that is otherwise set.  False: no memory. */
+bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,
+                             const mukca_recording *recording);
+
+#endif

@@ -1,0 +1,79 @@
+/* The recording under diagnosis: its samples, the loads on the arm in each, and their grouping.
+ *
+ * Everything here is constant once built, except which rows of the dataset are in use.
+ */
+#ifndef MUKCA_DIAGNOSE_RECORDING_H
+#define MUKCA_DIAGNOSE_RECORDING_H
+
+#include "base/pool.h"
+#include "mukca/dataset.h"
+#include "mukca/effect.h"
+
+/* The samples of one socket, or all of a pose log. */
+typedef struct {
+    int start, count; /* samples */
+    int socket;       /* of the dataset; -1: a pose log, compared with its measured poses */
+    int placement;
+} mukca_group;
+
+/* Two groups whose sockets are a known distance apart, m. */
+typedef struct {
+    int a, b;
+    double distance;
+} mukca_socket_pair;
+
+typedef struct {
+    double mass_spread;        /* relative prior sigma of each mass in elastic effects; 0: exact */
+    double distance_sigma;     /* how well the sockets' distance is known, m */
+    bool free_base, free_tool; /* pose logs: frame of the tracker, offset of the target */
+    const double *mass_factor; /* [n_bodies] to use instead of estimating them, or NULL */
+} mukca_recording_options;
+
+typedef struct {
+    const mukca_chain *chain;
+    const mukca_dataset *data;
+    mukca_recording_options options;
+    int dim; /* observed per sample: 3, or 6 with orientations (pose logs) */
+
+    /* loads: a body is an element that carries mass */
+    int n_bodies, body_element[MUKCA_MAX_ELEMENTS];
+    double mass_factor[MUKCA_MAX_ELEMENTS]; /* from measured efforts, else 1 */
+    double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
+    bool have_moments, have_torques;
+    double *moment;      /* [n_rows][n_bodies][n_joints][3] in the joint frames, N m */
+    double *torque;      /* [n_rows][n_bodies][n_joints] about the axes, N m */
+    double *base_moment; /* [n_rows][n_bodies][3] */
+    double *total_moment, *total_torque, *total_base; /* [n_rows]..., sums over the bodies */
+
+    /* motion of each row of the dataset */
+    double *move;    /* [n_rows][n_joints] since the row before, rad */
+    double *command; /* [n_rows][n_joints] rad; NULL: none recorded */
+    double *time;    /* [n_rows] s since the file's start */
+    int *placement;  /* [n_rows] */
+
+    /* samples: the rows in use, by group */
+    unsigned char *keep; /* [n_rows] */
+    int n_samples, n_groups, n_pairs;
+    int *order; /* [n_samples] row of the dataset */
+    mukca_group *groups;
+    mukca_socket_pair *pairs;
+} mukca_recording;
+
+/* Memory comes from `pool`; `chain` and `data` must outlive it.  False: no memory. */
+bool mukca_recording_create(mukca_recording *recording, mukca_pool *pool, const mukca_chain *chain,
+                            const mukca_dataset *data, const mukca_recording_options *options);
+
+/* Group the rows in use (after `keep` changed). */
+void mukca_recording_regroup(mukca_recording *recording);
+
+/* State of a row of the dataset for the forward models. */
+mukca_joint_state mukca_recording_state(const mukca_recording *recording, int row);
+
+/* Smallest and largest value of column `column` of x[n_rows][columns]. */
+void mukca_recording_range(double range[2], const mukca_recording *recording, const double *x,
+                           int columns, int column);
+
+/* Fill moments, torques and mass factors (part of mukca_recording_create). */
+void mukca_recording_load(mukca_recording *recording);
+
+#endif

@@ -1,0 +1,169 @@
+/* The regression that the diagnosis reasons with, and its fit. */
+#include "diagnose/regression.h"
+
+#include <math.h>
+#include <string.h>
+
+mukca_status mukca_regression_create(mukca_regression *m, const mukca_chain *chain,
+                                     const mukca_dataset *data,
+                                     const mukca_recording_options *options, mukca_error *error)
+{
+    memset(m, 0, sizeof *m);
+    if (mukca_recording_create(&m->recording, &m->pool, chain, data, options) &&
+        mukca_unknowns_create(&m->unknowns, &m->pool, &m->recording) &&
+        mukca_linearisation_create(&m->linear, &m->pool, &m->recording, &m->unknowns) &&
+        mukca_evidence_create(&m->evidence, &m->pool, &m->recording, &m->unknowns))
+        return MUKCA_OK;
+    mukca_regression_free(m);
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+}
+
+void mukca_regression_free(mukca_regression *m)
+{
+    mukca_pool_free(&m->pool);
+    memset(m, 0, sizeof *m);
+}
+
+void mukca_regression_linearise(mukca_regression *m)
+{
+    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns);
+}
+
+mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
+{
+    return mukca_evidence_collect(&m->evidence, index, &m->recording, &m->unknowns, &m->linear);
+}
+
+mukca_normal_equations *mukca_regression_collect_own(mukca_regression *m)
+{
+    return mukca_regression_collect(m, mukca_evidence_index(m->unknowns.rho));
+}
+
+double mukca_regression_factor(mukca_regression *m)
+{
+    const mukca_normal_equations *normal = mukca_regression_collect_own(m);
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL);
+}
+
+double mukca_regression_standard_error(mukca_regression *m, int column, const double *direction,
+                                       int terms)
+{
+    return mukca_evidence_standard_error(&m->evidence, m->linear.n_columns, column, direction,
+                                         terms);
+}
+
+/* Evidence with the priors of the present scales. */
+static double evaluate_scales(mukca_regression *m, const mukca_normal_equations *normal)
+{
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL);
+}
+
+/* Prior scales by evidence: the geometry's two, then each cause's, one at a time. */
+static void choose_scales(mukca_regression *m, const mukca_normal_equations *normal)
+{
+    /* Around what published arms show: links within 0.5 to 4 mm, axes within 1 to 10 mrad. */
+    static const double lengths[] = {0.5e-3, 1e-3, 2e-3, 4e-3};
+    static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
+    mukca_unknowns *u = &m->unknowns;
+    double best = -HUGE_VAL, length = u->sigma_length, angle = u->sigma_angle;
+    for (int a = 0; a < 4; a++)
+        for (int b = 0; b < 4; b++) {
+            u->sigma_length = lengths[a], u->sigma_angle = angles[b];
+            mukca_unknowns_set_geometry_prior(u, &m->recording);
+            const double value = evaluate_scales(m, normal);
+            if (value > best) best = value, length = lengths[a], angle = angles[b];
+        }
+    u->sigma_length = length, u->sigma_angle = angle;
+    mukca_unknowns_set_geometry_prior(u, &m->recording);
+    for (int c = 0; c < u->n_causes; c++) {
+        const double *scales;
+        const int n = mukca_candidate_scales(&scales, &u->cause[c].candidate);
+        double chosen = u->cause[c].scale;
+        best = -HUGE_VAL;
+        for (int i = 0; i < n; i++) {
+            u->cause[c].scale = scales[i];
+            const double value = evaluate_scales(m, normal);
+            if (value > best) best = value, chosen = scales[i];
+        }
+        u->cause[c].scale = chosen;
+    }
+    mukca_unknowns_prior(m->evidence.prior, u);
+}
+
+/* Noise and AR(1) coefficient by evidence, and the prior scales with them; returns the normal
+ * equations at the best. */
+static const mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freedom freedom)
+{
+    mukca_unknowns *u = &m->unknowns;
+    const mukca_normal_equations *chosen = &m->evidence.normal[0];
+    double best = -HUGE_VAL;
+    for (int i = 0; i < MUKCA_RHOS; i++) {
+        double value;
+        if (u->weight && i) break; /* robust weights go with independent samples only */
+        const mukca_normal_equations *normal = mukca_regression_collect(m, i);
+        const double sigma = mukca_evidence_noise(&m->evidence, normal, u->sigma, &value);
+        if (value > best) {
+            best = value, u->sigma = sigma, u->rho = normal->rho;
+            chosen = normal;
+        }
+    }
+    if (freedom == MUKCA_FIT_ALL) {
+        choose_scales(m, chosen);
+        u->sigma = mukca_evidence_noise(&m->evidence, chosen, u->sigma, NULL);
+    }
+    return chosen;
+}
+
+/* Orientations are weighted so that their noise equals the positions', within two decades. */
+static void weigh_rotations(mukca_regression *m)
+{
+    double length = 0, angle = 0;
+    const double *mean = m->evidence.mean;
+    const int size = m->linear.n_columns + 1;
+    for (int i = 0; i < m->recording.n_samples * 6; i++) {
+        const double *x = m->linear.columns + (size_t)i * (size_t)size;
+        double residual = x[size - 1];
+        for (int k = 0; k < size - 1; k++) residual -= x[k] * mean[k];
+        *(i % 6 < 3 ? &length : &angle) += residual * residual;
+    }
+    if (angle > 0 && length > 0)
+        m->unknowns.rotation_weight =
+            fmin(fmax(m->unknowns.rotation_weight * sqrt(length / angle), 1e-2), 1e2);
+}
+
+/* Move the tracker's columns into its frame. */
+static void fold_tracker(mukca_unknowns *u)
+{
+    double *t = u->theta + u->n_geometry - 6;
+    mukca_frame local = {{0}, {t[0], t[1], t[2]}};
+    mukca_rotation_exp(local.R, t + 3);
+    mukca_frame_multiply(&u->tracker, &u->tracker, &local);
+    memset(t, 0, 6 * sizeof *t);
+}
+
+void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom)
+{
+    mukca_unknowns *u = &m->unknowns;
+    double *mean = m->evidence.mean;
+    mukca_unknowns_set_geometry_prior(u, &m->recording);
+    for (int it = 0; it < iterations; it++) {
+        mukca_regression_linearise(m);
+        mukca_unknowns_prior(m->evidence.prior, u);
+        /* Orientations get their weight on the way, so the noise must follow. */
+        const bool weigh = m->recording.dim == 6 && !u->n_causes;
+        const bool choose = it == 0 ? freedom != MUKCA_FIT_UNKNOWNS
+                                    : (it == 2 || weigh) && freedom == MUKCA_FIT_ALL;
+        const mukca_normal_equations *normal =
+            choose ? choose_noise(m, freedom) : mukca_regression_collect_own(m);
+        if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, mean))) break;
+        if (weigh && it + 1 < iterations) weigh_rotations(m);
+        double step = 0;
+        for (int k = 0; k < u->n_geometry; k++) step = fmax(step, fabs(mean[k] - u->theta[k]));
+        mukca_unknowns_set(u, mean);
+        if (u->free_base) fold_tracker(u);
+        if (step < 1e-7 && it >= 1) break; /* 0.1 um and 0.1 urad: far below any noise */
+    }
+    mukca_regression_linearise(m);
+}

@@ -1,0 +1,84 @@
+/* The unknowns of the diagnosis: offsets of the geometry, accepted causes, noise and prior scales.
+ *
+ * All offsets and coefficients are zero-mean Gaussians before the data.
+ */
+#ifndef MUKCA_DIAGNOSE_UNKNOWNS_H
+#define MUKCA_DIAGNOSE_UNKNOWNS_H
+
+#include "diagnose/candidate.h"
+
+enum { MUKCA_MAX_ACCEPTED = 24 };
+
+/* A candidate that was accepted. */
+typedef struct {
+    mukca_candidate candidate;
+    double scale; /* prior sigma of coefficient * unit */
+    double coefficient[MUKCA_MAX_COLUMNS];
+    int step; /* of the competition, when it was accepted */
+} mukca_accepted;
+
+typedef struct {
+    /* The geometry's columns: slot k is an element with a free origin and has six, x y z and the
+     * rotation vector, the last slot slot_width of them; then one common factor of all lengths;
+     * with free_base six more, of the tracker's frame. */
+    int n_geometry, n_slots, slot_width;
+    int slot_element[MUKCA_MAX_JOINTS + 1];
+    bool free_base;
+    double *theta;       /* [n_geometry] offsets about the nominal geometry, in local frames */
+    double *theta_prior; /* [n_geometry] prior sigmas */
+    double sigma_length, sigma_angle; /* prior scales of the geometry, m and rad */
+    mukca_geometry geometry;          /* the arm at theta */
+    mukca_frame tracker;              /* pose logs: T_measured_base */
+
+    int n_causes;
+    mukca_accepted *cause; /* [MUKCA_MAX_ACCEPTED] */
+
+    double sigma, rho;      /* noise, m, and its AR(1) coefficient from sample to sample */
+    double rotation_weight; /* m per rad: orientations in units of position noise */
+    double *weight;         /* [n_rows] robust weights, NULL: none */
+} mukca_unknowns;
+
+/* Memory comes from `pool`.  False: no memory. */
+bool mukca_unknowns_create(mukca_unknowns *unknowns, mukca_pool *pool,
+                           const mukca_recording *recording);
+
+/* A copy with memory of its own from `pool` (false: none), and copying the values back. */
+bool mukca_unknowns_clone(mukca_unknowns *copy, mukca_pool *pool, const mukca_unknowns *unknowns);
+void mukca_unknowns_assign(mukca_unknowns *unknowns, const mukca_unknowns *from);
+
+/* Origins from theta. */
+void mukca_unknowns_set_geometry(mukca_unknowns *unknowns, const mukca_chain *chain);
+
+/* Prior sigmas of the geometry from the two scales. */
+void mukca_unknowns_set_geometry_prior(mukca_unknowns *unknowns, const mukca_recording *recording);
+
+/* Number of columns: geometry, then the terms of the causes before `cause` (n_causes: of all).  It
+ * is also the first column of that cause. */
+int mukca_unknowns_column(const mukca_unknowns *unknowns, int cause);
+
+/* Prior sigmas of all columns. */
+void mukca_unknowns_prior(double *prior, const mukca_unknowns *unknowns);
+
+/* The unknowns from the posterior mean of all columns. */
+void mukca_unknowns_set(mukca_unknowns *unknowns, const double *mean);
+
+/* Add a cause (fit afterwards); drop one.  Adding fails when the table or the columns are full. */
+bool mukca_unknowns_add(mukca_unknowns *unknowns, const mukca_candidate *candidate);
+void mukca_unknowns_drop(mukca_unknowns *unknowns, int cause);
+
+/* Displacement of a dataset row by the causes (faults of sockets apart). */
+void mukca_unknowns_displacement(mukca_displacement *displacement, const mukca_unknowns *unknowns,
+                                 int n_joints, int row);
+
+/* Predicted tip (m, base frame) of a row with the present geometry and causes. */
+void mukca_unknowns_predict(double position[3], const mukca_unknowns *unknowns,
+                            const mukca_recording *recording, int row);
+
+/* A measured position (m) in the base frame. */
+void mukca_unknowns_to_base(double position[3], const mukca_unknowns *unknowns,
+                            const double measured[3]);
+
+/* Columns that all causes and geometry may take. */
+int mukca_unknowns_capacity(const mukca_unknowns *unknowns);
+
+#endif
