@@ -68,8 +68,8 @@ static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mu
     mukca_compensator compensator;
     mukca_rows rows;
     mukca_row row;
-    mukca_status status =
-        mukca_rows_open(&rows, path, MUKCA_EITHER, &arm->chain, cli_note, call, &call->error);
+    const mukca_rows_options header = {.kind = MUKCA_EITHER, .note = cli_note, .context = call};
+    mukca_status status = mukca_rows_open(&rows, path, &arm->chain, &header, &call->error);
     if (status) return status;
     mukca_compensator_start(&compensator, arm, o->position_only, o->tolerance);
     if (first) print_header(stream, &arm->chain, rows.time >= 0);

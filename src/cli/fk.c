@@ -50,8 +50,8 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
     mukca_rows rows;
     mukca_row row;
     mukca_row_state states;
-    mukca_status status =
-        mukca_rows_open(&rows, path, MUKCA_EITHER, &model->chain, NULL, NULL, &call->error);
+    const mukca_rows_options header = {.kind = MUKCA_EITHER};
+    mukca_status status = mukca_rows_open(&rows, path, &model->chain, &header, &call->error);
     if (status) return status;
     mukca_row_state_start(&states, model->chain.n_joints);
     if (first) fputs(o->pose ? "x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n" : "x_m\ty_m\tz_m\n", stream);

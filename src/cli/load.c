@@ -80,9 +80,10 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--distance %g looks like %s; give m, as in 0.05", c->distance,
                           c->distance > 10 ? "millimetres" : "centimetres");
-    const mukca_dataset_options options = {.distance = c->distance, .distances = c->distances};
-    const mukca_status status = mukca_dataset_load(data, &model->chain, paths->items, paths->n,
-                                                   &options, cli_note, call, &call->error);
+    const mukca_dataset_options options = {
+        .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
+    const mukca_status status =
+        mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
     for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {
         int rows = 0;
         for (int i = 0; i < data->n_rows; i++) rows += data->file[i] == f;

@@ -71,9 +71,12 @@ static mukca_status open_input(cli_call *call, pose_input *in, const cli_model *
         if (status) return status;
         mukca_pose_log_from_dataset(&in->logs[in->n_logs++], &in->cursor, &in->data);
     }
-    if (in->n_files > 0)
-        mukca_pose_stream_start(&in->logs[in->n_logs++], &in->stream, in->files, in->n_files,
-                                &model->chain, cli_note, call);
+    in->stream = (mukca_pose_stream){.paths = in->files,
+                                     .n_paths = in->n_files,
+                                     .chain = &model->chain,
+                                     .note = cli_note,
+                                     .context = call};
+    if (in->n_files > 0) mukca_pose_stream_start(&in->logs[in->n_logs++], &in->stream);
     return MUKCA_OK;
 }
 

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/utf8.h"
+
 void mukca_build_note(const mukca_dataset_builder *builder, const char *format, ...)
 {
     if (!builder->note) return;
@@ -22,8 +24,8 @@ static mukca_status out_of_memory(const mukca_dataset_builder *builder)
     return mukca_fail(builder->error, MUKCA_MEMORY, "out of memory while reading data");
 }
 
-/* The list with room for one item more, zeroed; NULL: out of memory, the old list stays. */
-static void *grow(void *list, int count, size_t size)
+/* The list with a zeroed item appended; NULL: out of memory, the old list stays. */
+static void *append(void *list, int count, size_t size)
 {
     char *grown = realloc(list, ((size_t)count + 1) * size);
     if (grown) memset(grown + (size_t)count * size, 0, size);
@@ -33,7 +35,7 @@ static void *grow(void *list, int count, size_t size)
 mukca_status mukca_build_file(int *index, mukca_dataset_builder *builder, const char *path)
 {
     mukca_dataset *d = builder->data;
-    void *grown = grow(d->files, d->n_files, sizeof *d->files);
+    void *grown = append(d->files, d->n_files, sizeof *d->files);
     if (!grown) return out_of_memory(builder);
     d->files = grown;
     snprintf(d->files[d->n_files], sizeof *d->files, "%s", path);
@@ -41,13 +43,28 @@ mukca_status mukca_build_file(int *index, mukca_dataset_builder *builder, const 
     return MUKCA_OK;
 }
 
-mukca_status mukca_build_placement(int *index, mukca_dataset_builder *builder, const char *name)
+static bool has_placement(const mukca_dataset *d, const char *name)
+{
+    for (int p = 0; p < d->n_placements; p++)
+        if (strcmp(d->placements[p].name, name) == 0) return true;
+    return false;
+}
+
+mukca_status mukca_build_placement(int *index, mukca_dataset_builder *builder, const char *wanted,
+                                   const char *qualified)
 {
     mukca_dataset *d = builder->data;
-    void *grown = grow(d->placements, d->n_placements, sizeof *d->placements);
+    char name[MUKCA_NAME_SIZE];
+    snprintf(name, sizeof name, "%s", has_placement(d, wanted) ? qualified : wanted);
+    for (int k = 2; has_placement(d, name); k++)
+        snprintf(name, sizeof name, "%.*s#%d", (int)mukca_utf8_fit(wanted, 50), wanted, k);
+    if (strcmp(name, wanted) != 0)
+        mukca_build_note(builder, "placement '%s' exists already; this one is called '%s'", wanted,
+                         name);
+    void *grown = append(d->placements, d->n_placements, sizeof *d->placements);
     if (!grown) return out_of_memory(builder);
     d->placements = grown;
-    snprintf(d->placements[d->n_placements].name, MUKCA_NAME_SIZE, "%s", name);
+    memcpy(d->placements[d->n_placements].name, name, sizeof name);
     *index = d->n_placements++;
     return MUKCA_OK;
 }
@@ -56,22 +73,23 @@ mukca_status mukca_build_socket(int *index, mukca_dataset_builder *builder, int 
                                 const char *label)
 {
     mukca_dataset *d = builder->data;
-    void *grown = grow(d->sockets, d->n_sockets, sizeof *d->sockets);
+    void *grown = append(d->sockets, d->n_sockets, sizeof *d->sockets);
     if (!grown) return out_of_memory(builder);
     d->sockets = grown;
-    d->sockets[d->n_sockets].placement = placement;
-    snprintf(d->sockets[d->n_sockets].label, MUKCA_NAME_SIZE, "%s", label);
+    mukca_socket *socket = &d->sockets[d->n_sockets];
+    socket->placement = placement;
+    snprintf(socket->label, sizeof socket->label, "%s", label);
     *index = d->n_sockets++;
     return MUKCA_OK;
 }
 
-mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, double distance)
+mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, double metres)
 {
     mukca_dataset *d = builder->data;
-    void *grown = grow(d->distances, d->n_distances, sizeof *d->distances);
+    void *grown = append(d->distances, d->n_distances, sizeof *d->distances);
     if (!grown) return out_of_memory(builder);
     d->distances = grown;
-    d->distances[d->n_distances++] = (mukca_distance){a, b, distance};
+    d->distances[d->n_distances++] = (mukca_distance){.a = a, .b = b, .distance = metres};
     return MUKCA_OK;
 }
 
@@ -94,35 +112,54 @@ static bool resize_ints(int **list, int capacity)
     return grown != NULL;
 }
 
-static mukca_status reserve(mukca_dataset_builder *builder)
+/* An optional list of the dataset, and a row's values for it. */
+typedef struct {
+    double **list;
+    int width;
+    const double *values;
+} column;
+
+enum { OPTIONAL = 8 };
+
+static void list_optional(column columns[OPTIONAL], mukca_dataset *d, const mukca_row *row)
 {
+    const int n = d->n_joints;
+    const column all[OPTIONAL] = {
+        {&d->time, 1, &row->time},        {&d->temperature, 1, &row->temperature},
+        {&d->payload, 1, &row->payload},  {&d->effort, n, row->effort},
+        {&d->command, n, row->command},   {&d->velocity, n, row->velocity},
+        {&d->position, 3, row->position}, {&d->quaternion, 4, row->quaternion}};
+    memcpy(columns, all, sizeof all);
+}
+
+/* Room for one row more. */
+static mukca_status reserve(mukca_dataset_builder *builder, const column optional[OPTIONAL])
+{
+    enum { FIRST = 128, MOST = 1 << 28 }; /* rows; indices are int */
     mukca_dataset *d = builder->data;
     if (d->n_rows < builder->capacity) return MUKCA_OK;
-    int capacity = builder->capacity ? 2 * builder->capacity : 128, n = d->n_joints;
-    double **const lists[] = {&d->time,    &d->temperature, &d->payload,  &d->effort,
-                              &d->command, &d->velocity,    &d->position, &d->quaternion};
-    const int width[] = {1, 1, 1, n, n, n, 3, 4};
-    if (capacity > 1 << 28 || !resize(&d->q, n, builder, capacity) ||
-        !resize_ints(&d->socket, capacity) || !resize_ints(&d->row, capacity) ||
-        !resize_ints(&d->file, capacity))
-        return out_of_memory(builder);
-    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
-        if (*lists[i] && !resize(lists[i], width[i], builder, capacity))
-            return out_of_memory(builder);
+    const int capacity = builder->capacity ? 2 * builder->capacity : FIRST;
+    bool good = capacity <= MOST && resize(&d->q, d->n_joints, builder, capacity) &&
+                resize_ints(&d->socket, capacity) && resize_ints(&d->row, capacity) &&
+                resize_ints(&d->file, capacity);
+    for (int i = 0; i < OPTIONAL && good; i++)
+        if (*optional[i].list)
+            good = resize(optional[i].list, optional[i].width, builder, capacity);
+    if (!good) return out_of_memory(builder);
     builder->capacity = capacity;
     return MUKCA_OK;
 }
 
-/* Store values[width] in the row of an optional list, which is made where any of them is a number.
- */
-static mukca_status set_optional(double **list, int width, mukca_dataset_builder *builder, int row,
-                                 const double *values)
+/* Store the row's values, unless all are NaN; the list is made by the first row that has some. */
+static mukca_status set_optional(const column *c, mukca_dataset_builder *builder, int row)
 {
     bool any = false;
-    for (int i = 0; i < width; i++) any |= !isnan(values[i]);
+    for (int i = 0; i < c->width; i++) any |= !isnan(c->values[i]);
     if (!any) return MUKCA_OK;
-    if (!*list && !resize(list, width, builder, builder->capacity)) return out_of_memory(builder);
-    memcpy(*list + (size_t)row * (size_t)width, values, (size_t)width * sizeof *values);
+    if (!*c->list && !resize(c->list, c->width, builder, builder->capacity))
+        return out_of_memory(builder);
+    memcpy(*c->list + (size_t)row * (size_t)c->width, c->values,
+           (size_t)c->width * sizeof *c->values);
     return MUKCA_OK;
 }
 
@@ -130,31 +167,25 @@ mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *ro
                              int file, int row_in_file)
 {
     mukca_dataset *d = builder->data;
-    const int n = d->n_joints;
-    mukca_status status = reserve(builder);
-    if (status) return status;
+    const size_t n = (size_t)d->n_joints;
+    column optional[OPTIONAL];
+    list_optional(optional, d, row);
+    mukca_status status = reserve(builder, optional);
+    if (status != MUKCA_OK) return status;
     const int i = d->n_rows++;
-    memcpy(d->q + (size_t)i * (size_t)n, row->q, (size_t)n * sizeof *row->q);
+    memcpy(d->q + (size_t)i * n, row->q, n * sizeof *row->q);
     d->socket[i] = socket;
     d->file[i] = file;
     d->row[i] = row_in_file;
-    const struct {
-        double **list;
-        int width;
-        const double *values;
-    } optional[] = {{&d->time, 1, &row->time},        {&d->temperature, 1, &row->temperature},
-                    {&d->payload, 1, &row->payload},  {&d->effort, n, row->effort},
-                    {&d->command, n, row->command},   {&d->velocity, n, row->velocity},
-                    {&d->position, 3, row->position}, {&d->quaternion, 4, row->quaternion}};
-    for (size_t k = 0; k < sizeof optional / sizeof *optional && status == MUKCA_OK; k++)
-        status = set_optional(optional[k].list, optional[k].width, builder, i, optional[k].values);
+    for (int k = 0; k < OPTIONAL && status == MUKCA_OK; k++)
+        status = set_optional(&optional[k], builder, i);
     return status;
 }
 
 mukca_status mukca_build_pose(mukca_dataset_builder *builder, int row, const double pose[7])
 {
-    mukca_status status = set_optional(&builder->data->position, 3, builder, row, pose);
-    if (status == MUKCA_OK)
-        status = set_optional(&builder->data->quaternion, 4, builder, row, pose + 3);
-    return status;
+    mukca_dataset *d = builder->data;
+    const column position = {&d->position, 3, pose}, quaternion = {&d->quaternion, 4, pose + 3};
+    const mukca_status status = set_optional(&position, builder, row);
+    return status == MUKCA_OK ? set_optional(&quaternion, builder, row) : status;
 }

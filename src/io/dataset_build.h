@@ -16,10 +16,14 @@ typedef struct {
 
 /* All return MUKCA_MEMORY on failure.  Indices of what was added go to *index. */
 mukca_status mukca_build_file(int *index, mukca_dataset_builder *builder, const char *path);
-mukca_status mukca_build_placement(int *index, mukca_dataset_builder *builder, const char *name);
 mukca_status mukca_build_socket(int *index, mukca_dataset_builder *builder, int placement,
                                 const char *label);
-mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, double distance);
+mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, double metres);
+
+/* A placement of a name that no other has: `wanted`, else `qualified`, else with a number (noted).
+ */
+mukca_status mukca_build_placement(int *index, mukca_dataset_builder *builder, const char *wanted,
+                                   const char *qualified);
 
 /* Append a row; socket -1: of a pose log.  Values that are NaN allocate nothing. */
 mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *row, int socket,

@@ -1,4 +1,4 @@
-/* Datasets from files: folders of hole_N.csv, session files, pose logs, in any mixture. */
+/* Datasets from files: folders of hole_N.csv, session files, pose logs, in any combination. */
 #ifndef MUKCA_IO_DATASET_LOAD_H
 #define MUKCA_IO_DATASET_LOAD_H
 
@@ -6,16 +6,17 @@
 
 typedef struct {
     double distance;       /* m between any two sockets of a placement; 0: 0.05 */
-    const char *distances; /* file of distances by labels, instead; or NULL */
+    const char *distances; /* instead: a table of distances by socket labels; or NULL */
     bool partial;          /* a session in the making: sockets may be few or have few rows */
+    mukca_note_fn *note;   /* may be NULL */
+    void *context;
 } mukca_dataset_options;
 
 /* Read the files and folders paths[n_paths] in order into a new dataset (mukca_dataset_free).  Each
- * socket needs 2 rows, each placement 2 sockets.  `options` and `note` may be NULL.
+ * socket needs 2 rows, each placement 2 sockets.  `options` may be NULL.
  * Errors: MUKCA_INPUT (file, line, column), MUKCA_MEMORY. */
 mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
                                 const char *const *paths, int n_paths,
-                                const mukca_dataset_options *options, mukca_note_fn *note,
-                                void *context, mukca_error *error);
+                                const mukca_dataset_options *options, mukca_error *error);
 
 #endif

@@ -13,12 +13,13 @@ static mukca_status read_row(mukca_inertial *row, const mukca_table *table, cons
 {
     const char *link = table->cell[column[0]];
     if (!*link || strlen(link) >= sizeof row->link)
-        return mukca_table_fail(error, table, column[0], "a link's name must have 1 to 63 letters");
+        return mukca_table_fail(error, table, column[0],
+                                "the name of a link has 1 to 63 characters");
     snprintf(row->link, sizeof row->link, "%s", link);
     double value[4];
     for (int i = 0; i < 4; i++) {
         mukca_status status = mukca_table_number(&value[i], table, column[1 + i], error);
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
         if (fabs(value[i]) > MUKCA_NUMBER_LARGEST)
             return mukca_table_fail(error, table, column[1 + i],
                                     "%g is larger than any arm's; masses are in kg, lengths in m",
@@ -43,7 +44,7 @@ mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *pat
     while (status == MUKCA_OK) {
         bool more;
         status = mukca_table_next(&table, &more, error);
-        if (status || !more) break;
+        if (status != MUKCA_OK || !more) break;
         mukca_inertial *grown = realloc(rows, (size_t)(count + 1) * sizeof *rows);
         if (!grown) {
             status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
@@ -53,12 +54,12 @@ mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *pat
         status = read_row(&rows[count], &table, column, error);
         for (int i = 0; i < count && status == MUKCA_OK; i++)
             if (strcmp(rows[i].link, rows[count].link) == 0)
-                status = mukca_table_fail(error, &table, column[0], "link '%s' comes twice",
+                status = mukca_table_fail(error, &table, column[0], "link '%s' has a row already",
                                           rows[i].link);
         count++;
     }
     mukca_table_close(&table);
-    if (status) {
+    if (status != MUKCA_OK) {
         free(rows);
         rows = NULL;
         count = 0;

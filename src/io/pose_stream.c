@@ -6,13 +6,15 @@
 
 static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
 {
-    mukca_status status = mukca_rows_open(&s->rows, s->paths[s->at], MUKCA_HEADER, s->chain,
-                                          s->noted ? NULL : s->note, s->context, error);
-    if (status) return status;
+    const mukca_rows_options options = {
+        .kind = MUKCA_HEADER, .note = s->noted ? NULL : s->note, .context = s->context};
+    const mukca_status status =
+        mukca_rows_open(&s->rows, s->paths[s->at], s->chain, &options, error);
+    if (status != MUKCA_OK) return status;
     s->open = true;
     if (s->rows.position[0] < 0)
         return mukca_table_fail(error, &s->rows.table, -1,
-                                "no measured positions: the header needs x_m, y_m, z_m");
+                                "no columns x_m, y_m, z_m; a pose log needs measured positions");
     return MUKCA_OK;
 }
 
@@ -32,7 +34,7 @@ static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_e
             status = open_file(s, error);
         }
         if (status == MUKCA_OK) status = mukca_rows_next(&s->rows, &read, &found, error);
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
         if (!found) {
             mukca_rows_close(&s->rows);
             s->open = false;
@@ -59,12 +61,8 @@ static mukca_status rewind_stream(void *context, mukca_error *error)
     return MUKCA_OK;
 }
 
-void mukca_pose_stream_start(mukca_pose_log *log, mukca_pose_stream *stream,
-                             const char *const *paths, int n_paths, const mukca_chain *chain,
-                             mukca_note_fn *note, void *context)
+void mukca_pose_stream_start(mukca_pose_log *log, mukca_pose_stream *stream)
 {
-    *stream = (mukca_pose_stream){
-        .paths = paths, .n_paths = n_paths, .chain = chain, .note = note, .context = context};
     *log = (mukca_pose_log){.next = next, .rewind = rewind_stream, .context = stream};
 }
 

@@ -6,20 +6,21 @@
 #include "recalibrate/pose_log.h"
 
 typedef struct {
-    const char *const *paths;
-    int n_paths, at; /* at: the file being read */
+    /* set by the caller; all must outlive the log */
+    const char *const *paths; /* TSV or CSV with header */
+    int n_paths;
     const mukca_chain *chain;
-    mukca_note_fn *note; /* of the first reading only */
+    mukca_note_fn *note; /* of the first reading only; may be NULL */
     void *context;
+    /* internal */
+    int at; /* the file being read */
     mukca_rows rows;
     bool open, noted;
 } mukca_pose_stream;
 
-/* A log of the pose logs paths[n_paths] (TSV or CSV with header); all must outlive it.  Rows
- * without a position are skipped.  `note` may be NULL.  Close the stream afterwards. */
-void mukca_pose_stream_start(mukca_pose_log *log, mukca_pose_stream *stream,
-                             const char *const *paths, int n_paths, const mukca_chain *chain,
-                             mukca_note_fn *note, void *context);
+/* A log of the pose logs of `stream`.  Rows without a position are skipped.  Close the stream
+ * afterwards. */
+void mukca_pose_stream_start(mukca_pose_log *log, mukca_pose_stream *stream);
 
 void mukca_pose_stream_close(mukca_pose_stream *stream); /* harmless on a zeroed one */
 

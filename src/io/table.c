@@ -8,7 +8,7 @@
 
 #include "base/number.h"
 
-enum { LONGEST_LINE = 1 << 20, MOST_COLUMNS = 4096, MOST_COMMENTS = 1 << 16 };
+enum { LONGEST_LINE = 1 << 20, MOST_COMMENTS = 1 << 16 }; /* bytes; more is another kind of file */
 
 const char *mukca_table_short_path(const char *path)
 {
@@ -59,7 +59,8 @@ static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
         if (t->buffer[length - 1] == '\n') break;
         if (length >= LONGEST_LINE) {
             t->line++;
-            return mukca_table_fail(error, t, -1, "the line is longer than a table's may be");
+            return mukca_table_fail(error, t, -1,
+                                    "the line is longer than 1 MiB; this is no table");
         }
         if (length + 1 < t->capacity && !feof(t->stream)) break; /* a NUL cut it short */
     }
@@ -101,10 +102,10 @@ static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
 {
     for (;;) {
         mukca_status status = read_line(t, more, error);
-        if (status || !*more) return status;
+        if (status != MUKCA_OK || !*more) return status;
         const char *text = t->buffer + strspn(t->buffer, " \t\r");
         if (*text == '#' && !t->cell) status = keep_comment(t, error);
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
         if (*text && *text != '#') return MUKCA_OK;
     }
 }
@@ -149,14 +150,15 @@ static mukca_status set_shape(mukca_table *t, mukca_error *error)
     t->delimiter = strchr(line, '\t') ? '\t' : ',';
     if (t->delimiter == ',' && !strchr(line, ',') && strchr(line, ';'))
         return mukca_table_fail(
-            error, t, -1, "columns are parted by ';': use tabs, or commas with decimal points");
+            error, t, -1, "columns are separated by ';'; use tabs or commas, and decimal points");
     t->n_columns = count_cells(line, t->delimiter);
-    if (*line == '<') return mukca_table_fail(error, t, -1, "is XML or HTML, not a table of rows");
+    if (*line == '<') return mukca_table_fail(error, t, -1, "is XML or HTML; expected a table");
     if (t->n_columns == 1 && line[strcspn(line, " ")])
-        return mukca_table_fail(error, t, -1, "columns are parted by blanks: use tabs or commas");
-    if (t->n_columns > MOST_COLUMNS)
-        return mukca_table_fail(error, t, -1, "has %d columns, more than any table here",
-                                t->n_columns);
+        return mukca_table_fail(error, t, -1,
+                                "columns are separated by spaces; use tabs or commas");
+    if (t->n_columns > MUKCA_TABLE_COLUMNS)
+        return mukca_table_fail(error, t, -1, "%d columns; at most %d are read", t->n_columns,
+                                (int)MUKCA_TABLE_COLUMNS);
     t->cell = calloc((size_t)t->n_columns, sizeof *t->cell);
     return t->cell ? MUKCA_OK : out_of_memory(error);
 }
@@ -165,12 +167,12 @@ static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_err
 {
     bool more;
     mukca_status status = read_content(t, &more, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     if (!more)
         return mukca_fail(error, MUKCA_INPUT, "%s: is empty; expected a header and rows",
                           mukca_table_short_path(t->path));
     status = set_shape(t, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     t->header = calloc((size_t)t->n_columns, sizeof *t->header);
     t->header_buffer = strdup(t->buffer);
     if (!t->header || !t->header_buffer) return out_of_memory(error);
@@ -183,11 +185,12 @@ static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_err
     for (int i = 0; i < t->n_columns && numbers < t->n_columns; i++)
         for (int k = 0; k < i && t->header[i][0]; k++)
             if (strcmp(t->header[i], t->header[k]) == 0)
-                return mukca_table_fail(error, t, -1, "column '%.40s' comes twice", t->header[i]);
+                return mukca_table_fail(error, t, -1, "two columns are called '%.40s'; rename one",
+                                        t->header[i]);
     if (numbers < t->n_columns) return MUKCA_OK;
     if (kind == MUKCA_HEADER)
-        return mukca_table_fail(
-            error, t, -1, "starts with numbers; a header with the columns' names must come first");
+        return mukca_table_fail(error, t, -1,
+                                "starts with numbers; the first line must name the columns");
     free(t->header);
     t->header = NULL;
     t->pending = true;
@@ -209,7 +212,7 @@ mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind
     t->comments = calloc(1, 1);
     mukca_status status = t->comments ? MUKCA_OK : out_of_memory(error);
     if (status == MUKCA_OK && kind != MUKCA_NO_HEADER) status = read_header(t, kind, error);
-    if (status) mukca_table_close(t);
+    if (status != MUKCA_OK) mukca_table_close(t);
     return status;
 }
 
@@ -219,9 +222,9 @@ mukca_status mukca_table_next(mukca_table *t, bool *more, mukca_error *error)
     *more = true;
     if (!t->pending) status = read_content(t, more, error);
     t->pending = false;
-    if (status || !*more) return status;
+    if (status != MUKCA_OK || !*more) return status;
     if (!t->cell) status = set_shape(t, error);
-    if (status || !t->cell) return status;
+    if (status != MUKCA_OK || !t->cell) return status;
     int found = count_cells(t->buffer, t->delimiter);
     if (!split(t->cell, t->n_columns, t->buffer, t->delimiter))
         return mukca_table_fail(error, t, -1, "%d columns, but %d %s%s", found, t->n_columns,
@@ -257,14 +260,14 @@ mukca_status mukca_table_require(int *column, const mukca_table *t, const char *
 {
     *column = mukca_table_find(t, name);
     if (*column >= 0) return MUKCA_OK;
-    return mukca_table_fail(error, t, -1, "the header has no column '%s'", name);
+    return mukca_table_fail(error, t, -1, "no column '%s' in the header", name);
 }
 
 mukca_status mukca_table_number(double *value, const mukca_table *t, int column, mukca_error *error)
 {
     const char *text = t->cell[column];
     if (mukca_number_parse(value, text)) return MUKCA_OK;
-    if (!*text) return mukca_table_fail(error, t, column, "is empty; a number must stand here");
+    if (!*text) return mukca_table_fail(error, t, column, "is empty; a number is required");
     if (strchr(text, ',') && strspn(text, "+-0123456789,eE") == strlen(text))
         return mukca_table_fail(error, t, column, "'%.30s' has a decimal comma; write a point",
                                 text);

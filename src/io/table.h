@@ -16,6 +16,8 @@
 extern "C" {
 #endif
 
+enum { MUKCA_TABLE_COLUMNS = 4096 }; /* at most; a session of 16 joints has about 90 */
+
 typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
 
 typedef struct {

@@ -90,11 +90,11 @@ static void note(void *context, const char *text)
 static mukca_status load_rows(recorder *r, const char *path)
 {
     mukca_dataset data;
-    mukca_dataset_options options = {.distance = r->call->common->distance, .partial = true};
+    const mukca_dataset_options options = {
+        .distance = r->call->common->distance, .partial = true, .note = note, .context = r};
     mukca_error *error = &r->call->error;
     char text[RECORDER_LINE];
-    mukca_status status =
-        mukca_dataset_load(&data, &r->model->chain, &path, 1, &options, note, r, error);
+    mukca_status status = mukca_dataset_load(&data, &r->model->chain, &path, 1, &options, error);
     if (status) return status;
     for (int i = 0; i < data.n_rows && !status; i++) {
         const mukca_socket *s = &data.sockets[data.socket[i]];

@@ -40,12 +40,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     }
     const char *path = memory_file(bytes, size), *fixed = memory_file(session, sizeof session - 1);
     mukca_dataset_options options = {.partial = size % 2 == 0};
-    mukca_status status = mukca_dataset_load(&data, &chain, &path, 1, &options, NULL, NULL, &error);
+    mukca_status status = mukca_dataset_load(&data, &chain, &path, 1, &options, &error);
     if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
     if (status == MUKCA_OK) check(&data);
     mukca_dataset_free(&data);
     options = (mukca_dataset_options){.distances = path, .partial = true};
-    if (mukca_dataset_load(&data, &chain, &fixed, 1, &options, NULL, NULL, &error) == MUKCA_OK)
+    if (mukca_dataset_load(&data, &chain, &fixed, 1, &options, &error) == MUKCA_OK)
         check(&data);
     mukca_dataset_free(&data);
     if (mukca_inertials_read(&list, &n, path, &error) == MUKCA_OK) free(list);

@@ -40,7 +40,9 @@ static mukca_status load(const char *const *paths, int n, const mukca_dataset_op
 {
     notes[0] = error.text[0] = '\0';
     mukca_dataset_free(&data);
-    return mukca_dataset_load(&data, &chain, paths, n, options, note, NULL, &error);
+    mukca_dataset_options noted = options ? *options : (mukca_dataset_options){0};
+    noted.note = note;
+    return mukca_dataset_load(&data, &chain, paths, n, &noted, &error);
 }
 
 static mukca_status load_one(const char *path, const mukca_dataset_options *options)
@@ -85,7 +87,7 @@ static void folders_and_sessions_mix(void **state)
                      "low\tA\t12\t0.6\t0.5\t\t9\nlow\tB\t13\t0.8\t0.7\t1\tnan\n"),
         scratch_file("log.csv", "j1,j2,x_m,y_m,z_m\n1,2,0.1,0.2,0.3\n1,2,,,\n")};
     assert_int_equal(load(paths, 3, NULL), MUKCA_OK);
-    assert_non_null(strstr(notes, "log.csv: 1 of 2 rows have no measured position"));
+    assert_non_null(strstr(notes, "log.csv: 1 of 2 rows left out: no measured position"));
     assert_int_equal(data.n_rows, 10);
     assert_int_equal(data.n_placements, 2);
     assert_int_equal(data.n_sockets, 4);
@@ -171,12 +173,12 @@ static void distances_are_as_told(void **state)
     assert_close(data.distances[0].distance, 0.1, 0);
     static const struct {
         const char *rows, *part;
-    } bad[] = {{"a\tb\t0\n", "d.tsv:2: column 'distance_m': 0: a distance must be above 0"},
-               {"a\tb\t-1\n", "must be above 0"},
-               {"a\tb\t50\n", "looks like millimetres"},
+    } bad[] = {{"a\tb\t0\n", "d.tsv:2: column 'distance_m': 0 is not above 0"},
+               {"a\tb\t-1\n", "is not above 0"},
+               {"a\tb\t50\n", "is 50; distances are in m"},
                {"a\ta\t0.1\n", "same socket"},
-               {"a\tb\t0.1\nb\ta\t0.1\n", "d.tsv:3: this pair of sockets comes twice"},
-               {"a\tx\t0.1\n", "names no pair of the sockets of placement 'p'"},
+               {"a\tb\t0.1\nb\ta\t0.1\n", "d.tsv:3: this pair of sockets has a distance already"},
+               {"a\tx\t0.1\n", "no pair of sockets of placement 'p'"},
                {"a\tb\tfar\n", "not a finite number"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char text[128];
@@ -200,8 +202,8 @@ static void bad_folders_get_one_clear_line(void **state)
         {"0,0\n1,x\n", "0,0\n1,1\n", "hole_0.csv:2: column 2: 'x' is not a finite number"},
         {"0,nan\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 2: 'nan'"},
         {"0,inf\n1,1\n", "0,0\n1,1\n", "'inf'"},
-        {"0;0\n1;1\n", "0,0\n1,1\n", "parted by ';'"},
-        {"0,0\n45,90\n", "0,0\n1,1\n", "hole_0.csv:2: column 1: 45 is more than two turns"},
+        {"0;0\n1;1\n", "0,0\n1,1\n", "separated by ';'"},
+        {"0,0\n45,90\n", "0,0\n1,1\n", "hole_0.csv:2: column 1: joint 'j1' is 45, more than two turns"},
         {"j1,j2\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 1: 'j1' is not"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -221,21 +223,21 @@ static void bad_sessions_get_one_clear_line(void **state)
         const char *text, *part;
     } cases[] = {
         {"placement\tsocket\tj1\nx\t0\t0\n",
-         "s.tsv:1: no column for joint 'j2' of the chain; is it"},
-        {"placement\tsocket\tj1\tJ_2\n", "is it 'J_2'?"},
-        {"j1\tj2\n0\t0\n", "neither a session (placement, socket) nor a pose log"},
+         "s.tsv:1: no column for joint 'j2' of the chain; check --urdf"},
+        {"placement\tsocket\tj1\tJ_2\n", "did you mean 'J_2'?"},
+        {"j1\tj2\n0\t0\n", "neither a session nor a pose log"},
         {"placement\tj1\tj2\n0\t0\t0\n", "no column 'socket'"},
-        {"placement socket j1 j2\n0 0 0 0\n", "parted by blanks"},
+        {"placement socket j1 j2\n0 0 0 0\n", "separated by spaces"},
         {"<?xml version=\"1.0\"?>\n", "is XML"},
-        {"j1\tj2\tx_m\ty_m\n0\t0\t0\t0\n", "no column 'z_m' beside its fellows"},
-        {"placement\tsocket\tj1\tj2\n", "holds a header but no rows"},
+        {"j1\tj2\tx_m\ty_m\n0\t0\t0\t0\n", "no column 'z_m'; x_m to z_m belong together"},
+        {"placement\tsocket\tj1\tj2\n", "has a header but no rows"},
         {"placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t0\t1\t1\n",
          "'p': only one socket; at least two"},
         {"placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t0\t0\t0\np\t1\t0\t0\n", "socket '1': 1 row"},
         {"placement\tsocket\tj1\tj2\np\t0\t0\t\n", "s.tsv:2: column 'j2': is empty"},
         {"placement\tsocket\tj1\tj2\np\t\t0\t0\n", "column 'socket': is empty"},
         {"placement\tsocket\tj1\tj2\np\t0\t0,5\t0\n", "decimal comma"},
-        {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t300\t0\t10\n", "300 looks like millimetres"},
+        {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t300\t0\t10\n", "is 300; positions are in m"},
         {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t1\t\t0\n", "a position needs x_m, y_m and z_m"},
         {"j1\tj2\tx_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n0\t0\t1\t0\t0\t1\t1\t0\t0\n",
          "quaternion's length is not 1"},
@@ -248,7 +250,7 @@ static void bad_sessions_get_one_clear_line(void **state)
     memset(text + strlen(text), 'x', 70);
     strcat(text, "\t0\t0\t0\n");
     assert_error(load_one(scratch_file("s.tsv", text), NULL), MUKCA_INPUT, error,
-                 "longer than 63 letters");
+                 "longer than 63 characters");
 }
 
 static void doubtful_data_are_read_with_a_note(void **state)
@@ -260,10 +262,10 @@ static void doubtful_data_are_read_with_a_note(void **state)
                      "p\t0\t3.2\t0\tred\t1\t0\np\t1\t3."
                      "3\t0\tred\t1\t0\np\t0\t0\t0\tred\t1\t0\np\t1\t0\t0\tred\t1\t0\n");
     assert_int_equal(load_one(path, NULL), MUKCA_OK);
-    assert_non_null(strstr(notes, "2 columns are unknown and ignored: colour, j9\n"));
+    assert_non_null(strstr(notes, "2 unknown columns ignored: colour, j9\n"));
     assert_non_null(strstr(notes, "odd.tsv:3: joint 'j1' is 0.2 rad beyond its limits"));
     assert_null(strstr(notes, "odd.tsv:4"));
-    assert_non_null(strstr(notes, "corrected by its driver already"));
+    assert_non_null(strstr(notes, "corrected these angles already"));
     const mukca_dataset_options partial = {.partial = true};
     assert_int_equal(
         load_one(scratch_file("s.tsv", "placement\tsocket\tj1\tj2\np\t0\t0\t0\n"), &partial),
@@ -306,7 +308,7 @@ static void poses_are_paired_with_their_rows(void **state)
     scratch_file("posed/hole_1_pose.csv", shorter);
     assert_int_equal(load_one(path, NULL), MUKCA_OK);
     assert_non_null(strstr(notes, "hole_0_pose.csv: 15 poses for 12 rows; 3 dropped"));
-    assert_non_null(strstr(notes, "hole_1_pose.csv: 11 poses for 12 rows; 1 rows go without"));
+    assert_non_null(strstr(notes, "hole_1_pose.csv: 11 poses for 12 rows; 1 rows have none"));
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &chain, NULL);
     for (int i = 0; i < 2 * N; i++) {
@@ -323,11 +325,11 @@ static void poses_are_paired_with_their_rows(void **state)
         for (int k = 0; k < 4; k++) assert_close(data.quaternion[4 * i + k], w[k], 1e-12);
     }
     scratch_file("posed/hole_0_pose.csv", "0,0,0,1,0,0\n");
-    assert_error(load_one(path, NULL), MUKCA_INPUT, error, "6 columns; a pose has 7");
+    assert_error(load_one(path, NULL), MUKCA_INPUT, error, "6 columns, but a pose has 7");
     scratch_file("posed/hole_0_pose.csv", "0,0,0,1,1,0,0\n");
     assert_error(load_one(path, NULL), MUKCA_INPUT, error, "length is not 1");
     scratch_file("posed/hole_0_pose.csv", "0,0,300,1,0,0,0\n");
-    assert_error(load_one(path, NULL), MUKCA_INPUT, error, "millimetres");
+    assert_error(load_one(path, NULL), MUKCA_INPUT, error, "is 300; positions are in m");
 }
 
 static void subsets_keep_what_belongs_to_their_rows(void **state)
@@ -386,10 +388,11 @@ static void published_poses_are_paired(void **state)
     for (int k = 0; k < 4; k++) {
         mukca_dataset published;
         const char *folders[] = {path};
+        const mukca_dataset_options noted = {.note = note};
         snprintf(path, sizeof path, "%.400s/%s", real ? real : "../shared/real", placements[k]);
         notes[0] = '\0';
-        assert_int_equal(
-            mukca_dataset_load(&published, &panda, folders, 1, NULL, note, NULL, &error), MUKCA_OK);
+        assert_int_equal(mukca_dataset_load(&published, &panda, folders, 1, &noted, &error),
+                         MUKCA_OK);
         assert_non_null(strstr(notes, "dropped, the rest paired"));
         for (int i = 0; i < published.n_rows; i++) {
             mukca_frame tip;

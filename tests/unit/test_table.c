@@ -82,8 +82,8 @@ static void bad_tables_name_their_place(void **state)
         {"a\tb\na\n", "t:2: 1 columns, but 2 in the header"},
         {"a\tb\n1\t2\n1\t2\t3\n", "t:3: 3 columns, but 2 in the header"},
         {"a\tb\n1\t2\n1", "the last line is cut off"},
-        {"a\ta\n", "column 'a' comes twice"},
-        {"a;b\n1,5;2\n", "parted by ';'"},
+        {"a\ta\n", "two columns are called 'a'"},
+        {"a;b\n1,5;2\n", "separated by ';'"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *path = scratch_file("t", cases[i].text);

@@ -203,7 +203,7 @@ static void links_that_are_not_there_are_suggested(void **state)
     } inertials[] = {
         {"l9\t1\t0\t0\t0\n", "did you mean l"},
         {"l1\t-1\t0\t0\t0\n", "i.tsv:2: column 'mass_kg': a mass cannot be negative"},
-        {"l1\t1\t0\t0\t0\nl1\t1\t0\t0\t0\n", "i.tsv:3: column 'link': link 'l1' comes twice"},
+        {"l1\t1\t0\t0\t0\nl1\t1\t0\t0\t0\n", "i.tsv:3: column 'link': link 'l1' has a row already"},
         {"l1\t1\t0\t0\n", "i.tsv:2: 4 columns"}};
     for (size_t i = 0; i < sizeof inertials / sizeof *inertials; i++) {
         char text[200];

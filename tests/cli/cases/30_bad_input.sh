@@ -68,9 +68,9 @@ session() { # session SED: session.tsv with one thing wrong
     sed "$1" session.tsv >bad.tsv
 }
 session '1s/j3/q3/'
-refuse 3 "bad.tsv:1: no column for joint 'j3' of the chain; is it 'q3'?" calibrate $a bad.tsv -o new.tsv
+refuse 3 "bad.tsv:1: no column for joint 'j3' of the chain; did you mean 'q3'?" calibrate $a bad.tsv -o new.tsv
 session '1s/$/\tmood/; 2,$s/$/\tgood/'
-accept 'bad.tsv: 1 column is unknown and ignored: mood' calibrate $a bad.tsv
+accept 'bad.tsv: 1 unknown column ignored: mood' calibrate $a bad.tsv
 session '4s/\t[^\t]*$/\tfive/'
 refuse 3 "bad.tsv:4: column 'j3': 'five' is not a finite number" calibrate $a bad.tsv -o new.tsv
 session '4s/\t[^\t]*$/\tnan/'
@@ -86,17 +86,17 @@ refuse 3 'cut.tsv:13: 3 columns, but 5 in the header; the last line is cut off' 
 session '5s/\t[^\t]*$/\t0,75/'
 refuse 3 "bad.tsv:5: column 'j3': '0,75' has a decimal comma; write a point" calibrate $a bad.tsv
 session '5s/\t[^\t]*$/\t57.3/'
-refuse 3 "bad.tsv:5: column 'j3': 57.3 is more than two turns and looks like degrees" calibrate $a bad.tsv
+refuse 3 "bad.tsv:5: column 'j3': joint 'j3' is 57.3, more than two turns; angles are in rad" calibrate $a bad.tsv
 session '2,$s/^p\t0/p\t1/'
 refuse 3 "placement 'p': only one socket; at least two" calibrate $a bad.tsv
 head -n 3 session.tsv >bad.tsv
 refuse 3 "socket '[01]': 1 row; at least 2 are needed" calibrate $a bad.tsv
 head_line >bad.tsv
-refuse 3 'bad.tsv: holds a header but no rows' calibrate $a bad.tsv
+refuse 3 'bad.tsv: has a header but no rows' calibrate $a bad.tsv
 tail -n +2 session.tsv >bad.tsv
 refuse 3 "bad.tsv:1: no column for joint 'j1'; the first line must be a header of names" calibrate $a bad.tsv
 tail -n +2 session.tsv | cut -f 3- >bad.tsv
-refuse 3 'bad.tsv:1: starts with numbers; a header' calibrate $a bad.tsv
+refuse 3 'bad.tsv:1: starts with numbers; the first line' calibrate $a bad.tsv
 : >bad.tsv
 refuse 3 'bad.tsv: is empty' calibrate $a bad.tsv
 head -c 5000 /dev/zero >bad.tsv
@@ -131,7 +131,7 @@ for command in calibrate evaluate diagnose report; do
 done
 awk 'NR < 30' seen.tsv >bad.tsv
 tail -n 3 blind.tsv >>bad.tsv
-accept 'bad.tsv: 3 of 31 rows have no measured position, and are left out' diagnose $a bad.tsv --free-base
+accept 'bad.tsv: 3 of 31 rows left out: no measured position' diagnose $a bad.tsv --free-base
 
 # folders
 mkdir bad
@@ -146,12 +146,12 @@ refuse 3 'bad/hole_1.csv:2: 2 columns, but 3 in the first row' calibrate $a bad
 printf '0,0\n0,0\n' >bad/hole_1.csv
 refuse 3 'bad/hole_1.csv:1: 2 columns, but the chain has 3 joints' calibrate $a bad
 printf '0,0,0\n10,90,45\n' >bad/hole_1.csv
-refuse 3 'bad/hole_1.csv:2: column 2: 90 is more than two turns' calibrate $a bad
+refuse 3 "bad/hole_1.csv:2: column 2: joint 'j2' is 90, more than two turns" calibrate $a bad
 printf '0;0;0\n0;0;0\n' >bad/hole_1.csv
-refuse 3 "bad/hole_1.csv:1: columns are parted by ';'" calibrate $a bad
+refuse 3 "bad/hole_1.csv:1: columns are separated by ';'" calibrate $a bad
 
 rows 1 4 | tee bad/hole_0.csv bad/hole_1.csv >bad/hole_3.csv
-refuse 3 'bad: no hole_2.csv; .* others without a gap' calibrate $a bad
+refuse 3 'bad: no hole_2.csv; .* and so on' calibrate $a bad
 rm bad/hole_3.csv
 
 # fewer rows than parameters
@@ -179,7 +179,7 @@ accept 'good/hole_0.csv is trained on and tested on' calibrate $a good --test go
 accept 'good/hole_1.csv is trained on and tested on' calibrate $a good --test good/../good
 refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv
 printf 'socket_a\tsocket_b\tdistance_m\n0\t1\t0\n' >distances.tsv
-refuse 3 "distances.tsv:2: column 'distance_m': 0: a distance must be above 0" calibrate $a --distances distances.tsv good
+refuse 3 "distances.tsv:2: column 'distance_m': 0 is not above 0" calibrate $a --distances distances.tsv good
 refuse 3 'nix.tsv: cannot read' calibrate $a --distances nix.tsv good
 
 # offsets tables

@@ -65,7 +65,7 @@ refuse 3 "short.tsv:[0-9]*: 9 columns, but 10 in the header" $d short.tsv
 awk -F'\t' -v OFS='\t' '/^p[1-9]/ && !done { $5 = "nan"; done = 1 } { print }' good.tsv >nan.tsv
 refuse 3 "nan.tsv:[0-9]*: column 'joint_2'" $d nan.tsv
 grep -v '^p[1-9]' good.tsv >empty.tsv
-refuse 3 "empty.tsv: holds a header but no rows" $d empty.tsv
+refuse 3 "empty.tsv: has a header but no rows" $d empty.tsv
 awk -F'\t' '!/^p[1-9]/ || $2 == "0"' good.tsv >half.tsv
 refuse 3 "only one socket; at least two" $d half.tsv
 mkdir folder
