@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cli/calibrate_say.h"
+#include "cli/calibrate.h"
 
 void calibrate_fill_offsets(mukca_offsets *offsets, const mukca_fit *fit)
 {

@@ -38,7 +38,7 @@ typedef struct {
     int n;
 } cli_list;
 
-/* kind: the type of the member at `offset`, and what the command line must give */
+/* Type of the member at `offset`, and what the command line must give. */
 typedef enum {
     CLI_FLAG,     /* bool; no argument */
     CLI_TEXT,     /* const char *; the last one given wins */
@@ -56,7 +56,7 @@ typedef struct {
     char letter;      /* 0: none */
     cli_kind kind;
     const char *argument;       /* its name in help, NULL for a flag */
-    const char *help;           /* one sentence without a final stop; tells the default */
+    const char *help;           /* one sentence without a full stop; it states the default */
     const char *const *choices; /* CLI_CHOICE: names, ended by NULL */
     size_t offset;              /* of the member in the command's options */
 } cli_option;
@@ -64,6 +64,7 @@ typedef struct {
 /* The contract's common options: the first member of every command's options struct. */
 typedef struct {
     const char *urdf, *base, *tip, *inertials, *offsets, *distances, *json, *output;
+    cli_list test;
     double distance;   /* m; 0: 0.05 */
     double gravity[3]; /* m/s^2; all 0: upright base */
     bool force, quiet, verbose;
@@ -74,37 +75,40 @@ typedef struct {
     {                                                                         \
 #name, letter, kind, argument, help, NULL, offsetof(cli_common, name) \
     }
-#define CLI_MODEL_OPTIONS                                                                          \
-    CLI_COMMON(urdf, 0, CLI_TEXT, "FILE", "the arm's nominal model"),                              \
-        CLI_COMMON(base, 0, CLI_TEXT, "LINK",                                                      \
-                   "first link of the chain (default: the URDF's root)"),                          \
-        CLI_COMMON(tip, 0, CLI_TEXT, "LINK",                                                       \
-                   "last link of the chain (default: ball_link, else ball, else the only leaf)"),  \
-        CLI_COMMON(                                                                                \
-            inertials, 0, CLI_TEXT, "FILE",                                                        \
-            "link masses, a TSV of link, mass_kg, com_x_m, com_y_m, com_z_m; wins over the URDF"), \
-        CLI_COMMON(gravity, 0, CLI_VECTOR, "X,Y,Z",                                                \
+#define CLI_MODEL_OPTIONS                                                                         \
+    CLI_COMMON(urdf, 0, CLI_TEXT, "FILE", "nominal model of the arm"),                            \
+        CLI_COMMON(base, 0, CLI_TEXT, "LINK",                                                     \
+                   "first link of the chain (default: the URDF's root)"),                         \
+        CLI_COMMON(tip, 0, CLI_TEXT, "LINK",                                                      \
+                   "last link of the chain (default: ball_link, else ball, else the only leaf)"), \
+        CLI_COMMON(inertials, 0, CLI_TEXT, "FILE",                                                \
+                   "link masses (TSV: link, mass_kg, com_x_m, com_y_m, com_z_m); they replace "   \
+                   "those of the URDF"),                                                          \
+        CLI_COMMON(gravity, 0, CLI_VECTOR, "X,Y,Z",                                               \
                    "gravity in the base frame, m/s^2 (default: 0,0,-9.80665)")
 #define CLI_OFFSETS_OPTION                   \
     CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", \
-               "apply this offsets table; must belong to the URDF, unless --force")
+               "apply this offsets table; it must belong to the URDF (or --force)")
 #define CLI_DISTANCE_OPTION \
     CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)")
 #define CLI_DISTANCE_OPTIONS                       \
     CLI_DISTANCE_OPTION,                           \
         CLI_COMMON(distances, 0, CLI_TEXT, "FILE", \
-                   "distances of pairs of sockets, a TSV of socket_a, socket_b, distance_m")
+                   "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)")
+#define CLI_TEST_OPTION \
+    CLI_COMMON(test, 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported")
 #define CLI_JSON_OPTION \
-    CLI_COMMON(json, 0, CLI_TEXT, "FILE", "write the result as JSON; - is standard output")
+    CLI_COMMON(json, 0, CLI_TEXT, "FILE", "write the result as JSON; - means standard output")
 #define CLI_OUTPUT_OPTION(what)                                                   \
     {                                                                             \
         "output", 'o', CLI_TEXT, "FILE", what, NULL, offsetof(cli_common, output) \
     }
-#define CLI_FORCE_OPTION \
-    CLI_COMMON(force, 0, CLI_FLAG, NULL, "overwrite existing files, accept another arm's offsets")
-#define CLI_TALK_OPTIONS                                                                \
-    CLI_COMMON(quiet, 'q', CLI_FLAG, NULL, "say nothing but errors on standard error"), \
-        CLI_COMMON(verbose, 'v', CLI_FLAG, NULL, "tell what was read, and the time taken")
+#define CLI_FORCE_OPTION                 \
+    CLI_COMMON(force, 0, CLI_FLAG, NULL, \
+               "overwrite existing files; accept the offsets table of another arm")
+#define CLI_TALK_OPTIONS                                         \
+    CLI_COMMON(quiet, 'q', CLI_FLAG, NULL, "print errors only"), \
+        CLI_COMMON(verbose, 'v', CLI_FLAG, NULL, "print inputs and elapsed time")
 #define CLI_END_OPTIONS                        \
     {                                          \
         NULL, 0, CLI_FLAG, NULL, NULL, NULL, 0 \
@@ -113,7 +117,7 @@ typedef struct {
 typedef struct cli_call cli_call;
 
 /* Do the command's work.  Returns the exit code; where it is an error, call->error holds the line
- * to print (empty: all has been said). */
+ * to print (empty: nothing to add). */
 typedef mukca_status cli_run_fn(cli_call *call);
 
 typedef struct {
@@ -128,13 +132,30 @@ typedef struct {
     size_t options_size;  /* of the options struct, which begins with cli_common */
     const void *defaults; /* an options struct, or NULL: zeroed */
     cli_run_fn *run;
+    size_t work_size;            /* of call->work, or 0 */
+    void (*release)(void *work); /* frees what it holds; NULL: nothing */
 } cli_command;
+
+/* The arm from --urdf, --base, --tip, --inertials, --gravity, --offsets. */
+typedef struct {
+    mukca_chain chain;
+    mukca_offsets offsets;   /* of --offsets; without: theta nominal, no effects */
+    mukca_geometry geometry; /* of offsets.theta */
+} cli_model;
+
+/* What a command reads. */
+typedef struct {
+    cli_model model;
+    mukca_dataset data, test; /* DATA..., --test */
+} cli_session;
 
 struct cli_call {
     const cli_command *command;
-    void *options;      /* the command's options struct */
-    cli_common *common; /* the same memory */
-    cli_list arguments; /* positionals */
+    void *options;        /* the command's options struct */
+    cli_common *common;   /* the same memory */
+    cli_list arguments;   /* positionals */
+    cli_session *session; /* zeroed, filled by cli_load; freed after the run */
+    void *work;           /* zeroed memory of the command, freed after the run */
     mukca_error error;
     double started, said; /* s, monotonic: for elapsed and progress */
     bool showing;         /* a progress line is on the screen */
@@ -144,10 +165,10 @@ struct cli_call {
 /* All commands, ended by NULL. */
 extern const cli_command *const cli_commands[];
 
-/* ---- parsing and help (cli.c, commands.c, text.c, help.c, completion.c) ---- */
+/* ---- parsing and help (parse.c, commands.c, text.c, help.c, completion.c) ---- */
 
-/* Fill call->options and call->arguments from argv[argc]; `*help` tells that -h or --help was
- * given. Errors: MUKCA_USAGE, MUKCA_MEMORY. */
+/* Fill call->options and call->arguments from argv[argc]; `*help`: -h or --help was given.  Errors:
+ * MUKCA_USAGE, MUKCA_MEMORY. */
 mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv);
 void cli_call_free(cli_call *call);
 
@@ -158,6 +179,9 @@ enum { CLI_WIDTH = 79 }; /* columns */
 /* Print `text` wrapped to 79 columns, each line indented; empty lines part paragraphs, lines that
  * begin with a space are kept as they are. */
 void cli_print_wrapped(FILE *stream, int indent, const char *text);
+
+/* "Cause   text": a bold key of 8 columns, the text wrapped after it. */
+void cli_print_keyed(FILE *stream, const char *key, const char *text);
 
 /* Words of text[length] alike, from `column` on, with a line feed. */
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length);
@@ -187,16 +211,20 @@ mukca_status cli_output_open(cli_call *call, mukca_output *output);
  * for each piece: it clears a progress line. */
 FILE *cli_answer_stream(cli_call *call);
 
-/* printf to that stream; the second wraps whole lines, as cli_print_wrapped does. */
+/* printf to that stream; the second wraps whole lines, as cli_print_wrapped does, the third after a
+ * key. */
 void cli_answer(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void cli_answer_wrapped(cli_call *call, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+void cli_answer_keyed(cli_call *call, const char *key, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* A mukca_note_fn; context is the cli_call.  Silent with -q. */
 void cli_note(void *call, const char *text);
 
 /* printf to standard error; silent with -q. */
-void cli_say(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
+#define cli_say cli_log
+void cli_log(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* The same for whole lines, which are wrapped to 79 columns; lines that begin with a space are kept
  * as they are. */
@@ -221,14 +249,11 @@ bool cli_interrupted(void);
 bool cli_stop(void *context);
 bool cli_show_progress(void *call, double share, const char *doing);
 
-/* ---- what commands share (common.c) ---- */
+/* ---- what commands read and write (load.c, outputs.c, json.c) ---- */
 
-/* The arm from --urdf, --base, --tip, --inertials, --gravity, --offsets. */
-typedef struct {
-    mukca_chain chain;
-    mukca_offsets offsets;   /* of --offsets; without: theta nominal, no effects */
-    mukca_geometry geometry; /* of offsets.theta */
-} cli_model;
+/* Check the outputs, then fill call->session: the model, DATA where there are arguments, --test
+ * where it is given.  Errors: those of the functions below. */
+mukca_status cli_load(cli_call *call);
 
 /* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_load_model(cli_call *call, cli_model *model);
@@ -238,23 +263,26 @@ mukca_status cli_load_model(cli_call *call, cli_model *model);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
-/* Read held-out DATA alike, none where there are no paths; a file of `train` among them is told. */
-mukca_status cli_load_test(cli_call *call, mukca_dataset *test, const cli_model *model,
-                           const cli_list *paths, const mukca_dataset *train);
+/* "180 samples, 3 placements", "1000 measured poses". */
+void cli_describe_data(char text[80], const mukca_dataset *data);
 
-/* The positional arguments; without any standard input, which a person at a terminal is told. */
+/* The positional arguments; where there are none, standard input, with a note at a terminal. */
 cli_list cli_inputs(cli_call *call);
 
-/* For commands that apply the effects of --offsets: are the masses there that they need?  Errors:
- * MUKCA_INPUT. */
+/* Check that the masses are there that the effects of --offsets need.  Errors: MUKCA_INPUT. */
 mukca_status cli_check_effects(cli_call *call, const cli_model *model);
 
 /* Check --json and -o before any long work: not both `-`, not existing without --force, folder
  * writable. */
 mukca_status cli_check_outputs(cli_call *call);
 
+/* Write an offsets table to `path` (NULL: none); the arguments are those of mukca_offsets_write. */
+mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,
+                               const mukca_chain *chain, const mukca_dataset *data,
+                               const char *comments);
+
 /* Refuse an output `path` (NULL: none) that is read here: not even --force overwrites a recording,
- * which cannot be had again.  cli_load_model asks for -o and --json.  Errors: MUKCA_USAGE. */
+ * which cannot be repeated.  cli_load_model checks -o and --json.  Errors: MUKCA_USAGE. */
 mukca_status cli_keep_inputs(cli_call *call, const char *path);
 
 /* Write `root` (stolen) to --json, if that was given. */

@@ -8,7 +8,7 @@
 #include "math/stats.h"
 
 /* causes with a line of their own, faults and reasons likewise: the screen holds some 30 lines */
-enum { KEY = 8, MOST_CAUSES = 8, MOST_LINES = 6, TEXT = 1024 };
+enum { MOST_CAUSES = 8, MOST_LINES = 6, TEXT = 1024 };
 
 /* A joint whose effects must be larger than this to be detected (rad rms, 1.7 degrees) counts as
  * not testable: no cause of a calibrated arm is that large. */
@@ -38,12 +38,9 @@ __attribute__((format(printf, 2, 3))) static void put(paragraph *p, const char *
     if (p->used > sizeof p->text - 1) p->used = sizeof p->text - 1;
 }
 
-/* Print after a bold key of KEY columns, "" for none. */
 static void print(FILE *stream, const char *key, paragraph *p)
 {
-    if (!p->used) return;
-    fprintf(stream, "%s%-*s%s", cli_bold(stream), KEY, key, cli_plain(stream));
-    cli_print_words(stream, KEY, KEY, p->text, p->used);
+    if (p->used) cli_print_keyed(stream, key, p->text);
     *p = (paragraph){.used = 0};
 }
 
@@ -369,14 +366,10 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
 
 void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
 {
-    const mukca_dataset *data = r->data;
     char words[MUKCA_WORDING];
     paragraph p = {.used = 0};
-    fprintf(stream, "%s: %d %s", r->chain->robot, data->n_rows,
-            data->n_sockets ? "samples" : "measured poses");
-    if (data->n_placements)
-        fprintf(stream, ", %d placement%s", data->n_placements, data->n_placements == 1 ? "" : "s");
-    fputs("\n", stream);
+    cli_describe_data(words, r->data);
+    fprintf(stream, "%s: %s\n", r->chain->robot, words);
     mukca_wording_caveat(words, r);
     const bool caveat = *words;
     put(&p, "%s", words);

@@ -4,26 +4,23 @@
 #include <string.h>
 
 #include "cli/scores.h"
-#include "io/output.h"
 
 typedef struct {
     cli_common common;
-    cli_list test;
     double max_mae;
     bool matrix;
 } evaluate_options;
 
 static const cli_option options[] = {
     CLI_OFFSETS_OPTION,
-    {"test", 0, CLI_REST, "DATA...", "held-out data, reported apart; never trained on by --matrix",
-     NULL, offsetof(evaluate_options, test)},
+    CLI_TEST_OPTION,
     {"max-mae", 0, CLI_POSITIVE, "M",
-     "exit with 1 where the mean error (of --test, if given) is above this, m", NULL,
+     "exit code 1 if the mean error (of --test, if given) is above this, m", NULL,
      offsetof(evaluate_options, max_mae)},
     {"matrix", 0, CLI_FLAG, NULL,
-     "train on each placement, each pair and all, and test on the others: a table of mean errors",
-     NULL, offsetof(evaluate_options, matrix)},
-    CLI_OUTPUT_OPTION("where to write the table (default: standard output)"),
+     "train on each placement, each pair and all, test on the others: a table of mean errors", NULL,
+     offsetof(evaluate_options, matrix)},
+    CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
     CLI_JSON_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
@@ -142,32 +139,31 @@ static mukca_status matrix_rows(cli_call *call, const matrix *m)
                 if (isfinite(line.others)) sums[size - 1] += line.others, have[size - 1]++;
             }
     }
-    static const char *const names[3] = {"one placement", "two", "all"};
-    const char *before = "Mean error elsewhere, trained on";
-    for (int i = 0; i < 3; i++) {
-        char text[24];
-        if (have[i] == 0) continue;
-        cli_millimetres(text, sums[i] / have[i]);
-        cli_answer(call, "%s %s: %s", before, names[i], text);
-        before = ", on";
-    }
-    cli_answer(call, "\n");
+    static const char *const names[3] = {"one placement", "two placements", "all placements"};
+    for (int i = 0; i < 3; i++)
+        if (have[i])
+            cli_answer(call, "Trained on %-15s mean error elsewhere %.3f mm\n", names[i],
+                       1e3 * sums[i] / have[i]);
     return MUKCA_OK;
 }
 
-static mukca_status run_matrix(cli_call *call, FILE *stream, json_t *json, const cli_model *model,
-                               const mukca_dataset *data, const mukca_dataset *test)
+static mukca_status run_matrix(cli_call *call, FILE *stream, json_t *json)
 {
-    matrix m = {.stream = stream, .json = json, .model = model, .data = data, .test = test};
+    const mukca_dataset *data = &call->session->data, *test = &call->session->test;
+    matrix m = {.stream = stream,
+                .json = json,
+                .model = &call->session->model,
+                .data = data,
+                .test = test,
+                .scores = calloc((size_t)data->n_placements + 1, sizeof *m.scores),
+                .test_scores = calloc((size_t)test->n_placements + 2, sizeof *m.test_scores),
+                .train = calloc((size_t)data->n_placements + 1, 1)};
     mukca_status status = MUKCA_OK;
     if (data->n_placements < 2)
-        return mukca_fail(
-            &call->error, MUKCA_INPUT,
-            "--matrix needs two placements or more, to train on one and test on another");
-    m.scores = calloc((size_t)data->n_placements + 1, sizeof *m.scores);
-    m.test_scores = calloc((size_t)test->n_placements + 2, sizeof *m.test_scores);
-    m.train = calloc((size_t)data->n_placements, 1);
-    if (m.scores && m.test_scores && m.train)
+        status =
+            mukca_fail(&call->error, MUKCA_INPUT,
+                       "--matrix needs two placements or more: one to train on, one to test on");
+    else if (m.scores && m.test_scores && m.train)
         status = matrix_rows(call, &m);
     else
         status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
@@ -177,49 +173,51 @@ static mukca_status run_matrix(cli_call *call, FILE *stream, json_t *json, const
     return status;
 }
 
-static void say(cli_call *call, const cli_model *model, const cli_scores *data,
-                const cli_scores *test)
+typedef struct {
+    cli_scores data, test;
+} evaluate_work;
+
+static void print(cli_call *call, const evaluate_work *w)
 {
-    const cli_common *c = call->common;
+    const cli_session *s = call->session;
     const evaluate_options *o = call->options;
-    cli_answer(call, "%s: %s\n", model->chain.robot,
-               c->offsets ? "nominal model, and with the offsets of the table"
-                          : "nominal model (no --offsets)");
-    cli_scores_say_header(call, c->offsets != NULL);
-    cli_scores_say(call, data, "data", c->offsets != NULL);
-    if (test->n > 0) cli_scores_say(call, test, "test", c->offsets != NULL);
-    if (!c->offsets && !o->matrix)
-        cli_answer(call,
-                   "Next: `mukca calibrate` on these data, then --offsets to see what it gains.\n");
+    const bool calibrated = call->common->offsets != NULL, tested = w->test.n > 0;
+    char data[80];
+    cli_describe_data(data, &s->data);
+    cli_answer(call, "%s: %s; %s\n", s->model.chain.robot, data,
+               calibrated ? "nominal model and offsets table" : "nominal model (no --offsets)");
+    cli_scores_print_header(call, calibrated);
+    cli_scores_print(call, &w->data, "data", calibrated);
+    if (tested) cli_scores_print(call, &w->test, "test", calibrated);
+    if (!calibrated && !o->matrix)
+        cli_answer_keyed(call, "Next", "mukca calibrate with these data");
 }
 
-static mukca_status verdict(cli_call *call, const cli_scores *data, const cli_scores *test)
+static mukca_status verdict(cli_call *call, const evaluate_work *w)
 {
     const evaluate_options *o = call->options;
-    const double mae = test->n > 0 ? test->calibrated_mean.mae : data->calibrated_mean.mae;
+    const double mae = w->test.n > 0 ? w->test.calibrated_mean.mae : w->data.calibrated_mean.mae;
     if (!(o->max_mae > 0) || mae <= o->max_mae) return MUKCA_OK;
     return mukca_fail(&call->error, MUKCA_NEGATIVE, "mean error %.6g m is above --max-mae %g", mae,
                       o->max_mae);
 }
 
-static mukca_status write_results(cli_call *call, const cli_model *model, const cli_scores *scores,
-                                  const mukca_dataset *data, const cli_scores *test_scores,
-                                  const mukca_dataset *test)
+static mukca_status write_results(cli_call *call, const evaluate_work *w)
 {
     const evaluate_options *o = call->options;
+    const cli_session *s = call->session;
     const cli_common *c = call->common;
     mukca_output output = {0};
-    const bool json_only = c->json && !c->output;
-    json_t *json = json_pack(
-        "{s:s, s:o, s:o, s:o, s:o}", "schema", "mukca.evaluate/1", "data",
-        cli_scores_json(scores, data), "test", cli_scores_json(test_scores, test), "mae_m",
-        cli_json_real(scores->calibrated_mean.mae), "test_mae_m",
-        test_scores->n > 0 ? cli_json_real(test_scores->calibrated_mean.mae) : json_null());
+    json_t *json =
+        json_pack("{s:s, s:o, s:o, s:o, s:o}", "schema", "mukca.evaluate/1", "data",
+                  cli_scores_json(&w->data, &s->data), "test", cli_scores_json(&w->test, &s->test),
+                  "mae_m", cli_json_real(w->data.calibrated_mean.mae), "test_mae_m",
+                  w->test.n > 0 ? cli_json_real(w->test.calibrated_mean.mae) : json_null());
     mukca_status status = json ? MUKCA_OK : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK && !json_only) status = cli_output_open(call, &output);
+    if (status == MUKCA_OK && (!c->json || c->output)) status = cli_output_open(call, &output);
     if (status == MUKCA_OK && o->matrix) {
         json_t *lines = json_array();
-        status = run_matrix(call, output.stream, lines, model, data, test);
+        status = run_matrix(call, output.stream, lines);
         json_object_set_new(json, "matrix", lines);
     } else if (status == MUKCA_OK && output.stream) {
         fputs(
@@ -227,8 +225,8 @@ static mukca_status write_results(cli_call *call, const cli_model *model, const 
             "distance_error_nominal_m\tdistance_error_m\trotation_error_nominal_rad\t"
             "rotation_error_rad\n",
             output.stream);
-        write_scores(output.stream, "data", scores, data);
-        write_scores(output.stream, "test", test_scores, test);
+        write_scores(output.stream, "data", &w->data, &s->data);
+        write_scores(output.stream, "test", &w->test, &s->test);
     }
     if (status == MUKCA_OK && output.stream) status = mukca_output_close(&output, &call->error);
     mukca_output_abort(&output);
@@ -262,63 +260,60 @@ static mukca_status load_model(cli_call *call, cli_model *model)
     return cli_check_effects(call, model);
 }
 
+static void release(void *work)
+{
+    evaluate_work *w = work;
+    cli_scores_free(&w->data);
+    cli_scores_free(&w->test);
+}
+
 static mukca_status run(cli_call *call)
 {
     const evaluate_options *o = call->options;
-    cli_model *model = calloc(1, sizeof *model);
-    mukca_dataset data = {0}, test = {0};
-    cli_scores scores = {0}, test_scores = {0};
-    mukca_status status = MUKCA_OK;
-    if (!model) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    cli_catch_interrupts();
+    evaluate_work *w = call->work;
+    cli_session *s = call->session;
+    cli_model *model = &s->model;
     if (o->matrix && call->common->offsets)
-        status = mukca_fail(&call->error, MUKCA_USAGE,
-                            "--matrix trains from the nominal model: leave out --offsets");
-    if (status == MUKCA_OK) status = cli_check_outputs(call);
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "--matrix trains from the nominal model: leave out --offsets");
+    mukca_status status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = load_model(call, model);
-    if (status == MUKCA_OK) status = cli_load_data(call, &data, model, &call->arguments);
-    if (status == MUKCA_OK && o->test.n > 0) status = cli_load_data(call, &test, model, &o->test);
+    if (status == MUKCA_OK) status = cli_load_data(call, &s->data, model, &call->arguments);
+    if (status == MUKCA_OK && call->common->test.n)
+        status = cli_load_data(call, &s->test, model, &call->common->test);
     if (status == MUKCA_OK)
-        status = cli_scores_make(call, &scores, &model->chain, model->offsets.theta, model, &data);
-    if (status == MUKCA_OK && o->test.n > 0)
         status =
-            cli_scores_make(call, &test_scores, &model->chain, model->offsets.theta, model, &test);
-    if (status == MUKCA_OK)
-        status = write_results(call, model, &scores, &data, &test_scores, &test);
-    if (status == MUKCA_OK) {
-        say(call, model, &scores, &test_scores);
-        status = verdict(call, &scores, &test_scores);
-    }
-    cli_scores_free(&scores);
-    cli_scores_free(&test_scores);
-    mukca_dataset_free(&data);
-    mukca_dataset_free(&test);
-    free(model);
-    return status;
+            cli_scores_make(call, &w->data, &model->chain, model->offsets.theta, model, &s->data);
+    if (status == MUKCA_OK && s->test.n_rows > 0)
+        status =
+            cli_scores_make(call, &w->test, &model->chain, model->offsets.theta, model, &s->test);
+    if (status == MUKCA_OK) status = write_results(call, w);
+    if (status != MUKCA_OK) return status;
+    print(call, w);
+    return verdict(call, w);
 }
 
 const cli_command cli_command_evaluate = {
     .name = "evaluate",
     .group = CLI_CALIBRATE,
-    .summary = "the errors of a model on data, nominal and calibrated",
+    .summary = "errors of a nominal or calibrated model on data",
     .synopsis = "DATA...",
     .min_arguments = 1,
     .max_arguments = -1,
     .description =
-        "Prints a table with one row per placement: mae is the mean distance of a row's ball from "
-        "the "
-        "mean of its socket (from the measurement, for pose logs), std the root of the mean "
-        "square, "
-        "distance_error how far the sockets come out from their given distance; each nominal and, "
-        "with "
-        "--offsets, calibrated, effects included. SI units.\n\n"
-        "--matrix prints instead what training on each placement, on each pair and on all of them "
-        "gives "
-        "on every placement, each fit with the defaults of calibrate.",
+        "Prints a table with one row per placement. mae: mean distance of the predicted ball from "
+        "the mean of its socket (pose logs: from the measured position). std: root of the mean "
+        "square. distance_error: predicted minus given distance of the sockets. Each for the "
+        "nominal model and, with --offsets, for the calibrated model with its effects. SI "
+        "units.\n\n"
+        "--matrix prints instead the errors on every placement after training on each placement, "
+        "on each pair and on all, with the defaults of calibrate.",
     .example =
         "mukca evaluate --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv "
         "data/demo/test.tsv",
     .options = options,
     .options_size = sizeof(evaluate_options),
     .run = run,
+    .work_size = sizeof(evaluate_work),
+    .release = release,
 };

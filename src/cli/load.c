@@ -1,5 +1,4 @@
 /* The arm and the data that the common options name. */
-#include <fnmatch.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,35 +9,8 @@
 #include "io/output.h"
 #include "io/urdf.h"
 
+/* Larger values are in mm/s^2 or wrong; no arm works at 100 g. */
 static const double most_gravity = 1e3; /* m/s^2 */
-
-/* Is `path` the input or, where that is a placement's folder, a file that is read there? */
-static bool is_input(const char *path, const char *input)
-{
-    char file[1300];
-    if (!path || !input) return false;
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    if (fnmatch("hole_*.csv", name, 0) != 0) return mukca_output_same(path, input);
-    snprintf(file, sizeof file, "%.1000s/%.255s", input, name);
-    return mukca_output_same(path, input) || mukca_output_same(path, file);
-}
-
-mukca_status cli_keep_inputs(cli_call *call, const char *path)
-{
-    const cli_common *c = call->common;
-    const char *const inputs[] = {c->urdf, c->inertials, c->offsets, c->distances};
-    bool same = false;
-    for (int i = 0; i < 4; i++) same |= is_input(path, inputs[i]);
-    for (int i = 0; i < call->arguments.n; i++) same |= is_input(path, call->arguments.items[i]);
-    for (const cli_option *o = call->command->options; o->name; o++) {
-        if (o->kind != CLI_REST) continue;
-        const cli_list *rest = (const cli_list *)(void *)((char *)call->options + o->offset);
-        for (int i = 0; i < rest->n; i++) same |= is_input(path, rest->items[i]);
-    }
-    if (!same) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_USAGE,
-                      "%.120s is read here, and so cannot be written; name another file", path);
-}
 
 mukca_status cli_load_model(cli_call *call, cli_model *model)
 {
@@ -49,19 +21,19 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     if (status) return status;
     if (!c->urdf)
         return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--urdf FILE is needed: the arm's nominal model");
+                          "--urdf FILE is needed: the nominal model of the arm");
     mukca_urdf_options options = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
     for (int i = 0; i < 3; i++)
         if (fabs(c->gravity[i]) > most_gravity)
-            return mukca_fail(&call->error, MUKCA_USAGE, "--gravity: %g is none; give m/s^2",
-                              c->gravity[i]);
+            return mukca_fail(&call->error, MUKCA_USAGE,
+                              "--gravity: %g is out of range; give m/s^2", c->gravity[i]);
     memcpy(options.gravity, c->gravity, sizeof options.gravity);
     status = mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
     if (status) return status;
     if (c->verbose)
-        cli_tell(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...", c->urdf,
-                 model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,
-                 model->chain.n_masses, model->chain.urdf_sha256);
+        cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", c->urdf,
+                model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,
+                model->chain.n_masses, model->chain.urdf_sha256);
     if (c->offsets)
         status = mukca_offsets_read(&model->offsets, &model->chain, c->offsets, c->force, cli_note,
                                     call, &call->error);
@@ -87,33 +59,52 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {
         int rows = 0;
         for (int i = 0; i < data->n_rows; i++) rows += data->file[i] == f;
-        cli_tell(call, "%s: %d rows", data->files[f], rows);
+        cli_log(call, "%s: %d rows\n", data->files[f], rows);
     }
     return status;
 }
 
-mukca_status cli_load_test(cli_call *call, mukca_dataset *test, const cli_model *model,
-                           const cli_list *paths, const mukca_dataset *train)
+/* A file that is both fitted and tested on. */
+static void note_repeated(cli_call *call, const mukca_dataset *data, const mukca_dataset *test)
 {
-    if (paths->n == 0) return MUKCA_OK;
-    const mukca_status status = cli_load_data(call, test, model, paths);
-    for (int t = 0; t < test->n_files && status == MUKCA_OK; t++)
-        for (int k = 0; k < train->n_files; k++) {
+    for (int t = 0; t < test->n_files; t++)
+        for (int k = 0; k < data->n_files; k++) {
             char text[640];
-            if (!mukca_output_same(test->files[t], train->files[k])) continue;
-            snprintf(text, sizeof text, "%s is trained on and tested on: that test proves nothing",
+            if (!mukca_output_same(test->files[t], data->files[k])) continue;
+            snprintf(text, sizeof text, "%s is training and test data; that test proves nothing",
                      test->files[t]);
             cli_note(call, text);
         }
+}
+
+mukca_status cli_load(cli_call *call)
+{
+    cli_session *s = call->session;
+    mukca_status status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
+    if (status == MUKCA_OK && call->arguments.n)
+        status = cli_load_data(call, &s->data, &s->model, &call->arguments);
+    if (status == MUKCA_OK && call->common->test.n)
+        status = cli_load_data(call, &s->test, &s->model, &call->common->test);
+    note_repeated(call, &s->data, &s->test);
     return status;
+}
+
+void cli_describe_data(char text[80], const mukca_dataset *data)
+{
+    const int used =
+        snprintf(text, 80, "%d %s%s", data->n_rows, data->n_sockets ? "sample" : "measured pose",
+                 data->n_rows == 1 ? "" : "s");
+    if (data->n_placements)
+        snprintf(text + used, (size_t)(80 - used), ", %d placement%s", data->n_placements,
+                 data->n_placements == 1 ? "" : "s");
 }
 
 cli_list cli_inputs(cli_call *call)
 {
     static const char *standard[] = {"-"};
     if (call->arguments.n) return call->arguments;
-    if (isatty(STDIN_FILENO))
-        cli_note(call, "rows are read from standard input, to its end (Ctrl-D)");
+    if (isatty(STDIN_FILENO)) cli_note(call, "reading rows from standard input, until Ctrl-D");
     return (cli_list){standard, 1};
 }
 

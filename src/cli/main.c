@@ -1,7 +1,8 @@
-/* The program: finds the command, parses its options, runs it, and says what went wrong. */
+/* The program: finds the command, parses its options, runs it, and reports its error. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -42,6 +43,27 @@ static mukca_status help(const char *topic)
     return MUKCA_OK;
 }
 
+/* Run with zeroed memory for what is read and for the command's own work. */
+static mukca_status run_with_memory(cli_call *call)
+{
+    const cli_command *command = call->command;
+    mukca_status status = MUKCA_MEMORY;
+    call->session = calloc(1, sizeof *call->session);
+    call->work = calloc(1, command->work_size ? command->work_size : 1);
+    if (call->session && call->work)
+        status = command->run(call);
+    else
+        snprintf(call->error.text, sizeof call->error.text, "out of memory");
+    if (call->work && command->release) command->release(call->work);
+    free(call->work);
+    if (call->session) {
+        mukca_dataset_free(&call->session->data);
+        mukca_dataset_free(&call->session->test);
+    }
+    free(call->session);
+    return status;
+}
+
 static mukca_status run_command(const cli_command *command, int argc, char **argv)
 {
     cli_call call = {.command = command};
@@ -53,9 +75,9 @@ static mukca_status run_command(const cli_command *command, int argc, char **arg
     if (status == MUKCA_OK && wants_help)
         cli_print_command_help(stdout, command);
     else if (status == MUKCA_OK)
-        status = command->run(&call);
+        status = run_with_memory(&call);
     if (call.common && call.common->verbose)
-        cli_say(&call, "%s took %.3g s\n", command->name, cli_elapsed(&call));
+        cli_log(&call, "%s took %.3g s\n", command->name, cli_elapsed(&call));
     if (status != MUKCA_OK && cli_interrupted()) {
         if (status != MUKCA_INTERRUPTED || !call.error.text[0])
             snprintf(call.error.text, sizeof call.error.text, "interrupted; nothing was written");

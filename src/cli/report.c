@@ -8,7 +8,7 @@
 
 #include <sha2.h>
 
-#include "cli/calibrate_say.h"
+#include "cli/calibrate.h"
 #include "fit/nlopt_adapter.h"
 #include "io/output.h"
 #include "report/report.h"
@@ -214,7 +214,8 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_load_model(call, &r->model);
     if (status == MUKCA_OK) status = cli_check_effects(call, &r->model);
     if (status == MUKCA_OK) status = cli_load_data(call, &r->train, &r->model, &call->arguments);
-    if (status == MUKCA_OK) status = cli_load_test(call, &r->test, &r->model, &o->test, &r->train);
+    if (status == MUKCA_OK && o->test.n)
+        status = cli_load_data(call, &r->test, &r->model, &o->test);
     if (status == MUKCA_OK) status = prepare(r);
     if (status != MUKCA_OK) goto out;
     FILE *line = open_memstream(&command, &size);

@@ -1,4 +1,4 @@
-/* Scores of a model on data, nominal beside calibrated. */
+/* Scores of a model on data, nominal and calibrated. */
 #include "cli/scores.h"
 
 #include <math.h>
@@ -62,46 +62,34 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
     return array;
 }
 
-void cli_millimetres(char text[24], double metres)
+/* `kind`, `set`: "distortion", "train". */
+static void print_line(cli_call *call, const char *kind, const char *set, double factor,
+                       double nominal, const double *calibrated)
 {
-    const double mm = 1e3 * metres;
-    snprintf(text, 24,
-             !isfinite(mm)                 ? "-"
-             : fabs(mm) >= 0.01 || mm == 0 ? "%.3f mm"
-                                           : "%.2g mm",
-             mm);
-}
-
-static void say_line(cli_call *call, const char *kind, const char *what, double nominal,
-                     const double *calibrated)
-{
-    char name[40], text[24];
-    snprintf(name, sizeof name, "%s, %s", kind, what);
-    cli_millimetres(text, nominal);
-    cli_answer(call, "  %-18s %12s", name, text);
-    if (calibrated) {
-        cli_millimetres(text, *calibrated);
-        cli_answer(call, " %12s", text);
-        if (nominal > 0) cli_answer(call, "  %+8.2f %%", 100 * (*calibrated / nominal - 1));
-    }
+    char name[40];
+    snprintf(name, sizeof name, "%s, %s", kind, set);
+    cli_answer(call, "  %-24s %12.3f", name, factor * nominal);
+    if (calibrated) cli_answer(call, " %12.3f", factor * *calibrated);
+    if (calibrated && nominal > 0)
+        cli_answer(call, " %+11.2f %%", 100 * (*calibrated / nominal - 1));
     cli_answer(call, "\n");
 }
 
-void cli_scores_say_header(cli_call *call, bool calibrated)
+void cli_scores_print_header(cli_call *call, bool calibrated)
 {
-    cli_answer(call, "%s  %-18s %12s%s%s\n", cli_bold(stderr), "", "nominal",
-               calibrated ? "   calibrated" : "", cli_plain(stderr));
+    cli_answer(call, "  %-24s %12s%s\n", "Error", "nominal", calibrated ? "   calibrated" : "");
 }
 
-void cli_scores_say(cli_call *call, const cli_scores *scores, const char *what, bool calibrated)
+void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set, bool calibrated)
 {
     const mukca_score *a = &scores->nominal_mean, *b = &scores->calibrated_mean;
-    say_line(call, "error", what, a->mae, calibrated ? &b->mae : NULL);
-    if (isfinite(a->distance_error))
-        say_line(call, "distance", what, a->distance_error, calibrated ? &b->distance_error : NULL);
-    if (isfinite(a->rotation_error)) {
-        cli_answer(call, "  rotation, %-8s %9.3f mrad", what, 1e3 * a->rotation_error);
-        if (calibrated) cli_answer(call, " %7.3f mrad", 1e3 * b->rotation_error);
-        cli_answer(call, "\n");
-    }
+    const bool sockets = isfinite(a->distance_error);
+    print_line(call, sockets ? "consistency mm" : "position mm", set, 1e3, a->mae,
+               calibrated ? &b->mae : NULL);
+    if (sockets)
+        print_line(call, "distortion mm", set, 1e3, a->distance_error,
+                   calibrated ? &b->distance_error : NULL);
+    if (isfinite(a->rotation_error))
+        print_line(call, "rotation mrad", set, 1e3, a->rotation_error,
+                   calibrated ? &b->rotation_error : NULL);
 }

@@ -1,4 +1,4 @@
-/* Scores of a model on data, nominal beside calibrated, as calibrate and evaluate show them. */
+/* Scores of a model on data, nominal and calibrated, as calibrate and evaluate show them. */
 #ifndef MUKCA_CLI_SCORES_H
 #define MUKCA_CLI_SCORES_H
 
@@ -24,12 +24,10 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data);
 /* "panda/front", or "poses" for the rows of pose logs. */
 const char *cli_scores_name(const mukca_score *score, const mukca_dataset *data);
 
-/* Lines for people: "  error, train  8.278 mm  0.168 mm  -97.97 %", and the distances' where there
- * are any; without `calibrated` the nominal column alone. */
-void cli_scores_say_header(cli_call *call, bool calibrated);
-void cli_scores_say(cli_call *call, const cli_scores *scores, const char *what, bool calibrated);
-
-/* A length for people, "0.168 mm". */
-void cli_millimetres(char text[24], double metres);
+/* Lines for people: "  consistency mm, train        8.278        0.168     -97.97 %", distortion
+ * and rotation where there are any; without `calibrated` the nominal column alone.  `set`: "train".
+ */
+void cli_scores_print_header(cli_call *call, bool calibrated);
+void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set, bool calibrated);
 
 #endif

@@ -35,7 +35,7 @@ void cli_note(void *context, const char *text)
     fprintf(stderr, "mukca: note: %s\n", text);
 }
 
-void cli_say(cli_call *call, const char *format, ...)
+void cli_log(cli_call *call, const char *format, ...)
 {
     if (call->common && call->common->quiet) return;
     clear_progress(call);
@@ -70,13 +70,6 @@ void cli_progress(cli_call *call, const char *what, double done, double total)
     call->showing = true;
 }
 
-mukca_status cli_output_open(cli_call *call, mukca_output *output)
-{
-    const cli_common *c = call->common;
-    call->printed = !c->output;
-    return mukca_output_open(output, c->output ? c->output : "-", c->force, &call->error);
-}
-
 FILE *cli_answer_stream(cli_call *call)
 {
     const cli_common *c = call->common;
@@ -109,21 +102,16 @@ void cli_answer_wrapped(cli_call *call, const char *format, ...)
     cli_print_wrapped(stream, 0, text);
 }
 
-static bool fancy(FILE *stream)
+void cli_answer_keyed(cli_call *call, const char *key, const char *format, ...)
 {
-    const char *no = getenv("NO_COLOR"), *term = getenv("TERM");
-    if (no && *no) return false;
-    return isatty(fileno(stream)) && term && strcmp(term, "dumb") != 0;
-}
-
-const char *cli_bold(FILE *stream)
-{
-    return fancy(stream) ? "\033[1m" : "";
-}
-
-const char *cli_plain(FILE *stream)
-{
-    return fancy(stream) ? "\033[0m" : "";
+    char text[1024];
+    FILE *stream = cli_answer_stream(call);
+    if (!stream) return;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    cli_print_keyed(stream, key, text);
 }
 
 /* The one mutable global: a signal handler can reach nothing else. */

@@ -1,7 +1,28 @@
-/* Text wrapped to the width of a terminal. */
+/* Text for the terminal: wrapped, keyed, bold. */
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/cli.h"
+
+enum { KEY = 8 };
+
+static bool fancy(FILE *stream)
+{
+    const char *no = getenv("NO_COLOR"), *term = getenv("TERM");
+    if (no && *no) return false;
+    return isatty(fileno(stream)) && term && strcmp(term, "dumb") != 0;
+}
+
+const char *cli_bold(FILE *stream)
+{
+    return fancy(stream) ? "\033[1m" : "";
+}
+
+const char *cli_plain(FILE *stream)
+{
+    return fancy(stream) ? "\033[0m" : "";
+}
 
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length)
 {
@@ -38,4 +59,10 @@ void cli_print_wrapped(FILE *stream, int indent, const char *text)
         }
         text += length + (text[length] == '\n');
     }
+}
+
+void cli_print_keyed(FILE *stream, const char *key, const char *text)
+{
+    fprintf(stream, "%s%-*s%s", cli_bold(stream), KEY, key, cli_plain(stream));
+    cli_print_words(stream, KEY, KEY, text, strlen(text));
 }

@@ -171,12 +171,12 @@ refuse 2 'distance 50 looks like millimetres' calibrate $a --distance 50 good
 refuse 2 'distance 5 looks like centimetres' calibrate $a --distance 5 good
 refuse 2 'distance 50mm: must be a number above 0, in m' calibrate $a --distance 50mm good
 run simulate $a --seed 1 --rows 20 --placements 2 -o sim.tsv
-answer 'finds the sockets 30.0 mm off their --distance of 20.0' calibrate $a --distance 0.02 sim.tsv
+answer 'sockets differs by 30.0' calibrate $a --distance 0.02 sim.tsv
 answer 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
-answer 'nominal arm is [0-9]* mm off: check the URDF' calibrate $a --distance 0.5 --tip hand good
-answer 'do not use this result: the rows do not fit this arm' calibrate $a --distance 0.5 good
-accept 'good/hole_0.csv is trained on and tested on' calibrate $a good --test good
-accept 'good/hole_1.csv is trained on and tested on' calibrate $a good --test good/../good
+answer 'nominal model is [0-9]* mm off; check the units' calibrate $a --distance 0.5 --tip hand good
+answer 'Do not use this result: the data do not fit this arm' calibrate $a --distance 0.5 good
+accept 'good/hole_0.csv is training and test data' calibrate $a good --test good
+accept 'good/hole_1.csv is training and test data' calibrate $a good --test good/../good
 refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv
 printf 'socket_a\tsocket_b\tdistance_m\n0\t1\t0\n' >distances.tsv
 refuse 3 "distances.tsv:2: column 'distance_m': 0 is not above 0" calibrate $a --distances distances.tsv good
@@ -207,7 +207,7 @@ row 's/j2\tjoint_scale/j1\tjoint_coupling/; s/-$/neighbour=-1/'
 refuse 3 "the joint has no such neighbour" fk $a --offsets bad.tsv good/hole_0.csv
 printf 'link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\nfore\t1\t1e308\t0\t0\n' >inertials.tsv
 refuse 3 "inertials.tsv:2: column 'com_x_m': 1e+308 is larger than any arm's" fk $a --inertials inertials.tsv good/hole_0.csv
-refuse 2 'gravity: 1e+200 is none; give m/s^2' fk $a --gravity 0,0,1e200 good/hole_0.csv
+refuse 2 'gravity: 1e+200 is out of range; give m/s^2' fk $a --gravity 0,0,1e200 good/hole_0.csv
 refuse 2 "is larger than any arm's" simulate $a --effect joint_scale:j2=1e300
 
 # outputs
@@ -258,4 +258,4 @@ expect "no source sets the locale" sh -c "! grep -rn setlocale '$root/src'"
 # a stream that had stopped
 awk 'NR > 1 && !row { row = $3 "\t" $4 "\t" $5 } NR == 1 { print; next }
     { print $1 "\t" $2 "\t" row }' session.tsv >dead.tsv
-refuse 5 "socket '1': all 6 rows hold the same joint angles" calibrate $a dead.tsv -o new.tsv
+refuse 5 "socket '1': all 6 samples have the same joint angles" calibrate $a dead.tsv -o new.tsv

@@ -30,15 +30,15 @@ wait $reader
 expect "and read to its end" sh -c 'head -n 1 piped.tsv | grep -q "^set"'
 
 # neither what is read nor another output is overwritten, whatever it is called
-refuse 2 'session.tsv is read here' calibrate $a session.tsv -o ./session.tsv --force
-refuse 2 'session.tsv is read here' calibrate $a good --test session.tsv --json session.tsv --force
-refuse 2 'hole_0.csv is read here' fk $a good/hole_0.csv -o good/../good/hole_0.csv --force
-refuse 2 'arm.urdf is read here' export $a -o arm.urdf --force
-refuse 2 'hole_1.csv is read here' calibrate $a good -o good/hole_1.csv --force
-refuse 2 'session.tsv is read here' calibrate $a session.tsv --trace ./session.tsv --force
-refuse 2 'arm.urdf is read here' simulate $a -o new.tsv --truth ./arm.urdf --force
+refuse 2 'session.tsv is an input of this command' calibrate $a session.tsv -o ./session.tsv --force
+refuse 2 'session.tsv is an input of this command' calibrate $a good --test session.tsv --json session.tsv --force
+refuse 2 'hole_0.csv is an input of this command' fk $a good/hole_0.csv -o good/../good/hole_0.csv --force
+refuse 2 'arm.urdf is an input of this command' export $a -o arm.urdf --force
+refuse 2 'hole_1.csv is an input of this command' calibrate $a good -o good/hole_1.csv --force
+refuse 2 'session.tsv is an input of this command' calibrate $a session.tsv --trace ./session.tsv --force
+refuse 2 'arm.urdf is an input of this command' simulate $a -o new.tsv --truth ./arm.urdf --force
 ln -s session.tsv link.tsv
-refuse 2 'link.tsv is read here' evaluate $a session.tsv -o link.tsv --force
+refuse 2 'link.tsv is an input of this command' evaluate $a session.tsv -o link.tsv --force
 refuse 2 'cannot both go to' evaluate $a good -o new.tsv --json ./new.tsv --force
 refuse 2 'cannot both go to' calibrate $a good -o new.tsv --trace good/../new.tsv
 refuse 2 'cannot both go to' simulate $a -o new.tsv --truth ./new.tsv

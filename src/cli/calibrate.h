@@ -1,6 +1,6 @@
-/* A calibration's result: what is said to people, its offsets table, its JSON. */
-#ifndef MUKCA_CLI_CALIBRATE_SAY_H
-#define MUKCA_CLI_CALIBRATE_SAY_H
+/* What the files of the calibrate command share with report. */
+#ifndef MUKCA_CLI_CALIBRATE_H
+#define MUKCA_CLI_CALIBRATE_H
 
 #include "cli/scores.h"
 #include "fit/fit.h"
@@ -11,8 +11,8 @@ typedef struct {
     cli_scores train_scores, test_scores;
 } calibrate_result;
 
-/* To people: one screen, results first. */
-void calibrate_say(cli_call *call, const calibrate_result *result);
+/* One screen for people, the verdict first. */
+void calibrate_print(cli_call *call, const calibrate_result *result);
 
 /* The offsets table of a fit. */
 void calibrate_fill_offsets(mukca_offsets *offsets, const mukca_fit *fit);

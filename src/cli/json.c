@@ -1,4 +1,4 @@
-/* What commands share: results as JSON, outputs checked before long work. */
+/* Results as JSON: what several commands write. */
 #include "cli/cli.h"
 
 #include <math.h>
@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/utf8.h"
-#include "io/output.h"
 
 json_t *cli_json_real(double value)
 {
@@ -45,37 +44,4 @@ json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
                              "identifiable", (int)rows[i].identifiable, "term", rows[i].term));
     free(rows);
     return array;
-}
-
-mukca_status cli_check_outputs(cli_call *call)
-{
-    const char *const paths[] = {call->common->json, call->common->output};
-    if (mukca_output_same(paths[0], paths[1]))
-        return mukca_fail(&call->error, MUKCA_USAGE, "--json and -o cannot both go to %s",
-                          paths[0]);
-    for (int i = 0; i < 2; i++) {
-        if (!paths[i]) continue;
-        mukca_status status = mukca_output_check(paths[i], call->common->force, &call->error);
-        if (status) return status;
-    }
-    return MUKCA_OK;
-}
-
-mukca_status cli_write_json(cli_call *call, json_t *root)
-{
-    if (!call->common->json) {
-        json_decref(root);
-        return MUKCA_OK;
-    }
-    if (!root) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    mukca_output output;
-    mukca_status status =
-        mukca_output_open(&output, call->common->json, call->common->force, &call->error);
-    if (status == MUKCA_OK) {
-        json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
-        fputc('\n', output.stream);
-        status = mukca_output_close(&output, &call->error);
-    }
-    json_decref(root);
-    return status;
 }

@@ -1,0 +1,226 @@
+/* The calibration for people: one screen, the verdict first. */
+#include "cli/calibrate.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Measurement noise above this, m, means that the samples are not those of this arm: five times
+ * what the worst published arm shows (as in diagnose). */
+static const double foreign_noise = 10e-3;
+
+/* A nominal model that is this far off, m, has wrong units or columns: arms are built to 10 mm. */
+static const double far_off = 0.1;
+
+/* Smaller coefficients of a direction, whose largest is 1, are not printed. */
+static const double worth = 0.05;
+
+/* Below this the measured poses are the nominal model's own, m: trackers measure 0.05 mm at best.
+ */
+static const double echo_limit = 5e-5;
+
+static int terms_of(const mukca_fit *fit, int direction)
+{
+    const int n = fit->parameters.n;
+    int terms = 0;
+    for (int i = 0; i < n; i++) terms += fabs(fit->null_space[direction * n + i]) > worth;
+    return terms;
+}
+
+/* Words on a line of at most 79 columns, indented. */
+static void print_word(cli_call *call, int *column, const char *word)
+{
+    const int length = (int)strlen(word);
+    if (*column > 0 && *column + 1 + length > 79) {
+        cli_answer(call, "\n");
+        *column = 0;
+    }
+    cli_answer(call, *column == 0 ? "    %s" : " %s", word);
+    *column += length + (*column == 0 ? 4 : 1);
+}
+
+/* Parameters that are alone in their direction, by joint: "panda_joint1 (x y z roll)". */
+static void print_alone(cli_call *call, const mukca_fit *fit, const unsigned char *alone)
+{
+    int column = 0;
+    for (int k = 0; k < fit->chain.n_elements; k++) {
+        char word[MUKCA_NAME_SIZE + 48];
+        size_t used = 0;
+        for (int p = 0; p < MUKCA_PARAMETERS; p++) {
+            if (!alone[MUKCA_PARAMETERS * k + p]) continue;
+            used += (size_t)snprintf(word + used, sizeof word - used, used ? " %s" : "%s (%s",
+                                     used ? mukca_parameter_name[p] : fit->chain.element[k].name,
+                                     mukca_parameter_name[p]);
+        }
+        if (used == 0) continue;
+        snprintf(word + used, sizeof word - used, ")");
+        print_word(call, &column, word);
+    }
+    cli_answer(call, "\n");
+}
+
+/* "panda_joint2.y~panda_joint3.z": only a combination of them is identifiable. */
+static void together_word(char word[4 * MUKCA_PARAMETER_TEXT], const mukca_fit *fit, int direction)
+{
+    const int n = fit->parameters.n, room = 4 * MUKCA_PARAMETER_TEXT;
+    int terms = 0, used = 0;
+    for (int i = 0; i < n && terms < 3; i++) {
+        char name[MUKCA_PARAMETER_TEXT];
+        if (fabs(fit->null_space[direction * n + i]) <= worth) continue;
+        mukca_parameters_text(name, &fit->chain, fit->parameters.index[i]);
+        used += snprintf(word + used, (size_t)(room - used), terms++ ? "~%s" : "%s", name);
+    }
+    if (terms_of(fit, direction) > 3) snprintf(word + used, (size_t)(room - used), "~...");
+}
+
+/* Each word once: several directions may begin alike. */
+static void print_together(cli_call *call, const mukca_fit *fit)
+{
+    const int hidden = fit->parameters.n - fit->identification.rank;
+    int column = 0;
+    for (int r = 0; r < hidden; r++) {
+        char word[4 * MUKCA_PARAMETER_TEXT], earlier[4 * MUKCA_PARAMETER_TEXT];
+        bool printed = terms_of(fit, r) < 2;
+        if (printed) continue;
+        together_word(word, fit, r);
+        for (int k = 0; k < r && !printed; k++) {
+            if (terms_of(fit, k) < 2) continue;
+            together_word(earlier, fit, k);
+            printed = strcmp(word, earlier) == 0;
+        }
+        if (!printed) print_word(call, &column, word);
+    }
+    if (column > 0) cli_answer(call, "\n");
+}
+
+static void print_identifiability(cli_call *call, const mukca_fit *fit)
+{
+    const int n = fit->parameters.n, hidden = n - fit->identification.rank;
+    unsigned char alone[MUKCA_MAX_FREE] = {0};
+    int singles = 0;
+    cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.",
+                       fit->identification.rank, n,
+                       hidden ? "; the others stay near nominal by regularisation" : "");
+    if (hidden == 0) return;
+    for (int r = 0; r < hidden; r++) {
+        if (terms_of(fit, r) != 1) continue;
+        for (int i = 0; i < n; i++)
+            if (fabs(fit->null_space[r * n + i]) > worth) alone[fit->parameters.index[i]] = 1;
+        singles++;
+    }
+    if (singles > 0) {
+        cli_answer(call, "  not identifiable:\n");
+        print_alone(call, fit, alone);
+    }
+    if (singles < hidden) {
+        cli_answer(call, "  identifiable only in combination (a~b):\n");
+        print_together(call, fit);
+    }
+}
+
+static bool fits(const mukca_fit *fit)
+{
+    return fit->identification.noise < foreign_noise;
+}
+
+static bool enough_samples(const mukca_fit *fit)
+{
+    return fit->n_measured > fit->parameters.n;
+}
+
+static void print_warnings(cli_call *call, const calibrate_result *r)
+{
+    const mukca_fit *fit = r->fit;
+    const mukca_score *nominal = &r->train_scores.nominal_mean;
+    const double distance = call->common->distance > 0 ? call->common->distance : 0.05;
+    if (!enough_samples(fit))
+        cli_answer_wrapped(call, "warning: %d samples give %d numbers for %d parameters",
+                           r->train->n_rows, fit->n_measured, fit->parameters.n);
+    if (r->train->n_sockets > 0 && fit->chain.element[fit->chain.n_elements - 1].joint >= 0)
+        cli_answer_wrapped(call,
+                           "warning: no fixed joint ends the chain at %s, so the position of the "
+                           "ball is not fitted; add it to the URDF as ball_link",
+                           fit->chain.tip);
+    if (nominal->mae > far_off)
+        cli_answer_wrapped(call,
+                           "warning: the nominal model is %.0f mm off; check the units of the URDF "
+                           "(m, rad) and the order of the columns",
+                           1e3 * nominal->mae);
+    else if (!call->common->distances && nominal->distance_error > 0.2 * distance &&
+             nominal->distance_error > nominal->mae)
+        cli_answer_wrapped(call,
+                           "warning: by the nominal model the distance of the sockets differs by "
+                           "%.1f mm from --distance, %.1f mm; measure the tool again",
+                           1e3 * nominal->distance_error, 1e3 * distance);
+    for (int i = 0; i < r->train_scores.n; i++) {
+        const mukca_score *poses = &r->train_scores.nominal[i];
+        if (poses->placement < 0 && poses->mae < echo_limit)
+            cli_answer_wrapped(
+                call,
+                "warning: the measured poses repeat the nominal model (within %.2g mm): they seem "
+                "to come from the controller, not from a tracker, and cannot calibrate it",
+                1e3 * poses->mae);
+    }
+    if (r->test_scores.n > 0 &&
+        r->test_scores.calibrated_mean.mae > r->test_scores.nominal_mean.mae)
+        cli_answer_wrapped(
+            call, "warning: on the test data the calibrated model is worse than the nominal model");
+}
+
+static void print_next(cli_call *call, const calibrate_result *r)
+{
+    const double train = r->train_scores.calibrated_mean.mae,
+                 test = r->test_scores.calibrated_mean.mae;
+    const cli_common *c = call->common;
+    if (!fits(r->fit) || !r->fit->converged) return;
+    if (!enough_samples(r->fit))
+        cli_answer_keyed(call, "Next", "record more postures, 20 in each socket");
+    else if (r->train->n_sockets > 0 && r->train->n_placements < 2)
+        cli_answer_keyed(call, "Next", "move the tool and record two or three more placements");
+    else if (r->test_scores.n == 0)
+        cli_answer_keyed(call, "Next",
+                         "check the error elsewhere: mukca evaluate --matrix with these "
+                         "data, or --test with another placement");
+    else if (test > 1.5 * train)
+        cli_answer_keyed(call, "Next",
+                         "the test error is %.1f times the training error: record more "
+                         "placements, or identify the cause with mukca diagnose",
+                         test / train);
+    else if (c->output)
+        cli_answer_keyed(call, "Next", "mukca export --urdf %s --offsets %s", c->urdf, c->output);
+    if (!c->output) cli_answer_keyed(call, "", "-o offsets.tsv saves the result");
+}
+
+static void print_verdict(cli_call *call, const mukca_fit *fit)
+{
+    if (!fits(fit))
+        cli_answer_wrapped(call,
+                           "Do not use this result: the data do not fit this arm. Check the URDF, "
+                           "the tip, the columns and their order, the socket labels and "
+                           "--distance.");
+    else if (!fit->converged)
+        cli_answer_wrapped(call,
+                           "Do not use this result: NOT CONVERGED after %d evaluations (%s). Check "
+                           "the data with mukca diagnose, or try --solver gauss-newton.",
+                           fit->outcome.evaluations, mukca_stop_text(fit->outcome.stop));
+    else
+        cli_answer_wrapped(call,
+                           "Converged after %d evaluations; measurement noise %.3f mm per "
+                           "axis.",
+                           fit->outcome.evaluations, 1e3 * fit->identification.noise);
+}
+
+void calibrate_print(cli_call *call, const calibrate_result *r)
+{
+    char train[80], test[80];
+    cli_describe_data(train, r->train);
+    cli_describe_data(test, r->test);
+    cli_answer(call, "%s: %s%s%s\n", r->fit->chain.robot, train,
+               r->test_scores.n > 0 ? "; test: " : "", r->test_scores.n > 0 ? test : "");
+    print_verdict(call, r->fit);
+    cli_scores_print_header(call, true);
+    cli_scores_print(call, &r->train_scores, "train", true);
+    if (r->test_scores.n > 0) cli_scores_print(call, &r->test_scores, "test", true);
+    print_identifiability(call, r->fit);
+    print_warnings(call, r);
+    print_next(call, r);
+}

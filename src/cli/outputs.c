@@ -1,0 +1,87 @@
+/* Outputs: checked before long work, opened, and the files that several commands write. */
+#include <fnmatch.h>
+#include <string.h>
+
+#include "cli/cli.h"
+
+/* Is `path` the input or, where that is a placement's folder, a file that is read there? */
+static bool is_input(const char *path, const char *input)
+{
+    char file[1300];
+    if (!path || !input) return false;
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    if (fnmatch("hole_*.csv", name, 0) != 0) return mukca_output_same(path, input);
+    snprintf(file, sizeof file, "%.1000s/%.255s", input, name);
+    return mukca_output_same(path, input) || mukca_output_same(path, file);
+}
+
+mukca_status cli_keep_inputs(cli_call *call, const char *path)
+{
+    const cli_common *c = call->common;
+    const char *const inputs[] = {c->urdf, c->inertials, c->offsets, c->distances};
+    bool same = false;
+    for (int i = 0; i < 4; i++) same |= is_input(path, inputs[i]);
+    for (int i = 0; i < call->arguments.n; i++) same |= is_input(path, call->arguments.items[i]);
+    for (const cli_option *o = call->command->options; o->name; o++) {
+        if (o->kind != CLI_REST) continue;
+        const cli_list *rest = (const cli_list *)(void *)((char *)call->options + o->offset);
+        for (int i = 0; i < rest->n; i++) same |= is_input(path, rest->items[i]);
+    }
+    if (!same) return MUKCA_OK;
+    return mukca_fail(&call->error, MUKCA_USAGE,
+                      "%.120s is an input of this command; refusing to overwrite it", path);
+}
+
+mukca_status cli_check_outputs(cli_call *call)
+{
+    const char *const paths[] = {call->common->json, call->common->output};
+    if (mukca_output_same(paths[0], paths[1]))
+        return mukca_fail(&call->error, MUKCA_USAGE, "--json and -o cannot both go to %s",
+                          paths[0]);
+    for (int i = 0; i < 2; i++) {
+        if (!paths[i]) continue;
+        mukca_status status = mukca_output_check(paths[i], call->common->force, &call->error);
+        if (status) return status;
+    }
+    return MUKCA_OK;
+}
+
+mukca_status cli_output_open(cli_call *call, mukca_output *output)
+{
+    const cli_common *c = call->common;
+    call->printed = !c->output;
+    return mukca_output_open(output, c->output ? c->output : "-", c->force, &call->error);
+}
+
+mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,
+                               const mukca_chain *chain, const mukca_dataset *data,
+                               const char *comments)
+{
+    mukca_output output = {0};
+    if (!path) return MUKCA_OK;
+    mukca_status status = mukca_output_open(&output, path, call->common->force, &call->error);
+    if (status == MUKCA_OK)
+        status = mukca_offsets_write(output.stream, offsets, chain, data, comments, &call->error);
+    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
+    mukca_output_abort(&output);
+    return status;
+}
+
+mukca_status cli_write_json(cli_call *call, json_t *root)
+{
+    if (!call->common->json) {
+        json_decref(root);
+        return MUKCA_OK;
+    }
+    if (!root) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    mukca_output output;
+    mukca_status status =
+        mukca_output_open(&output, call->common->json, call->common->force, &call->error);
+    if (status == MUKCA_OK) {
+        json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+        fputc('\n', output.stream);
+        status = mukca_output_close(&output, &call->error);
+    }
+    json_decref(root);
+    return status;
+}
