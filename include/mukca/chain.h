@@ -69,6 +69,9 @@ typedef struct {
 /* Names of the six parameters, in order: x y z roll pitch yaw. */
 extern const char *const mukca_parameter_name[MUKCA_PARAMETERS];
 
+/* Names of the types: fixed, revolute, continuous, prismatic. */
+extern const char *const mukca_joint_type_name[4];
+
 /* Index of the actuated joint (element) with that name, -1 where there is none. */
 int mukca_chain_find_joint(const mukca_chain *chain, const char *name);
 int mukca_chain_find_element(const mukca_chain *chain, const char *name);

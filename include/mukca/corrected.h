@@ -8,8 +8,6 @@
 #ifndef MUKCA_CORRECTED_H
 #define MUKCA_CORRECTED_H
 
-#include <stdio.h>
-
 #include "mukca/effect.h"
 
 #ifdef __cplusplus
@@ -44,9 +42,6 @@ void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model,
  * displacement alone, good to 1e-9).  `T_base_tip` may be NULL. */
 void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,
                               const double *q, const mukca_joint_state *state);
-
-/* The chain as comment lines of an offsets table. */
-void mukca_chain_write_comments(FILE *stream, const mukca_chain *chain);
 
 #ifdef __cplusplus
 }

@@ -32,7 +32,6 @@ static void print_effects(FILE *stream, const mukca_export_input *input)
 
 static mukca_status write_yaml(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
-    static const char *const type[] = {"fixed", "revolute", "continuous", "prismatic"};
     const mukca_chain *chain = input->chain;
     (void)error;
     mukca_export_provenance(stream, "# ", input);
@@ -55,7 +54,7 @@ static mukca_status write_yaml(FILE *stream, const mukca_export_input *input, mu
         mukca_export_get_origin(&origin, input, k);
         fputs("  - name: ", stream);
         mukca_export_quoted(stream, chain->element[k].name);
-        fprintf(stream, "\n    type: %s\n", type[chain->element[k].type]);
+        fprintf(stream, "\n    type: %s\n", mukca_joint_type_name[chain->element[k].type]);
         if (chain->element[k].type != MUKCA_FIXED)
             print_list(stream, "axis", chain->element[k].axis, 3);
         print_list(stream, "xyz", origin.xyz, 3);

@@ -1,68 +1,12 @@
-/* The offsets table: rows, and writing them. */
+/* The offsets table as a file. */
 #include "io/offsets.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#include "mukca/corrected.h"
+#include "io/table.h"
 #include "mukca/version.h"
-
-void mukca_offsets_init(mukca_offsets *offsets, const mukca_chain *chain)
-{
-    memset(offsets, 0, sizeof *offsets);
-    mukca_chain_theta(offsets->theta, chain);
-}
-
-void mukca_offsets_set_placements(mukca_offsets *offsets, const mukca_dataset *data)
-{
-    int n = data->n_placements < MUKCA_MAX_PLACEMENTS ? data->n_placements : MUKCA_MAX_PLACEMENTS;
-    offsets->n_placements = n;
-    for (int p = 0; p < n; p++)
-        memcpy(offsets->placements[p], data->placements[p].name, MUKCA_NAME_SIZE);
-}
-
-int mukca_offsets_rows(mukca_offset_row *rows, const mukca_offsets *offsets,
-                       const mukca_chain *chain)
-{
-    double nominal[MUKCA_MAX_THETA];
-    int n = 0;
-    mukca_chain_theta(nominal, chain);
-    for (int i = 0; i < MUKCA_PARAMETERS * chain->n_elements; i++) {
-        if (!offsets->listed[i]) continue;
-        const int parameter = i % MUKCA_PARAMETERS;
-        rows[n++] = (mukca_offset_row){.joint = chain->element[i / MUKCA_PARAMETERS].name,
-                                       .parameter = mukca_parameter_name[parameter],
-                                       .unit = parameter < 3 ? "m" : "rad",
-                                       .nominal = nominal[i],
-                                       .calibrated = offsets->theta[i],
-                                       .offset = offsets->theta[i] - nominal[i],
-                                       .sigma = offsets->sigma[i],
-                                       .identifiable = offsets->identifiable[i] != 0,
-                                       .term = "-"};
-    }
-    for (int e = 0; e < offsets->n_effects; e++) {
-        const mukca_effect *effect = &offsets->effects[e];
-        const mukca_effect_info *info = &mukca_effect_table[effect->kind];
-        for (int t = 0; t < effect->terms; t++) {
-            mukca_offset_row *row = &rows[n++];
-            *row = (mukca_offset_row){
-                .joint = effect->joint < 0
-                             ? "-"
-                             : chain->element[chain->joint_element[effect->joint]].name,
-                .parameter = info->name,
-                .unit = info->unit,
-                .nominal = 0,
-                .calibrated = effect->coefficient[t],
-                .offset = effect->coefficient[t],
-                .sigma = offsets->effect_sigma[e][t],
-                .identifiable = true};
-            mukca_effect_term_text(row->term, effect, t);
-        }
-    }
-    return n;
-}
 
 void mukca_offsets_time(char text[32])
 {
@@ -76,12 +20,50 @@ void mukca_offsets_time(char text[32])
         snprintf(text, 32, "unknown");
 }
 
-/* Text of one line: control characters would break the table. */
+/* Control characters would break the table. */
+static void write_text(FILE *stream, const char *text)
+{
+    for (; *text; text++) fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
+}
+
+static void write_numbers(FILE *stream, const double *x, int n)
+{
+    for (int i = 0; i < n; i++) fprintf(stream, "%s%.17g", i ? " " : "\t", x[i]);
+}
+
 static void print_line(FILE *stream, const char *key, const char *text)
 {
     fprintf(stream, "# %s", key);
-    for (; *text; text++) fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
+    write_text(stream, text);
     fputc('\n', stream);
+}
+
+/* The whole chain, so that a reader needs no URDF. */
+static void write_chain(FILE *stream, const mukca_chain *chain)
+{
+    fputs("# gravity:", stream);
+    write_numbers(stream, chain->gravity, 3);
+    fputc('\n', stream);
+    for (int k = 0; k < chain->n_elements; k++) {
+        const mukca_element *e = &chain->element[k];
+        const double limits[2] = {e->lower, e->upper};
+        fputs("# element:\t", stream);
+        write_text(stream, e->name);
+        fputc('\t', stream);
+        write_text(stream, e->child);
+        fprintf(stream, "\t%s", mukca_joint_type_name[e->type]);
+        write_numbers(stream, e->axis, 3);
+        write_numbers(stream, e->xyz, 3);
+        write_numbers(stream, e->rpy, 3);
+        write_numbers(stream, limits, 2);
+        fputc('\n', stream);
+    }
+    for (int m = 0; m < chain->n_masses; m++) {
+        fprintf(stream, "# mass:\t%d", chain->mass[m].element);
+        write_numbers(stream, &chain->mass[m].kg, 1);
+        write_numbers(stream, chain->mass[m].com, 3);
+        fputc('\n', stream);
+    }
 }
 
 mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
@@ -99,7 +81,7 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
     print_line(stream, "tip: ", chain->tip);
     for (int i = 0; data && i < data->n_files; i++) print_line(stream, "data: ", data->files[i]);
     print_line(stream, "created: ", when);
-    mukca_chain_write_comments(stream, chain);
+    write_chain(stream, chain);
     for (int p = 0; p < offsets->n_placements; p++)
         print_line(stream, "placement: ", offsets->placements[p]);
     for (const char *line = comments; line && *line;) {
@@ -122,15 +104,26 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
     return MUKCA_OK;
 }
 
-void mukca_offsets_place_effects(mukca_effect *effects, const mukca_offsets *offsets,
-                                 const mukca_dataset *data)
+mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain, const char *path,
+                                bool force, mukca_note_fn *note, void *context, mukca_error *error)
 {
-    for (int e = 0; e < offsets->n_effects; e++) {
-        effects[e] = offsets->effects[e];
-        if (effects[e].placement < 0) continue;
-        const char *name = offsets->placements[effects[e].placement];
-        effects[e].placement = -1;
-        for (int p = 0; p < data->n_placements; p++)
-            if (strcmp(data->placements[p].name, name) == 0) effects[e].placement = p;
+    char *text, line[256];
+    mukca_offsets_origin origin = {.name = mukca_table_short_path(path), .force = force};
+    mukca_status status = mukca_text_load(&text, path, error);
+    if (status != MUKCA_OK) return status;
+    status = mukca_offsets_parse(offsets, &origin, chain, text, error);
+    free(text);
+    if (status != MUKCA_OK || !note) return status;
+    if (origin.other) {
+        snprintf(line, sizeof line, "%s: made for another URDF; its offsets are added to this one",
+                 origin.name);
+        note(context, line);
     }
+    if (origin.left_out) {
+        snprintf(line, sizeof line,
+                 "%s: %d rows of joints that are not between '%s' and '%s' left out", origin.name,
+                 origin.left_out, chain->base, chain->tip);
+        note(context, line);
+    }
+    return MUKCA_OK;
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/cells.h"
 #include "base/number.h"
 
 enum { LONGEST_LINE = 1 << 20, MOST_COMMENTS = 1 << 16 }; /* bytes; more is another kind of file */
@@ -110,48 +111,15 @@ static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
     }
 }
 
-/* Trim in place; returns the start. */
-static char *trim(char *cell)
-{
-    cell += strspn(cell, " \t\r");
-    size_t length = strlen(cell);
-    while (length && strchr(" \t\r", cell[length - 1])) cell[--length] = '\0';
-    if (length >= 2 && cell[0] == '"' && cell[length - 1] == '"') {
-        cell[length - 1] = '\0';
-        cell++;
-    }
-    return cell;
-}
-
-static int count_cells(const char *line, char delimiter)
-{
-    int n = 1;
-    for (; *line; line++) n += *line == delimiter;
-    return n;
-}
-
-/* Split `line` in place into exactly n cells; false where there are more or fewer. */
-static bool split(char **cells, int n, char *line, char delimiter)
-{
-    if (count_cells(line, delimiter) != n) return false;
-    for (int i = 0; i < n; i++) {
-        char *end = strchr(line, delimiter);
-        if (end) *end = '\0';
-        cells[i] = trim(line);
-        line = end ? end + 1 : line;
-    }
-    return true;
-}
-
 /* The first content line decides on delimiter and width. */
 static mukca_status set_shape(mukca_table *t, mukca_error *error)
 {
     const char *line = t->buffer;
-    t->delimiter = strchr(line, '\t') ? '\t' : ',';
+    t->delimiter = mukca_cells_delimiter(line);
     if (t->delimiter == ',' && !strchr(line, ',') && strchr(line, ';'))
         return mukca_table_fail(
             error, t, -1, "columns are separated by ';'; use tabs or commas, and decimal points");
-    t->n_columns = count_cells(line, t->delimiter);
+    t->n_columns = mukca_cells_count(line, t->delimiter);
     if (*line == '<') return mukca_table_fail(error, t, -1, "is XML or HTML; expected a table");
     if (t->n_columns == 1 && line[strcspn(line, " ")])
         return mukca_table_fail(error, t, -1,
@@ -176,7 +144,7 @@ static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_err
     t->header = calloc((size_t)t->n_columns, sizeof *t->header);
     t->header_buffer = strdup(t->buffer);
     if (!t->header || !t->header_buffer) return out_of_memory(error);
-    split(t->header, t->n_columns, t->header_buffer, t->delimiter);
+    mukca_cells_split(t->header, t->n_columns, t->header_buffer, t->delimiter);
     int numbers = 0;
     for (int i = 0; i < t->n_columns; i++) {
         double value;
@@ -225,8 +193,8 @@ mukca_status mukca_table_next(mukca_table *t, bool *more, mukca_error *error)
     if (status != MUKCA_OK || !*more) return status;
     if (!t->cell) status = set_shape(t, error);
     if (status != MUKCA_OK || !t->cell) return status;
-    int found = count_cells(t->buffer, t->delimiter);
-    if (!split(t->cell, t->n_columns, t->buffer, t->delimiter))
+    int found = mukca_cells_count(t->buffer, t->delimiter);
+    if (!mukca_cells_split(t->cell, t->n_columns, t->buffer, t->delimiter))
         return mukca_table_fail(error, t, -1, "%d columns, but %d %s%s", found, t->n_columns,
                                 t->header ? "in the header" : "in the first row",
                                 t->cut_off ? "; the last line is cut off" : "");
@@ -265,12 +233,8 @@ mukca_status mukca_table_require(int *column, const mukca_table *t, const char *
 
 mukca_status mukca_table_number(double *value, const mukca_table *t, int column, mukca_error *error)
 {
-    const char *text = t->cell[column];
-    if (mukca_number_parse(value, text)) return MUKCA_OK;
-    if (!*text) return mukca_table_fail(error, t, column, "is empty; a number is required");
-    if (strchr(text, ',') && strspn(text, "+-0123456789,eE") == strlen(text))
-        return mukca_table_fail(error, t, column, "'%.30s' has a decimal comma; write a point",
-                                text);
-    return mukca_table_fail(error, t, column, "'%.30s' is not a finite number%s", text,
+    char fault[MUKCA_CELL_FAULT];
+    if (mukca_cell_number(value, t->cell[column], fault)) return MUKCA_OK;
+    return mukca_table_fail(error, t, column, "%s%s", fault,
                             t->header || t->row > 1 ? "" : "; this file has no header line");
 }

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+const char *const mukca_joint_type_name[4] = {"fixed", "revolute", "continuous", "prismatic"};
+
 const char *const mukca_parameter_name[MUKCA_PARAMETERS] = {"x", "y", "z", "roll", "pitch", "yaw"};
 
 int mukca_chain_find_element(const mukca_chain *chain, const char *name)
