@@ -144,8 +144,9 @@ static void put_axes(const view *v)
         project(uv, v, tip);
         fprintf(v->script,
                 "set arrow from 0, 0 to %.5f, %.5f filled size screen 0.015, 20 lc rgb " PLOT_THIRD
-                " lw 1.5 front\nset label '%c' at %.5f, %.5f center tc rgb " PLOT_THIRD " front\n",
-                uv[0], uv[1], "xyz"[k], 1.25 * uv[0], 1.25 * uv[1]);
+                " lw 1.5 front\nset label '%c' at %.5f, %.5f center offset %d, 0 tc rgb " PLOT_THIRD
+                " front\n",
+                uv[0], uv[1], "xyz"[k], 1.25 * uv[0], 1.25 * uv[1], k == 2 ? -1 : 0);
     }
 }
 
@@ -263,7 +264,7 @@ void mukca_report_draw_arm(mukca_sheet *sheet, const mukca_report *r, int index)
     const double scale = round_down(vector_share * size / large), bar = round_down(large);
     const int vectors = put_residuals(&v, r, "geometry", r->residual, scale);
     if (r->explained) put_residuals(&v, r, "causes", r->explained, scale);
-    const double margin = 0.04 * size, width = v.high[0] - v.low[0] + 2 * margin;
+    const double margin = 0.04 * size, width = v.high[0] - v.low[0] + 3 * margin;
     const double height = v.high[1] - v.low[1] + 4 * margin;
     sheet->height = 40 + (int)fmin(MUKCA_SHEET_HALF * height / width, 600);
     const double left = v.low[0], bottom = v.low[1] - 2 * margin;
@@ -272,7 +273,7 @@ void mukca_report_draw_arm(mukca_sheet *sheet, const mukca_report *r, int index)
             "set xrange [%g:%g]\nset yrange [%g:%g]\n"
             "set arrow from %g, %g to %g, %g heads size screen 0.008, 90 lw 1.5\n"
             "set label '%g mm of residual' at %g, %g left offset 1, 0\n",
-            v.low[0] - margin, v.high[0] + margin, bottom - margin, v.high[1] + margin, left,
+            v.low[0] - margin, v.high[0] + 2 * margin, bottom - margin, v.high[1] + margin, left,
             bottom, left + scale * bar, bottom, bar * 1e3, left + scale * bar, bottom);
     fputs(
         "plot $ground with lines lc rgb 'gray' lw 0.5 notitle, "

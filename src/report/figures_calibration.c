@@ -48,12 +48,14 @@ void mukca_report_draw_placements(mukca_sheet *sheet, const mukca_report *r, int
 {
     static const struct {
         const char *id, *title, *label;
-    } kinds[2] = {
+    } kinds[3] = {
         {"error-by-placement", "Consistency error by placement", "mean consistency error, mm"},
-        {"distance-error", "Distortion by placement", "distortion, mm"}};
+        {"distance-error", "Distortion by placement", "distortion, mm"},
+        {"position-error", "Position error", "mean distance from the measured position, mm"}};
+    const int kind = r->data.n_sockets > 0 ? index : 2;
     const int n = r->train_scores.n + r->test_scores.n;
     const mukca_score *a, *b;
-    mukca_sheet_begin(sheet, kinds[index].id, kinds[index].title, MUKCA_SHEET_HALF, 120 + 24 * n);
+    mukca_sheet_begin(sheet, kinds[kind].id, kinds[kind].title, MUKCA_SHEET_HALF, 120 + 24 * n);
     FILE *s = sheet->script;
     double before = 0, after = 0;
     int shown = 0;
@@ -80,8 +82,8 @@ void mukca_report_draw_placements(mukca_sheet *sheet, const mukca_report *r, int
             "$d using 2:1 with points lc rgb " PLOT_BEFORE
             " pt 6 lw 2 title 'nominal', "
             "$d using 3:1 with points lc rgb " PLOT_AFTER " pt 7 title 'calibrated'\n",
-            n + 0.6, kinds[index].label);
-    mukca_sheet_describe(sheet, "Mean over %d placement%s: %.3g mm nominal, %.3g mm calibrated.",
+            n + 0.6, kinds[kind].label);
+    mukca_sheet_describe(sheet, "Mean of the %d line%s: %#.3g mm nominal, %#.3g mm calibrated.",
                          shown, shown == 1 ? "" : "s", before / shown * mm, after / shown * mm);
 }
 

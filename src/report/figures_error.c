@@ -77,13 +77,13 @@ void mukca_report_draw_ladder(mukca_sheet *sheet, const mukca_report *r, int ind
     fprintf(s,
             "EOD\nunset ytics\nset border 1\nset yrange [0.5:%g]\nset xrange [0:%g]\n"
             "set lmargin 2\nset rmargin 3\nset tmargin 2\n"
-            "set xlabel 'mean error on placements left out of the fit, mm'\n",
+            "set xlabel 'mean held-out error, mm'\n",
             n + 0.8, edge);
     for (int k = 0; k < n; k++) mukca_sheet_name_line(sheet, rungs[k].name, n - k);
     if (beyond)
         fprintf(s,
                 "set arrow from first 0, %d to first %g, %d linecolor rgb " PLOT_BEFORE
-                " linewidth 2\nset label '%.3g ' at first %g, %d right offset 0, 0.75\n",
+                " linewidth 2\nset label '%#.3g ' at first %g, %d right offset 0, 0.75\n",
                 n, edge, n, nominal, edge, n);
     if (floor > 0)
         fprintf(s,
@@ -94,11 +94,12 @@ void mukca_report_draw_ladder(mukca_sheet *sheet, const mukca_report *r, int ind
           " lw 2 notitle, $d using 2:1 with points lc rgb " PLOT_AFTER
           " pt 7 notitle, $d using 2:1:3:4 with xerrorbars lc rgb " PLOT_AFTER
           " pt 7 ps 0 lw 1.5 notitle, "
-          "$d using 4:1:(sprintf('%.3g', $2)) with labels left offset 1, 0 notitle\n",
+          "$d using 4:1:(sprintf('%#.3g', $2)) with labels left offset 1, 0 notitle\n",
           s);
     mukca_sheet_describe(sheet, "Mean held-out error in mm:");
     for (int k = 0; k < n; k++)
-        mukca_sheet_describe(sheet, "%s %s %.3g", k ? ";" : "", rungs[k].name, rungs[k].value * mm);
+        mukca_sheet_describe(sheet, "%s %s %#.3g", k ? ";" : "", rungs[k].name,
+                             rungs[k].value * mm);
     mukca_sheet_describe(sheet, ".");
 }
 

@@ -148,7 +148,9 @@ static mukca_status predict(mukca_report *r, mukca_error *error)
     r->residual = residuals(r, r->calibrated);
     double *errors = joint_errors(r, r->fitted, r->offsets->theta, r->residual);
     r->joint_error = errors;
-    if (applied->fitted && applied->n_effects > 0 && !r->data.position) {
+    /* the effects know nothing of the frames that a pose log's calibration adds */
+    if (applied->fitted && applied->n_effects > 0 &&
+        r->fitted->n_elements == r->chain->n_elements) {
         double *left = explain(r);
         for (int i = 0; left && errors && i < r->data.n_rows * r->data.n_joints; i++)
             left[i] = errors[i] - left[i];

@@ -35,7 +35,8 @@ static const char mukca_report_style[] =
     "gap:1rem}\n"
     "figure{margin:0;min-width:0;overflow-x:auto}figure.broad{grid-column:1/-1}\n"
     "figcaption{font-size:.9rem}figcaption strong{display:block}\n"
-    ".plot{display:block;width:100%;max-width:36rem;height:auto}"
+    ".plot{display:block;width:100%;max-width:30rem;height:auto}"
+    ".plot text{paint-order:stroke;stroke:var(--paper);stroke-width:3px;stroke-linejoin:round}\n"
     ".broad .plot{min-width:40rem;max-width:none}\n"
     REPORT_COLOUR("black", "ink") REPORT_COLOUR("rgb(  0,   0,   0)", "ink")
     REPORT_COLOUR("gray", "grid") REPORT_COLOUR("rgb(190, 190, 190)", "grid")

@@ -8,10 +8,16 @@ static const double mm = 1e3;
 
 /* ---- key figures ---- */
 
-static void put_tile(FILE *out, const char *label, double value, const char *unit)
+static void put_length(FILE *out, const char *label, double metres)
 {
-    if (isfinite(value))
-        fprintf(out, "<div><dt>%s</dt><dd>%.3g <small>%s</small></dd></div>\n", label, value, unit);
+    if (isfinite(metres))
+        fprintf(out, "<div><dt>%s</dt><dd>%#.3g <small>mm</small></dd></div>\n", label,
+                metres * mm);
+}
+
+static void put_count(FILE *out, const char *label, int count)
+{
+    if (count > 0) fprintf(out, "<div><dt>%s</dt><dd>%d</dd></div>\n", label, count);
 }
 
 void mukca_report_put_key_figures(FILE *out, const mukca_report *r)
@@ -19,21 +25,20 @@ void mukca_report_put_key_figures(FILE *out, const mukca_report *r)
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
     const bool test = r->test_scores.n > 0;
     const mukca_report_scores *scores = test ? &r->test_scores : &r->train_scores;
-    char of[24];
     fputs("<dl class=\"tiles\">\n", out);
-    put_tile(out, test ? "nominal, test data" : "nominal, training data",
-             scores->nominal_mean.mae * mm, "mm");
-    put_tile(out, test ? "calibrated, test data" : "calibrated, training data",
-             scores->calibrated_mean.mae * mm, "mm");
-    put_tile(out, "held out, geometry", d->geometry_m * mm, "mm");
-    put_tile(out, "held out, with the causes", d->explained_m * mm, "mm");
-    put_tile(out, "noise floor", d->noise_floor_m * mm, "mm");
-    put_tile(out, "samples", r->data.n_rows, "");
-    if (r->data.n_placements > 0) put_tile(out, "placements", r->data.n_placements, "");
-    if (r->fit) {
-        snprintf(of, sizeof of, "of %d", r->fit->parameters.n);
-        put_tile(out, "identifiable combinations", r->fit->identification.rank, of);
-    }
+    put_length(out, test ? "nominal, test data" : "nominal, training data",
+               scores->nominal_mean.mae);
+    put_length(out, test ? "calibrated, test data" : "calibrated, training data",
+               scores->calibrated_mean.mae);
+    put_length(out, "held out, geometry", d->geometry_m);
+    if (d->n_causes > 0) put_length(out, "held out, with the causes", d->explained_m);
+    put_length(out, "noise floor", d->noise_floor_m);
+    put_count(out, "samples", r->data.n_rows);
+    put_count(out, "placements", r->data.n_placements);
+    if (r->fit)
+        fprintf(out,
+                "<div><dt>identifiable combinations</dt><dd>%d <small>of %d</small></dd></div>\n",
+                r->fit->identification.rank, r->fit->parameters.n);
     fputs("</dl>\n", out);
 }
 

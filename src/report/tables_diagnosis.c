@@ -8,17 +8,41 @@
 
 static const double mm = 1e3;
 
-/* First letter large, a stop at the end. */
+/* First letter large, text in backticks as code, `stop` at the end. */
 static void put_sentence(FILE *out, const char *text, const char *stop)
 {
     const char first[2] = {(char)toupper((unsigned char)*text), '\0'};
+    bool code = false;
     if (!*text) return;
-    mukca_html_escape(out, first);
-    mukca_html_escape(out, text + 1);
+    if (*text != '`') mukca_html_escape(out, first);
+    for (text += *text != '`'; *text;) {
+        char piece[MUKCA_WORDING];
+        const size_t n = strcspn(text, "`");
+        snprintf(piece, sizeof piece, "%.*s", (int)n, text);
+        mukca_html_escape(out, piece);
+        text += n;
+        if (*text != '`') break;
+        code = !code, text++;
+        fputs(code ? "<code>" : "</code>", out);
+    }
     fputs(stop, out);
 }
 
 /* ---- verdict and what to do ---- */
+
+/* Is this remedy, and with `text` this wording of the cause, that of an earlier cause? */
+static bool repeated(const mukca_diagnosed *d, int index, const char *text)
+{
+    char other[MUKCA_WORDING];
+    for (int k = 0; k < index; k++) {
+        const mukca_cause *cause = &d->diagnosis->causes[k];
+        if (mukca_wording_remedy(cause) != mukca_wording_remedy(&d->diagnosis->causes[index]))
+            continue;
+        mukca_wording_rivals(other, cause, d);
+        if (!text || strcmp(text, other) == 0) return true;
+    }
+    return false;
+}
 
 /* One item for each remedy, with all causes that it is for. */
 static void put_remedies(FILE *out, const mukca_diagnosed *d)
@@ -26,15 +50,13 @@ static void put_remedies(FILE *out, const mukca_diagnosed *d)
     char text[MUKCA_WORDING];
     for (int i = 0; i < d->diagnosis->n_causes; i++) {
         const char *remedy = mukca_wording_remedy(&d->diagnosis->causes[i]);
-        bool listed = false;
-        for (int k = 0; k < i; k++)
-            listed |= remedy == mukca_wording_remedy(&d->diagnosis->causes[k]);
-        if (listed) continue;
+        if (repeated(d, i, NULL)) continue;
         fputs("<li>", out);
         put_sentence(out, remedy, " <small>(");
         for (int k = i; k < d->diagnosis->n_causes; k++) {
-            if (remedy != mukca_wording_remedy(&d->diagnosis->causes[k])) continue;
             mukca_wording_rivals(text, &d->diagnosis->causes[k], d);
+            if (remedy != mukca_wording_remedy(&d->diagnosis->causes[k]) || repeated(d, k, text))
+                continue;
             fputs(k > i ? "; " : "", out);
             mukca_html_escape(out, text);
         }
@@ -42,22 +64,19 @@ static void put_remedies(FILE *out, const mukca_diagnosed *d)
     }
 }
 
-/* What the diagnosis asks for, else how to use its result; nothing where there is neither. */
+/* What the diagnosis asks for, else how to use its result. */
 static void put_next(FILE *out, const mukca_diagnosed *d)
 {
     char next[MUKCA_WORDING];
+    bool on_arm = false;
     mukca_wording_next(next, d);
-    if (!*next) {
-        bool on_arm = false;
-        for (int i = 0; i < d->diagnosis->n_causes; i++)
-            on_arm |= mukca_wording_on_arm(&d->diagnosis->causes[i]);
-        if (on_arm)
-            fputs(
-                "<li><code>mukca diagnose</code> with these data and <code>-o offsets.tsv</code> "
-                "saves geometry and causes for fk, evaluate, compensate and export.</li>\n",
-                out);
-        return;
-    }
+    for (int i = 0; i < d->diagnosis->n_causes; i++)
+        on_arm |= mukca_wording_on_arm(&d->diagnosis->causes[i]);
+    if (!*next)
+        snprintf(next, sizeof next,
+                 "`mukca diagnose` with these data and `-o offsets.tsv` saves the geometry%s for "
+                 "fk, evaluate, compensate and export",
+                 on_arm ? " and the causes" : "");
     fputs("<li>", out);
     put_sentence(out, next, ".</li>\n");
 }
@@ -80,13 +99,10 @@ void mukca_report_put_verdict(FILE *out, const mukca_report *r)
         mukca_html_escape(out, caveat);
         fputs("</p>\n", out);
     }
-    if (d->diagnosis->n_causes > 0 || d->diagnosis->n_faults > 0 ||
-        d->diagnosis->verdict == MUKCA_VERDICT_UNTESTABLE) {
-        fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
-        put_remedies(out, d);
-        put_next(out, d);
-        fputs("</ul>\n", out);
-    }
+    fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
+    put_remedies(out, d);
+    put_next(out, d);
+    fputs("</ul>\n", out);
     mukca_report_put_next_poses(out, r);
 }
 
@@ -163,6 +179,8 @@ void mukca_report_put_causes(FILE *out, const mukca_report *r)
         char text[MUKCA_WORDING];
         mukca_html_table_row(&table);
         mukca_wording_cause(text, cause, d);
+        const size_t used = strlen(text);
+        if (cause->row > 0) snprintf(text + used, sizeof text - used, ", row %d", cause->row);
         mukca_html_table_text(&table, text);
         mukca_wording_amplitude(text, cause, d->chain);
         mukca_html_table_text(&table, text);
@@ -256,7 +274,7 @@ static double limit_of(const mukca_diagnosis *d, int effect, int joint)
 void mukca_report_put_limits(FILE *out, const mukca_report *r)
 {
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    char columns[MUKCA_MAX_JOINTS * (MUKCA_NAME_SIZE + 2) + 64] = "effect|#whole arm";
+    char columns[MUKCA_MAX_JOINTS * (MUKCA_NAME_SIZE + 2) + 64] = "effect|#arm or tool";
     for (int j = 0; j < r->chain->n_joints; j++) {
         strcat(columns, "|#");
         strcat(columns, mukca_wording_joint(r->chain, j));

@@ -258,6 +258,10 @@ void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
     text[0] = '\0';
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE)
         put(text, "record again as stated, then repeat the diagnosis");
+    else if (d->verdict == MUKCA_VERDICT_UNKNOWN)
+        put(text,
+            "inspect the transmission and the bearings of the joints concerned, and record more "
+            "samples over their range");
     else if (r->next && r->next->cause >= 0 && r->next->plan.n_rows > 0)
         put(text, "`mukca plan --settle` with these data writes postures that separate %s",
             r->next->plan.evidence_after < MUKCA_PLAN_NAME ? "the alternatives in part"

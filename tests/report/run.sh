@@ -39,7 +39,7 @@ tell "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)
 "$MUKCA" calibrate -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/o.tsv" --json "$out/c.json"
 tell "held-out error as calibrate says" grep -q "$(awk -v m="$(tr -d '\n' <"$out/c.json" |
     sed 's/.*"test": *\[\([^]]*\)\].*/\1/; s/.*"mae_m": *\([0-9.e-]*\).*/\1/')" \
-    'BEGIN {printf "calibrated, test data</dt><dd>%.3g ", m * 1000}')" "$page"
+    'BEGIN {printf "calibrated, test data</dt><dd>%#.3g ", m * 1000}')" "$page"
 tell "from an offsets table" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     --offsets "$1/o.tsv" -o "$1/p.html" --plots "$1/pdf" --format pdf && grep -q "</html>" "$1/p.html" &&
     head -c 5 "$1/pdf/samples.pdf" | grep -q "%PDF-"' "$MUKCA" "$out"
