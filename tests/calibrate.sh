@@ -158,8 +158,8 @@ ok calibrate_no_data exits 3 "${calibrate[@]}" -q "$dir/missing.tsv"
 ok calibrate_existing exits 3 "${calibrate[@]}" -q "$dir/front.tsv" -o "$dir/there"
 ok calibrate_existing_trace exits 3 "${calibrate[@]}" -q "$dir/front.tsv" --trace "$dir/there"
 ok calibrate_left_it grep -qx kept "$dir/there"
-ok calibrate_full_disk exits 3 "${calibrate[@]}" -q "$dir/front.tsv" -o /dev/full
-ok calibrate_full_disk_trace exits 3 "${calibrate[@]}" -q "$dir/front.tsv" --trace /dev/full
+ok calibrate_full_disk exits 6 "${calibrate[@]}" -q "$dir/front.tsv" -o /dev/full
+ok calibrate_full_disk_trace exits 6 "${calibrate[@]}" -q "$dir/front.tsv" --trace /dev/full
 ok calibrate_lambda exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --lambda -1
 ok calibrate_unknown_parameter exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --free j9.x
 ok calibrate_nothing_free exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --freeze x,y,z,roll,pitch,yaw

@@ -7,14 +7,14 @@ extern "C" {
 #endif
 
 /* name, value (also the exit code of the program), text */
-#define MUKCA_STATUS_LIST(X)                                     \
-    X(OK, 0, "done")                                             \
-    X(NEGATIVE, 1, "done, and the answer is a negative verdict") \
-    X(USAGE, 2, "bad usage")                                     \
-    X(INPUT, 3, "bad input")                                     \
-    X(TRANSPORT, 4, "transport or time-out")                     \
-    X(UNIDENTIFIABLE, 5, "not identifiable")                     \
-    X(MEMORY, 6, "out of memory")                                \
+#define MUKCA_STATUS_LIST(X)                                          \
+    X(OK, 0, "done")                                                  \
+    X(NEGATIVE, 1, "done, and the answer is a negative verdict")      \
+    X(USAGE, 2, "bad usage")                                          \
+    X(INPUT, 3, "bad input")                                          \
+    X(TRANSPORT, 4, "transport or time-out")                          \
+    X(UNIDENTIFIABLE, 5, "not identifiable")                          \
+    X(MEMORY, 6, "out of memory, or an output was not written whole") \
     X(INTERRUPTED, 130, "interrupted")
 
 typedef enum {

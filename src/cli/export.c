@@ -41,14 +41,13 @@ static mukca_status check(cli_call *call, const mukca_export_input *input)
         mukca_export_check(&d, o->check, &mukca_exporters[o->format], input, &call->error);
     if (status) return status;
     if (d.agrees) {
-        cli_answer_wrapped(
-            call, "%s agrees with the table: %d places, largest difference %.3g m, %.3g rad",
-            o->check, d.compared, d.position, d.angle);
+        cli_answer_wrapped(call, "%s agrees with the table: %d numbers, largest difference %.3g",
+                           o->check, d.compared, d.largest);
         return MUKCA_OK;
     }
     return mukca_fail(&call->error, MUKCA_NEGATIVE,
-                      "%.100s differs from the table: %s (%.3g m, %.3g rad); export it anew",
-                      o->check, d.where, d.position, d.angle);
+                      "%.100s differs from the table: %s (by %.3g); export it again", o->check,
+                      d.where, d.largest);
 }
 
 static mukca_status run(cli_call *call)

@@ -61,21 +61,13 @@ mukca_status mukca_export_check(mukca_export_difference *difference, const char 
                                 const mukca_exporter *exporter, const mukca_export_input *input,
                                 mukca_error *error)
 {
-    const mukca_export_format *format = exporter->format;
     char *found = NULL, *wanted = NULL;
     size_t length;
-    *difference = (mukca_export_difference){.agrees = true};
     mukca_status status = mukca_file_read(&found, &length, path, MUKCA_FILE_LARGEST, error);
     if (status == MUKCA_OK) status = write_text(&wanted, exporter, input, error);
-    if (status != MUKCA_OK) goto out;
-    const mukca_export_texts texts = {
-        .path = path, .found = found, .wanted = wanted, .input = input};
-    if (format->compare)
-        status = format->compare(difference, &texts, error);
-    else
-        mukca_export_compare_numbers(difference, &texts, format->comment);
-    if (difference->compared == 0) difference->agrees = false;
-out:
+    const mukca_export_texts texts = {.path = path, .found = found, .wanted = wanted};
+    if (status == MUKCA_OK)
+        status = mukca_export_compare(difference, &texts, exporter->format->comment, error);
     free(found);
     free(wanted);
     return status;

@@ -28,29 +28,12 @@ typedef struct {
     double xyz[3], rpy[3], quaternion[4];
 } mukca_export_origin;
 
-/* Two models of one format compared. */
-typedef struct {
-    int compared;           /* places */
-    double position, angle; /* largest differences, m and rad */
-    bool agrees;            /* none beyond 1e-9 */
-    char where[160];        /* the worst place, or what is missing */
-} mukca_export_difference;
-
-/* A file to compare (`found`, read from `path`) and what the input gives now (`wanted`). */
-typedef struct {
-    const char *path, *found, *wanted;
-    const mukca_export_input *input;
-} mukca_export_texts;
-
 /* All functions may fail with MUKCA_INPUT and MUKCA_MEMORY. */
 typedef struct {
     mukca_status (*write)(FILE *stream, const mukca_export_input *input, mukca_error *error);
     /* Can the format represent this effect?  NULL: all effects. */
     bool (*holds)(const mukca_effect *effect);
-    /* Add all differences.  NULL: the numbers outside of comments and strings, in order. */
-    mukca_status (*compare)(mukca_export_difference *difference, const mukca_export_texts *texts,
-                            mukca_error *error);
-    const char *comment[2]; /* start and end of a comment, for a format without `compare` */
+    const char *comment[2]; /* start and end of a comment; NULL: the format is XML */
 } mukca_export_format;
 
 #define MUKCA_EXPORT_DECLARE(name, endings, description) \
@@ -72,7 +55,16 @@ int mukca_exporter_find(const char *path);
 mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
                                 const mukca_export_input *input, mukca_error *error);
 
-/* Compare the file `path` of that format with what the input gives now. */
+/* An exported file compared with what would be exported now. */
+typedef struct {
+    int compared;    /* numbers */
+    double largest;  /* difference: m, rad, or relative for numbers above 1 */
+    bool agrees;     /* none above 1e-9, none missing */
+    char where[160]; /* the worst place, or what is missing */
+} mukca_export_difference;
+
+/* Compare the file `path` of that format with what the input gives now.  A URDF or MuJoCo model may
+ * have more elements than the chain; their joints and bodies are found by name. */
 mukca_status mukca_export_check(mukca_export_difference *difference, const char *path,
                                 const mukca_exporter *exporter, const mukca_export_input *input,
                                 mukca_error *error);
@@ -96,19 +88,14 @@ void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_inp
 /* Name of an effect's joint, NULL where it has none. */
 const char *mukca_export_joint(const mukca_export_input *input, const mukca_effect *effect);
 
-/* Add one place that both models have; `what` (may be "") follows its name. */
-void mukca_export_add_difference(mukca_export_difference *difference, double position, double angle,
-                                 const char *where, const char *what);
+/* A file to compare (`found`, read from `path`) and what the input gives now (`wanted`). */
+typedef struct {
+    const char *path, *found, *wanted;
+} mukca_export_texts;
 
-/* Add one place that only one model has. */
-void mukca_export_add_missing(mukca_export_difference *difference, const char *what,
-                              const char *name);
-
-/* |a - b| of two vectors[3]. */
-double mukca_export_distance(const double a[3], const double b[3]);
-
-/* The default comparison, see `compare` above. */
-void mukca_export_compare_numbers(mukca_export_difference *difference,
-                                  const mukca_export_texts *texts, const char *const comment[2]);
+/* Compare the chain of an XML file, or all numbers outside of comments and strings, in order. */
+mukca_status mukca_export_compare(mukca_export_difference *difference,
+                                  const mukca_export_texts *texts, const char *const comment[2],
+                                  mukca_error *error);
 
 #endif

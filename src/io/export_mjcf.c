@@ -1,13 +1,8 @@
 /* The calibrated arm as a MuJoCo model: poses of bodies; springs for the compliance of joints,
  * links and base; stops for backlash. */
-#include <libxml/parser.h>
-#include <libxml/tree.h>
 #include <math.h>
-#include <string.h>
 
-#include "base/number.h"
 #include "io/export.h"
-#include "io/table.h"
 
 /* Of one joint: compliance about its axis and across it, rad/(N m) or m/N, and backlash, rad. */
 typedef struct {
@@ -238,99 +233,4 @@ static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input, mu
     return MUKCA_OK;
 }
 
-static xmlNode *find_named(xmlNode *node, const char *tag, const char *name)
-{
-    for (; node; node = node->next) {
-        if (node->type != XML_ELEMENT_NODE) continue;
-        if (strcmp((const char *)node->name, tag) == 0) {
-            xmlChar *found = xmlGetProp(node, (const xmlChar *)"name");
-            const bool match = found && strcmp((const char *)found, name) == 0;
-            xmlFree(found);
-            if (match) return node;
-        }
-        xmlNode *below = find_named(node->children, tag, name);
-        if (below) return below;
-    }
-    return NULL;
-}
-
-/* Numbers of an attribute; `values` keeps its defaults where there is none. */
-static bool attribute(double *values, int n, xmlNode *node, const char *key)
-{
-    xmlChar *text = xmlGetProp(node, (const xmlChar *)key);
-    const bool good = !text || mukca_number_parse_list(values, n, (const char *)text);
-    xmlFree(text);
-    return good;
-}
-
-static void check_body(mukca_export_difference *d, xmlNode *found, xmlNode *wanted,
-                       const char *name)
-{
-    double p[2][3] = {{0}}, q[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}}, R[2][9];
-    xmlNode *const node[2] = {found, wanted};
-    for (int i = 0; i < 2; i++) {
-        if (!attribute(p[i], 3, node[i], "pos") || !attribute(q[i], 4, node[i], "quat"))
-            p[i][0] = (double)NAN;
-        mukca_rotation_from_quaternion(R[i], q[i]);
-    }
-    mukca_export_add_difference(d, mukca_export_distance(p[0], p[1]),
-                                mukca_rotation_between(R[0], R[1]), name, "pos, quat");
-}
-
-static void check_joint(mukca_export_difference *d, xmlNode *found, xmlNode *wanted,
-                        const char *name)
-{
-    double k[2] = {0, 0}, axis[2][3] = {{0, 0, 1}, {0, 0, 1}};
-    xmlNode *const node[2] = {found, wanted};
-    bool good = true;
-    for (int i = 0; i < 2; i++)
-        good = attribute(&k[i], 1, node[i], "stiffness") &&
-               attribute(axis[i], 3, node[i], "axis") && good;
-    const double off = k[1] > 0 ? fabs(k[0] / k[1] - 1) : fabs(k[0]);
-    mukca_export_add_difference(d, good ? off : (double)NAN,
-                                mukca_export_distance(axis[0], axis[1]), name, "stiffness, axis");
-}
-
-/* Every body and joint of `wanted` in `found`. */
-static void check_nodes(mukca_export_difference *d, xmlNode *found, xmlNode *wanted)
-{
-    for (; wanted; wanted = wanted->next) {
-        if (wanted->type != XML_ELEMENT_NODE) continue;
-        const char *tag = (const char *)wanted->name;
-        const bool body = strcmp(tag, "body") == 0, joint = strcmp(tag, "joint") == 0;
-        xmlChar *name = xmlGetProp(wanted, (const xmlChar *)"name");
-        if ((body || joint) && name) {
-            xmlNode *twin = find_named(found, tag, (const char *)name);
-            if (!twin)
-                mukca_export_add_missing(d, tag, (const char *)name);
-            else if (body)
-                check_body(d, twin, wanted, (const char *)name);
-            else
-                check_joint(d, twin, wanted, (const char *)name);
-        }
-        xmlFree(name);
-        check_nodes(d, found, wanted->children);
-    }
-}
-
-/* Compare all bodies and joints by name; the file may have more of them. */
-static mukca_status compare_mjcf(mukca_export_difference *d, const mukca_export_texts *texts,
-                                 mukca_error *error)
-{
-    const int quiet = XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING;
-    xmlDoc *found = xmlReadMemory(texts->found, (int)strlen(texts->found), "found", NULL, quiet);
-    xmlDoc *wanted =
-        xmlReadMemory(texts->wanted, (int)strlen(texts->wanted), "wanted", NULL, quiet);
-    mukca_status status = MUKCA_OK;
-    if (found && wanted)
-        check_nodes(d, xmlDocGetRootElement(found), xmlDocGetRootElement(wanted));
-    else
-        status = mukca_fail(error, MUKCA_INPUT, "%s: not well-formed XML; export it again",
-                            mukca_table_short_path(texts->path));
-    xmlFreeDoc(found);
-    xmlFreeDoc(wanted);
-    return status;
-}
-
-const mukca_export_format mukca_export_mjcf = {
-    .write = write_mjcf, .holds = holds, .compare = compare_mjcf};
+const mukca_export_format mukca_export_mjcf = {.write = write_mjcf, .holds = holds};

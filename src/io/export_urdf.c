@@ -5,7 +5,6 @@
 #include "base/number.h"
 #include "io/export.h"
 #include "io/table.h"
-#include "io/urdf.h"
 #include "io/urdf_text.h"
 
 /* text[start, stop) becomes `replacement`. */
@@ -169,33 +168,4 @@ static bool holds(const mukca_effect *effect)
     return false;
 }
 
-/* Load the URDF and compare the origins of the chain's joints. */
-static mukca_status compare_urdf(mukca_export_difference *d, const mukca_export_texts *texts,
-                                 mukca_error *error)
-{
-    const mukca_export_input *input = texts->input;
-    mukca_chain *chain = calloc(1, sizeof *chain);
-    if (!chain) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    const mukca_urdf_options options = {.base = input->chain->base, .tip = input->chain->tip};
-    mukca_status status = mukca_urdf_load(chain, texts->path, &options, NULL, NULL, error);
-    for (int k = 0; status == MUKCA_OK && k < input->chain->n_elements; k++) {
-        const char *name = input->chain->element[k].name;
-        const int at = mukca_chain_find_element(chain, name);
-        mukca_export_origin wanted;
-        double R[9], S[9];
-        if (at < 0) {
-            mukca_export_add_missing(d, "joint", name);
-            continue;
-        }
-        mukca_export_get_origin(&wanted, input, k);
-        mukca_rotation_from_rpy(R, wanted.rpy);
-        mukca_rotation_from_rpy(S, chain->element[at].rpy);
-        mukca_export_add_difference(d, mukca_export_distance(wanted.xyz, chain->element[at].xyz),
-                                    mukca_rotation_between(R, S), name, "");
-    }
-    free(chain);
-    return status;
-}
-
-const mukca_export_format mukca_export_urdf = {
-    .write = write_urdf, .holds = holds, .compare = compare_urdf};
+const mukca_export_format mukca_export_urdf = {.write = write_urdf, .holds = holds};

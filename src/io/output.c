@@ -16,14 +16,19 @@ static int folder_length(const char *path)
     return slash ? (int)(slash - path + 1) : 0;
 }
 
-static mukca_status fail_errno(mukca_error *error, const char *path, const char *what)
+static mukca_status fail_errno(mukca_error *error, mukca_status status, const char *path)
 {
     const char *hint = errno == EACCES || errno == EROFS || errno == EPERM
                            ? "; choose a folder that you may write to"
                        : errno == ENOENT ? "; make its folder first"
                        : errno == ENOSPC ? "; free some space"
                                          : "";
-    return mukca_fail(error, MUKCA_INPUT, "%s: %s: %s%s", path, what, strerror(errno), hint);
+    return mukca_fail(error, status, "%s: cannot write: %s%s", path, strerror(errno), hint);
+}
+
+static mukca_status fail_exists(mukca_error *error, const char *path)
+{
+    return mukca_fail(error, MUKCA_INPUT, "%s: exists already; --force overwrites it", path);
 }
 
 /* Fill path and temporary. */
@@ -34,23 +39,22 @@ static mukca_status resolve(mukca_output *output, const char *path, bool force, 
     memset(output, 0, sizeof *output);
     bool exists = stat(path, &info) == 0;
     if (exists && S_ISDIR(info.st_mode))
-        return mukca_fail(error, MUKCA_INPUT, "%s: is a folder; name a file", path);
+        return mukca_fail(error, MUKCA_INPUT, "%s: is a folder; give the name of a file", path);
     const char *target = exists && realpath(path, whole) ? whole : path;
     int written = snprintf(output->path, sizeof output->path, "%s", target);
     if (written < 0 || (size_t)written >= sizeof output->path)
-        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
+        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file's name is too long", path);
     if (exists && !S_ISREG(info.st_mode)) return MUKCA_OK;
-    if (exists && !force)
-        return mukca_fail(error, MUKCA_INPUT, "%s: exists already; --force overwrites it", path);
+    if (exists && !force) return fail_exists(error, path);
     int folder = folder_length(output->path);
     written = snprintf(output->temporary, sizeof output->temporary, "%.*s.%.80s.%ld.tmp", folder,
                        output->path, output->path + folder, (long)getpid());
     if (written < 0 || (size_t)written >= sizeof output->temporary)
-        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
+        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file's name is too long", path);
     return MUKCA_OK;
 }
 
-/* The file without `.`, `..` and links in its folder; as it is where the folder is not there. */
+/* The path without `.`, `..` and links; unchanged where its folder does not exist. */
 static void normalise(char whole[PATH_MAX + NAME_MAX + 2], const char *path)
 {
     char folder[PATH_MAX];
@@ -68,7 +72,7 @@ bool mukca_output_same(const char *a, const char *b)
     char one[PATH_MAX + NAME_MAX + 2], other[PATH_MAX + NAME_MAX + 2];
     struct stat info;
     if (!a || !b) return false;
-    if (stat(a, &info) == 0 && !S_ISREG(info.st_mode)) return false; /* /dev/null takes all */
+    if (stat(a, &info) == 0 && !S_ISREG(info.st_mode)) return false; /* devices take any */
     if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return strcmp(a, b) == 0;
     normalise(one, a);
     normalise(other, b);
@@ -81,7 +85,7 @@ mukca_status mukca_output_check(const char *path, bool force, mukca_error *error
     mukca_output output;
     struct stat info;
     if (stat(path, &info) == 0 && S_ISFIFO(info.st_mode)) /* closing it would end its reader */
-        return access(path, W_OK) == 0 ? MUKCA_OK : fail_errno(error, path, "cannot write");
+        return access(path, W_OK) == 0 ? MUKCA_OK : fail_errno(error, MUKCA_INPUT, path);
     mukca_status status = mukca_output_open(&output, path, force, error);
     mukca_output_abort(&output);
     return status;
@@ -98,17 +102,17 @@ mukca_status mukca_output_open(mukca_output *output, const char *path, bool forc
     }
     mukca_status status = resolve(output, path, force, error);
     output->force = force;
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     int flags = output->temporary[0] ? O_CREAT | O_EXCL : 0;
     const char *name = output->temporary[0] ? output->temporary : output->path;
-    if (output->temporary[0]) unlink(name); /* of a killed process with our number */
+    if (output->temporary[0]) unlink(name); /* of a killed process of the same number */
     int file = open(name, O_WRONLY | O_CLOEXEC | flags, 0666);
     struct stat info;
     if (file >= 0 && output->temporary[0] && stat(output->path, &info) == 0)
         (void)!fchmod(file, info.st_mode & 0777);
     output->stream = file < 0 ? NULL : fdopen(file, "w");
     if (!output->stream) {
-        status = fail_errno(error, path, "cannot write");
+        status = fail_errno(error, MUKCA_INPUT, path);
         if (file >= 0) close(file);
     }
     return status;
@@ -122,12 +126,11 @@ mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
     if (good && regular) good = fsync(fileno(stream)) == 0;
     int reason = errno ? errno : EIO;
     if (good && regular) {
-        /* another process may have written it since we looked; some file systems have no links */
+        /* another process may have made the file meanwhile; some file systems have no links */
         const bool linked = !output->force && link(output->temporary, output->path) == 0;
         if (!linked && !output->force && access(output->path, F_OK) == 0) {
             mukca_output_abort(output);
-            return mukca_fail(error, MUKCA_INPUT, "%s: exists already; --force overwrites it",
-                              output->path);
+            return fail_exists(error, output->path);
         }
         good =
             linked ? unlink(output->temporary) == 0 : rename(output->temporary, output->path) == 0;
@@ -137,7 +140,7 @@ mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
     mukca_output_abort(output);
     if (good) return MUKCA_OK;
     errno = reason;
-    return fail_errno(error, output->path, "cannot write");
+    return fail_errno(error, MUKCA_MEMORY, output->path);
 }
 
 void mukca_output_abort(mukca_output *output)

@@ -1,4 +1,4 @@
-/* Files written whole or not at all: a temporary file beside the target, fsync, rename. */
+/* Files written whole or not at all: a temporary file in the same folder, fsync, rename. */
 #ifndef MUKCA_IO_OUTPUT_H
 #define MUKCA_IO_OUTPUT_H
 
@@ -11,22 +11,24 @@ typedef struct {
     FILE *stream;         /* write here; NULL while closed */
     char path[1024];      /* what the user asked for, links followed */
     char temporary[1080]; /* empty: written in place (standard output, a device) */
-    bool force;           /* replace a file that came meanwhile */
+    bool force;           /* replace a file that exists */
 } mukca_output;
 
-/* Check that `path` can be opened below, without leaving a trace: call it before long work. */
+/* Check that mukca_output_open(path) will succeed, without leaving a file: call it before long
+ * work. */
 mukca_status mukca_output_check(const char *path, bool force, mukca_error *error);
 
 /* Do both name one regular file, or both standard output?  Neither need exist; NULL names none. */
 bool mukca_output_same(const char *a, const char *b);
 
 /* Open `path` for writing; `-` is standard output, devices and pipes are written directly.  Without
- * `force` an existing file is refused (exit code MUKCA_INPUT, as all failures here). */
+ * `force` an existing file is refused.  Errors: MUKCA_INPUT. */
 mukca_status mukca_output_open(mukca_output *output, const char *path, bool force,
                                mukca_error *error);
 
 /* Flush, sync and put in place; on failure nothing of it remains and an old file is as it was.
- * A write that failed in between is found here. */
+ * Writes that failed earlier are detected here.  Errors: MUKCA_MEMORY (not written whole),
+ * MUKCA_INPUT (the file exists by now). */
 mukca_status mukca_output_close(mukca_output *output, mukca_error *error);
 
 /* Leave nothing behind; harmless on a zeroed or closed one. */

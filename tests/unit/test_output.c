@@ -96,12 +96,12 @@ static void failures_are_told_in_one_line(void **state)
     (void)state;
     assert_int_equal(mukca_output_open(&output, "/dev/full", false, &error), MUKCA_OK);
     fputs("x", output.stream);
-    assert_error(mukca_output_close(&output, &error), MUKCA_INPUT, error,
+    assert_error(mukca_output_close(&output, &error), MUKCA_MEMORY, error,
                  "/dev/full: cannot write: No space left");
     for (int i = 0; i < 2; i++) { /* found by the buffer's own flush, too */
         assert_int_equal(mukca_output_open(&output, "/dev/full", true, &error), MUKCA_OK);
         for (int k = 0; k < 100000; k++) fputs("xxxxxxxx", output.stream);
-        assert_error(mukca_output_close(&output, &error), MUKCA_INPUT, error, "No space left");
+        assert_error(mukca_output_close(&output, &error), MUKCA_MEMORY, error, "No space left");
     }
     assert_error(mukca_output_check("/nowhere/x", false, &error), MUKCA_INPUT, error,
                  "/nowhere/x: cannot write: No such file");

@@ -213,9 +213,9 @@ refuse 2 "is larger than any arm's" simulate $a --effect joint_scale:j2=1e300
 # outputs
 refuse 3 'offsets.tsv: exists already; --force overwrites it' calibrate $a good -o offsets.tsv
 refuse 3 'offsets.tsv: exists already' export $a -o offsets.tsv
-refuse 3 '/dev/full: cannot write: No space left on device' calibrate $a good -o /dev/full
-refuse 3 '/dev/full: cannot write: No space left on device' calibrate $a good --json /dev/full
-refuse 3 '/dev/full: cannot write: No space left on device' export $a -o /dev/full
+refuse 6 '/dev/full: cannot write: No space left on device' calibrate $a good -o /dev/full
+refuse 6 '/dev/full: cannot write: No space left on device' calibrate $a good --json /dev/full
+refuse 6 '/dev/full: cannot write: No space left on device' export $a -o /dev/full
 refuse 3 '/proc/new.tsv: cannot write' calibrate $a good -o /proc/new.tsv
 refuse 3 '/proc/new.json: cannot write' calibrate $a good --json /proc/new.json
 refuse 3 'nowhere/new.tsv: cannot write: No such file' calibrate $a good -o nowhere/new.tsv
@@ -224,7 +224,7 @@ refuse 2 'cannot both go to -' calibrate $a good -o - --json -
 "$MUKCA" fk $a good/hole_0.csv 2>err >/dev/full
 code=$?
 expect "standard output that is full is told" test "$code $(cat err)" = \
-    "3 mukca fk: standard output: cannot write: No space left on device; free some space"
+    "6 mukca fk: standard output: cannot write: No space left on device; free some space"
 
 # interrupted in the middle: it reads from a pipe that stays open
 for signal in INT TERM; do

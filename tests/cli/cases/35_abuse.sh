@@ -11,14 +11,14 @@ for closed in '2>&-' '>&-' '<&-' '<&- >&- 2>&-'; do
 done
 "$MUKCA" fk $a good/hole_0.csv 2>err >&-
 code=$?
-expect "a closed standard output is told" test "$code $(wc -l <err)" = "3 1"
+expect "a closed standard output is told" test "$code $(wc -l <err)" = "6 1"
 
 # a file beyond the shell's limit is a full disk, and leaves nothing
 rows 1 200 >many.csv
 (ulimit -f 1 && exec "$MUKCA" fk $a many.csv -o large.tsv) 2>err
 code=$?
-expect "a file beyond ulimit -f: exit 3, one line, no file" test \
-    "$code $(wc -l <err) $(find . -name '*large*' | wc -l)" = "3 1 0"
+expect "a file beyond ulimit -f: exit 6, one line, no file" test \
+    "$code $(wc -l <err) $(find . -name '*large*' | wc -l)" = "6 1 0"
 
 # a named pipe: looking whether it can be written must not end its reader
 mkfifo pipe
