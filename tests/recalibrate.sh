@@ -118,7 +118,7 @@ refuses "flipped signs do no harm" 0 "both  *0.000  *0.000" "$mukca" recalibrate
 awk 'BEGIN { FS = OFS = "\t" } NR == 1 || $4 == 0' "$dir/plain.tsv" >"$dir/still.tsv"
 refuses "a joint that never moved" 0 "'joint_3' never moved" "$mukca" recalibrate "${arm[@]}" "$dir/still.tsv"
 "$mukca" simulate "${arm[@]}" --recipe sweeps --noise 1e-5 --rotation-noise 1e-5 -o "$dir/nominal.tsv" -q
-refuses "poses that repeat the nominal model" 5 "no factory calibration" "$mukca" recalibrate "${arm[@]}" \
+refuses "poses that repeat the nominal model" 5 "no calibration in these poses" "$mukca" recalibrate "${arm[@]}" \
     "$dir/nominal.tsv" -o "$dir/none.tsv"
 ok "nothing written then" test ! -e "$dir/none.tsv"
 
@@ -147,7 +147,7 @@ fi
 
 if [ -d "$real" ]; then
     for robot in panda_1 panda_2 panda_3; do
-        refuses "$robot: no factory calibration" 5 "no factory calibration in these poses" \
+        refuses "$robot: no factory calibration" 5 "no calibration in these poses" \
             "$mukca" recalibrate --urdf "$real/panda.urdf" "$real/$robot"/*/
     done
     ok "panda_4 holds one" "$mukca" recalibrate --urdf "$real/panda.urdf" "$real/panda_4"/*/ --json "$dir/panda.json"

@@ -114,6 +114,11 @@ typedef struct {
         NULL, 0, CLI_FLAG, NULL, NULL, NULL, 0 \
     }
 
+/* The common options that mean the same everywhere, ended as a table is; -o is each command's own.
+ */
+extern const cli_option cli_common_options[];
+bool cli_is_common(const cli_option *option); /* is it one of them, with the same text? */
+
 typedef struct cli_call cli_call;
 
 /* Do the command's work.  Returns the exit code; where it is an error, call->error holds the line

@@ -125,6 +125,35 @@ static void print_roff(const char *text, size_t length)
     }
 }
 
+static void print_man_option(const cli_option *o)
+{
+    char text[80];
+    cli_format_option(text, sizeof text, o);
+    fputs(".TP\n\\fB", stdout);
+    print_roff(text, strlen(text));
+    fputs("\\fR\n", stdout);
+    print_roff(o->help, strlen(o->help));
+    for (int i = 0; o->kind == CLI_CHOICE && o->choices[i]; i++) {
+        fputs(i ? ", " : " (", stdout);
+        print_roff(o->choices[i], strlen(o->choices[i]));
+    }
+    puts(o->kind == CLI_CHOICE ? ")" : "");
+}
+
+static void print_man_options(const cli_command *c)
+{
+    int n = 0;
+    for (const cli_option *o = c->options; o->name; o++)
+        if (!cli_is_common(o)) print_man_option(o);
+    for (const cli_option *o = c->options; o->name; o++) {
+        if (!cli_is_common(o)) continue;
+        fputs(n++ ? ", " : ".PP\nCommon options: ", stdout);
+        print_roff("--", 2);
+        print_roff(o->name, strlen(o->name));
+    }
+    if (n) puts(".");
+}
+
 static void print_man_command(const cli_command *c)
 {
     char usage[120], *example;
@@ -145,20 +174,7 @@ static void print_man_command(const cli_command *c)
         putchar('\n');
         line += length + (line[length] == '\n');
     }
-    for (const cli_option *o = c->options; o->name; o++) {
-        char text[80];
-        cli_format_option(text, sizeof text, o);
-        fputs(".TP\n\\fB", stdout);
-        print_roff(text, strlen(text));
-        fputs("\\fR\n", stdout);
-        print_roff(o->help, strlen(o->help));
-        if (o->kind == CLI_CHOICE)
-            for (int i = 0; o->choices[i]; i++) {
-                fputs(i ? ", " : " (", stdout);
-                print_roff(o->choices[i], strlen(o->choices[i]));
-            }
-        puts(o->kind == CLI_CHOICE ? ")" : "");
-    }
+    print_man_options(c);
     puts(".PP\nExample:\n.PP\n.nf");
     FILE *lines = open_memstream(&example, &size);
     if (lines) {
@@ -173,7 +189,10 @@ static void print_man_command(const cli_command *c)
 /* The COMMANDS section of mukca(1). */
 static void print_man(void)
 {
-    puts(".SH COMMANDS");
+    puts(
+        ".SH COMMANDS\n.SS \"Common options\"\nThese mean the same in every command that has "
+        "them.");
+    for (const cli_option *o = cli_common_options; o->name; o++) print_man_option(o);
     for (const cli_command *const *c = cli_commands; *c; c++) print_man_command(*c);
 }
 

@@ -81,8 +81,16 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
     cli_format_usage(usage, sizeof usage, command);
     fprintf(stream, "%sUsage:%s mukca %s\n\n", bold, plain, usage);
     cli_print_wrapped(stream, 0, command->description);
-    fprintf(stream, "\n%sOptions:%s\n", bold, plain);
-    for (const cli_option *o = command->options; o->name; o++) print_option(stream, o);
+    for (int common = 0; common < 2; common++) {
+        bool any = false;
+        for (const cli_option *o = command->options; o->name; o++) {
+            if (cli_is_common(o) != (common == 1)) continue;
+            if (!any)
+                fprintf(stream, "\n%s%s:%s\n", bold, common ? "Common options" : "Options", plain);
+            any = true;
+            print_option(stream, o);
+        }
+    }
     fprintf(stream, "\n%sExample:%s\n", bold, plain);
     cli_print_example(stream, 2, CLI_WIDTH, command->example);
 }

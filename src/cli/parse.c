@@ -9,6 +9,17 @@
 
 #include "base/suggest.h"
 
+const cli_option cli_common_options[] = {CLI_MODEL_OPTIONS,    CLI_OFFSETS_OPTION, CLI_TEST_OPTION,
+                                         CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,    CLI_FORCE_OPTION,
+                                         CLI_TALK_OPTIONS,     CLI_END_OPTIONS};
+
+bool cli_is_common(const cli_option *option)
+{
+    for (const cli_option *o = cli_common_options; o->name; o++)
+        if (strcmp(o->name, option->name) == 0 && strcmp(o->help, option->help) == 0) return true;
+    return false;
+}
+
 static const cli_option *find_option(const cli_option *options, const char *name, size_t length)
 {
     for (const cli_option *o = options; o->name; o++)

@@ -2,16 +2,16 @@
 #include "cli/recalibrate.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-#include "io/output.h"
 #include "io/pose_stream.h"
 
 typedef struct {
     cli_common common;
-    cli_list test, target;
+    cli_list target;
     bool iterate, joint, robust, tilts, free_base, free_tool;
 } recalibrate_options;
 
@@ -21,18 +21,17 @@ typedef struct {
     }
 
 static const cli_option options[] = {
-    {"test", 0, CLI_REST, "DATA...", "poses that are never fitted, always reported", NULL,
-     offsetof(recalibrate_options, test)},
+    CLI_TEST_OPTION,
     {"target", 0, CLI_REST, "DATA...",
-     "poses of a work volume: a second model is fitted with these, a quarter of the weight", NULL,
+     "poses of a work volume: fit a second model with a quarter of the weight on these", NULL,
      offsetof(recalibrate_options, target)},
-    OPTION(iterate, "iterate", "repeat the linearisation until it stands"),
-    OPTION(joint, "joint", "solve for angles and lengths together, not one after the other"),
+    OPTION(iterate, "iterate", "repeat the linearisation until it converges"),
+    OPTION(joint, "joint", "solve for angles and lengths together, not in two steps"),
     OPTION(robust, "robust", "give outliers less weight (Huber)"),
     OPTION(tilts, "tilts",
-           "let the joints' axes lean, too (default where no pose has an orientation)"),
+           "fit the tilt of the joint axes, too (default if no pose has an orientation)"),
     OPTION(free_base, "free-base", "fit the frame in which the poses were measured"),
-    OPTION(free_tool, "free-tool", "fit the measured frame's turn against the tip"),
+    OPTION(free_tool, "free-tool", "fit the rotation of the measured frame against the tip"),
     CLI_MODEL_OPTIONS,
     CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),
@@ -86,7 +85,17 @@ static void close_input(pose_input *in)
     mukca_dataset_free(&in->data);
 }
 
-/* Say what the first rows told, and cut the arm after the link that the poses are of. */
+__attribute__((format(printf, 2, 3))) static void note(cli_call *call, const char *format, ...)
+{
+    char text[4 * MUKCA_NAME_SIZE];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    cli_note(call, text);
+}
+
+/* Note what the first rows show, and end the arm at the link that the poses are of. */
 static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_options *o,
                       const mukca_chain *chain)
 {
@@ -96,14 +105,12 @@ static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_opt
     const char *link = chain->element[c->position_element].child;
     snprintf(r->arm.tip, sizeof r->arm.tip, "%s", link);
     if (c->position_element != chain->n_elements - 1)
-        cli_tell(call, "the poses are those of link '%s', not of the tip '%s': taken as such", link,
-                 chain->tip);
+        note(call, "the poses are those of link '%s', not of the tip '%s'", link, chain->tip);
     if (c->rotations && c->rotation_element != c->position_element)
-        cli_tell(call,
-                 "rotation and position are in different frames: orientations are those of '%s'",
-                 chain->element[c->rotation_element].child);
+        note(call, "positions are those of '%s', orientations those of '%s'", link,
+             chain->element[c->rotation_element].child);
     if (c->order == MUKCA_QUATERNION_W_LAST)
-        cli_say(call, "the quaternions fit only when read as x y z w: taken as such\n");
+        cli_note(call, "the quaternions agree with the arm only as x y z w, and are read so");
     o->order = c->order;
     o->base = c->base;
     o->tool = c->tool;
@@ -127,46 +134,66 @@ static mukca_status weigh_target(pose_input *target, long rows, mukca_error *err
     return MUKCA_OK;
 }
 
-static mukca_status fit_models(cli_call *call, cli_recalibrated *r, pose_input *train,
-                               pose_input *test, pose_input *target,
-                               const mukca_recalibrate_options *o)
+typedef struct {
+    cli_recalibrated result;
+    mukca_recalibrate_options fit;
+    pose_input train, test, target;
+    mukca_offsets offsets;
+} recalibrate_work;
+
+static void release(void *work)
 {
+    recalibrate_work *w = work;
+    close_input(&w->train);
+    close_input(&w->test);
+    close_input(&w->target);
+    if (w->result.robust != w->result.fit) free(w->result.robust);
+    free(w->result.fit);
+    free(w->result.test);
+}
+
+static mukca_status fit_models(cli_call *call, recalibrate_work *w)
+{
+    cli_recalibrated *r = &w->result;
     mukca_pose_log both[4];
-    int n = train->n_logs;
-    mukca_status status = mukca_recalibrate(&r->fit[0], &r->arm, train->logs, n, o, &call->error);
+    int n = w->train.n_logs;
+    mukca_status status =
+        mukca_recalibrate(&r->fit[0], &r->arm, w->train.logs, n, &w->fit, &call->error);
     if (status == MUKCA_OK && r->n_models > 1) {
-        status = weigh_target(target, r->fit[0].rows, &call->error);
-        memcpy(both, train->logs, (size_t)n * sizeof *both);
-        memcpy(both + n, target->logs, (size_t)target->n_logs * sizeof *both);
-        n += target->n_logs;
+        status = weigh_target(&w->target, r->fit[0].rows, &call->error);
+        memcpy(both, w->train.logs, (size_t)n * sizeof *both);
+        memcpy(both + n, w->target.logs, (size_t)w->target.n_logs * sizeof *both);
+        n += w->target.n_logs;
         if (status == MUKCA_OK)
-            status = mukca_recalibrate(&r->fit[1], &r->arm, both, n, o, &call->error);
+            status = mukca_recalibrate(&r->fit[1], &r->arm, both, n, &w->fit, &call->error);
     }
     for (int m = 0; m < r->n_models && r->test && status == MUKCA_OK; m++)
-        status = mukca_recalibrate_test(r->test[m], &r->fit[m], &r->arm, test->logs, test->n_logs,
-                                        o, &call->error);
+        status = mukca_recalibrate_test(r->test[m], &r->fit[m], &r->arm, w->test.logs,
+                                        w->test.n_logs, &w->fit, &call->error);
     return status;
 }
 
-/* The verdict on the log; outliers must not decide it. */
-static mukca_status judge(cli_call *call, cli_recalibrated *r, pose_input *train,
-                          const mukca_recalibrate_options *o)
+/* The verdict on the log; outliers must not decide it.  Residuals with tails heavier than 1.5 times
+ * those of normal noise (mukca_recalibration.tail) are judged with Huber weights. */
+static mukca_status judge(cli_call *call, recalibrate_work *w)
 {
+    cli_recalibrated *r = &w->result;
+    const pose_input *train = &w->train;
     mukca_status status = MUKCA_OK;
-    mukca_recalibrate_options robust = *o;
+    mukca_recalibrate_options robust = w->fit;
     robust.robust = true;
     r->robust = r->fit;
-    if (r->fit[0].tail > 1.5 && !o->robust) {
+    if (r->fit[0].tail > 1.5 && !w->fit.robust) {
         r->robust = calloc(1, sizeof *r->robust);
         if (!r->robust) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-        status = mukca_recalibrate(r->robust, &r->arm, train->logs, train->n_logs, &robust,
+        status = mukca_recalibrate(r->robust, &r->arm, w->train.logs, train->n_logs, &robust,
                                    &call->error);
     }
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     mukca_recalibrate_oracle(&r->oracle, r->robust);
     if (!r->oracle.calibrated) return MUKCA_OK;
-    return mukca_recalibrate_constants(&r->constants, r->robust, &r->arm, train->logs,
-                                       train->n_logs, o, &call->error);
+    return mukca_recalibrate_constants(&r->constants, r->robust, &r->arm, w->train.logs,
+                                       train->n_logs, &w->fit, &call->error);
 }
 
 /* Sigma of a joint's roll, pitch, yaw for a turn by `sigma` about `axis` in its frame. */
@@ -217,94 +244,85 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
     }
 }
 
-static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets,
-                                  const mukca_chain *chain)
+static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
 {
-    const cli_common *c = call->common;
-    mukca_output output = {0};
     mukca_dataset names = {0};
-    if (!c->output) return MUKCA_OK;
     names.files = calloc((size_t)call->arguments.n + 1, sizeof *names.files);
     if (!names.files) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < call->arguments.n; i++)
         snprintf(names.files[names.n_files++], sizeof *names.files, "%s", call->arguments.items[i]);
-    mukca_status status = mukca_output_open(&output, c->output, c->force, &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_offsets_write(output.stream, offsets, chain, &names,
-                                     "method: recalibrate (poses)", &call->error);
-    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
-    mukca_output_abort(&output);
+    const mukca_status status =
+        cli_write_offsets(call, call->common->output, offsets, &call->session->model.chain, &names,
+                          "method: recalibrate (poses)");
     free(names.files);
     return status;
 }
 
-/* The line for people where there was nothing to learn. */
+/* The error where the poses contain no calibration. */
 static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
 {
     const mukca_oracle *o = &r->oracle;
-    return mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE,
-                      "no factory calibration in these poses: they equal the nominal model within "
-                      "their own noise (median %.4f mm nominal, %.4f mm after a fit); nothing was "
-                      "written; measure with something else, or calibrate from sockets",
-                      1e3 * o->position_nominal, 1e3 * o->position_left);
+    return mukca_fail(
+        &call->error, MUKCA_UNIDENTIFIABLE,
+        "no calibration in these poses: they equal the nominal model within their noise (median "
+        "%.4f mm nominal, %.4f mm after a fit); nothing was written; use "
+        "another tracker, or calibrate from sockets",
+        1e3 * o->position_nominal, 1e3 * o->position_left);
 }
 
-static bool interrupted(void)
+/* Open the logs, find out what they measure, and fit. */
+static mukca_status recalibrate(cli_call *call, recalibrate_work *w)
 {
-    return cli_interrupted();
+    const recalibrate_options *o = call->options;
+    const cli_model *model = &call->session->model;
+    cli_recalibrated *r = &w->result;
+    const struct {
+        pose_input *input;
+        const cli_list *paths;
+    } inputs[] = {
+        {&w->train, &call->arguments}, {&w->test, &call->common->test}, {&w->target, &o->target}};
+    mukca_status status = MUKCA_OK;
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
+        status = open_input(call, inputs[i].input, model, inputs[i].paths);
+    if (status == MUKCA_OK)
+        status = mukca_pose_check_run(&r->check, &model->chain, w->train.logs, w->train.n_logs,
+                                      o->free_base, o->free_tool, &call->error);
+    if (status != MUKCA_OK) return status;
+    use_check(call, r, &w->fit, &model->chain);
+    w->fit.tilts |= r->check.rotations == 0;
+    status = fit_models(call, w);
+    return status == MUKCA_OK ? judge(call, w) : status;
 }
 
 static mukca_status run(cli_call *call)
 {
     const recalibrate_options *o = call->options;
-    cli_model *model = calloc(1, sizeof *model);
-    pose_input *in = calloc(3, sizeof *in);
-    cli_recalibrated *r = calloc(1, sizeof *r);
-    mukca_offsets *offsets = calloc(1, sizeof *offsets);
-    mukca_status status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    mukca_recalibrate_options fit = {.iterate = o->iterate,
-                                     .joint = o->joint,
-                                     .robust = o->robust,
-                                     .tilts = o->tilts,
-                                     .free_base = o->free_base,
-                                     .free_tool = o->free_tool,
-                                     .stop = interrupted};
-    if (!model || !in || !r || !offsets) goto out;
+    const mukca_chain *chain = &call->session->model.chain;
+    const bool tested = call->common->test.n > 0;
+    recalibrate_work *w = call->work;
+    cli_recalibrated *r = &w->result;
+    w->fit = (mukca_recalibrate_options){.iterate = o->iterate,
+                                         .joint = o->joint,
+                                         .robust = o->robust,
+                                         .tilts = o->tilts,
+                                         .free_base = o->free_base,
+                                         .free_tool = o->free_tool,
+                                         .stop = cli_interrupted};
     r->n_models = o->target.n > 0 ? 2 : 1;
     r->fit = calloc((size_t)r->n_models, sizeof *r->fit);
-    if (o->test.n > 0) r->test = calloc((size_t)r->n_models, sizeof *r->test);
-    if (!r->fit || (o->test.n > 0 && !r->test)) goto out;
-    status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_load_model(call, model);
-    const cli_list *const lists[3] = {&call->arguments, &o->test, &o->target};
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
-        status = open_input(call, &in[i], model, lists[i]);
-    if (status == MUKCA_OK)
-        status = mukca_pose_check_run(&r->check, &model->chain, in[0].logs, in[0].n_logs,
-                                      o->free_base, o->free_tool, &call->error);
-    if (status) goto out;
-    use_check(call, r, &fit, &model->chain);
-    fit.tilts |= r->check.rotations == 0;
-    status = fit_models(call, r, &in[0], &in[1], &in[2], &fit);
-    if (status == MUKCA_OK) status = judge(call, r, &in[0], &fit);
-    if (status) goto out;
-    cli_recalibrate_show(call, r);
-    const mukca_recalibration *last = &r->fit[r->n_models - 1];
-    fill_offsets(offsets, last, &model->chain, &r->arm);
-    if (r->oracle.calibrated) status = write_offsets(call, offsets, &model->chain);
+    if (tested) r->test = calloc((size_t)r->n_models, sizeof *r->test);
+    if (!r->fit || (tested && !r->test))
+        return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
+    if (status == MUKCA_OK) status = recalibrate(call, w);
+    if (status != MUKCA_OK) return status;
+    cli_recalibrate_print(call, r);
+    fill_offsets(&w->offsets, &r->fit[r->n_models - 1], chain, &r->arm);
+    if (r->oracle.calibrated) status = write_offsets(call, &w->offsets);
     if (status == MUKCA_OK && call->common->json)
-        status = cli_write_json(call, cli_recalibrate_json(call, r, offsets, &model->chain));
-    if (status == MUKCA_OK && !r->oracle.calibrated) status = refuse(call, r);
-out:
-    for (int i = 0; in && i < 3; i++) close_input(&in[i]);
-    if (r && r->robust != r->fit) free(r->robust);
-    if (r) free(r->fit);
-    if (r) free(r->test);
-    free(r);
-    free(in);
-    free(model);
-    free(offsets);
-    return status;
+        status = cli_write_json(call, cli_recalibrate_json(call, r, &w->offsets, chain));
+    return status == MUKCA_OK && !r->oracle.calibrated ? refuse(call, r) : status;
 }
 
 const cli_command cli_command_recalibrate = {
@@ -316,17 +334,19 @@ const cli_command cli_command_recalibrate = {
     .max_arguments = -1,
     .description =
         "DATA are pose logs (tables with the joints and x_m y_m z_m, qw qx qy qz) or folders with "
-        "hole_*_pose.csv. Step one fits the joints' zeros to the orientations, step two the links' "
-        "offsets to the positions, each by one linear regression of least norm; what the log "
-        "cannot tell is listed. Logs are read row by row, memory does not grow with them. Poses "
-        "without orientation are solved together, axes included.\n\n"
-        "Where the poses only repeat the nominal model, that is said and the exit code is 5. Where "
-        "a few constants explain the difference, they are named. A lag between angles and poses is "
-        "found, told and taken into account.",
+        "hole_*_pose.csv. Step one fits the joint zeros to the orientations, step two the link "
+        "offsets to the positions, each by a linear regression of least norm; parameters that the "
+        "log does not identify are listed. Logs are read row by row; memory does not grow with "
+        "them. Logs without orientations are solved in one step, tilts of the axes included.\n\n"
+        "Poses that only repeat the nominal model are reported, with exit code 5. If a few "
+        "constants explain the difference, they are named. A lag between angles and poses is "
+        "estimated and corrected.",
     .example =
         "mukca simulate --urdf data/gen3.urdf --recipe sweeps --perturb 1,2 --noise 1e-4 | "
         "mukca recalibrate --urdf data/gen3.urdf - --iterate",
     .options = options,
     .options_size = sizeof(recalibrate_options),
     .run = run,
+    .work_size = sizeof(recalibrate_work),
+    .release = release,
 };

@@ -1,12 +1,10 @@
-/* What `mukca recalibrate` found, shown to people and written as JSON. */
+/* The result of `mukca recalibrate`: for people and as JSON. */
 #ifndef MUKCA_CLI_RECALIBRATE_H
 #define MUKCA_CLI_RECALIBRATE_H
 
 #include "cli/cli.h"
 #include "recalibrate/check.h"
 #include "recalibrate/recalibrate.h"
-
-enum { CLI_MODELS = 2 }; /* of the log, and of the log with the work volume */
 
 typedef struct {
     mukca_chain arm; /* up to the link that the poses are of */
@@ -20,11 +18,21 @@ typedef struct {
     mukca_constants constants;
 } cli_recalibrated;
 
-void cli_recalibrate_show(cli_call *call, const cli_recalibrated *r);
+/* One screen for people. */
+void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r);
 
 /* `offsets`: of the last model. */
 json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                              const mukca_offsets *offsets, const mukca_chain *chain);
+
+/* By how much `after` is below `before`, percent; 0 where that is 0. */
+double cli_removed_percent(double before, double after);
+
+/* Is the unknown an angle (rad) rather than a length (m)? */
+bool cli_unknown_turns(mukca_unknown_kind kind);
+
+/* Did joint j never move in the log? */
+bool cli_never_moved(const mukca_recalibration *fit, int j);
 
 /* "joint_3 d" of a constant. */
 void cli_constant_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_constants *constants, int i,

@@ -1,0 +1,125 @@
+/* The re-calibration for people: verdict, then the tables of the paper. */
+#include <math.h>
+#include <string.h>
+
+#include "cli/recalibrate.h"
+
+static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets", "both"};
+
+/* One data set: the paper's position table, then its orientation table. */
+static void print_errors(cli_call *call, const char *title, const mukca_pose_errors *e,
+                         bool has_angles)
+{
+    cli_answer(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.n);
+    cli_answer(call,
+               "  position, mm         max   mean +- std       |x|    |y|    |z|  removed, %%\n"
+               "                                                                 of max, mean\n");
+    for (int s = 0; s < MUKCA_STAGES; s++) {
+        const mukca_moments *p = &e[s].position;
+        if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
+        cli_answer(call, "    %-15s %7.3f %6.3f +- %-6.3f %6.3f %6.3f %6.3f", stage_text[s],
+                   1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p),
+                   1e3 * e[s].position_axis[0].mean, 1e3 * e[s].position_axis[1].mean,
+                   1e3 * e[s].position_axis[2].mean);
+        if (s != MUKCA_BEFORE)
+            cli_answer(call, " %6.1f %6.1f",
+                       cli_removed_percent(e[MUKCA_BEFORE].position.max, p->max),
+                       cli_removed_percent(e[MUKCA_BEFORE].position.mean, p->mean));
+        cli_answer(call, "\n");
+    }
+    if (e[MUKCA_BEFORE].rotation.n == 0) return;
+    cli_answer(call, "  orientation, mrad |ex|: max, mean +- std   |ey|                   |ez|\n");
+    for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_BOTH) {
+        cli_answer(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
+        for (int a = 0; a < 3; a++)
+            cli_answer(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation_axis[a].max,
+                       1e3 * e[s].rotation_axis[a].mean,
+                       1e3 * mukca_moments_std(&e[s].rotation_axis[a]));
+        cli_answer(call, "\n");
+    }
+}
+
+static void print_unknowns(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
+{
+    char text[MUKCA_UNKNOWN_TEXT];
+    cli_answer(call, "Offsets (rank %d of %d; *: identifiable only in combination with others)\n",
+               f->rank, f->n);
+    for (int u = 0; u < f->n; u++) {
+        mukca_unknown_text(text, &f->unknown[u], arm);
+        cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
+                   1e3 * f->sigma[u], cli_unknown_turns(f->unknown[u].kind) ? "mrad" : "mm",
+                   f->identifiable[u] ? "" : " *");
+    }
+    if (f->n_null > 0)
+        cli_answer(
+            call,
+            "Not identifiable (any multiple may be added; the solution of least norm is shown)\n");
+    for (int k = 0; k < f->n_null; k++) {
+        int shown = 0, small = 0;
+        cli_answer(call, "   ");
+        for (int u = 0; u < f->n; u++) {
+            if (f->null[k][u] == 0) continue;
+            if (fabs(f->null[k][u]) < 0.01 || shown == 3) {
+                small++;
+                continue;
+            }
+            mukca_unknown_text(text, &f->unknown[u], arm);
+            cli_answer(call, " %+.3g %s", f->null[k][u], text);
+            shown++;
+        }
+        cli_answer(call, small ? " and %d more\n" : "\n", small);
+    }
+}
+
+static void print_findings(cli_call *call, const cli_recalibrated *r)
+{
+    const mukca_recalibration *f = &r->fit[0];
+    char text[MUKCA_UNKNOWN_TEXT], line[800];
+    int used;
+    cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
+    if (r->oracle.calibrated)
+        cli_answer_keyed(call, "Result",
+                         "the poses contain a calibration: median position error %.4f mm nominal, "
+                         "%.4f mm after the fit",
+                         1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+    for (int j = 0; j < r->arm.n_joints; j++)
+        if (cli_never_moved(f, j))
+            cli_answer_wrapped(call,
+                               "joint '%s' never moved: its zero offset is not identifiable; it is "
+                               "indistinguishable "
+                               "from the links before and after it",
+                               r->arm.element[r->arm.joint_element[j]].name);
+    if (f->lag_found)
+        cli_answer_wrapped(call,
+                           "Lag: the joint angles are %.4g %s older than the poses (%.0f standard "
+                           "errors); corrected",
+                           f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms",
+                           f->lag_score);
+    if (!r->oracle.calibrated || r->constants.n == 0) return;
+    used = snprintf(line, sizeof line, "Constants: %d explain%s the difference:", r->constants.n,
+                    r->constants.n > 1 ? "" : "s");
+    for (int c = 0; c < r->constants.n && used < (int)sizeof line; c++) {
+        cli_constant_text(text, &r->constants, c, &r->arm);
+        used += snprintf(line + used, sizeof line - (size_t)used, "%s %s %+.4f +- %.4f %s",
+                         c > 0 ? "," : "", text, 1e3 * r->constants.value[c],
+                         1e3 * r->constants.sigma[c],
+                         cli_unknown_turns(r->constants.unknown[c].kind) ? "mrad" : "mm");
+    }
+    cli_answer_wrapped(call, "%s; with these alone %.4f mm (median), %.4f mm (mean) remain", line,
+                       1e3 * mukca_histogram_median(&r->constants.errors.position_histogram),
+                       1e3 * r->constants.errors.position.mean);
+}
+
+void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r)
+{
+    print_findings(call, r);
+    for (int m = 0; m < r->n_models; m++) {
+        const mukca_recalibration *f = &r->fit[m];
+        if (r->n_models > 1)
+            cli_answer(call, "Model %d: the log%s\n", m + 1, m ? " and the work volume" : "");
+        print_errors(call, "Training data", f->errors, f->has_angles);
+        if (r->test) print_errors(call, "Test data", r->test[m], f->has_angles);
+        print_unknowns(call, f, &r->arm);
+    }
+    if (!call->common->output) cli_answer_keyed(call, "Next", "-o offsets.tsv saves the result");
+}
