@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "cli/serve.h"
+#include "record/server.h"
 
 static void print_effect_names(void)
 {
@@ -37,7 +37,7 @@ static void print_bash(void)
     printf(
         "    elif [ \"$COMP_CWORD:${COMP_WORDS[1]}\" = 2:send ] && [[ $word != -* ]]; then\n"
         "        files= words=\"status");
-    for (int i = 0; serve_verbs[i]; i++) printf(" %s", serve_verbs[i]);
+    for (int i = 0; mukca_server_verbs[i]; i++) printf(" %s", mukca_server_verbs[i]);
     puts("\"\n    else\n        case ${COMP_WORDS[1]}:$before in");
     for (const cli_command *const *c = cli_commands; *c; c++)
         for (const cli_option *o = (*c)->options; o->name; o++) print_bash_values(*c, o);

@@ -7,10 +7,10 @@
 
 #include "base/suggest.h"
 #include "cli/cli.h"
-#include "cli/serve.h"
 #include "io/output.h"
 #include "lcm/link.h"
 #include "lcm/message.h"
+#include "record/server.h"
 
 typedef struct {
     cli_common common;
@@ -39,21 +39,24 @@ static void print_table(const mukca_message_result *m)
                m->identifiable[i]);
 }
 
+/* The reply is the answer: its line for people, then the table.  With --json - a program reads
+ * standard output and the table is left out. */
 static void take_result(client *c, const mukca_message_result *m)
 {
     if (m->id != c->id) return;
     c->answered = true;
     c->status = (mukca_status)m->code;
-    if (c->status == MUKCA_OK || c->status == MUKCA_NEGATIVE)
+    if (c->status != MUKCA_OK && c->status != MUKCA_NEGATIVE)
+        mukca_fail(&c->call->error, c->status, "%.250s", m->text);
+    else if (m->n)
         cli_say(c->call, "%s\n", m->text);
     else
-        mukca_fail(&c->call->error, c->status, "%.250s", m->text);
-    bool to_stdout = c->call->common->json && strcmp(c->call->common->json, "-") == 0;
-    if (!to_stdout) print_table(m);
-    if (!c->call->common->json || !m->json[0]) return;
+        cli_answer(c->call, "%s\n", m->text);
+    const char *json = c->call->common->json;
+    if (!json || strcmp(json, "-") != 0) print_table(m);
+    if (!json || !m->json[0]) return;
     mukca_output output;
-    mukca_status status =
-        mukca_output_open(&output, c->call->common->json, c->call->common->force, &c->call->error);
+    mukca_status status = mukca_output_open(&output, json, c->call->common->force, &c->call->error);
     if (!status) {
         fputs(m->json, output.stream);
         status = mukca_output_close(&output, &c->call->error);
@@ -76,14 +79,14 @@ static void on_packet(void *context, const mukca_lcm_packet *packet)
 {
     client *c = context;
     mukca_message_status status;
-    mukca_error unsaid;
+    mukca_error foreign;
     if (c->answered) return;
     if (c->wants_status) {
         if (!mukca_message_decode(&status, MUKCA_MESSAGE_STATUS, packet->data, packet->size,
-                                  &unsaid))
+                                  &foreign))
             take_status(c, &status);
     } else if (!mukca_message_decode(&c->result, MUKCA_MESSAGE_RESULT, packet->data, packet->size,
-                                     &unsaid)) {
+                                     &foreign)) {
         take_result(c, &c->result);
     }
 }
@@ -112,9 +115,9 @@ static mukca_status check_verb(cli_call *call, const char *verb)
     const char *meant = NULL;
     int best = 99;
     if (strcmp(verb, "status") == 0) return MUKCA_OK;
-    for (int i = 0; serve_verbs[i]; i++) {
-        if (strcmp(verb, serve_verbs[i]) == 0) return MUKCA_OK;
-        if (mukca_suggest_better(&best, verb, serve_verbs[i])) meant = serve_verbs[i];
+    for (const char *const *v = mukca_server_verbs; *v; v++) {
+        if (strcmp(verb, *v) == 0) return MUKCA_OK;
+        if (mukca_suggest_better(&best, verb, *v)) meant = *v;
     }
     if (mukca_suggest_better(&best, verb, "status")) meant = "status";
     return mukca_fail(&call->error, MUKCA_USAGE, "serve knows no command '%.40s'; %s%s%s", verb,
@@ -147,7 +150,8 @@ static mukca_status run(cli_call *call)
     while (!status && !c->answered) {
         status = mukca_lcm_link_wait(c->link, 100, -1, NULL, error);
         if (cli_interrupted())
-            status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; serve goes on with it");
+            status =
+                mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; serve completes the command");
         else if (!status && !c->answered && cli_elapsed(call) > deadline)
             status = mukca_fail(error, MUKCA_TRANSPORT,
                                 "no answer on %s for %g s: is mukca serve running on this network "
@@ -168,8 +172,8 @@ static mukca_status run(cli_call *call)
 static const cli_option options[] = {
     AT(CLI_TEXT, "lcm-url", "URL", lcm_url,
        "LCM network (default: LCM_DEFAULT_URL, else LCM's own)"),
-    AT(CLI_TEXT, "prefix", "NAME", prefix, "of serve's channels (default: MUKCA)"),
-    AT(CLI_POSITIVE, "timeout", "S", timeout, "how long to wait for the answer, s (default: 60)"),
+    AT(CLI_TEXT, "prefix", "NAME", prefix, "prefix of the channels of serve (default: MUKCA)"),
+    AT(CLI_POSITIVE, "timeout", "S", timeout, "longest wait for the answer, s (default: 60)"),
     CLI_JSON_OPTION,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
@@ -187,9 +191,10 @@ const cli_command cli_command_send = {
     .max_arguments = -1,
     .description =
         "COMMAND is one of those that `mukca help serve` lists, or status, which prints the next "
-        "status message. What people want to know goes to standard error, the offsets table of "
-        "calibrate, diagnose and result to standard output. The exit code is the command's; 4: no "
-        "answer.",
+        "status message. The answer goes to standard output; where it is an offsets table "
+        "(calibrate, "
+        "diagnose, result), its summary goes to standard error. The exit code is that of the "
+        "command; 4: no answer.",
     .example = "mukca send status",
     .options = options,
     .options_size = sizeof(send_options),

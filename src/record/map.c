@@ -1,14 +1,15 @@
 /* The recorder's mapping: which reading of a message is which joint of the arm. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "record/recorder.h"
 
 /* --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
-static mukca_status parse_map(recorder *r, mukca_error *error)
+static mukca_status parse_map(mukca_recorder *r, mukca_error *error)
 {
     const char *at = r->options->map;
-    int n = 0, joints = r->model->chain.n_joints;
+    int n = 0, joints = r->chain->n_joints;
     while (*at) {
         char *end;
         long first = strtol(at, &end, 10), last = first;
@@ -39,31 +40,31 @@ static int find_reading(const mukca_lcm_joints *joints, const char *name)
     return -1;
 }
 
-static mukca_status map_by_name(recorder *r)
+static mukca_status map_by_name(mukca_recorder *r)
 {
-    for (int j = 0; j < r->model->chain.n_joints; j++) {
-        r->map[j] = find_reading(&r->joints, recorder_joint_name(r, j));
+    for (int j = 0; j < r->chain->n_joints; j++) {
+        r->map[j] = find_reading(&r->joints, mukca_recorder_joint(r, j));
         if (r->map[j] < 0)
             return mukca_fail(&r->problem, MUKCA_INPUT,
                               "channel %s names no joint \"%s\" (its first is \"%.40s\"): check "
                               "--urdf, or give --map order",
-                              r->channel, recorder_joint_name(r, j), r->joints.name[0]);
+                              r->channel, mukca_recorder_joint(r, j), r->joints.name[0]);
     }
     r->by_name = true;
     return MUKCA_OK;
 }
 
-mukca_status recorder_make_map(recorder *r)
+mukca_status mukca_recorder_make_map(mukca_recorder *r)
 {
-    const char *how = r->options->map;
-    int joints = r->model->chain.n_joints, n = r->joints.n;
+    const char *map = r->options->map;
+    int joints = r->chain->n_joints, n = r->joints.n;
     bool named = r->joints.has[MUKCA_LCM_ROLE_NAME];
-    if (how && strcmp(how, "name") == 0 && !named)
+    if (map && strcmp(map, "name") == 0 && !named)
         return mukca_fail(&r->problem, MUKCA_INPUT,
                           "channel %s sends no joint names: --map order goes by the chain's order",
                           r->channel);
-    if (named && (!how || strcmp(how, "name") == 0)) return map_by_name(r);
-    if (how && strcmp(how, "order") != 0) {
+    if (named && (!map || strcmp(map, "name") == 0)) return map_by_name(r);
+    if (map && strcmp(map, "order") != 0) {
         mukca_status status = parse_map(r, &r->problem);
         for (int j = 0; j < joints && !status; j++)
             if (r->map[j] >= n)
@@ -81,25 +82,25 @@ mukca_status recorder_make_map(recorder *r)
     return MUKCA_OK;
 }
 
-mukca_status recorder_check_map(recorder *r)
+mukca_status mukca_recorder_check_map(mukca_recorder *r, mukca_error *error)
 {
-    const char *how = r->options->map;
-    bool numbers = how && strcmp(how, "name") != 0 && strcmp(how, "order") != 0;
-    return numbers ? parse_map(r, &r->call->error) : MUKCA_OK;
+    const char *map = r->options->map;
+    bool numbers = map && strcmp(map, "name") != 0 && strcmp(map, "order") != 0;
+    return numbers ? parse_map(r, error) : MUKCA_OK;
 }
 
-bool recorder_needs_confirmation(const recorder *r)
+bool mukca_recorder_needs_confirmation(const mukca_recorder *r)
 {
     return r->mapped && !r->by_name && !r->options->map;
 }
 
-void recorder_describe_map(const recorder *r, char *text, size_t size)
+void mukca_recorder_describe_map(const mukca_recorder *r, char *text, size_t size)
 {
     size_t used =
         (size_t)snprintf(text, size, "%s (%s), %d readings, mapped by %s:\n", r->channel,
                          r->types.type[r->type].name, r->n_readings, r->by_name ? "name" : "order");
-    for (int j = 0; j < r->model->chain.n_joints && used < size; j++)
+    for (int j = 0; j < r->chain->n_joints && used < size; j++)
         used +=
             (size_t)snprintf(text + used, size - used, "  reading %2d  ->  %-24s now %9.4f rad\n",
-                             r->map[j] + 1, recorder_joint_name(r, j), r->q[j]);
+                             r->map[j] + 1, mukca_recorder_joint(r, j), r->q[j]);
 }

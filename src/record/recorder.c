@@ -1,69 +1,27 @@
-/* The recorder's link: finding the channel, type and mapping; silence; what it says and sends. */
+/* The recorder and its link: finding the channel, type and mapping; silence. */
 #include "record/recorder.h"
 
-#include <inttypes.h>
-#include <math.h>
-#include <stdarg.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "lcm/description.h"
 #include "lcm/state.h"
 
-const char *const recorder_streams[] = {"raw", "corrected", NULL};
-
-enum { SILENCE_US = 2000000, SEARCH_US = 500000, REPEAT_US = 10000000 };
-
-const char *recorder_stream_name(const recorder *r)
-{
-    return recorder_streams[r->options->stream];
-}
-
-void recorder_say(recorder *r, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    vsnprintf(r->last_line, sizeof r->last_line, format, args);
-    va_end(args);
-    if (r->hooks.say) r->hooks.say(r->hooks.context, r->last_line);
-}
-
-static void note(void *context, const char *text)
-{
-    recorder_say(context, "%s", text);
-}
-
-void recorder_complain(recorder *r, recorder_trouble kind, const char *text)
-{
-    int64_t now = mukca_lcm_link_clock(r->link);
-    r->times[kind]++;
-    if (r->told[kind] && now - r->told[kind] < REPEAT_US && now >= r->told[kind]) return;
-    r->told[kind] = now ? now : 1;
-    if (r->times[kind] > 1)
-        recorder_say(r, "%s (%" PRId64 " times so far)", text, r->times[kind]);
-    else
-        recorder_say(r, "%s", text);
-}
-
-void recorder_refuse(recorder *r, recorder_trouble kind, const char *format, ...)
-{
-    char text[RECORDER_LINE];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    r->refused++;
-    recorder_complain(r, kind, text);
-}
+enum {                      /* us, of our choice */
+       LISTEN_US = 1000000, /* silence after which all channels are heard */
+       REPORT_US = 1800000, /* silence after which it is reported: within 2 s */
+       SEARCH_US = 500000,  /* for other streams that fit, after the first */
+       PROBLEM_US = 1000000 /* for a good message after a bad one */
+};
 
 /* "PANDA_STATUS (drake.lcmt_panda_status, 7 joints), CAMERA (unknown type)" */
-static void describe_heard(const recorder *r, char *text, size_t size)
+static void describe_heard(const mukca_recorder *r, char *text, size_t size)
 {
     size_t used = 0;
     snprintf(text, size,
              "nothing at all (is the sender on this network, and the multicast route?)");
     for (int i = 0; i < r->n_heard && used < size; i++) {
-        const recorder_heard *h = &r->heard[i];
+        const mukca_recorder_heard *h = &r->heard[i];
         used += (size_t)snprintf(text + used, size - used, "%s%s (%s", used ? ", " : "", h->channel,
                                  h->type < 0 ? "unknown type" : r->types.type[h->type].name);
         if (h->joints && used < size)
@@ -73,11 +31,11 @@ static void describe_heard(const recorder *r, char *text, size_t size)
 }
 
 /* The one channel heard whose messages fit the arm. */
-static mukca_status choose_channel(recorder *r)
+static mukca_status choose_channel(mukca_recorder *r)
 {
     int fits = -1;
     for (int i = 0; i < r->n_heard; i++) {
-        if (r->heard[i].joints < r->model->chain.n_joints) continue;
+        if (r->heard[i].joints < r->chain->n_joints) continue;
         if (fits >= 0)
             return mukca_fail(&r->problem, MUKCA_INPUT,
                               "%s and %s both send joint states: choose with --channel",
@@ -91,88 +49,98 @@ static mukca_status choose_channel(recorder *r)
 
 /* ---- the link ---- */
 
-static mukca_status open_link(recorder *r)
+static mukca_status open_link(mukca_recorder *r, mukca_error *error)
 {
-    mukca_error *error = &r->call->error;
-    mukca_status status =
-        mukca_lcm_link_open(&r->link, r->options->lcm_url, recorder_on_packet, r, error);
+    mukca_lcm_link_close(r->link);
+    r->link = NULL;
     r->received = r->refused = r->last_arrival = r->rate_since = r->rate_count = 0;
     r->n_heard = 0;
     r->fit_heard = 0;
-    memset(r->told, 0, sizeof r->told);
-    memset(r->times, 0, sizeof r->times);
-    if (!status && r->channel[0]) status = mukca_lcm_link_listen(r->link, r->channel, error);
-    if (!status && r->takes_triggers)
-        status = mukca_lcm_link_listen(r->link, r->trigger_channel, error);
-    if (!status && r->hooks.packet)
-        status = mukca_lcm_link_listen(r->link, r->command_channel, error);
+    memset(r->reported, 0, sizeof r->reported);
+    memset(r->occurrences, 0, sizeof r->occurrences);
+    const char *channels[] = {r->channel[0] ? r->channel : NULL,
+                              r->options->triggers ? r->trigger_channel : NULL,
+                              r->hooks.command ? r->command_channel : NULL};
+    mukca_status status =
+        mukca_lcm_link_open(&r->link, r->options->lcm_url, mukca_recorder_receive, r, error);
+    for (int i = 0; i < 3 && !status; i++)
+        if (channels[i]) status = mukca_lcm_link_listen(r->link, channels[i], error);
     if (!status && !r->mapped) status = mukca_lcm_link_listen(r->link, NULL, error);
     r->listens_to_all = !r->mapped;
     r->opened = status ? 0 : mukca_lcm_link_clock(r->link);
     return status;
 }
 
-static mukca_status read_types(recorder *r)
+static mukca_status read_types(mukca_recorder *r, mukca_error *error)
 {
-    const recorder_options *o = r->options;
-    mukca_error *error = &r->call->error;
+    const mukca_recorder_options *o = r->options;
     mukca_status status = mukca_lcm_types_init(&r->types, error);
-    if (!status && o->types.n && !o->position)
+    if (status != MUKCA_OK) return status;
+    if (o->n_types && !o->position)
         return mukca_fail(error, MUKCA_USAGE,
                           "--type needs --position FIELD: which field holds the joint positions?");
-    if (!status && !o->types.n && (o->position || o->names))
+    if (!o->n_types && (o->position || o->names))
         return mukca_fail(error, MUKCA_USAGE, "--position and --names belong to a --type FILE.lcm");
-    for (int i = 0; i < o->types.n && !status; i++)
-        status = mukca_lcm_types_read(&r->types, o->types.items[i], error);
-    /* the struct that has the field: the last such one, as files come in order of need */
-    int found = -1;
-    for (int t = r->types.n_types - 1; t >= MUKCA_LCM_STATES && found < 0 && !status; t--)
-        if (!mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_POSITION, o->position, error))
-            found = t;
-    if (status || !o->types.n) return status;
-    if (found < 0) return MUKCA_INPUT; /* told by the last attempt */
-    mukca_error unsaid;
-    if (mukca_lcm_type_set_role(&r->types, found, MUKCA_LCM_ROLE_TIME, "utime", &unsaid))
-        (void)mukca_lcm_type_set_role(&r->types, found, MUKCA_LCM_ROLE_TIME, "timestamp", &unsaid);
-    return o->names
-               ? mukca_lcm_type_set_role(&r->types, found, MUKCA_LCM_ROLE_NAME, o->names, error)
-               : MUKCA_OK;
+    if (!o->n_types) return MUKCA_OK;
+    for (int i = 0; i < o->n_types && !status; i++)
+        status = mukca_lcm_types_read(&r->types, o->types[i], error);
+    if (status != MUKCA_OK) return status;
+    /* the last struct that has the field, as nested types come first */
+    int t = r->types.n_types;
+    do
+        status =
+            mukca_lcm_type_set_role(&r->types, --t, MUKCA_LCM_ROLE_POSITION, o->position, error);
+    while (status != MUKCA_OK && t > MUKCA_LCM_STATES);
+    if (status != MUKCA_OK) return status;
+    mukca_error none; /* a type without time stamps is fine */
+    if (mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_TIME, "utime", &none))
+        (void)mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_TIME, "timestamp", &none);
+    if (!o->names) return MUKCA_OK;
+    return mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_NAME, o->names, error);
 }
 
-mukca_status recorder_open(recorder *r, cli_call *call, const recorder_options *options,
-                           const cli_model *model, bool takes_triggers, const recorder_hooks *hooks)
+mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options *options,
+                                 const mukca_chain *chain, const double *theta,
+                                 const mukca_recorder_hooks *hooks, mukca_error *error)
 {
     memset(r, 0, sizeof *r);
-    r->call = call;
     r->options = options;
-    r->model = model;
+    r->chain = chain;
     r->hooks = *hooks;
-    r->takes_triggers = takes_triggers;
     r->type = -1;
-    mukca_status status = read_types(r);
-    if (!status) status = recorder_prepare(r);
-    if (status) return status;
-    status = recorder_check_map(r);
+    mukca_status status = read_types(r, error);
+    if (!status) status = mukca_recorder_prepare(r, theta, error);
+    if (!status) status = mukca_recorder_check_map(r, error);
+    if (status != MUKCA_OK) return status;
     if (options->channel && strlen(options->channel) >= sizeof r->channel)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--channel: at most 63 characters");
+        return mukca_fail(error, MUKCA_USAGE, "--channel: at most 63 characters");
     if (options->channel) memcpy(r->channel, options->channel, strlen(options->channel) + 1);
-    mukca_message_channel(r->trigger_channel, MUKCA_MESSAGE_TRIGGER, r->options->prefix);
-    mukca_message_channel(r->command_channel, MUKCA_MESSAGE_COMMAND, r->options->prefix);
-    return status ? status : open_link(r);
+    mukca_message_channel(r->trigger_channel, MUKCA_MESSAGE_TRIGGER, options->prefix);
+    mukca_message_channel(r->command_channel, MUKCA_MESSAGE_COMMAND, options->prefix);
+    return open_link(r, error);
 }
 
-mukca_status recorder_connect(recorder *r, double wait)
+void mukca_recorder_close(mukca_recorder *r)
 {
-    mukca_error *error = &r->call->error;
+    mukca_session_close(&r->session);
+    mukca_capture_free(&r->capture);
+    mukca_lcm_link_close(r->link);
+    r->link = NULL;
+}
+
+mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error *error)
+{
     mukca_status status = MUKCA_OK;
-    int64_t found = 0; /* us, when the first problem was: a good message may follow */
+    int64_t found = 0; /* us, when the first problem was */
     while (!status && !r->mapped) {
-        status = recorder_step(r, 100, -1, NULL);
-        if (r->problem.status && !found) found = mukca_lcm_link_clock(r->link);
-        if (r->problem.status && mukca_lcm_link_clock(r->link) - found > 1000000) break;
-        if (cli_interrupted()) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+        status = mukca_recorder_step(r, 100, -1, NULL, error);
+        int64_t now = mukca_lcm_link_clock(r->link);
+        if (r->problem.status && !found) found = now;
+        if (r->problem.status && now - found > PROBLEM_US) break;
+        if (r->hooks.interrupted && r->hooks.interrupted())
+            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         if (!mukca_lcm_link_replays(r->link) && wait >= 0 &&
-            1e-6 * (double)(mukca_lcm_link_clock(r->link) - r->opened) > wait)
+            1e-6 * (double)(now - r->opened) > wait)
             status = MUKCA_NEGATIVE;
     }
     if (status == MUKCA_TRANSPORT) return status;
@@ -181,84 +149,56 @@ mukca_status recorder_connect(recorder *r, double wait)
         return r->problem.status;
     }
     if (status == MUKCA_NEGATIVE) {
-        char heard[RECORDER_LINE - 100];
+        char heard[MUKCA_RECORDER_LINE - 100];
         describe_heard(r, heard, sizeof heard);
         return mukca_fail(error, MUKCA_TRANSPORT, "no joint state%s%s; heard: %s",
                           r->channel[0] ? " on " : "", r->channel, heard);
     }
     r->connected = true;
-    if (!mukca_lcm_link_replays(r->link)) return MUKCA_OK;
-    mukca_lcm_link_close(r->link); /* what was read ahead is to be recorded, too */
-    r->link = NULL;
-    return open_link(r);
+    /* what was read ahead of a log is to be recorded, too */
+    return mukca_lcm_link_replays(r->link) ? open_link(r, error) : MUKCA_OK;
 }
 
-mukca_status recorder_step(recorder *r, int timeout_ms, int other, bool *readable)
+/* Watch a network for silence; `age` is the time since the last joint state, us. */
+static void watch(mukca_recorder *r, int64_t age)
 {
-    mukca_status status =
-        mukca_lcm_link_wait(r->link, timeout_ms, other, readable, &r->call->error);
+    if (r->mapped && r->listens_to_all && age < LISTEN_US) {
+        mukca_lcm_link_unlisten_all(r->link);
+        r->listens_to_all = false;
+    } else if (!r->listens_to_all && age >= LISTEN_US) {
+        mukca_error none; /* it is tried again */
+        r->n_heard = 0;
+        r->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
+    }
+    if (r->silent || age < REPORT_US) return;
+    char heard[MUKCA_RECORDER_LINE - 100];
+    r->silent = true;
+    describe_heard(r, heard, sizeof heard);
+    mukca_recorder_report(r, "no joint state%s%s for %.1f s; heard instead: %s",
+                          r->channel[0] ? " on " : "", r->channel, 1e-6 * (double)age, heard);
+}
+
+mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
+                                 mukca_error *error)
+{
+    mukca_status status = mukca_lcm_link_wait(r->link, timeout_ms, other, readable, error);
     int64_t now = mukca_lcm_link_clock(r->link);
     bool replays = mukca_lcm_link_replays(r->link), ended = status == MUKCA_NEGATIVE;
     if (!r->channel[0] && r->fit_heard && (ended || now - r->fit_heard > SEARCH_US)) {
         mukca_status chosen = choose_channel(r);
-        if (chosen) return chosen == MUKCA_TRANSPORT ? chosen : status;
-        if (replays) { /* from the start, with the channel known */
-            mukca_lcm_link_close(r->link);
-            r->link = NULL;
-            return open_link(r);
-        }
+        if (chosen == MUKCA_TRANSPORT) *error = r->problem;
+        if (chosen != MUKCA_OK) return chosen == MUKCA_TRANSPORT ? chosen : status;
+        if (replays) return open_link(r, error); /* from the start, with the channel known */
     }
     if (replays || status) return status;
     if (r->mapped && r->confirmed) r->connected = true;
-    int64_t age = now - (r->last_arrival ? r->last_arrival : r->opened);
-    if (r->mapped && r->listens_to_all && age < SILENCE_US / 2) {
-        mukca_lcm_link_unlisten_all(r->link);
-        r->listens_to_all = false;
-    } else if (!r->listens_to_all && age >= SILENCE_US / 2) { /* what is there instead? */
-        r->n_heard = 0;
-        r->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &r->call->error) == MUKCA_OK;
-    }
-    if (!r->silent && age >= SILENCE_US - 200000) { /* said within 2 s */
-        char heard[RECORDER_LINE - 100];
-        r->silent = true;
-        describe_heard(r, heard, sizeof heard);
-        recorder_say(r, "no joint state%s%s for %.1f s; heard instead: %s",
-                     r->channel[0] ? " on " : "", r->channel, 1e-6 * (double)age, heard);
-    }
+    watch(r, now - (r->last_arrival ? r->last_arrival : r->opened));
     return MUKCA_OK;
 }
 
-double recorder_age(const recorder *r)
+mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error)
 {
-    if (!r->last_arrival) return HUGE_VAL;
-    /* a trigger is as old as it was when it came, so that a replay decides alike */
-    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
-    double age = 1e-6 * (double)(now - r->last_arrival);
-    return age > 0 ? age : 0;
-}
-
-mukca_status recorder_keep_log(recorder *r)
-{
-    if (!r->options->record) return MUKCA_OK;
-    return mukca_lcm_link_record(r->link, r->options->record, r->call->common->force, note, r,
-                                 &r->call->error);
-}
-
-/* ---- publishing ---- */
-
-void recorder_publish(recorder *r, mukca_message_kind kind, const void *message)
-{
-    char channel[64];
-    void *buffer = r->outgoing, *more = NULL;
-    size_t size = mukca_message_encode(r->outgoing, sizeof r->outgoing, kind, message);
-    if (size > sizeof r->outgoing) { /* a result with its JSON */
-        buffer = more = malloc(size);
-        if (more) mukca_message_encode(more, size, kind, message);
-    }
-    if (!size || !buffer) return;
-    mukca_message_channel(channel, kind, r->options->prefix);
-    mukca_error error;
-    if (mukca_lcm_link_publish(r->link, channel, buffer, size, &error))
-        recorder_complain(r, RECORDER_OWN_MESSAGE, error.text);
-    free(more);
+    if (!r->options->log) return MUKCA_OK;
+    return mukca_lcm_link_record(r->link, r->options->log, r->options->force, mukca_recorder_note,
+                                 r, error);
 }

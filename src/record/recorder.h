@@ -1,124 +1,77 @@
-/* The engine that `capture` and `serve` share: joint states from LCM, triggers, the session file.
- */
+/* Live recording, shared by `capture` and `serve`: joint states from LCM, triggers, the session
+ * file. */
 #ifndef MUKCA_RECORD_RECORDER_H
 #define MUKCA_RECORD_RECORDER_H
 
 #include "capture/capture.h"
-#include "cli/cli.h"
 #include "io/session_append.h"
 #include "lcm/decode.h"
 #include "lcm/link.h"
 #include "lcm/message.h"
 
-enum { RECORDER_MAX_LABELS = 32, RECORDER_MAX_HEARD = 24, RECORDER_LINE = 448 };
+enum { MUKCA_RECORDER_MAX_LABELS = 32, MUKCA_RECORDER_MAX_HEARD = 24, MUKCA_RECORDER_LINE = 448 };
 
-/* What both commands let the user choose; zeroed means the defaults. */
+/* Zeroed means the defaults; `mukca help capture` describes them.  All texts must outlive the
+ * recorder. */
 typedef struct {
-    const char *lcm_url, *channel, *prefix, *position, *names, *map, *placement, *sockets, *record;
-    cli_list types; /* .lcm files */
-    int stream;     /* 0 not said, 1 raw, 2 corrected: see recorder_streams */
+    const char *lcm_url, *channel, *prefix, *position, *names, *map, *placements, *sockets, *log;
+    const char *const *types; /* [n_types] .lcm files */
+    int n_types;
+    int stream; /* index into mukca_recorder_streams */
     bool still;
-    double window, motion, dwell;
-} recorder_options;
+    double window, motion, dwell; /* s, rad or m, s */
+    double distance;              /* between the sockets, m; 0: 0.05 */
+    bool triggers;                /* record on messages of PREFIX_TRIGGER */
+    bool force;                   /* overwrite an existing log */
+} mukca_recorder_options;
 
-extern const char *const recorder_streams[];
+/* "raw", "corrected", NULL */
+extern const char *const mukca_recorder_streams[];
 
-/* Rows of an option table; `type` is the options struct, whose member `recorder` this is. */
-#define RECORDER_OPTION(type, name, kind, argument, member, help, choices)      \
-    {                                                                           \
-        name, 0, kind, argument, help, choices, offsetof(type, recorder.member) \
-    }
-#define RECORDER_OPTIONS(type)                                                                     \
-    RECORDER_OPTION(type, "lcm-url", CLI_TEXT, "URL", lcm_url,                                     \
-                    "LCM network, or file://LOG to replay a log (default: LCM_DEFAULT_URL, else "  \
-                    "LCM's own)",                                                                  \
-                    NULL),                                                                         \
-        RECORDER_OPTION(type, "channel", CLI_TEXT, "NAME", channel,                                \
-                        "channel of the joint states (default: the one heard that fits the arm)",  \
-                        NULL),                                                                     \
-        RECORDER_OPTION(type, "type", CLI_TEXTS, "FILE", types,                                    \
-                        "a .lcm description of the joint states, where mukca does not know them",  \
-                        NULL),                                                                     \
-        RECORDER_OPTION(type, "position", CLI_TEXT, "FIELD", position,                             \
-                        "the field of --type that holds the joint positions, as in q or head.q",   \
-                        NULL),                                                                     \
-        RECORDER_OPTION(type, "names", CLI_TEXT, "FIELD", names,                                   \
-                        "the field of --type that holds the joints' names", NULL),                 \
-        RECORDER_OPTION(type, "map", CLI_TEXT, "HOW", map,                                         \
-                        "which reading is which joint: name, order, or numbers as in 8-14 or "     \
-                        "1,2,4 (default: by name, else by order once you confirm it)",             \
-                        NULL),                                                                     \
-        RECORDER_OPTION(type, "stream", CLI_CHOICE, "KIND", stream,                                \
-                        "raw: the encoders as they are; corrected: the driver has added stored "   \
-                        "offsets; the session says which (default: raw)",                          \
-                        recorder_streams),                                                         \
-        RECORDER_OPTION(type, "still", CLI_FLAG, NULL, still,                                      \
-                        "record by itself when the arm stands still in a socket in a new posture", \
-                        NULL),                                                                     \
-        RECORDER_OPTION(type, "dwell", CLI_POSITIVE, "S", dwell,                                   \
-                        "how long it must stand for that, s (default: 1)", NULL),                  \
-        RECORDER_OPTION(type, "window", CLI_POSITIVE, "S", window,                                 \
-                        "a sample is the mean over this time, s (default: 0.2)", NULL),            \
-        RECORDER_OPTION(type, "motion", CLI_POSITIVE, "RAD", motion,                               \
-                        "most that a joint may move meanwhile, rad or m (default: 0.001)", NULL),  \
-        RECORDER_OPTION(type, "placement", CLI_TEXT, "LIST", placement,                            \
-                        "names of the placements in order, commas between (default: placement_1 "  \
-                        "and so on)",                                                              \
-                        NULL),                                                                     \
-        RECORDER_OPTION(type, "sockets", CLI_TEXT, "LIST", sockets,                                \
-                        "labels of the sockets, commas between (default: 0,1)", NULL),             \
-        RECORDER_OPTION(type, "record", CLI_TEXT, "LOG", record,                                   \
-                        "keep the raw LCM stream in this log, too", NULL),                         \
-        RECORDER_OPTION(type, "prefix", CLI_TEXT, "NAME", prefix,                                  \
-                        "of our own channels, NAME_TRIGGER and so on (default: MUKCA)", NULL)
-
-typedef struct recorder recorder;
-
-/* What the commands hear from the engine; any may be NULL. */
+/* What the caller is told; any may be NULL. */
 typedef struct {
-    void (*say)(void *context, const char *line);                    /* one line for people */
+    mukca_note_fn *report;                                           /* one line for people */
     void (*joints)(void *context, int64_t time_us, const double *q); /* each usable message */
-    void (*packet)(void *context, const mukca_lcm_packet *packet);   /* of other named channels */
+    void (*command)(void *context, const mukca_lcm_packet *packet);  /* of PREFIX_COMMAND */
+    bool (*interrupted)(void); /* true ends the search for a stream */
     void *context;
-} recorder_hooks;
+} mukca_recorder_hooks;
 
+/* A channel that is not the arm's. */
 typedef struct {
     char channel[64];
     int type; /* -1: unknown */
     int joints;
-    int64_t count;
-} recorder_heard;
+} mukca_recorder_heard;
 
-/* Trouble that is told once, then at most every ten seconds. */
+/* Trouble that is reported once, then at most every ten seconds. */
 typedef enum {
-    RECORDER_TYPE,
-    RECORDER_MALFORMED,
-    RECORDER_COUNT,
-    RECORDER_RANGE,
-    RECORDER_NAMES,
-    RECORDER_BACKWARDS,
-    RECORDER_TWO_SENDERS,
-    RECORDER_OWN_MESSAGE,
-    RECORDER_TROUBLES
-} recorder_trouble;
+    MUKCA_RECORDER_TYPE,
+    MUKCA_RECORDER_MALFORMED,
+    MUKCA_RECORDER_COUNT,
+    MUKCA_RECORDER_RANGE,
+    MUKCA_RECORDER_NAMES,
+    MUKCA_RECORDER_BACKWARDS,
+    MUKCA_RECORDER_TWO_SENDERS,
+    MUKCA_RECORDER_OWN_MESSAGE,
+    MUKCA_RECORDER_TROUBLES
+} mukca_recorder_trouble;
 
-struct recorder {
-    cli_call *call;
-    const recorder_options *options;
-    const cli_model *model;
-    recorder_hooks hooks;
+typedef struct {
+    const mukca_recorder_options *options;
+    const mukca_chain *chain;
+    mukca_recorder_hooks hooks;
     mukca_lcm_types types;
     mukca_lcm_link *link;
-    bool takes_triggers;
     char trigger_channel[64], command_channel[64];
     /* the stream */
     char channel[64]; /* empty while searching */
     int type;         /* of its messages, -1 before the first */
     bool mapped;      /* `map` and n_readings are known ... */
     bool confirmed;   /* ... and may be used */
-    bool connected;   /* what comes is no longer only read ahead */
+    bool connected;   /* messages are used, no longer only read ahead */
     bool by_name;
-    int map[MUKCA_MAX_JOINTS], n_readings;
+    int map[MUKCA_MAX_JOINTS], n_readings; /* reading of each joint */
     mukca_error problem;     /* why the stream cannot be used at all; OK: nothing found */
     mukca_lcm_joints joints; /* the last message */
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
@@ -128,92 +81,105 @@ struct recorder {
     double rate, longest_gap; /* Hz; s between arrivals */
     bool listens_to_all, silent;
     int n_heard;
-    recorder_heard heard[RECORDER_MAX_HEARD];
-    int64_t fit_heard; /* us, when the first stream that could be ours was heard; 0: none */
-    int64_t told[RECORDER_TROUBLES], times[RECORDER_TROUBLES];
+    mukca_recorder_heard heard[MUKCA_RECORDER_MAX_HEARD];
+    int64_t fit_heard; /* us, when the first stream that fits the arm was heard; 0: none */
+    int64_t reported[MUKCA_RECORDER_TROUBLES], occurrences[MUKCA_RECORDER_TROUBLES];
     /* the session */
     mukca_capture capture;
     mukca_session session; /* closed: nothing is recorded */
     mukca_capture_advice advice;
     char labels[2][512];
     int n_placements, n_sockets;
-    const char *placements[RECORDER_MAX_LABELS], *sockets[RECORDER_MAX_LABELS];
-    char last_line[RECORDER_LINE];
+    const char *placements[MUKCA_RECORDER_MAX_LABELS], *sockets[MUKCA_RECORDER_MAX_LABELS];
+    char last_line[MUKCA_RECORDER_LINE];
     mukca_message_status status; /* scratch */
     unsigned char outgoing[8192];
-};
+} mukca_recorder;
 
-/* Open the link and prepare; nothing is recorded yet.  `r` is large: allocate it.  All that it
- * points to must outlive it.  Errors, here and below in call->error: MUKCA_USAGE, MUKCA_INPUT,
- * MUKCA_TRANSPORT, MUKCA_MEMORY. */
-mukca_status recorder_open(recorder *r, cli_call *call, const recorder_options *options,
-                           const cli_model *model, bool takes_triggers,
-                           const recorder_hooks *hooks);
-void recorder_close(recorder *r);
-
-/* Parts of it: labels and the capture; --map.  And of the first good message: the mapping, where
- * r->problem says what is wrong. */
-mukca_status recorder_prepare(recorder *r);
-mukca_status recorder_check_map(recorder *r);
-mukca_status recorder_make_map(recorder *r);
-
-static inline const char *recorder_joint_name(const recorder *r, int j)
-{
-    return r->model->chain.element[r->model->chain.joint_element[j]].name;
-}
-
-/* Begin the --record log, if one is wanted. */
-mukca_status recorder_keep_log(recorder *r);
+/* Connect to LCM and prepare; nothing is recorded yet.  theta[6 * n_elements] (NULL: nominal) is
+ * the model to begin with.  `r` is large: allocate it.  Everything it points to must outlive it;
+ * close it after a failure, too.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_TRANSPORT, MUKCA_MEMORY.
+ */
+mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options *options,
+                                 const mukca_chain *chain, const double *theta,
+                                 const mukca_recorder_hooks *hooks, mukca_error *error);
+void mukca_recorder_close(mukca_recorder *r);
 
 /* Find channel, type and mapping; waits up to `wait` s (< 0: for ever).  A log is read ahead for
- * this and then begun anew.  Errors: MUKCA_TRANSPORT (silence: what was heard instead),
- * MUKCA_INPUT. */
-mukca_status recorder_connect(recorder *r, double wait);
+ * this and then started again.  Errors: MUKCA_TRANSPORT (silence: lists what was heard instead),
+ * MUKCA_INPUT, MUKCA_INTERRUPTED. */
+mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error *error);
 
-/* The mapping as lines for people, and whether it was made by order, without anybody's word for it.
- */
-void recorder_describe_map(const recorder *r, char *text, size_t size);
-bool recorder_needs_confirmation(const recorder *r);
+/* The mapping as lines for people, and whether it goes by order and nobody has confirmed it. */
+void mukca_recorder_describe_map(const mukca_recorder *r, char *text, size_t size);
+bool mukca_recorder_needs_confirmation(const mukca_recorder *r);
 
-/* Begin or resume the session file; the capture's rows follow it. */
-mukca_status recorder_begin(recorder *r, const char *path, bool resume, bool force);
+/* Begin the raw log, if one is wanted.  Errors: MUKCA_INPUT. */
+mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error);
 
-/* Hand over what has come, look after silence and standing still.  As mukca_lcm_link_wait. */
-mukca_status recorder_step(recorder *r, int timeout_ms, int other, bool *readable);
+/* Begin or resume the session file; the capture's rows follow it.  Errors: MUKCA_INPUT (exists
+ * without `force`; see mukca_session_resume), MUKCA_MEMORY. */
+mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resume, bool force,
+                                  mukca_error *error);
 
-/* Take a sample now; placement and socket as labels, NULL or "" for the current ones.  It is on
- * disk when this returns; a sample message goes out either way.  `line` gets what to tell people.
+/* Deliver what has arrived, watch for silence.  As mukca_lcm_link_wait. */
+mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
+                                 mukca_error *error);
+
+/* Record a sample now; placement and socket as labels, NULL or "" for the current ones.  It is on
+ * disk when this returns; a sample message is sent either way.  `line` gets the answer for people.
  * Returns MUKCA_NEGATIVE when refused, MUKCA_INPUT when the disk failed. */
-mukca_status recorder_take(recorder *r, int64_t id, const char *placement, const char *socket,
-                           char line[RECORDER_LINE]);
+mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
+                                   const char *socket, char line[MUKCA_RECORDER_LINE]);
 
-/* Other things that people ask for, answered in the same way. */
-mukca_status recorder_undo(recorder *r, char line[RECORDER_LINE]);
-mukca_status recorder_select(recorder *r, const char *placement, const char *socket,
-                             char line[RECORDER_LINE]);
-mukca_status recorder_other_socket(recorder *r, char line[RECORDER_LINE]);
-mukca_status recorder_next_placement(recorder *r, char line[RECORDER_LINE]);
+/* Other requests of people, answered in the same way: delete the last row, select the current
+ * socket (NULL: as it is), go to the next one. */
+mukca_status mukca_recorder_undo(mukca_recorder *r, char line[MUKCA_RECORDER_LINE]);
+mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, const char *socket,
+                                   char line[MUKCA_RECORDER_LINE]);
+mukca_status mukca_recorder_next_socket(mukca_recorder *r, char line[MUKCA_RECORDER_LINE]);
+mukca_status mukca_recorder_next_placement(mukca_recorder *r, char line[MUKCA_RECORDER_LINE]);
 
-/* Send a status message; `state` NULL: what the stream does. */
-void recorder_publish_status(recorder *r, const char *state);
-const char *recorder_state(const recorder *r);
+/* "no_stream", "moving" or "still"; and send a status message, `state` NULL for that one. */
+const char *mukca_recorder_state(const mukca_recorder *r);
+void mukca_recorder_publish_status(mukca_recorder *r, const char *state);
 
-/* Send one of our messages on its channel. */
-void recorder_publish(recorder *r, mukca_message_kind kind, const void *message);
+/* ---- reports and messages (messages.c) ---- */
 
-/* The handler of all packets; `r` is the recorder. */
-void recorder_on_packet(void *r, const mukca_lcm_packet *packet);
+/* Send a message on its channel; false (reported as trouble) where that fails. */
+bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const void *message);
 
-/* Say that something is wrong, but not a thousand times a second; and count a message that cannot
- * be used for it. */
-void recorder_complain(recorder *r, recorder_trouble kind, const char *text);
-void recorder_refuse(recorder *r, recorder_trouble kind, const char *format, ...)
+/* Report one line to people and keep it for the status. */
+void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* The same as a mukca_note_fn; `r` is the recorder. */
+void mukca_recorder_note(void *r, const char *text);
+
+/* Report trouble, but not a thousand times a second; the second also counts a message that cannot
+ * be used. */
+void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text);
+void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Say one line to people and remember it for the status. */
-void recorder_say(recorder *r, const char *format, ...) __attribute__((format(printf, 2, 3)));
+double mukca_recorder_age(const mukca_recorder *r); /* s since the last joint state arrived */
+const char *mukca_recorder_stream(const mukca_recorder *r); /* "raw" or "corrected" */
 
-double recorder_age(const recorder *r);              /* s since the last joint state arrived */
-const char *recorder_stream_name(const recorder *r); /* "raw" or "corrected" */
+/* ---- steps of the above, for the files of this folder ---- */
+
+/* Labels and the capture (session.c). */
+mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukca_error *error);
+
+/* Read --map; and set the mapping by the first message, r->problem says why not (map.c). */
+mukca_status mukca_recorder_check_map(mukca_recorder *r, mukca_error *error);
+mukca_status mukca_recorder_make_map(mukca_recorder *r);
+
+/* Handler of all packets; `r` is the recorder (stream.c). */
+void mukca_recorder_receive(void *r, const mukca_lcm_packet *packet);
+
+static inline const char *mukca_recorder_joint(const mukca_recorder *r, int j)
+{
+    return r->chain->element[r->chain->joint_element[j]].name;
+}
 
 #endif

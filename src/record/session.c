@@ -1,5 +1,6 @@
 /* The recorder's session: samples on disk before they are acknowledged, labels, status. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,21 +9,21 @@
 
 /* ---- labels ---- */
 
-static mukca_status split_labels(recorder *r, const char **labels, int *n, char *store,
-                                 const char *list, const char *option)
+/* Names of a list with commas between: pointers into store[512] and how many. */
+static mukca_status split_labels(const char **labels, int *n, char *store, const char *list,
+                                 const char *option, mukca_error *error)
 {
-    mukca_error *error = &r->call->error;
     *n = 0;
     if (!list) return MUKCA_OK;
-    if (strlen(list) >= sizeof r->labels[0])
-        return mukca_fail(error, MUKCA_USAGE, "%s: list too long", option);
+    if (strlen(list) >= sizeof((mukca_recorder *)0)->labels[0])
+        return mukca_fail(error, MUKCA_USAGE, "%s: the list is too long", option);
     memcpy(store, list, strlen(list) + 1);
     for (char *at = store; at;) {
         char *comma = strchr(at, ',');
         if (comma) *comma = '\0';
-        if (!mukca_session_label_ok(at) || *n == RECORDER_MAX_LABELS)
+        if (!mukca_session_label_ok(at) || *n == MUKCA_RECORDER_MAX_LABELS)
             return mukca_fail(error, MUKCA_USAGE, "%s \"%.60s\": at most %d names, commas between",
-                              option, list, RECORDER_MAX_LABELS);
+                              option, list, MUKCA_RECORDER_MAX_LABELS);
         for (int k = 0; k < *n; k++)
             if (strcmp(labels[k], at) == 0)
                 return mukca_fail(error, MUKCA_USAGE, "%s: '%s' comes twice", option, at);
@@ -32,35 +33,27 @@ static mukca_status split_labels(recorder *r, const char **labels, int *n, char 
     return MUKCA_OK;
 }
 
-mukca_status recorder_prepare(recorder *r)
+mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukca_error *error)
 {
-    const recorder_options *o = r->options;
-    mukca_status status =
-        split_labels(r, r->placements, &r->n_placements, r->labels[0], o->placement, "--placement");
+    const mukca_recorder_options *o = r->options;
+    mukca_status status = split_labels(r->placements, &r->n_placements, r->labels[0], o->placements,
+                                       "--placement", error);
     if (!status)
-        status = split_labels(r, r->sockets, &r->n_sockets, r->labels[1], o->sockets, "--sockets");
+        status =
+            split_labels(r->sockets, &r->n_sockets, r->labels[1], o->sockets, "--sockets", error);
     if (!status && r->n_sockets == 1)
-        status = mukca_fail(&r->call->error, MUKCA_USAGE, "--sockets: a tool has two or more");
-    if (status) return status;
+        status = mukca_fail(error, MUKCA_USAGE, "--sockets: a tool has two or more");
+    if (status != MUKCA_OK) return status;
     mukca_capture_settings settings = {.window = o->window,
                                        .range = o->motion,
                                        .dwell = o->dwell,
-                                       .distance = r->call->common->distance,
+                                       .distance = o->distance,
                                        .n_labels = r->n_sockets,
                                        .labels = r->sockets};
-    return mukca_capture_init(&r->capture, &r->model->chain, r->model->offsets.theta, &settings,
-                              &r->call->error);
+    return mukca_capture_init(&r->capture, r->chain, theta, &settings, error);
 }
 
-void recorder_close(recorder *r)
-{
-    mukca_session_close(&r->session);
-    mukca_capture_free(&r->capture);
-    mukca_lcm_link_close(r->link);
-    r->link = NULL;
-}
-
-static bool placement_used(const recorder *r, const char *name)
+static bool placement_used(const mukca_recorder *r, const char *name)
 {
     const mukca_dataset *rows = &r->capture.rows;
     for (int p = 0; p < rows->n_placements; p++)
@@ -69,7 +62,7 @@ static bool placement_used(const recorder *r, const char *name)
 }
 
 /* First of --placement that has not been used, else placement_K. */
-static void new_placement(const recorder *r, char name[MUKCA_NAME_SIZE])
+static void new_placement(const mukca_recorder *r, char name[MUKCA_NAME_SIZE])
 {
     for (int i = 0; i < r->n_placements; i++) {
         snprintf(name, MUKCA_NAME_SIZE, "%s", r->placements[i]);
@@ -82,19 +75,15 @@ static void new_placement(const recorder *r, char name[MUKCA_NAME_SIZE])
 
 /* ---- the file ---- */
 
-static void note(void *context, const char *text)
-{
-    recorder_say(context, "%s", text);
-}
-
-static mukca_status load_rows(recorder *r, const char *path)
+static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *error)
 {
     mukca_dataset data;
-    const mukca_dataset_options options = {
-        .distance = r->call->common->distance, .partial = true, .note = note, .context = r};
-    mukca_error *error = &r->call->error;
-    char text[RECORDER_LINE];
-    mukca_status status = mukca_dataset_load(&data, &r->model->chain, &path, 1, &options, error);
+    const mukca_dataset_options options = {.distance = r->options->distance,
+                                           .partial = true,
+                                           .note = mukca_recorder_note,
+                                           .context = r};
+    char text[MUKCA_RECORDER_LINE];
+    mukca_status status = mukca_dataset_load(&data, r->chain, &path, 1, &options, error);
     if (status) return status;
     for (int i = 0; i < data.n_rows && !status; i++) {
         const mukca_socket *s = &data.sockets[data.socket[i]];
@@ -107,20 +96,21 @@ static mukca_status load_rows(recorder *r, const char *path)
     return status;
 }
 
-mukca_status recorder_begin(recorder *r, const char *path, bool resume, bool force)
+mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resume, bool force,
+                                  mukca_error *error)
 {
-    mukca_error *error = &r->call->error;
-    mukca_session_head head = {.chain = &r->model->chain,
-                               .stream = recorder_stream_name(r),
+    mukca_session_head head = {.chain = r->chain,
+                               .stream = mukca_recorder_stream(r),
                                .channel = r->channel,
                                .type = r->types.type[r->type].name,
                                .has_effort = r->joints.has[MUKCA_LCM_ROLE_EFFORT],
                                .has_command = r->joints.has[MUKCA_LCM_ROLE_COMMAND]};
     mukca_capture_clear(&r->capture);
     mukca_session_close(&r->session);
-    mukca_status status = resume ? mukca_session_resume(&r->session, path, &head, note, r, error)
-                                 : mukca_session_create(&r->session, path, force, &head, error);
-    if (!status && r->session.n_rows) status = load_rows(r, path);
+    mukca_status status =
+        resume ? mukca_session_resume(&r->session, path, &head, mukca_recorder_note, r, error)
+               : mukca_session_create(&r->session, path, force, &head, error);
+    if (!status && r->session.n_rows) status = load_rows(r, path, error);
     if (!status && !r->session.n_rows) {
         char name[MUKCA_NAME_SIZE];
         new_placement(r, name);
@@ -134,14 +124,9 @@ mukca_status recorder_begin(recorder *r, const char *path, bool resume, bool for
 
 /* ---- samples ---- */
 
-static int n_joints(const recorder *r)
+static void name_joints(const mukca_recorder *r, const char **names)
 {
-    return r->model->chain.n_joints;
-}
-
-static void name_joints(const recorder *r, const char **names)
-{
-    for (int j = 0; j < n_joints(r); j++) names[j] = recorder_joint_name(r, j);
+    for (int j = 0; j < r->chain->n_joints; j++) names[j] = mukca_recorder_joint(r, j);
 }
 
 static const char *given(const char *label, const char *otherwise)
@@ -150,8 +135,9 @@ static const char *given(const char *label, const char *otherwise)
 }
 
 /* Put a sample into the file and the capture; `remark` gets what is odd about it. */
-static mukca_status store(recorder *r, const mukca_capture_sample *sample, const char *placement,
-                          const char *socket, char remark[MUKCA_CAPTURE_TEXT], mukca_error *error)
+static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
+                          const char *placement, const char *socket,
+                          char remark[MUKCA_CAPTURE_TEXT], mukca_error *error)
 {
     remark[0] = '\0';
     if (!mukca_session_label_ok(placement) || !mukca_session_label_ok(socket))
@@ -184,8 +170,8 @@ static mukca_status store(recorder *r, const mukca_capture_sample *sample, const
     return mukca_capture_keep(remark, &r->capture, sample->q, error);
 }
 
-mukca_status recorder_take(recorder *r, int64_t id, const char *placement, const char *socket,
-                           char line[RECORDER_LINE])
+mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
+                                   const char *socket, char line[MUKCA_RECORDER_LINE])
 {
     mukca_capture_sample sample;
     mukca_error error = {.text = ""};
@@ -195,13 +181,13 @@ mukca_status recorder_take(recorder *r, int64_t id, const char *placement, const
     snprintf(place, sizeof place, "%s", given(placement, mukca_capture_placement(&r->capture)));
     snprintf(seat, sizeof seat, "%s", given(socket, mukca_capture_socket(&r->capture)));
     if (!r->session.fd) status = mukca_fail(&error, MUKCA_NEGATIVE, "no session is being recorded");
-    if (!status) status = mukca_capture_take(&sample, &r->capture, recorder_age(r), &error);
+    if (!status) status = mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &error);
     if (!status) status = store(r, &sample, place, seat, remark, &error);
     int row = status ? 0 : r->session.n_rows;
     if (status)
-        snprintf(line, RECORDER_LINE, "not recorded: %s", error.text);
+        snprintf(line, MUKCA_RECORDER_LINE, "not recorded: %s", error.text);
     else
-        snprintf(line, RECORDER_LINE, "row %d: placement %s, socket %s%s%s", row, place, seat,
+        snprintf(line, MUKCA_RECORDER_LINE, "row %d: placement %s, socket %s%s%s", row, place, seat,
                  remark[0] ? ": " : "", remark);
     mukca_message_sample message = {.utime = (int64_t)llround(1e6 * sample.time),
                                     .id = id,
@@ -210,17 +196,17 @@ mukca_status recorder_take(recorder *r, int64_t id, const char *placement, const
                                     .placement = place,
                                     .socket = seat,
                                     .row = row,
-                                    .n = n_joints(r)};
+                                    .n = r->chain->n_joints};
     name_joints(r, message.joint);
     memcpy(message.position, sample.q, sizeof message.position);
     memcpy(message.spread, sample.spread, sizeof message.spread);
-    recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
+    mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
     if (!status && mukca_capture_advise(&r->advice, &r->capture, &error))
-        recorder_say(r, "%s", error.text); /* the row is safe all the same */
+        mukca_recorder_report(r, "%s", error.text); /* the row is safe all the same */
     return status;
 }
 
-mukca_status recorder_undo(recorder *r, char line[RECORDER_LINE])
+mukca_status mukca_recorder_undo(mukca_recorder *r, char line[MUKCA_RECORDER_LINE])
 {
     mukca_error error = {.text = "no session is being recorded"};
     const mukca_dataset *rows = &r->capture.rows;
@@ -232,18 +218,18 @@ mukca_status recorder_undo(recorder *r, char line[RECORDER_LINE])
         const char *placement = rows->placements[s->placement].name;
         status = mukca_session_undo(&r->session, placement, s->label, &error);
         if (!status) {
-            snprintf(line, RECORDER_LINE, "row %d deleted (placement %s, socket %s)", rows->n_rows,
-                     placement, s->label);
+            snprintf(line, MUKCA_RECORDER_LINE, "row %d deleted (placement %s, socket %s)",
+                     rows->n_rows, placement, s->label);
             (void)mukca_capture_drop(&r->capture, &error); /* has a row, as said */
             (void)mukca_capture_advise(&r->advice, &r->capture, &error);
         }
     }
-    if (status) snprintf(line, RECORDER_LINE, "not deleted: %s", error.text);
+    if (status) snprintf(line, MUKCA_RECORDER_LINE, "not deleted: %s", error.text);
     return status;
 }
 
-mukca_status recorder_select(recorder *r, const char *placement, const char *socket,
-                             char line[RECORDER_LINE])
+mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, const char *socket,
+                                   char line[MUKCA_RECORDER_LINE])
 {
     mukca_error error = {.text = ""};
     char place[MUKCA_NAME_SIZE], seat[MUKCA_NAME_SIZE];
@@ -257,40 +243,41 @@ mukca_status recorder_select(recorder *r, const char *placement, const char *soc
             mukca_fail(&error, MUKCA_NEGATIVE, "\"%s\" or \"%s\" cannot be a name", place, seat);
     if (!status) status = mukca_capture_select(&r->capture, place, seat, &error);
     if (status)
-        snprintf(line, RECORDER_LINE, "not changed: %s", error.text);
+        snprintf(line, MUKCA_RECORDER_LINE, "not changed: %s", error.text);
     else
-        snprintf(line, RECORDER_LINE, "now placement %s, socket %s (%d rows)", place, seat,
+        snprintf(line, MUKCA_RECORDER_LINE, "now placement %s, socket %s (%d rows)", place, seat,
                  mukca_capture_count(&r->capture, r->capture.socket));
     return status;
 }
 
-mukca_status recorder_other_socket(recorder *r, char line[RECORDER_LINE])
+mukca_status mukca_recorder_next_socket(mukca_recorder *r, char line[MUKCA_RECORDER_LINE])
 {
-    return recorder_select(r, NULL, mukca_capture_next_label(&r->capture), line);
+    return mukca_recorder_select(r, NULL, mukca_capture_next_label(&r->capture), line);
 }
 
-mukca_status recorder_next_placement(recorder *r, char line[RECORDER_LINE])
+mukca_status mukca_recorder_next_placement(mukca_recorder *r, char line[MUKCA_RECORDER_LINE])
 {
     char name[MUKCA_NAME_SIZE];
     new_placement(r, name);
-    return recorder_select(r, name, r->capture.settings.labels[0], line);
+    return mukca_recorder_select(r, name, r->capture.settings.labels[0], line);
 }
 
 /* ---- status ---- */
 
-const char *recorder_state(const recorder *r)
+const char *mukca_recorder_state(const mukca_recorder *r)
 {
     mukca_capture_sample sample;
     mukca_error unsaid;
-    if (!r->mapped || recorder_age(r) > 1) return "no_stream";
-    return mukca_capture_take(&sample, &r->capture, recorder_age(r), &unsaid) ? "moving" : "still";
+    if (!r->mapped || mukca_recorder_age(r) > 1) return "no_stream";
+    return mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &unsaid) ? "moving"
+                                                                                    : "still";
 }
 
-void recorder_publish_status(recorder *r, const char *state)
+void mukca_recorder_publish_status(mukca_recorder *r, const char *state)
 {
-    const char *stream = recorder_state(r);
+    const char *stream = mukca_recorder_state(r);
     mukca_message_status *m = &r->status;
-    double age = recorder_age(r);
+    double age = mukca_recorder_age(r);
     memset(m, 0, sizeof *m);
     m->utime = mukca_lcm_link_clock(r->link);
     m->state = state ? state : stream;
@@ -302,7 +289,7 @@ void recorder_publish_status(recorder *r, const char *state)
     m->rows_here = r->capture.socket < 0 ? 0 : mukca_capture_count(&r->capture, r->capture.socket);
     m->channel = r->channel;
     m->type = r->type < 0 ? "" : r->types.type[r->type].name;
-    m->stream = recorder_stream_name(r);
+    m->stream = mukca_recorder_stream(r);
     m->rate_hz = age > 1 ? 0 : r->rate;
     m->age_s = age;
     m->received = r->received;
@@ -311,9 +298,9 @@ void recorder_publish_status(recorder *r, const char *state)
     mukca_capture_spread(&m->spread_m, NULL, &r->capture, r->capture.socket);
     m->expected_m = r->advice.expected;
     m->more_rows_help = r->advice.more_rows_help;
-    m->n = n_joints(r);
+    m->n = r->chain->n_joints;
     name_joints(r, m->joint);
     memcpy(m->position, r->q, sizeof m->position);
     mukca_capture_coverage(m->coverage, &r->capture);
-    recorder_publish(r, MUKCA_MESSAGE_STATUS, m);
+    mukca_recorder_publish(r, MUKCA_MESSAGE_STATUS, m);
 }

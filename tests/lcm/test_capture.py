@@ -213,7 +213,7 @@ def keys():
         check("keys: n begins the next placement", until("now placement left, socket 0"), screen)
         press("a")
         check("keys: a adds to it", until("row 2: placement left, socket 0"), screen)
-        check("keys: the view counts", until("1 rows here, 2 in all"), screen)
+        check("keys: the view counts", until("1 samples here, 2 in all"), screen)
         press("q")
         check("keys: q finishes", until("mukca calibrate --urdf"), screen)
         p.wait(10)
@@ -222,10 +222,10 @@ def keys():
         p = subprocess.Popen([MUKCA, "capture", "--urdf", URDF, "-o", path, "--window", "0.1",
                               "--channel", "IIWA_STATUS", "--map", "order", "--resume"],
                              stdin=slave, stdout=slave, stderr=slave, env=environment)
-        check("keys: resumed where it was", until("placement left, socket 0: 1 rows here, 2 in all"),
+        check("keys: resumed where it was", until("placement left, socket 0: 1 samples here, 2 in all"),
               screen)
         p.send_signal(signal.SIGINT)
-        until("--resume goes on")
+        until("--resume continues")
         p.wait(10)
         check("keys: interrupted with 130", p.returncode == 130, p.returncode)
         check("keys: the terminal is as it was after ^C", termios.tcgetattr(slave) == before)

@@ -165,7 +165,7 @@ def its_client(client, state):
     check("send: the exit code is the command's", answer.returncode == 2 and "too many arguments" in
           answer.stderr, answer.stderr)
     answer = send("socket", "1")
-    check("send with an argument", answer.returncode == 0 and "socket 1" in answer.stderr, answer.stderr)
+    check("send with an argument", answer.returncode == 0 and "socket 1" in answer.stdout, answer.stdout)
     stop(p)
 
 

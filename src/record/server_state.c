@@ -1,4 +1,4 @@
-/* What `mukca serve` remembers across restarts, and what it tells the service manager. */
+/* What the server keeps across restarts; notices to the service manager. */
 #include <ctype.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -7,15 +7,16 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "cli/serve.h"
 #include "io/output.h"
+#include "record/server.h"
 
-void serve_path(char path[SERVE_PATH], const server *s, const char *name, const char *ending)
+void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *name,
+                       const char *ending)
 {
-    snprintf(path, SERVE_PATH, "%.800s/%s%s", s->folder, name, ending);
+    snprintf(path, MUKCA_SERVER_PATH, "%.800s/%s%s", s->options->folder, name, ending);
 }
 
-bool serve_name_ok(const char *name)
+bool mukca_server_name_ok(const char *name)
 {
     size_t n = strlen(name);
     if (n < 1 || n > 40 || name[0] == '.' || name[0] == '-') return false;
@@ -24,9 +25,9 @@ bool serve_name_ok(const char *name)
     return true;
 }
 
-#define FIELD(name)                                                            \
-    {                                                                          \
-#name, offsetof(serve_memory, name), sizeof(((serve_memory *)0)->name) \
+#define FIELD(name)                                                                        \
+    {                                                                                      \
+#name, offsetof(mukca_server_state, name), sizeof(((mukca_server_state *)0)->name) \
     }
 static const struct {
     const char *key;
@@ -35,11 +36,11 @@ static const struct {
               FIELD(rows),    FIELD(model),     FIELD(model_stream)};
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
-mukca_status serve_remember(server *s)
+mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error)
 {
-    char path[SERVE_PATH], line[512];
-    memset(&s->memory, 0, sizeof s->memory);
-    serve_path(path, s, "state", ".tsv");
+    char path[MUKCA_SERVER_PATH], line[512];
+    memset(&s->state, 0, sizeof s->state);
+    mukca_server_path(path, s, "state", ".tsv");
     FILE *file = fopen(path, "r");
     while (file && fgets(line, sizeof line, file)) {
         char *value = strchr(line, '\t');
@@ -48,33 +49,33 @@ mukca_status serve_remember(server *s)
         *value++ = '\0';
         for (int i = 0; i < FIELDS; i++)
             if (strcmp(line, fields[i].key) == 0)
-                snprintf((char *)&s->memory + fields[i].offset, fields[i].size, "%s", value);
+                snprintf((char *)&s->state + fields[i].offset, fields[i].size, "%s", value);
     }
     if (file) fclose(file);
-    if (s->memory.session[0] && !serve_name_ok(s->memory.session))
-        return mukca_fail(&s->call->error, MUKCA_INPUT, "%s is damaged: remove it", path);
-    s->saved = s->memory;
+    if (s->state.session[0] && !mukca_server_name_ok(s->state.session))
+        return mukca_fail(error, MUKCA_INPUT, "%s is damaged; remove it", path);
+    s->saved = s->state;
     return MUKCA_OK;
 }
 
-mukca_status serve_save(server *s, mukca_error *error)
+mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error)
 {
-    char path[SERVE_PATH];
+    char path[MUKCA_SERVER_PATH];
     mukca_output output;
-    if (memcmp(&s->memory, &s->saved, sizeof s->memory) == 0) return MUKCA_OK;
-    serve_path(path, s, "state", ".tsv");
+    if (memcmp(&s->state, &s->saved, sizeof s->state) == 0) return MUKCA_OK;
+    mukca_server_path(path, s, "state", ".tsv");
     mukca_status status = mukca_output_open(&output, path, true, error);
     if (status) return status;
     for (int i = 0; i < FIELDS; i++)
         fprintf(output.stream, "%s\t%s\n", fields[i].key,
-                (const char *)&s->memory + fields[i].offset);
+                (const char *)&s->state + fields[i].offset);
     status = mukca_output_close(&output, error);
-    if (!status) s->saved = s->memory;
+    if (!status) s->saved = s->state;
     return status;
 }
 
 /* The protocol of sd_notify(3): one datagram. */
-void serve_notify(const char *text)
+void mukca_server_notify(const char *text)
 {
     const char *name = getenv("NOTIFY_SOCKET");
     struct sockaddr_un address = {.sun_family = AF_UNIX};

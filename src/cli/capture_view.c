@@ -1,0 +1,117 @@
+/* The terminal of `mukca capture`: single keys, and a view that is redrawn in place. */
+#include "cli/capture_view.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+void cli_capture_enter(cli_capture_view *v)
+{
+    if (tcgetattr(STDIN_FILENO, &v->saved)) return;
+    struct termios raw = v->saved;
+    raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO); /* ISIG stays: ^C ends the session cleanly */
+    raw.c_cc[VMIN] = 0;
+    raw.c_cc[VTIME] = 0;
+    raw.c_cc[VSUSP] = raw.c_cc[VQUIT] = _POSIX_VDISABLE; /* they would leave it in this mode */
+    v->raw = tcsetattr(STDIN_FILENO, TCSAFLUSH, &raw) == 0;
+}
+
+void cli_capture_leave(cli_capture_view *v)
+{
+    if (v->raw) tcsetattr(STDIN_FILENO, TCSAFLUSH, &v->saved);
+    v->raw = false;
+}
+
+void cli_capture_erase(cli_capture_view *v)
+{
+    if (v->drawn) fprintf(stderr, "\033[%dA\033[J", v->drawn);
+    v->drawn = 0;
+}
+
+/* One line of the view, cut at the width of the terminal so that it stays one. */
+static void draw(cli_capture_view *v, int width, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void draw(cli_capture_view *v, int width, const char *format, ...)
+{
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    fprintf(stderr, "%.*s\n", width - 1, text);
+    v->drawn++;
+}
+
+/* Samples by placement and socket, the latest first. */
+static void draw_counts(cli_capture_view *v, int width, const mukca_capture *c)
+{
+    char text[512] = "";
+    size_t used = 0;
+    int placement = -1;
+    for (int k = c->rows.n_sockets - 1; k >= 0; k--) {
+        int n = mukca_capture_count(c, k), p = c->rows.sockets[k].placement;
+        if (used + 100 > sizeof text || (!n && k != c->socket)) continue;
+        if (p != placement)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s%.40s:", used ? " | " : "",
+                                     c->rows.placements[p].name);
+        placement = p;
+        used += (size_t)snprintf(text + used, sizeof text - used, " %.16s=%d",
+                                 c->rows.sockets[k].label, n);
+    }
+    draw(v, width, "samples      %s", text);
+}
+
+static void draw_accuracy(cli_capture_view *v, int width, const mukca_recorder *r)
+{
+    double rms, last;
+    mukca_capture_spread(&rms, &last, &r->capture, r->capture.socket);
+    if (isnan(rms))
+        draw(v, width, "this socket  too few samples to judge");
+    else
+        draw(v, width,
+             "this socket  consistency error %.2f mm; last sample %.2f mm from the others",
+             1e3 * rms, 1e3 * last);
+    if (isnan(r->advice.expected))
+        draw(v, width, "accuracy     too few samples to predict");
+    else
+        draw(v, width, "accuracy     %.2f mm expected, %.2f mm with ten more samples here%s",
+             1e3 * r->advice.expected, 1e3 * r->advice.expected_more,
+             r->advice.more_rows_help ? "" : ": continue elsewhere");
+}
+
+static void draw_coverage(cli_capture_view *v, int width, const mukca_recorder *r)
+{
+    double coverage[MUKCA_MAX_JOINTS];
+    char text[128] = "";
+    size_t used = 0;
+    mukca_capture_coverage(coverage, &r->capture);
+    for (int j = 0; j < r->chain->n_joints && used < sizeof text; j++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%.0f ", 100 * coverage[j]);
+    draw(v, width, "coverage     %s%% of the joint ranges, base to tip", text);
+}
+
+void cli_capture_draw(cli_capture_view *v, const mukca_recorder *r)
+{
+    const mukca_capture *c = &r->capture;
+    struct winsize size = {.ws_col = 80};
+    double age = mukca_recorder_age(r);
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) || size.ws_col < 20) size.ws_col = 80;
+    int width = size.ws_col;
+    cli_capture_erase(v);
+    draw(v, width, "stream       %s %.0f Hz, age %.3f s, %s: %s%s", r->channel,
+         age > 1 ? 0 : r->rate, age < 1e6 ? age : 0, mukca_recorder_stream(r),
+         mukca_recorder_state(r), c->guided ? ", guided by hand" : "");
+    draw(v, width, "now          placement %s, socket %s: %d samples here, %d in all",
+         mukca_capture_placement(c), mukca_capture_socket(c), mukca_capture_count(c, c->socket),
+         r->session.n_rows);
+    draw_counts(v, width, c);
+    draw_accuracy(v, width, r);
+    draw_coverage(v, width, r);
+    if (v->raw)
+        draw(v, width,
+             "keys         a add  d delete last  s other socket  n next placement  q finish");
+    fflush(stderr);
+}

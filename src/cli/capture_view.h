@@ -1,0 +1,23 @@
+/* The terminal of `mukca capture`: single keys, and a view that is redrawn in place. */
+#ifndef MUKCA_CLI_CAPTURE_VIEW_H
+#define MUKCA_CLI_CAPTURE_VIEW_H
+
+#include <termios.h>
+
+#include "record/recorder.h"
+
+/* Zeroed: as the shell left it. */
+typedef struct {
+    struct termios saved;
+    bool raw;  /* keys come one by one, without echo */
+    int drawn; /* lines of the view on the screen */
+} cli_capture_view;
+
+/* Set the terminal to single keys, and back. */
+void cli_capture_enter(cli_capture_view *view);
+void cli_capture_leave(cli_capture_view *view);
+
+void cli_capture_draw(cli_capture_view *view, const mukca_recorder *r);
+void cli_capture_erase(cli_capture_view *view);
+
+#endif

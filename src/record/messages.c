@@ -1,0 +1,83 @@
+/* The recorder's reports to people and its messages to others. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "record/recorder.h"
+
+static const int64_t repeat_us = 10000000; /* between two reports of the same trouble */
+
+const char *const mukca_recorder_streams[] = {"raw", "corrected", NULL};
+
+const char *mukca_recorder_stream(const mukca_recorder *r)
+{
+    return mukca_recorder_streams[r->options->stream];
+}
+
+void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(r->last_line, sizeof r->last_line, format, args);
+    va_end(args);
+    if (r->hooks.report) r->hooks.report(r->hooks.context, r->last_line);
+}
+
+void mukca_recorder_note(void *context, const char *text)
+{
+    mukca_recorder_report(context, "%s", text);
+}
+
+void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text)
+{
+    int64_t now = mukca_lcm_link_clock(r->link);
+    r->occurrences[kind]++;
+    if (r->reported[kind] && now - r->reported[kind] < repeat_us && now >= r->reported[kind])
+        return;
+    r->reported[kind] = now ? now : 1;
+    if (r->occurrences[kind] > 1)
+        mukca_recorder_report(r, "%s (%" PRId64 " times so far)", text, r->occurrences[kind]);
+    else
+        mukca_recorder_report(r, "%s", text);
+}
+
+void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
+{
+    char text[MUKCA_RECORDER_LINE];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    r->refused++;
+    mukca_recorder_warn(r, kind, text);
+}
+
+double mukca_recorder_age(const mukca_recorder *r)
+{
+    if (!r->last_arrival) return HUGE_VAL;
+    /* a trigger is as old as it was when it came, so that a replay decides alike */
+    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
+    double age = 1e-6 * (double)(now - r->last_arrival);
+    return age > 0 ? age : 0;
+}
+
+bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const void *message)
+{
+    char channel[64];
+    void *large = NULL;
+    mukca_error error;
+    size_t size = mukca_message_encode(r->outgoing, sizeof r->outgoing, kind, message);
+    if (size > sizeof r->outgoing) { /* a result with its JSON; all others take no allocation */
+        large = malloc(size);
+        if (!large) return false;
+        mukca_message_encode(large, size, kind, message);
+    }
+    mukca_message_channel(channel, kind, r->options->prefix);
+    bool sent = size && mukca_lcm_link_publish(r->link, channel, large ? large : r->outgoing, size,
+                                               &error) == MUKCA_OK;
+    if (size && !sent) mukca_recorder_warn(r, MUKCA_RECORDER_OWN_MESSAGE, error.text);
+    if (large) free(large);
+    return sent;
+}

@@ -1,0 +1,297 @@
+/* The server: commands over LCM, the loop. */
+#include "record/server.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- commands ---- */
+
+/* Answer in `line`; empty: answered later, or already. */
+#define VERB(name)                                                                       \
+    static mukca_status do_##name(mukca_server *s, const mukca_message_command *command, \
+                                  char line[MUKCA_RECORDER_LINE])
+
+static const char *argument(const mukca_message_command *command, int i)
+{
+    return i < command->n ? command->argument[i] : NULL;
+}
+
+/* Keep the current placement and socket for a restart. */
+static void keep_place(mukca_server *s)
+{
+    const mukca_recorder *r = &s->recorder;
+    if (!r->session.fd) return;
+    snprintf(s->state.placement, sizeof s->state.placement, "%s",
+             mukca_capture_placement(&r->capture));
+    snprintf(s->state.socket, sizeof s->state.socket, "%s", mukca_capture_socket(&r->capture));
+    snprintf(s->state.rows, sizeof s->state.rows, "%d", r->session.n_rows);
+}
+
+/* Begin or resume the session that the state names, once the stream is known. */
+static mukca_status begin(mukca_server *s, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH], line[MUKCA_RECORDER_LINE];
+    mukca_recorder *r = &s->recorder;
+    if (s->session_begun || !s->state.session[0] || !r->connected) return MUKCA_OK;
+    mukca_server_path(path, s, s->state.session, ".tsv");
+    s->session_begun = true;
+    mukca_status status = mukca_recorder_begin(r, path, true, false, error);
+    if (status) {
+        mukca_recorder_report(r, "%s", error->text);
+        return status;
+    }
+    /* a row that was recorded after the last save is more recent than it */
+    if (s->state.placement[0] && strtol(s->state.rows, NULL, 10) == r->session.n_rows)
+        mukca_recorder_select(r, s->state.placement, s->state.socket, line);
+    keep_place(s);
+    mukca_recorder_report(r, "session %s: %d rows", path, r->session.n_rows);
+    return MUKCA_OK;
+}
+
+VERB(start)
+{
+    mukca_recorder *r = &s->recorder;
+    const char *name = argument(command, 0) ? argument(command, 0) : "session";
+    snprintf(line, MUKCA_RECORDER_LINE, "a session's name: at most 40 letters, digits, _ - and .");
+    if (!mukca_server_name_ok(name)) return MUKCA_USAGE;
+    snprintf(line, MUKCA_RECORDER_LINE, "no joint states yet: %.200s",
+             r->problem.status ? r->problem.text : "is the robot's driver running?");
+    if (!r->connected) return MUKCA_TRANSPORT;
+    mukca_server_state before = s->state;
+    memset(&s->state, 0, offsetof(mukca_server_state, model));
+    snprintf(s->state.session, sizeof s->state.session, "%s", name);
+    s->session_begun = false;
+    mukca_error error;
+    mukca_status status = begin(s, &error);
+    snprintf(line, MUKCA_RECORDER_LINE, "%s", status ? error.text : r->last_line);
+    if (status) {
+        s->state = before;
+        s->session_begun = false; /* resume the old one */
+        (void)begin(s, &error);
+    }
+    return status;
+}
+
+VERB(add)
+{
+    return mukca_recorder_sample(&s->recorder, command->id, argument(command, 0),
+                                 argument(command, 1), line);
+}
+
+VERB(delete)
+{
+    (void)command;
+    return mukca_recorder_undo(&s->recorder, line);
+}
+
+VERB(socket)
+{
+    if (!argument(command, 0)) return mukca_recorder_next_socket(&s->recorder, line);
+    return mukca_recorder_select(&s->recorder, NULL, argument(command, 0), line);
+}
+
+VERB(placement)
+{
+    if (!argument(command, 0)) return mukca_recorder_next_placement(&s->recorder, line);
+    return mukca_recorder_select(&s->recorder, argument(command, 0),
+                                 s->recorder.capture.settings.labels[0], line);
+}
+
+VERB(finish)
+{
+    (void)command;
+    mukca_recorder *r = &s->recorder;
+    if (!r->session.fd) {
+        snprintf(line, MUKCA_RECORDER_LINE, "no session is being recorded");
+        return MUKCA_NEGATIVE;
+    }
+    snprintf(line, MUKCA_RECORDER_LINE, "%d rows in %.250s", r->session.n_rows, r->session.path);
+    mukca_session_close(&r->session);
+    return MUKCA_OK;
+}
+
+static mukca_status start_job(mukca_server *s, bool diagnosis, const mukca_message_command *command,
+                              char line[MUKCA_RECORDER_LINE])
+{
+    mukca_error error;
+    mukca_status status = mukca_server_start_job(s, diagnosis, command->id, &error);
+    if (status) {
+        snprintf(line, MUKCA_RECORDER_LINE, "%s", error.text);
+        return status;
+    }
+    line[0] = '\0'; /* answered when it ends */
+    if (mukca_lcm_link_replays(s->recorder.link)) mukca_server_finish_job(s, true);
+    return MUKCA_OK;
+}
+
+VERB(calibrate)
+{
+    return start_job(s, false, command, line);
+}
+
+VERB(diagnose)
+{
+    return start_job(s, true, command, line);
+}
+
+VERB(result)
+{
+    if (!s->pose.ready) {
+        snprintf(line, MUKCA_RECORDER_LINE, "there is no calibration yet");
+        return MUKCA_NEGATIVE;
+    }
+    char text[MUKCA_RECORDER_LINE];
+    snprintf(text, sizeof text, "the table in use: %s", s->state.model);
+    mukca_server_answer answer = {
+        .id = command->id, .verb = "result", .text = text, .table = &s->pose.offsets};
+    mukca_server_send_answer(s, &answer);
+    line[0] = '\0';
+    return MUKCA_OK;
+}
+
+#define VERB_NAME(name, usage, arguments, sentence) #name,
+const char *const mukca_server_verbs[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) NULL};
+
+static const struct {
+    int arguments;
+    mukca_status (*run)(mukca_server *s, const mukca_message_command *command,
+                        char line[MUKCA_RECORDER_LINE]);
+} verbs[] = {
+#define VERB_ROW(name, usage, arguments, sentence) {arguments, do_##name},
+    MUKCA_SERVER_VERB_LIST(VERB_ROW)
+#undef VERB_ROW
+};
+
+static void on_command(void *context, const mukca_lcm_packet *packet)
+{
+    mukca_server *s = context;
+    mukca_recorder *r = &s->recorder;
+    mukca_message_command command;
+    mukca_error error;
+    char line[MUKCA_RECORDER_LINE] = "";
+    if (mukca_message_decode(&command, MUKCA_MESSAGE_COMMAND, packet->data, packet->size, &error)) {
+        mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel,
+                              error.text);
+        return;
+    }
+    mukca_status status = MUKCA_USAGE;
+    snprintf(line, sizeof line, "unknown verb or too many arguments: \"%.40s\"", command.verb);
+    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++)
+        if (strcmp(command.verb, mukca_server_verbs[i]) == 0 && command.n <= verbs[i].arguments)
+            status = verbs[i].run(s, &command, line);
+    keep_place(s);
+    if (mukca_server_save_state(s, &error) && !status) {
+        status = error.status;
+        snprintf(line, sizeof line, "%s", error.text);
+    }
+    if (!line[0]) return;
+    mukca_server_answer answer = {
+        .id = command.id, .verb = command.verb, .text = line, .code = status};
+    mukca_server_send_answer(s, &answer);
+    mukca_recorder_report(r, "%.40s: %s", command.verb, line);
+}
+
+/* ---- the daemon ---- */
+
+static void report(void *context, const char *line)
+{
+    const mukca_server *s = context;
+    if (s->hooks.report) s->hooks.report(s->hooks.context, line);
+}
+
+static mukca_status check_folder(const char *folder, mukca_error *error)
+{
+    if (mkdir(folder, 0777) && errno != EEXIST)
+        return mukca_fail(error, MUKCA_INPUT, "--state %s: %s", folder, strerror(errno));
+    if (access(folder, R_OK | W_OK | X_OK))
+        return mukca_fail(error, MUKCA_INPUT, "--state %s: must be a folder that can be written",
+                          folder);
+    return MUKCA_OK;
+}
+
+mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *options,
+                               const mukca_chain *chain, const double *theta,
+                               const mukca_recorder_hooks *hooks, mukca_error *error)
+{
+    mukca_recorder_hooks own = {.report = report,
+                                .interrupted = hooks->interrupted,
+                                .command = on_command,
+                                .joints = options->publish_pose ? mukca_server_send_pose : NULL,
+                                .context = s};
+    memset(s, 0, sizeof *s);
+    s->options = options;
+    s->hooks = *hooks;
+    mukca_row_state_stream(&s->pose.states, chain->n_joints);
+    mukca_status status = check_folder(options->folder, error);
+    if (!status)
+        status = mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &own, error);
+    if (!status) status = mukca_server_load_state(s, error);
+    if (status != MUKCA_OK) return status;
+    mukca_error problem; /* it serves without a model, too */
+    if (mukca_server_load_model(s, &problem))
+        mukca_recorder_report(&s->recorder, "%s", problem.text);
+    if (mukca_lcm_link_replays(s->recorder.link))
+        status = mukca_recorder_connect(&s->recorder, -1, error);
+    return status ? status : mukca_recorder_start_log(&s->recorder, error);
+}
+
+static double monotonic(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Report a problem of the stream when it changes; `last` is the one before. */
+static void report_problem(mukca_recorder *r, char last[MUKCA_RECORDER_LINE])
+{
+    if (r->mapped && !r->confirmed) /* by order, and nobody has confirmed it */
+        mukca_fail(&r->problem, MUKCA_USAGE,
+                   "%s sends no joint names: start serve with --map order", r->channel);
+    if (r->problem.status && strcmp(last, r->problem.text) != 0)
+        mukca_recorder_report(r, "%s", r->problem.text);
+    snprintf(last, MUKCA_RECORDER_LINE, "%s", r->problem.status ? r->problem.text : "");
+}
+
+mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
+{
+    const double publish_period = 0.5; /* s: data/lcm/mukca_status.lcm promises it */
+    mukca_recorder *r = &s->recorder;
+    mukca_status status = MUKCA_OK;
+    char last[MUKCA_RECORDER_LINE] = "";
+    double published = monotonic();
+    bool unsaved = false;
+    mukca_server_notify("READY=1");
+    while (!r->hooks.interrupted()) {
+        mukca_error problem;
+        status = mukca_recorder_step(r, 100, -1, NULL, error);
+        if (status != MUKCA_OK) break;
+        report_problem(r, last);
+        (void)begin(s, &problem); /* reports itself */
+        mukca_server_finish_job(s, false);
+        double now = monotonic();
+        if (now - published < publish_period) continue;
+        published = now;
+        keep_place(s);
+        bool failed = mukca_server_save_state(s, &problem) != MUKCA_OK;
+        if (failed && !unsaved) mukca_recorder_report(r, "%s", problem.text);
+        unsaved = failed;
+        const char *job = s->job.diagnosis ? "diagnose" : "calibrate";
+        mukca_recorder_publish_status(r, s->job.child ? job : NULL);
+        mukca_server_notify("WATCHDOG=1");
+    }
+    mukca_server_notify("STOPPING=1");
+    mukca_server_kill_job(s);
+    mukca_recorder_publish_status(r, "stopped");
+    return status == MUKCA_NEGATIVE ? MUKCA_OK : status; /* the end of a log */
+}
+
+void mukca_server_close(mukca_server *s)
+{
+    mukca_recorder_close(&s->recorder);
+}

@@ -1,0 +1,138 @@
+/* The daemon behind `mukca serve`: it records, calibrates and diagnoses on commands over LCM.
+ * Its parts: state on disk, jobs in child processes, poses. */
+#ifndef MUKCA_RECORD_SERVER_H
+#define MUKCA_RECORD_SERVER_H
+
+#include <sys/types.h>
+
+#include "io/offsets.h"
+#include "mukca/row_state.h"
+#include "record/recorder.h"
+
+enum {
+    MUKCA_SERVER_PATH = 1024,
+    MUKCA_SERVER_BUCKETS = 512, /* of the latencies' histogram: 2 % wide each, from 0.1 us on */
+    MUKCA_SERVER_ARGUMENTS = 32
+};
+
+/* Commands: verb, usage, most arguments, sentence */
+#define MUKCA_SERVER_VERB_LIST(X)                                                             \
+    X(start, " [NAME]", 1, "begin or resume the session NAME")                                \
+    X(add, " [PLACEMENT [SOCKET]]", 2, "record a sample now")                                 \
+    X(delete, "", 0, "delete the last row")                                                   \
+    X(socket, " [LABEL]", 1, "select a socket of this placement; the next one without LABEL") \
+    X(placement, " [NAME]", 1, "select a placement; a new one without NAME")                  \
+    X(finish, "", 0, "close the session")                                                     \
+    X(calibrate, "", 0, "calibrate on the session; the result holds the offsets table")       \
+    X(diagnose, "", 0, "diagnose the session; the result adds the effects found")             \
+    X(result, "", 0, "send the offsets table in use")
+
+/* Their names, ended by NULL. */
+extern const char *const mukca_server_verbs[];
+
+typedef struct {
+    mukca_recorder_options recorder;
+    const char *folder; /* of sessions, results and state */
+    bool publish_pose;
+    /* options of calibrate and diagnose for the model, as on the command line; ended by NULL */
+    const char *arguments[MUKCA_SERVER_ARGUMENTS];
+} mukca_server_options;
+
+/* What survives a restart. */
+typedef struct {
+    char session[MUKCA_NAME_SIZE]; /* name, without ending; empty: none */
+    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* current ... */
+    char rows[16];                    /* ... when the session had so many rows */
+    char model[MUKCA_NAME_SIZE + 16]; /* file of the offsets table in use; empty: none */
+    char model_stream[16];            /* the kind of stream its rows were recorded from */
+} mukca_server_state;
+
+/* A calibration or diagnosis that runs in a child process. */
+typedef struct {
+    pid_t child; /* 0: none */
+    int64_t id;  /* of the command */
+    bool diagnosis;
+    char offsets[MUKCA_SERVER_PATH], json[MUKCA_SERVER_PATH], errors[MUKCA_SERVER_PATH];
+} mukca_server_job;
+
+/* Poses: all memory is here, so that a message costs no allocation. */
+typedef struct {
+    bool ready; /* a table is loaded */
+    mukca_offsets offsets;
+    mukca_geometry geometry;
+    mukca_row_state states; /* of the stream */
+    int64_t sent;
+    int64_t histogram[MUKCA_SERVER_BUCKETS]; /* of s from reception to having been sent */
+} mukca_server_pose;
+
+typedef struct {
+    mukca_recorder recorder;
+    const mukca_server_options *options;
+    mukca_recorder_hooks hooks; /* the caller's */
+    mukca_server_state state, saved;
+    bool session_begun;
+    mukca_server_job job;
+    mukca_server_pose pose;
+    mukca_message_result result; /* scratch */
+    mukca_offset_row rows[MUKCA_MAX_OFFSET_ROWS];
+} mukca_server;
+
+/* Connect and read the state; theta as for mukca_recorder_open.  Of the hooks, `report` and
+ * `interrupted` are used; the latter is not NULL.  `s` is large: allocate it; close it after a
+ * failure, too.  Errors: as mukca_recorder_open; MUKCA_INPUT (the folder, a damaged state). */
+mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *options,
+                               const mukca_chain *chain, const double *theta,
+                               const mukca_recorder_hooks *hooks, mukca_error *error);
+
+/* Serve until hooks.interrupted, or to the end of a log.  Errors: MUKCA_TRANSPORT; of a log
+ * MUKCA_INPUT. */
+mukca_status mukca_server_run(mukca_server *s, mukca_error *error);
+void mukca_server_close(mukca_server *s);
+
+/* Latency at or below which the share p of all poses was sent, s; NaN without any */
+double mukca_server_latency(const mukca_server_pose *pose, double p);
+
+/* ---- parts of it (server_state.c, server_pose.c, server_job.c) ---- */
+
+/* "FOLDER/NAMEending" */
+void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *name,
+                       const char *ending);
+
+/* Whether a session may be called so: letters, digits, _ - and . but not first; at most 40. */
+bool mukca_server_name_ok(const char *name);
+
+/* Read the state; a folder without one is new.  Errors: MUKCA_INPUT. */
+mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error);
+
+/* Write it, whole or not at all, if it has changed.  Errors: MUKCA_INPUT. */
+mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error);
+
+/* Notify the service manager ("READY=1"); nothing without one. */
+void mukca_server_notify(const char *text);
+
+/* Use the table that the state names.  Errors: MUKCA_INPUT (also: of another kind of stream). */
+mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error);
+
+/* A recorder hook: send the pose of one joint state. */
+void mukca_server_send_pose(void *server, int64_t time_us, const double *q);
+
+/* Send the result of a command; `table` (may be NULL) adds its rows, `json` (may be NULL) is sent
+ * as it is. */
+typedef struct {
+    int64_t id;
+    const char *verb, *text, *json;
+    mukca_status code;
+    const mukca_offsets *table;
+} mukca_server_answer;
+void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer);
+
+/* Start calibrate or diagnose on the session; answered when it ends.  Errors: MUKCA_NEGATIVE (one
+ * runs, no session), MUKCA_INPUT. */
+mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
+                                    mukca_error *error);
+
+/* Send the result of a job that has ended; `wait`: until it has. */
+void mukca_server_finish_job(mukca_server *s, bool wait);
+void mukca_server_kill_job(mukca_server *s);
+
+#endif

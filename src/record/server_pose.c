@@ -1,0 +1,70 @@
+/* The server's calibrated poses: one per joint state, without allocation. */
+#include <math.h>
+#include <string.h>
+
+#include "record/server.h"
+
+mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH];
+    s->pose.ready = false;
+    if (!s->state.model[0]) return MUKCA_OK;
+    if (strcmp(s->state.model_stream, mukca_recorder_stream(&s->recorder)) != 0)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s was calibrated on a %s stream, and this one is %s: its offsets would "
+                          "count twice or not at all",
+                          s->state.model, s->state.model_stream,
+                          mukca_recorder_stream(&s->recorder));
+    mukca_server_path(path, s, s->state.model, "");
+    mukca_status status =
+        mukca_offsets_read(&s->pose.offsets, s->recorder.chain, path, false, NULL, NULL, error);
+    if (status) return status;
+    mukca_geometry_set(&s->pose.geometry, s->recorder.chain, s->pose.offsets.theta);
+    s->pose.ready = true;
+    return MUKCA_OK;
+}
+
+static const double bucket_ratio = 1.02, bucket_first = 1e-7;
+
+static void count_latency(mukca_server_pose *pose, double seconds)
+{
+    int i = seconds > bucket_first ? (int)(log(seconds / bucket_first) / log(bucket_ratio)) + 1 : 0;
+    pose->histogram[i < MUKCA_SERVER_BUCKETS ? i : MUKCA_SERVER_BUCKETS - 1]++;
+}
+
+double mukca_server_latency(const mukca_server_pose *pose, double p)
+{
+    int64_t sum = 0;
+    for (int i = 0; i < MUKCA_SERVER_BUCKETS && pose->sent; i++)
+        if ((double)(sum += pose->histogram[i]) >= p * (double)pose->sent)
+            return bucket_first * pow(bucket_ratio, i);
+    return (double)NAN;
+}
+
+void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
+{
+    mukca_server *s = context;
+    mukca_server_pose *pose = &s->pose;
+    mukca_displacement displacement;
+    mukca_frame tip;
+    mukca_message_pose message = {.utime = time_us};
+    /* Without a time: drift is known for a session, not for the days that a daemon runs. */
+    const mukca_row_reading reading = {
+        .q = q,
+        .command = s->recorder.joints.has[MUKCA_LCM_ROLE_COMMAND] ? s->recorder.command : NULL,
+        .time = (double)NAN,
+        .placement = -1};
+    const mukca_joint_state *state = mukca_row_state_next(&pose->states, &reading);
+    if (!pose->ready) return;
+    bool effects = pose->offsets.n_effects > 0;
+    if (effects)
+        mukca_effects_displacement(&displacement, pose->offsets.effects, pose->offsets.n_effects,
+                                   s->recorder.chain, &pose->geometry, q, state);
+    mukca_fk_pose(&tip, &pose->geometry, q, effects ? &displacement : NULL);
+    memcpy(message.position, tip.p, sizeof message.position);
+    mukca_rotation_to_quaternion(message.quaternion, tip.R);
+    if (!mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_POSE, &message)) return;
+    pose->sent++;
+    count_latency(
+        pose, 1e-6 * (double)(mukca_lcm_link_clock(s->recorder.link) - s->recorder.packet_time));
+}
