@@ -132,7 +132,7 @@ class Loader
         fail("joint '" + joint + "': " + what, t ? t->line : 0);
     }
 
-    void say(const std::string &what)
+    void add_note(const std::string &what)
     {
         if (note_) note_(context_, (std::string(path_) + ": " + what).c_str());
     }
@@ -140,12 +140,12 @@ class Loader
     void copy_name(char *to, const std::string &name)
     {
         if (name.size() >= MUKCA_NAME_SIZE)
-            fail("the name '" + name.substr(0, 40) + "...' is longer than 63 letters");
+            fail("the name '" + name.substr(0, 40) + "...' is longer than 63 characters");
         if (!mukca_utf8_valid(name.c_str())) {
             char shown[MUKCA_NAME_SIZE];
             std::snprintf(shown, sizeof shown, "%s", name.c_str());
             mukca_utf8_mend(shown);
-            fail("the name '" + std::string(shown) + "' is not UTF-8; save the file as such");
+            fail("the name '" + std::string(shown) + "' is not UTF-8; save the file as UTF-8");
         }
         std::memcpy(to, name.c_str(), name.size() + 1);
     }
@@ -153,20 +153,20 @@ class Loader
     void parse()
     {
         Listener listener;
-        std::string text = text_.text; /* urdfdom parts numbers by single spaces only */
+        std::string text = text_.text; /* urdfdom separates numbers by single spaces only */
         for (char &c : text)
             if (c == '\t' || c == '\n' || c == '\r') c = ' ';
         model_ = urdf::parseURDF(text);
         if (!model_)
-            fail("urdfdom refuses it: " +
+            fail("urdfdom cannot read it: " +
                  one_line(listener.first.empty() ? "no reason given" : listener.first));
         if (!model_->getRoot()) fail("has no root link");
         if (!listener.first.empty())
-            say("urdfdom leaves out what it cannot read, masses perhaps: " +
-                one_line(listener.first));
+            add_note("urdfdom skips what it cannot read, perhaps masses: " +
+                     one_line(listener.first));
     }
 
-    // Every link hangs below the root, by one joint: urdfdom does not see to that.
+    // Every link is below the root, by one joint; urdfdom does not check that.
     void check_tree()
     {
         std::map<std::string, std::string> parent_joint;
@@ -174,7 +174,7 @@ class Loader
             const urdf::Joint &joint = *entry.second;
             if (!parent_joint.emplace(joint.child_link_name, joint.name).second)
                 fail_joint(joint.name, "link '" + joint.child_link_name +
-                                           "' is the child of another joint too, a loop; " +
+                                           "' is the child of two joints; " +
                                            "a URDF must be a tree");
         }
         std::set<std::string> below;
@@ -188,8 +188,8 @@ class Loader
         }
         for (const auto &entry : parent_joint)
             if (!below.count(entry.first))
-                fail_joint(entry.second, "link '" + entry.first +
-                                             "' is part of a cycle that the root does not reach");
+                fail_joint(entry.second,
+                           "link '" + entry.first + "' is part of a cycle; a URDF must be a tree");
     }
 
     [[noreturn]] void unknown_link(const char *option, const std::string &name)
@@ -230,13 +230,13 @@ class Loader
             if (!model_->links_.count(options_.tip)) unknown_link("--tip", options_.tip);
             if (!is_below(options_.tip, base) || base == options_.tip)
                 fail("link '" + std::string(options_.tip) + "' (--tip) is not below '" + base +
-                     "' (--base); below it end: " + join(leaves));
+                     "' (--base); the ends below it are " + join(leaves));
             return options_.tip;
         }
         for (const char *name : {"ball_link", "ball"})
             if (model_->links_.count(name) && is_below(name, base) && base != name) return name;
         if (leaves.empty()) fail("nothing is below link '" + base + "' (--base)");
-        if (leaves.size() > 1) fail("has several ends, choose one by --tip: " + join(leaves));
+        if (leaves.size() > 1) fail("has several ends; choose one with --tip: " + join(leaves));
         return leaves[0];
     }
 
@@ -256,12 +256,12 @@ class Loader
         const double axis[3] = {joint.axis.x, joint.axis.y, joint.axis.z};
         double length = std::sqrt(mukca_dot3(axis, axis));
         if (!(length > 1e-9) || !std::isfinite(length))
-            fail_joint(joint.name, "its axis is 0 0 0; give it a direction");
+            fail_joint(joint.name, "its axis is 0 0 0; set a direction");
         bool unit = std::fabs(length - 1) <= 1e-15;
         if (std::fabs(length - 1) > 1e-6) {
             char text[100];
             std::snprintf(text, sizeof text, "its axis has length %.6g; normalised", length);
-            say("joint '" + joint.name + "': " + text);
+            add_note("joint '" + joint.name + "': " + text);
         }
         for (int i = 0; i < 3; i++) e->axis[i] = unit ? axis[i] : axis[i] / length;
     }
@@ -275,11 +275,12 @@ class Loader
             e->lower = joint.limits->lower;
             e->upper = joint.limits->upper;
         } else {
-            say("joint '" + joint.name + "': its limits leave no room; taken as unlimited");
+            add_note("joint '" + joint.name +
+                     "': its limits are equal or reversed; treated as unlimited");
         }
     }
 
-    // A joint's name heads a column of every recording: what is recorded must be readable.
+    // A joint's name is the name of a column in recordings, which must be readable.
     void check_column(const std::string &name)
     {
         static const std::set<std::string> taken = {
@@ -288,7 +289,7 @@ class Loader
             "qw",         "qx",     "qy",     "qz"};
         if (name.empty() || name.find_first_of("\t\r\n,\"") != std::string::npos ||
             name[0] == '#' || name.front() == ' ' || name.back() == ' ' || taken.count(name))
-            fail_joint(name, "its name cannot head a column of a table; rename it in the URDF");
+            fail_joint(name, "its name cannot be the name of a column; rename it in the URDF");
     }
 
     void add_element(const std::string &name)
@@ -311,16 +312,17 @@ class Loader
                 e->type = MUKCA_FIXED;
                 break;
             default:
-                fail_joint(name, "joints that are planar or floating cannot be in the chain; " +
-                                     std::string("choose --base and --tip on one side of it"));
+                fail_joint(name, "planar and floating joints cannot be in the chain; " +
+                                     std::string("choose --base and --tip on the same side of it"));
         }
         if (joint.mimic)
             fail_joint(name, "it mimics '" + joint.mimic->joint_name +
-                                 "', which a joint of the chain may not; choose another --tip");
+                                 "', which is not supported in the chain; choose another --tip");
         joint_origin(name, e->xyz, e->rpy);
         for (double x : e->xyz)
             if (std::fabs(x) > MUKCA_NUMBER_LARGEST)
-                fail_joint(name, "its origin is farther off than any arm's; lengths are in m");
+                fail_joint(name,
+                           "its origin is farther away than any arm reaches; lengths are in m");
         e->joint = -1;
         e->axis[0] = 1;
         e->lower = -HUGE_VAL;
@@ -358,7 +360,7 @@ class Loader
             const urdf::InertialSharedPtr &inertial = entry.second->inertial;
             if (!inertial) continue;
             if (!(inertial->mass >= 0) || !std::isfinite(inertial->mass))
-                fail("link '" + entry.first + "': its mass must not be negative");
+                fail("link '" + entry.first + "': its mass is negative");
             const urdf::Vector3 &p = inertial->origin.position;
             for (double value : {inertial->mass, p.x, p.y, p.z})
                 if (!(std::fabs(value) <= MUKCA_NUMBER_LARGEST))
@@ -428,7 +430,8 @@ class Loader
         const double down[3] = {0, 0, -9.80665};
         mukca_mat3_tvec(chain_->gravity, T.R, down);
         if (moves)
-            say("joints above '" + base + "' are taken at zero for gravity; --gravity sets it");
+            add_note("joints above '" + base +
+                     "' are assumed at zero for the direction of gravity; or give --gravity");
     }
 
     mukca_chain *chain_;

@@ -13,7 +13,7 @@
 #include "io/file.h"
 #include "io/table.h"
 
-/* Beyond these no URDF is honest, and urdfdom's own parser recurses on the stack. */
+/* Far beyond any real robot.  The depth also bounds the stack of urdfdom's recursive parser. */
 enum { LARGEST_FILE = 32 << 20, DEEPEST = 64, MOST_JOINTS = 4096 };
 
 typedef struct {
@@ -116,11 +116,12 @@ static void start_element(void *context, const xmlChar *name, const xmlChar *pre
     int depth = s->depth++;
     if (depth == 0 && strcmp(tag, "robot") != 0)
         stop(s, mukca_fail(s->error, MUKCA_INPUT,
-                           "%s:%d: the outermost element is <%.40s>, not <robot>; this is no URDF",
+                           "%s:%d: the root element is <%.40s>, not <robot>; this is no URDF",
                            s->path, line, tag));
     else if (depth >= DEEPEST)
-        stop(s, mukca_fail(s->error, MUKCA_INPUT, "%s:%d: elements are nested more than %d deep",
-                           s->path, line, (int)DEEPEST));
+        stop(s, mukca_fail(s->error, MUKCA_INPUT,
+                           "%s:%d: elements nested more than %d deep; this is no URDF", s->path,
+                           line, (int)DEEPEST));
     else if (prefix && strcmp((const char *)prefix, "xacro") == 0)
         stop(s, mukca_fail(s->error, MUKCA_INPUT,
                            "%s:%d: holds xacro macros; expand them first: xacro IN > OUT.urdf",
@@ -134,10 +135,6 @@ static void start_element(void *context, const xmlChar *name, const xmlChar *pre
         s->joint->line = line;
     } else if (depth == 2 && s->joint) {
         if (strcmp(tag, "origin") == 0) read_origin(s, attributes, n_attributes);
-        if (strcmp(tag, "parent") == 0)
-            attribute(s->joint->parent, sizeof s->joint->parent, "link", attributes, n_attributes);
-        if (strcmp(tag, "child") == 0)
-            attribute(s->joint->child, sizeof s->joint->child, "link", attributes, n_attributes);
     }
 }
 
@@ -156,7 +153,7 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
                              .startElementNs = start_element,
                              .endElementNs = end_element};
     s.parser = xmlCreateMemoryParserCtxt(urdf->text, (int)urdf->length);
-    if (!s.parser) return mukca_fail(error, MUKCA_INPUT, "%s: is empty or no XML", path);
+    if (!s.parser) return mukca_fail(error, MUKCA_INPUT, "%s: empty, or no XML", path);
     xmlSAXHandlerPtr old = s.parser->sax;
     s.parser->sax = &handler;
     s.parser->_private = &s;

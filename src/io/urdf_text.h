@@ -14,7 +14,6 @@ extern "C" {
 /* One <joint> of the robot.  Offsets count bytes from the start of the text. */
 typedef struct {
     char name[MUKCA_NAME_SIZE]; /* cut at 63 characters */
-    char parent[MUKCA_NAME_SIZE], child[MUKCA_NAME_SIZE];
     int line;
     size_t tag_end;                   /* just behind the joint's start tag */
     size_t origin_start, origin_stop; /* the origin's start tag, `<` to behind `>` */

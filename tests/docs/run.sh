@@ -80,6 +80,9 @@ for page in docs/diagnosis.md mukca-formats.5; do
         "$MUKCA" help effects | sed -n 's/^\([a-z_]*\) (.*/\1/p' | while read -r effect; do
             sed 's/\\-/-/g' $page | grep -q "$effect" || echo "$effect"; done)"
 done
+check "mukca-formats.5 describes every export format" "$(
+    "$MUKCA" help export | sed -n 's/^  \([a-z]*\) (\..*/\1/p' | grep . | while read -r format; do
+        grep -A1 '^\.TP' mukca-formats.5 | grep -qx ".B $format" || echo "$format"; done)"
 for page in mukca.1 mukca-formats.5; do
     check "man reads $page without a complaint" "$(groff -man -Tutf8 -ww -z $page 2>&1)"
     check "$page fits 80 columns" \

@@ -149,7 +149,7 @@ static void traps_get_one_clear_line(void **state)
         {"<robot name='r'><link></robot>", "r.urdf:1: broken XML: "},
         {"hello", "broken XML"},
         {"<html/>", "not <robot>"},
-        {"<robot name='r'/>", "urdfdom refuses it"},
+        {"<robot name='r'/>", "urdfdom cannot read it"},
         {TWO("<xacro:macro name='m'/>" AB BC), "r.urdf:3: holds xacro macros"},
         {TWO(JOINT("j", "revolute", "a", "b", "<origin xyz='${l} 0 0'/>" LIMIT) BC),
          "r.urdf:3: holds a xacro expression"},
@@ -159,27 +159,27 @@ static void traps_get_one_clear_line(void **state)
         {TWO(JOINT("j", "revolute", "a", "b", "<axis xyz='0 0 0'/>" LIMIT) BC),
          "r.urdf:3: joint 'j': its axis is 0 0 0"},
         {TWO(JOINT("j", "revolute", "a", "b", "<mimic joint='k'/>" LIMIT) BC), "it mimics 'k'"},
-        {TWO(JOINT("j", "planar", "a", "b", "") BC), "planar or floating"},
-        {TWO(JOINT("j", "floating", "a", "b", "") BC), "planar or floating"},
+        {TWO(JOINT("j", "planar", "a", "b", "") BC), "planar and floating"},
+        {TWO(JOINT("j", "floating", "a", "b", "") BC), "planar and floating"},
         {TWO(JOINT("j", "hinge", "a", "b", "") BC), "no known type [hinge]"},
-        {TWO(JOINT("j", "revolute", "a", "b", "") BC), "urdfdom refuses it"}, /* no limit */
+        {TWO(JOINT("j", "revolute", "a", "b", "") BC), "urdfdom cannot read it"}, /* no limit */
         {TWO(AB), "Two root links found"},
-        {TWO(AB BC JOINT("l", "fixed", "a", "c", "")), "is the child of another joint too"},
+        {TWO(AB BC JOINT("l", "fixed", "a", "c", "")), "is the child of two joints"},
         {TWO(AB JOINT("k", "fixed", "b", "a", "")),
          "r.urdf:3: joint 'k': link 'a' is part of a cycle"},
         {TWO(AB BC "<link name='x'/><link name='y'/>" JOINT("m", "fixed", "x", "y", "")
                  JOINT("n", "fixed", "y", "x", "")),
-         "cycle that the root does not reach"},
+         "is part of a cycle"},
         {TWO(AB JOINT("k", "fixed", "b", "z", "")), "child link [z] of joint [k] not found"},
         {TWO(AB JOINT("j", "fixed", "b", "c", "")), "joint 'j' is not unique"},
         {TWO(JOINT("j", "fixed", "a", "b", "") BC), "no joint moves between 'a' and 'c'"},
-        {TWO(AB JOINT("k", "fixed", "a", "c", "")), "several ends, choose one by --tip: b, c"},
+        {TWO(AB JOINT("k", "fixed", "a", "c", "")), "several ends; choose one with --tip: b, c"},
         {TWO(AB BC "<link name='"
                    "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
                    "'/>" JOINT(
                        "l", "fixed", "c",
                        "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx", "")),
-         "is longer than 63 letters"},
+         "is longer than 63 characters"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_error(load(cases[i].text, NULL), MUKCA_INPUT, error, cases[i].part);
@@ -195,7 +195,7 @@ static void links_that_are_not_there_are_suggested(void **state)
     options.tip = "l1";
     options.base = "l2";
     assert_error(load(arm, &options), MUKCA_INPUT, error,
-                 "is not below 'l2' (--base); below it end");
+                 "is not below 'l2' (--base); the ends below it are");
     options.base = "nix";
     assert_error(load(arm, &options), MUKCA_INPUT, error, "(--base)");
     static const struct {

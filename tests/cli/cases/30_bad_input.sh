@@ -19,12 +19,12 @@ fi
 # URDFs
 edit() { sed "$1" arm.urdf >bad.urdf; }
 edit '/<link name="hand"/d'
-refuse 3 'bad.urdf: urdfdom refuses it: .*hand' calibrate --urdf bad.urdf good -o new.tsv
+refuse 3 'bad.urdf: urdfdom cannot read it: .*hand' calibrate --urdf bad.urdf good -o new.tsv
 edit 's/<\/robot>//'
 refuse 3 'bad.urdf:[0-9]*: broken XML' calibrate --urdf bad.urdf good -o new.tsv
 awk 'BEGIN { printf "<robot name=\"x\">"; for (i = 0; i < 50000; i++) printf "<a>"
     for (i = 0; i < 50000; i++) printf "</a>"; print "</robot>" }' >bad.urdf
-refuse 3 'bad.urdf:1: elements are nested more than' calibrate --urdf bad.urdf good -o new.tsv
+refuse 3 'bad.urdf:1: elements nested more than' calibrate --urdf bad.urdf good -o new.tsv
 head -c 40000000 /dev/zero | tr '\0' ' ' >bad.urdf
 refuse 3 'bad.urdf: is larger than' calibrate --urdf bad.urdf good -o new.tsv
 edit 's/0 0 0.25/0 0 ${height}/'
@@ -32,7 +32,7 @@ refuse 3 'bad.urdf:10: holds a xacro expression.*expand it first' calibrate --ur
 edit 's/<robot name="small">/<robot name="small" xmlns:xacro="http:\/\/x"><xacro:arg name="y"\/>/'
 refuse 3 'bad.urdf:2: holds xacro macros; expand them first' calibrate --urdf bad.urdf good
 edit 's/name="j2" type="revolute"/name="j2" type="floating"/'
-refuse 3 "bad.urdf:15: joint 'j2': joints that are planar or floating" calibrate --urdf bad.urdf good
+refuse 3 "bad.urdf:15: joint 'j2': planar and floating joints" calibrate --urdf bad.urdf good
 edit 's/<child link="upper"/<child link="base"/'
 refuse 3 'bad.urdf:' calibrate --urdf bad.urdf good
 edit 's/<\/robot>/<link name="x"\/><link name="y"\/><joint name="m" type="fixed"><parent link="x"\/><child link="y"\/><\/joint><joint name="n" type="fixed"><parent link="y"\/><child link="x"\/><\/joint><\/robot>/'
@@ -43,13 +43,13 @@ edit 's/<axis xyz="0 0 1"\/>/<axis xyz="0 0 1"\/><mimic joint="j2"\/>/'
 refuse 3 "bad.urdf:9: joint 'j1': it mimics 'j2'" calibrate --urdf bad.urdf good
 refuse 3 "has no link 'bal' (--tip); did you mean ball?" calibrate $a --tip bal good
 refuse 3 "has no link 'wrist' (--base); links: ball, base, fore, hand, upper" calibrate $a --base wrist good
-refuse 3 "link 'upper' (--tip) is not below 'fore' (--base); below it end: ball" calibrate $a --tip upper --base fore good
+refuse 3 "link 'upper' (--tip) is not below 'fore' (--base); the ends below it are ball" calibrate $a --tip upper --base fore good
 for name in placement x_m '#1' 'a,b' ' a' 'a\&#9;b' ''; do
     edit "s/name=\"j1\"/name=\"$name\"/"
-    refuse 3 'bad.urdf:9: joint .*: its name cannot head a column of a table' calibrate --urdf bad.urdf good
+    refuse 3 'bad.urdf:9: joint .*: its name cannot be the name of a column' calibrate --urdf bad.urdf good
 done
 edit 's/xyz="0 0 0.25"/xyz="0 0 1e300"/'
-refuse 3 "joint 'j1': its origin is farther off than any arm's" calibrate --urdf bad.urdf good
+refuse 3 "joint 'j1': its origin is farther away than any arm reaches" calibrate --urdf bad.urdf good
 mass() { edit "s/<link name=\"upper\"\/>/<link name=\"upper\"><inertial><origin xyz=\"$2 0 0\"\/><mass value=\"$1\"\/><\/inertial><\/link>/"; }
 mass 1e308 0
 refuse 3 "link 'upper': its mass or centre of mass is larger than any arm's" calibrate --urdf bad.urdf good
@@ -57,10 +57,10 @@ mass 1 1e300
 refuse 3 "link 'upper': its mass or centre of mass is larger than any arm's" calibrate --urdf bad.urdf good
 for wrong in 'nan 0' '1,5 0' '1 nan'; do
     mass $wrong
-    accept 'bad.urdf: urdfdom leaves out what it cannot read, masses perhaps: .*' fk --urdf bad.urdf good/hole_0.csv
+    accept 'bad.urdf: urdfdom skips what it cannot read, perhaps masses: .*' fk --urdf bad.urdf good/hole_0.csv
 done
 edit 's/name="ball"/name="stub"/; s/link="ball"/link="stub"/; s/<\/robot>/<link name="left"\/><joint name="l" type="fixed"><parent link="hand"\/><child link="left"\/><\/joint><\/robot>/'
-refuse 3 'has several ends, choose one by --tip: left, stub' calibrate --urdf bad.urdf good
+refuse 3 'has several ends; choose one with --tip: left, stub' calibrate --urdf bad.urdf good
 
 # session files
 head_line() { printf 'placement\tsocket\tj1\tj2\tj3\n'; }
@@ -105,7 +105,7 @@ refuse 3 'bad.tsv:1: holds a zero byte' calibrate $a bad.tsv
 LC_ALL=C sed '2,$s/^p/gr\xfcn/' session.tsv >bad.tsv
 refuse 3 "bad.tsv:2: column 'placement': is not UTF-8" calibrate $a bad.tsv
 LC_ALL=C sed '1s/?>/ encoding="ISO-8859-1"?>/; s/"j1"/"j\xfc"/' arm.urdf >bad.urdf
-refuse 3 "the name .* is not UTF-8; save the file as such" calibrate --urdf bad.urdf good
+refuse 3 "the name .* is not UTF-8; save the file as UTF-8" calibrate --urdf bad.urdf good
 # a file's name is what it is, but must not cost a result, nor be cut within a letter
 latin=$(printf 'gr\374n.tsv')
 long=$(printf 'é%.0s' $(seq 40)).tsv
