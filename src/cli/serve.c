@@ -38,12 +38,11 @@ static void report(void *call, const char *line)
 static void conclude(cli_call *call, const mukca_server *s)
 {
     cli_say(call, "stopped; %lld joint states received, %lld messages refused\n",
-               (long long)s->recorder.received, (long long)s->recorder.refused);
+            (long long)s->recorder.received, (long long)s->recorder.refused);
     if (s->pose.sent)
-        cli_say(call,
-                   "%lld poses sent; from reception to sent: median %.0f us, 99.9 %% %.0f us\n",
-                   (long long)s->pose.sent, 1e6 * mukca_server_latency(&s->pose, 0.5),
-                   1e6 * mukca_server_latency(&s->pose, 0.999));
+        cli_say(call, "%lld poses sent; from reception to sent: median %.0f us, 99.9 %% %.0f us\n",
+                (long long)s->pose.sent, 1e6 * mukca_server_latency(&s->pose, 0.5),
+                1e6 * mukca_server_latency(&s->pose, 0.999));
 }
 
 static mukca_status run(cli_call *call)
@@ -113,8 +112,8 @@ const cli_command cli_command_serve = {
     MUKCA_SERVER_VERB_LIST(VERB_HELP)
 #undef VERB_HELP
         "\nWith --publish-pose each joint state is answered by the pose of the tip, computed with "
-        "the last calibration or diagnosis, for controllers that cannot load a URDF. Effects that "
-        "depend on the order or the time of the samples are left out of it.",
+        "the last calibration or diagnosis, for controllers that cannot load a URDF. Joint drift "
+        "is left out of it.",
     .example =
         "mukca serve --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
         "--state build/served",
