@@ -18,7 +18,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     memset(model, 0, sizeof *model);
     mukca_status status = cli_keep_inputs(call, c->output);
     if (status == MUKCA_OK) status = cli_keep_inputs(call, c->json);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     if (!c->urdf)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--urdf FILE is needed: the nominal model of the arm");
@@ -29,7 +29,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
                               "--gravity: %g is out of range; give m/s^2", c->gravity[i]);
     memcpy(options.gravity, c->gravity, sizeof options.gravity);
     status = mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     if (c->verbose)
         cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", c->urdf,
                 model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,

@@ -41,7 +41,7 @@ mukca_status cli_check_outputs(cli_call *call)
     for (int i = 0; i < 2; i++) {
         if (!paths[i]) continue;
         mukca_status status = mukca_output_check(paths[i], call->common->force, &call->error);
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
     }
     return MUKCA_OK;
 }

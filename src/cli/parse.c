@@ -255,7 +255,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
         } else {
             status = parse_letters(call, help, &used, argc - i, argv + i);
         }
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
         i += used;
     }
     return *help ? MUKCA_OK : check_arguments(call);

@@ -67,7 +67,7 @@ static mukca_status open_input(cli_call *call, pose_input *in, const cli_model *
     if (in->n_folders > 0) {
         const cli_list list = {in->folders, in->n_folders};
         mukca_status status = cli_load_data(call, &in->data, model, &list);
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
         mukca_pose_log_from_dataset(&in->logs[in->n_logs++], &in->cursor, &in->data);
     }
     in->stream = (mukca_pose_stream){.paths = in->files,
@@ -127,7 +127,7 @@ static mukca_status weigh_target(pose_input *target, long rows, mukca_error *err
         mukca_status status = log->rewind(log->context, error);
         for (; status == MUKCA_OK && more; n += more)
             status = log->next(log->context, &row, &more, error);
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
     }
     for (int l = 0; l < target->n_logs; l++)
         target->logs[l].weight = n > 0 ? (double)rows / (3.0 * (double)n) : 1;
@@ -152,24 +152,29 @@ static void release(void *work)
     free(w->result.test);
 }
 
+static mukca_recalibrate_task task_of(const recalibrate_work *w, const pose_input *input)
+{
+    return (mukca_recalibrate_task){
+        .chain = &w->result.arm, .logs = input->logs, .n_logs = input->n_logs, .options = &w->fit};
+}
+
 static mukca_status fit_models(cli_call *call, recalibrate_work *w)
 {
     cli_recalibrated *r = &w->result;
     mukca_pose_log both[4];
-    int n = w->train.n_logs;
-    mukca_status status =
-        mukca_recalibrate(&r->fit[0], &r->arm, w->train.logs, n, &w->fit, &call->error);
+    mukca_recalibrate_task task = task_of(w, &w->train);
+    const mukca_recalibrate_task test = task_of(w, &w->test);
+    mukca_status status = mukca_recalibrate(&r->fit[0], &task, &call->error);
     if (status == MUKCA_OK && r->n_models > 1) {
         status = weigh_target(&w->target, r->fit[0].rows, &call->error);
-        memcpy(both, w->train.logs, (size_t)n * sizeof *both);
-        memcpy(both + n, w->target.logs, (size_t)w->target.n_logs * sizeof *both);
-        n += w->target.n_logs;
-        if (status == MUKCA_OK)
-            status = mukca_recalibrate(&r->fit[1], &r->arm, both, n, &w->fit, &call->error);
+        memcpy(both, w->train.logs, (size_t)w->train.n_logs * sizeof *both);
+        memcpy(both + w->train.n_logs, w->target.logs, (size_t)w->target.n_logs * sizeof *both);
+        task.logs = both;
+        task.n_logs += w->target.n_logs;
+        if (status == MUKCA_OK) status = mukca_recalibrate(&r->fit[1], &task, &call->error);
     }
     for (int m = 0; m < r->n_models && r->test && status == MUKCA_OK; m++)
-        status = mukca_recalibrate_test(r->test[m], &r->fit[m], &r->arm, w->test.logs,
-                                        w->test.n_logs, &w->fit, &call->error);
+        status = mukca_recalibrate_test(r->test[m], &r->fit[m], &test, &call->error);
     return status;
 }
 
@@ -178,22 +183,22 @@ static mukca_status fit_models(cli_call *call, recalibrate_work *w)
 static mukca_status judge(cli_call *call, recalibrate_work *w)
 {
     cli_recalibrated *r = &w->result;
-    const pose_input *train = &w->train;
-    mukca_status status = MUKCA_OK;
+    mukca_recalibrate_task task = task_of(w, &w->train);
     mukca_recalibrate_options robust = w->fit;
+    mukca_status status = MUKCA_OK;
     robust.robust = true;
     r->robust = r->fit;
     if (r->fit[0].tail > 1.5 && !w->fit.robust) {
         r->robust = calloc(1, sizeof *r->robust);
         if (!r->robust) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-        status = mukca_recalibrate(r->robust, &r->arm, w->train.logs, train->n_logs, &robust,
-                                   &call->error);
+        task.options = &robust;
+        status = mukca_recalibrate(r->robust, &task, &call->error);
     }
     if (status != MUKCA_OK) return status;
     mukca_recalibrate_oracle(&r->oracle, r->robust);
+    task.options = &w->fit;
     if (!r->oracle.calibrated) return MUKCA_OK;
-    return mukca_recalibrate_constants(&r->constants, r->robust, &r->arm, w->train.logs,
-                                       train->n_logs, &w->fit, &call->error);
+    return mukca_recalibrate_constants(&r->constants, r->robust, &task, &call->error);
 }
 
 /* Sigma of a joint's roll, pitch, yaw for a turn by `sigma` about `axis` in its frame. */
@@ -284,9 +289,9 @@ static mukca_status recalibrate(cli_call *call, recalibrate_work *w)
     mukca_status status = MUKCA_OK;
     for (int i = 0; i < 3 && status == MUKCA_OK; i++)
         status = open_input(call, inputs[i].input, model, inputs[i].paths);
-    if (status == MUKCA_OK)
-        status = mukca_pose_check_run(&r->check, &model->chain, w->train.logs, w->train.n_logs,
-                                      o->free_base, o->free_tool, &call->error);
+    mukca_recalibrate_task task = task_of(w, &w->train);
+    task.chain = &model->chain;
+    if (status == MUKCA_OK) status = mukca_pose_check_run(&r->check, &task, &call->error);
     if (status != MUKCA_OK) return status;
     use_check(call, r, &w->fit, &model->chain);
     w->fit.tilts |= r->check.rotations == 0;

@@ -26,10 +26,10 @@ static mukca_status load(preview *p, const mukca_pose_log *logs, int n_logs, muk
         mukca_status status = logs[l].rewind(logs[l].context, error);
         while (status == MUKCA_OK && p->n < PREVIEW) {
             status = logs[l].next(logs[l].context, &p->row[p->n], &more, error);
-            if (status || !more) break;
+            if (status != MUKCA_OK || !more) break;
             p->n++;
         }
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
     }
     return MUKCA_OK;
 }
@@ -294,10 +294,12 @@ static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bo
     if (free_tool && check->rotations) nearest_rotation(check->tool.R, H);
 }
 
-mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_chain *chain,
-                                  const mukca_pose_log *logs, int n_logs, bool free_base,
-                                  bool free_tool, mukca_error *error)
+mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
+                                  mukca_error *error)
 {
+    const mukca_chain *chain = task->chain;
+    const bool free_base = task->options && task->options->free_base,
+               free_tool = task->options && task->options->free_tool;
     preview *p = calloc(1, sizeof *p);
     static const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     *check = (mukca_pose_check){.position_element = chain->n_elements - 1,
@@ -307,7 +309,7 @@ mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_chain *ch
     if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     p->chain = chain;
     mukca_geometry_set(&p->geometry, chain, NULL);
-    mukca_status status = load(p, logs, n_logs, error);
+    mukca_status status = load(p, task->logs, task->n_logs, error);
     check->rows = p->n;
     if (status == MUKCA_OK && p->n == 0)
         status = mukca_fail(error, MUKCA_INPUT,

@@ -3,7 +3,7 @@
 #ifndef MUKCA_RECALIBRATE_CHECK_H
 #define MUKCA_RECALIBRATE_CHECK_H
 
-#include "recalibrate/model.h"
+#include "recalibrate/recalibrate.h"
 
 typedef struct {
     int rows, rotations;                     /* looked at; of these with a quaternion */
@@ -14,11 +14,10 @@ typedef struct {
     mukca_frame base, tool;   /* first guess: of the arm in the poses' frame, of these in the tip */
 } mukca_pose_check;
 
-/* Decide on these; `free_base` or `free_tool` tell that the frames are unknown (then the last
+/* Decide on these.  With the task's free_base or free_tool the frames are unknown (then the last
  * element is taken).  Errors: MUKCA_INPUT with what is wrong (millimetres, degrees, poses of
  * another row, of another link before a joint, a turned frame), MUKCA_MEMORY, and the log's own. */
-mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_chain *chain,
-                                  const mukca_pose_log *logs, int n_logs, bool free_base,
-                                  bool free_tool, mukca_error *error);
+mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
+                                  mukca_error *error);
 
 #endif

@@ -129,6 +129,8 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
 {
     const mukca_geometry *g = &model->geometry;
     mukca_frame frame = model->base;
+    look->model = model;
+    look->row = row;
     for (int k = 0; k < g->n_elements; k++) {
         const signed char j = g->joint[k];
         memcpy(look->parent[k], frame.R, sizeof frame.R);
@@ -194,15 +196,14 @@ static void set_shift(double *position, double *rotation, int stride, const doub
 }
 
 /* Motion of the tip by the joints' velocities. */
-static void set_lag(double *position, double *rotation, int stride, const mukca_pose_look *look,
-                    const mukca_pose_model *model, const mukca_pose_row *row)
+static void set_lag(double *position, double *rotation, int stride, const mukca_pose_look *look)
 {
-    const mukca_geometry *g = &model->geometry;
+    const mukca_geometry *g = &look->model->geometry;
     static const double none[3] = {0, 0, 0};
     set_shift(position, rotation, stride, none);
     for (int k = 0; k < g->n_elements; k++) {
         if (g->joint[k] < 0) continue;
-        const double rate = row->velocity[g->joint[k]];
+        const double rate = look->row->velocity[g->joint[k]];
         double axis[3] = {0, 0, 0}, p[3] = {0, 0, 0}, w[3] = {0, 0, 0};
         if (!(fabs(rate) > 0)) continue;
         mukca_mat3_vec(axis, look->before[k].R, g->axis[k]);
@@ -216,9 +217,9 @@ static void set_lag(double *position, double *rotation, int stride, const mukca_
 }
 
 void mukca_pose_derivatives(double *position, double *rotation, int stride,
-                            const mukca_pose_look *look, const mukca_unknown *unknowns, int n,
-                            const mukca_pose_model *model, const mukca_pose_row *row)
+                            const mukca_pose_look *look, const mukca_unknown *unknowns, int n)
 {
+    const mukca_pose_model *model = look->model;
     static const double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     static const double origin[3] = {0, 0, 0};
     for (int u = 0; u < n; u++) {
@@ -254,7 +255,7 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
                 set_turn(p, w, stride, v, look->tip.p, look);
                 break;
             case MUKCA_UNKNOWN_LAG:
-                set_lag(p, w, stride, look, model, row);
+                set_lag(p, w, stride, look);
                 break;
         }
     }

@@ -53,6 +53,8 @@ void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const 
 
 /* Frames of one row, for residual and derivatives. */
 typedef struct {
+    const mukca_pose_model *model; /* the caller's, as is the row */
+    const mukca_pose_row *row;
     mukca_frame before[MUKCA_MAX_ELEMENTS]; /* each element before its joint turns */
     double parent[MUKCA_MAX_ELEMENTS][9];   /* rotation of its parent frame */
     mukca_frame flange, tip;                /* last element; the same with the tool */
@@ -70,7 +72,6 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
 /* Derivatives of the predicted position (3 rows, m) and of the predicted rotation (3 rows, about
  * the tip's own axes) by each unknown, `stride` doubles from row to row.  Either may be NULL. */
 void mukca_pose_derivatives(double *position, double *rotation, int stride,
-                            const mukca_pose_look *look, const mukca_unknown *unknowns, int n,
-                            const mukca_pose_model *model, const mukca_pose_row *row);
+                            const mukca_pose_look *look, const mukca_unknown *unknowns, int n);
 
 #endif

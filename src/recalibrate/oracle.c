@@ -1,4 +1,4 @@
-/* Is the oracle an oracle, and do a few constants say all it knows? */
+/* Do the poses contain a calibration, and do a few constants explain it? */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,9 +44,8 @@ static double huber(double length, double median)
 }
 
 /* Rows at the nominal model, weighted by how well the full fit explains each. */
-static mukca_status gather(search *s, const mukca_recalibration *r, const mukca_chain *chain,
-                           const mukca_pose_log *logs, int n_logs,
-                           const mukca_recalibrate_options *options, mukca_error *error)
+static mukca_status gather(search *s, const mukca_recalibration *r,
+                           const mukca_recalibrate_task *task, mukca_error *error)
 {
     const double p_scale = mukca_histogram_median(&r->errors[MUKCA_WITH_BOTH].position_histogram);
     const double w_scale = mukca_histogram_median(&r->errors[MUKCA_WITH_BOTH].rotation_histogram);
@@ -56,18 +55,19 @@ static mukca_status gather(search *s, const mukca_recalibration *r, const mukca_
     model.lag = r->lag;
     model.base = r->stage[MUKCA_WITH_BOTH].base;
     model.tool = r->stage[MUKCA_WITH_BOTH].tool;
-    mukca_status status = mukca_pose_reader_start(&reader, logs, n_logs, chain->n_joints, error);
+    mukca_status status =
+        mukca_pose_reader_start(&reader, task->logs, task->n_logs, task->chain->n_joints, error);
     while (status == MUKCA_OK) {
         const mukca_pose_row *row;
         double weight;
         bool more;
         status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
-        if (status || !more) break;
-        mukca_pose_look_at(&look, &r->stage[MUKCA_WITH_BOTH], row, options->order);
+        if (status != MUKCA_OK || !more) break;
+        mukca_pose_look_at(&look, &r->stage[MUKCA_WITH_BOTH], row, task->options->order);
         const double p = sqrt(mukca_dot3(look.position, look.position));
         const double w = sqrt(mukca_dot3(look.rotation, look.rotation));
-        mukca_pose_look_at(&look, &model, row, options->order);
-        mukca_pose_system_add(&s->system, &look, &model, row, sqrt(weight * huber(p, p_scale)),
+        mukca_pose_look_at(&look, &model, row, task->options->order);
+        mukca_pose_system_add(&s->system, &look, sqrt(weight * huber(p, p_scale)),
                               sqrt(weight * huber(w, w_scale)));
     }
     return status;
@@ -154,7 +154,7 @@ static double explained(const search *s, const int *chosen, int count, int skip)
  * that are not needed.  Returns the count, 0 where no few do. */
 static int choose(int chosen[MUKCA_MAX_CONSTANTS], double *share, search *s)
 {
-    const double enough = 0.98;
+    const double enough = 0.98; /* of the square; what is left is 14 % of the difference */
     int count = 0;
     for (*share = 0; *share < enough && count < MUKCA_MAX_CONSTANTS; count++) {
         double best = *share;
@@ -210,9 +210,8 @@ static void solve_chosen(mukca_constants *out, const int *chosen, const search *
 }
 
 static mukca_status measure(mukca_constants *out, const int *chosen, const search *s,
-                            const mukca_recalibration *r, const mukca_chain *chain,
-                            const mukca_pose_log *logs, int n_logs,
-                            const mukca_recalibrate_options *options, mukca_error *error)
+                            const mukca_recalibration *r, const mukca_recalibrate_task *task,
+                            mukca_error *error)
 {
     mukca_recalibration *alone = calloc(1, sizeof *alone);
     mukca_pose_errors *errors = calloc(MUKCA_STAGES, sizeof *errors);
@@ -229,7 +228,7 @@ static mukca_status measure(mukca_constants *out, const int *chosen, const searc
                 mukca_pose_model_add(&model, &u, out->value[c] * s->direction[chosen[c]][u.axis]);
         }
         for (int i = 0; i < MUKCA_STAGES; i++) alone->stage[i] = model;
-        status = mukca_recalibrate_test(errors, alone, chain, logs, n_logs, options, error);
+        status = mukca_recalibrate_test(errors, alone, task, error);
         out->errors = errors[0];
     }
     free(alone);
@@ -238,9 +237,7 @@ static mukca_status measure(mukca_constants *out, const int *chosen, const searc
 }
 
 mukca_status mukca_recalibrate_constants(mukca_constants *constants, const mukca_recalibration *r,
-                                         const mukca_chain *chain, const mukca_pose_log *logs,
-                                         int n_logs, const mukca_recalibrate_options *options,
-                                         mukca_error *error)
+                                         const mukca_recalibrate_task *task, mukca_error *error)
 {
     int chosen[MUKCA_MAX_CONSTANTS] = {0};
     search *s = calloc(1, sizeof *s);
@@ -255,20 +252,19 @@ mukca_status mukca_recalibrate_constants(mukca_constants *constants, const mukca
         if (r->unknown[u].kind == MUKCA_UNKNOWN_ZERO || r->unknown[u].kind == MUKCA_UNKNOWN_SHIFT ||
             r->unknown[u].kind == MUKCA_UNKNOWN_TOOL_SHIFT)
             s->system.unknown[s->system.n++] = r->unknown[u];
-    mukca_status status = gather(s, r, chain, logs, n_logs, options, error);
+    mukca_status status = gather(s, r, task, error);
     if (status == MUKCA_OK) {
         mukca_pose_solution *x = calloc(1, sizeof *x); /* flushes the last rows */
         if (x) mukca_pose_system_solve(x, &s->system, s->system.n, 1);
         free(x);
-        list_candidates(s, chain);
+        list_candidates(s, task->chain);
         constants->n = choose(chosen, &constants->share, s);
         solve_chosen(constants, chosen, s);
         for (int c = 0; c < constants->n; c++) {
             constants->unknown[c] = s->unknown[chosen[c]];
             constants->along_axis[c] = s->along_axis[chosen[c]];
         }
-        if (constants->n > 0)
-            status = measure(constants, chosen, s, r, chain, logs, n_logs, options, error);
+        if (constants->n > 0) status = measure(constants, chosen, s, r, task, error);
     }
     free(s);
     return status;

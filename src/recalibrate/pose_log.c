@@ -53,14 +53,14 @@ static mukca_status advance(mukca_pose_reader *r, mukca_error *error)
         const mukca_pose_log *log = &r->logs[r->log];
         bool more;
         mukca_status status = log->next(log->context, &r->row[2], &more, error);
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
         if (more) {
             r->state[2] = 1 + r->log;
             return MUKCA_OK;
         }
         if (++r->log < r->n_logs) {
             status = r->logs[r->log].rewind(r->logs[r->log].context, error);
-            if (status) return status;
+            if (status != MUKCA_OK) return status;
         }
     }
     return MUKCA_OK;

@@ -5,16 +5,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An unknown that the rows tell only to this (m, rad) is not told. */
+/* An unknown with a larger standard error (m, rad) is not identified: arms are built to 20 mm. */
 static const double loosest = 0.02;
 
+/* Gauss-Newton converges in 3 or 4 passes from nominal; a lag must exceed 8 standard errors, which
+ * correlated rows alone do not reach (a standard error counts them as independent). */
 enum { MOST_PASSES = 10, LAG_SCORE = 8 };
+
+/* A lag must lower the median by 5 %, or outliers alone would explain it. */
+static const double lag_gain = 0.95;
 
 typedef struct {
     mukca_recalibration *out;
     const mukca_chain *chain;
-    const mukca_pose_log *logs;
-    int n_logs;
+    const mukca_recalibrate_task *task;
     const mukca_recalibrate_options *options;
     mukca_pose_model model;
     mukca_pose_system angles, offsets; /* joint: all in `offsets` */
@@ -90,7 +94,7 @@ static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b,
     mukca_pose_reader reader;
     mukca_pose_look look;
     mukca_status status =
-        mukca_pose_reader_start(&reader, s->logs, s->n_logs, s->chain->n_joints, error);
+        mukca_pose_reader_start(&reader, s->task->logs, s->task->n_logs, s->chain->n_joints, error);
     if (a) mukca_pose_system_clear(a);
     if (b) mukca_pose_system_clear(b);
     memset(&s->errors, 0, sizeof s->errors);
@@ -99,7 +103,7 @@ static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b,
         double weight;
         bool more;
         status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
-        if (status || !more) break;
+        if (status != MUKCA_OK || !more) break;
         if (i % 1024 == 0 && s->options->stop && s->options->stop())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         if (first) note_range(s->out, row, s->chain->n_joints);
@@ -108,8 +112,8 @@ static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b,
         double p = sqrt(weight), w = p;
         if (robust) p *= huber(length3(look.position), position_scale);
         if (robust) w *= huber(length3(look.rotation), rotation_scale);
-        if (a) mukca_pose_system_add(a, &look, &s->model, row, p, w);
-        if (b) mukca_pose_system_add(b, &look, &s->model, row, p, w);
+        if (a) mukca_pose_system_add(a, &look, p, w);
+        if (b) mukca_pose_system_add(b, &look, p, w);
     }
     s->measured = true;
     s->out->passes++;
@@ -180,9 +184,9 @@ static mukca_status two_steps(session *s, mukca_error *error)
     if (status == MUKCA_OK) status = step(&size, s, &s->angles, false, error);
     for (int i = 0; status == MUKCA_OK; i++) {
         status = pass(s, &s->angles, &s->offsets, error);
-        if (status) break;
+        if (status != MUKCA_OK) break;
         if (s->model.lag != 0 && without.lag == 0 &&
-            lag_median(s, &s->angles) > 0.95 * median) { /* take it back, and once more */
+            lag_median(s, &s->angles) > lag_gain * median) { /* take it back, and once more */
             s->model = without;
             s->lag_denied = true;
             continue;
@@ -193,7 +197,7 @@ static mukca_status two_steps(session *s, mukca_error *error)
         status = step(&size, s, &s->angles, lag, error);
         if (size < 1e-10 || i >= MOST_PASSES || (!lag && !repeat)) break;
     }
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     /* The last pass measured offsets at angles that have moved by the last step. */
     mukca_pose_system_move_carried(&s->offsets, s->solution.x);
     s->out->errors[MUKCA_WITH_ANGLES] = s->errors;
@@ -219,9 +223,9 @@ static mukca_status one_step(session *s, mukca_error *error)
     mukca_pose_model without = s->model;
     for (int i = 0; status == MUKCA_OK; i++) {
         status = pass(s, all, NULL, error);
-        if (status) break;
+        if (status != MUKCA_OK) break;
         if (i == 0) s->out->errors[MUKCA_BEFORE] = s->errors;
-        if (s->model.lag != 0 && without.lag == 0 && lag_median(s, all) > 0.95 * median) {
+        if (s->model.lag != 0 && without.lag == 0 && lag_median(s, all) > lag_gain * median) {
             s->model = without;
             s->lag_denied = true;
             continue;
@@ -246,9 +250,9 @@ static mukca_status look_ahead(bool *oriented, int *unknowns, session *s, mukca_
     double weight;
     bool more = false;
     mukca_status status =
-        mukca_pose_reader_start(&reader, s->logs, s->n_logs, s->chain->n_joints, error);
+        mukca_pose_reader_start(&reader, s->task->logs, s->task->n_logs, s->chain->n_joints, error);
     if (status == MUKCA_OK) status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     if (!more) return mukca_fail(error, MUKCA_INPUT, "no row has a measured position");
     *oriented = isfinite(row->quaternion[0]);
     const bool joint = s->options->joint || !*oriented;
@@ -289,20 +293,18 @@ static double tail(const mukca_moments *m, const mukca_histogram *histogram)
     return sqrt(m->mean * m->mean + m->m2 / (double)m->n) / (1.126 * median);
 }
 
-mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_chain *chain,
-                               const mukca_pose_log *logs, int n_logs,
-                               const mukca_recalibrate_options *options, mukca_error *error)
+mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
+                               mukca_error *error)
 {
     static const mukca_recalibrate_options none;
     session *s = calloc(1, sizeof *s);
     if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     memset(result, 0, sizeof *result);
     s->out = result;
-    s->chain = chain;
-    s->logs = logs;
-    s->n_logs = n_logs;
-    s->options = options ? options : &none;
-    start_model(&s->model, chain, s->options);
+    s->chain = task->chain;
+    s->task = task;
+    s->options = task->options ? task->options : &none;
+    start_model(&s->model, s->chain, s->options);
     for (int i = 0; i < MUKCA_STAGES; i++) result->stage[i] = s->model;
 
     bool oriented = false;
@@ -329,22 +331,24 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_chain *c
 }
 
 mukca_status mukca_recalibrate_test(mukca_pose_errors errors[MUKCA_STAGES],
-                                    const mukca_recalibration *result, const mukca_chain *chain,
-                                    const mukca_pose_log *logs, int n_logs,
-                                    const mukca_recalibrate_options *options, mukca_error *error)
+                                    const mukca_recalibration *result,
+                                    const mukca_recalibrate_task *task, mukca_error *error)
 {
+    const mukca_quaternion_order order =
+        task->options ? task->options->order : MUKCA_QUATERNION_W_FIRST;
     mukca_pose_reader reader;
     mukca_pose_look look;
     memset(errors, 0, MUKCA_STAGES * sizeof *errors);
-    mukca_status status = mukca_pose_reader_start(&reader, logs, n_logs, chain->n_joints, error);
+    mukca_status status =
+        mukca_pose_reader_start(&reader, task->logs, task->n_logs, task->chain->n_joints, error);
     while (status == MUKCA_OK) {
         const mukca_pose_row *row;
         double weight;
         bool more;
         status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
-        if (status || !more) break;
+        if (status != MUKCA_OK || !more) break;
         for (int i = 0; i < MUKCA_STAGES; i++) {
-            mukca_pose_look_at(&look, &result->stage[i], row, options->order);
+            mukca_pose_look_at(&look, &result->stage[i], row, order);
             mukca_pose_errors_add(&errors[i], &look);
         }
     }

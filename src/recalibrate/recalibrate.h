@@ -11,10 +11,10 @@
 #include "recalibrate/system.h"
 
 typedef struct {
-    bool iterate;   /* repeat the linearisation until it stands */
+    bool iterate;   /* repeat the linearisation until it converges */
     bool joint;     /* both steps as one problem; implied where no pose has an orientation */
     bool robust;    /* Huber weights; implies repetition */
-    bool tilts;     /* the joints' axes may lean, too */
+    bool tilts;     /* fit the tilts of the joints' axes, too */
     bool free_base; /* the poses' frame is not the arm's base */
     bool free_tool; /* the measured frame is turned against the tip */
     mukca_quaternion_order order;
@@ -30,7 +30,7 @@ typedef struct {
     double value[MUKCA_MAX_UNKNOWNS], sigma[MUKCA_MAX_UNKNOWNS];
     bool identifiable[MUKCA_MAX_UNKNOWNS];
     int rank, n_null;
-    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] cannot be told */
+    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] not identifiable */
     mukca_pose_model stage[MUKCA_STAGES];
     mukca_pose_errors errors[MUKCA_STAGES]; /* on the log itself */
     bool has_angles;                        /* the stage "with angular offsets" exists */
@@ -43,20 +43,26 @@ typedef struct {
     int passes;
 } mukca_recalibration;
 
-/* Errors: MUKCA_UNIDENTIFIABLE (fewer equations than unknowns), MUKCA_INTERRUPTED, MUKCA_MEMORY,
- * MUKCA_INPUT (numbers that are not finite), and the log's own. */
-mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_chain *chain,
-                               const mukca_pose_log *logs, int n_logs,
-                               const mukca_recalibrate_options *options, mukca_error *error);
+/* What to fit or to test. */
+typedef struct {
+    const mukca_chain *chain;
+    const mukca_pose_log *logs;
+    int n_logs;
+    const mukca_recalibrate_options *options; /* NULL: the defaults */
+} mukca_recalibrate_task;
+
+/* Fit the log.  Errors: MUKCA_UNIDENTIFIABLE (fewer equations than unknowns), MUKCA_INTERRUPTED,
+ * MUKCA_MEMORY, MUKCA_INPUT (numbers that are not finite), and the log's own. */
+mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
+                               mukca_error *error);
 
 /* Errors of the stages on other logs. */
 mukca_status mukca_recalibrate_test(mukca_pose_errors errors[MUKCA_STAGES],
-                                    const mukca_recalibration *result, const mukca_chain *chain,
-                                    const mukca_pose_log *logs, int n_logs,
-                                    const mukca_recalibrate_options *options, mukca_error *error);
+                                    const mukca_recalibration *result,
+                                    const mukca_recalibrate_task *task, mukca_error *error);
 
-/* Is there something to learn?  Only where the part of the error that the fit removes is larger
- * than what is left (medians), in position or in orientation. */
+/* Do the poses contain a calibration?  Only where the part of the error that the fit removes is
+ * larger than what is left (medians), in position or in orientation. */
 typedef struct {
     bool calibrated;
     double position_nominal, position_left, position_systematic; /* m */
@@ -76,8 +82,6 @@ typedef struct {
 } mukca_constants;
 mukca_status mukca_recalibrate_constants(mukca_constants *constants,
                                          const mukca_recalibration *result,
-                                         const mukca_chain *chain, const mukca_pose_log *logs,
-                                         int n_logs, const mukca_recalibrate_options *options,
-                                         mukca_error *error);
+                                         const mukca_recalibrate_task *task, mukca_error *error);
 
 #endif

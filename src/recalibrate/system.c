@@ -41,8 +41,7 @@ static void finish_rows(mukca_pose_system *s, double *rows, const double *residu
     s->filled += 3;
 }
 
-void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look,
-                           const mukca_pose_model *model, const mukca_pose_row *row, double weight,
+void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look, double weight,
                            double turn_weight)
 {
     const int width = width_of(s);
@@ -51,7 +50,7 @@ void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look,
     if (s->filled + 6 > MUKCA_SYSTEM_BLOCK) flush(s);
     double *p = s->positions ? s->block + s->filled * width : NULL;
     double *w = rotations ? s->block + (s->filled + (p ? 3 : 0)) * width : NULL;
-    mukca_pose_derivatives(p, w, width, look, s->unknown, s->n + s->carried, model, row);
+    mukca_pose_derivatives(p, w, width, look, s->unknown, s->n + s->carried);
     if (p) finish_rows(s, p, look->position, weight);
     if (w) finish_rows(s, w, look->rotation, turn_weight * lever);
 }

@@ -36,8 +36,7 @@ typedef struct {
 void mukca_pose_system_clear(mukca_pose_system *system);
 
 /* Take the rows of one pose, each side multiplied by `weight` (position) and `turn_weight`. */
-void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *look,
-                           const mukca_pose_model *model, const mukca_pose_row *row, double weight,
+void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *look, double weight,
                            double turn_weight);
 
 /* Unknowns that the system carries take these steps: its right-hand side follows. */

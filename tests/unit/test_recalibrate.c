@@ -83,10 +83,20 @@ static mukca_status run(const mukca_recalibrate_options *options, mukca_error *e
     mukca_pose_log log = as_log(&train), check = as_log(&test);
     const mukca_recalibrate_options none = {0};
     if (!options) options = &none;
-    mukca_status status = mukca_recalibrate(&result, &nominal, &log, 1, options, error);
+    const mukca_recalibrate_task fit = {&nominal, &log, 1, options},
+                                 held_out = {&nominal, &check, 1, options};
+    mukca_status status = mukca_recalibrate(&result, &fit, error);
     if (status == MUKCA_OK && test.n > 0)
-        status = mukca_recalibrate_test(errors, &result, &nominal, &check, 1, options, error);
+        status = mukca_recalibrate_test(errors, &result, &held_out, error);
     return status;
+}
+
+static mukca_status check_log(mukca_pose_check *check, const mukca_pose_log *log, bool free_frames,
+                              mukca_error *error)
+{
+    const mukca_recalibrate_options options = {.free_base = free_frames, .free_tool = free_frames};
+    return mukca_pose_check_run(check, &(mukca_recalibrate_task){&nominal, log, 1, &options},
+                                error);
 }
 
 static double zero_of(int joint)
@@ -222,7 +232,8 @@ static void test_constants(void **state)
     test.n = 0;
     assert_int_equal(run(&options, &error), MUKCA_OK);
     assert_int_equal(
-        mukca_recalibrate_constants(&constants, &result, &nominal, &log, 1, &options, &error),
+        mukca_recalibrate_constants(&constants, &result,
+                                    &(mukca_recalibrate_task){&nominal, &log, 1, &options}, &error),
         MUKCA_OK);
     assert_int_equal(constants.n, 2);
     for (int c = 0; c < 2; c++) {
@@ -236,7 +247,8 @@ static void test_constants(void **state)
     record(&train, MUKCA_RECIPE_SWEEPS);
     assert_int_equal(run(&options, &error), MUKCA_OK);
     assert_int_equal(
-        mukca_recalibrate_constants(&constants, &result, &nominal, &log, 1, &options, &error),
+        mukca_recalibrate_constants(&constants, &result,
+                                    &(mukca_recalibrate_task){&nominal, &log, 1, &options}, &error),
         MUKCA_OK);
     assert_int_equal(constants.n, 0);
 }
@@ -312,10 +324,9 @@ static void test_frames(void **state)
         mukca_rotation_to_quaternion(train.row[i].quaternion, M.R);
         memcpy(train.row[i].position, M.p, sizeof M.p);
     }
-    assert_int_equal(mukca_pose_check_run(&check, &nominal, &log, 1, false, false, &error),
-                     MUKCA_INPUT);
+    assert_int_equal(check_log(&check, &log, false, &error), MUKCA_INPUT);
     assert_non_null(strstr(error.text, "--free-base"));
-    assert_int_equal(mukca_pose_check_run(&check, &nominal, &log, 1, true, true, &error), MUKCA_OK);
+    assert_int_equal(check_log(&check, &log, true, &error), MUKCA_OK);
     const mukca_recalibrate_options options = {.iterate = true,
                                                .joint = true,
                                                .free_base = true,
@@ -334,8 +345,7 @@ static void test_frames(void **state)
         mukca_mat3_mul(M.R, T.R, half_turn);
         mukca_rotation_to_quaternion(train.row[i].quaternion, M.R);
     }
-    assert_int_equal(mukca_pose_check_run(&check, &nominal, &log, 1, false, false, &error),
-                     MUKCA_OK);
+    assert_int_equal(check_log(&check, &log, false, &error), MUKCA_OK);
     assert_int_equal(check.position_element, 7);
     assert_int_equal(check.rotation_element, 6);
     const mukca_recalibrate_options known = {.tool = check.tool};
@@ -346,7 +356,7 @@ static void test_frames(void **state)
 static mukca_status check_train(mukca_pose_check *check, mukca_error *error)
 {
     mukca_pose_log log = as_log(&train);
-    return mukca_pose_check_run(check, &nominal, &log, 1, false, false, error);
+    return check_log(check, &log, false, error);
 }
 
 static void test_bad_input(void **state)

@@ -95,8 +95,9 @@ int main(int argc, char **argv)
         print_log(log, chain);
     } else {
         const mukca_pose_log as_log = {.next = next, .rewind = rewind_log, .context = log};
+        const mukca_recalibrate_task task = {chain, &as_log, 1, &options};
         const clock_t start = clock(); /* of the processor: others may run beside us */
-        if (mukca_recalibrate(result, chain, &as_log, 1, &options, &error)) {
+        if (mukca_recalibrate(result, &task, &error)) {
             fprintf(stderr, "bench_recalibrate: %s\n", error.text);
             return 1;
         }
