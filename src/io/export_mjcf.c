@@ -1,6 +1,7 @@
 /* The calibrated arm as a MuJoCo model: poses of bodies; springs for the compliance of joints,
  * links and base; stops for backlash. */
 #include <math.h>
+#include <string.h>
 
 #include "io/export.h"
 
@@ -30,23 +31,17 @@ static void numbers(const writer *w, const char *key, const double *values, int 
     fputc('"', w->stream);
 }
 
-/* An attribute; characters that XML keeps for itself are escaped. */
+/* An attribute, escaped as XML requires. */
 static void name(const writer *w, const char *key, const char *text, const char *suffix)
 {
     fprintf(w->stream, " %s=\"", key);
-    for (; *text; text++) switch (*text) {
-            case '&':
-                fputs("&amp;", w->stream);
-                break;
-            case '<':
-                fputs("&lt;", w->stream);
-                break;
-            case '"':
-                fputs("&quot;", w->stream);
-                break;
-            default:
-                fputc((unsigned char)*text < ' ' ? ' ' : *text, w->stream);
-        }
+    for (; *text; text++) {
+        const char *escaped = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : "&quot;";
+        if (strchr("&<\"", *text))
+            fputs(escaped, w->stream);
+        else
+            fputc((unsigned char)*text < ' ' ? ' ' : *text, w->stream);
+    }
     fprintf(w->stream, "%s\"", suffix);
 }
 

@@ -7,11 +7,20 @@
 #include "io/table.h"
 #include "io/urdf_text.h"
 
-/* text[start, stop) becomes `replacement`. */
+enum { VALUE_SIZE = 3 * 64 }; /* mukca_number_parse_list takes words of at most 63 letters */
+
+/* text[start, stop) of the URDF becomes `replacement`, after a copy of `copied` bytes from `start`.
+ */
 typedef struct {
-    size_t start, stop;
-    char *replacement;
+    size_t start, stop, copied;
+    char replacement[2 * VALUE_SIZE + 32];
 } edit;
+
+typedef struct {
+    mukca_urdf_text urdf;
+    edit edits[2 * MUKCA_MAX_ELEMENTS];
+    int n;
+} patch;
 
 /* Bytes of the value of an attribute inside tag[length], without its quotes; false where absent. */
 static bool find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
@@ -35,19 +44,6 @@ static bool find_attribute(size_t *start, size_t *stop, const char *tag, size_t 
     return false;
 }
 
-/* A new string: text[0, start) + middle + text[stop, length). */
-static char *splice(const char *text, size_t length, const edit *e, const char *middle)
-{
-    size_t size = length - (e->stop - e->start) + strlen(middle) + 1;
-    char *out = malloc(size);
-    if (out)
-        snprintf(out, size, "%.*s%s%.*s", (int)e->start, text, middle, (int)(length - e->stop),
-                 text + e->stop);
-    return out;
-}
-
-enum { VALUE_SIZE = 3 * 64 }; /* mukca_number_parse_list takes words of at most 63 letters */
-
 /* Three numbers as text.  One that equals the nominal number is copied from the URDF's own text
  * `old[length]`. */
 static void format_vector(char value[VALUE_SIZE], const double v[3], const double nominal[3],
@@ -70,95 +66,100 @@ static void format_vector(char value[VALUE_SIZE], const double v[3], const doubl
     }
 }
 
-/* The tag (freed) with attribute `name` set to v, where it was `nominal`; NULL: out of memory. */
-static char *set_attribute(char *tag, const char *name, const double v[3], const double nominal[3])
+/* Set attribute `name` of an origin's tag to v, where it was `nominal`. */
+static void set_attribute(patch *p, const mukca_urdf_joint *joint, const char *name,
+                          const double v[3], const double nominal[3])
 {
-    char value[VALUE_SIZE], whole[VALUE_SIZE + 16], *out;
-    edit at = {0};
-    const size_t length = strlen(tag);
-    if (find_attribute(&at.start, &at.stop, tag, length, name)) {
-        format_vector(value, v, nominal, tag + at.start, at.stop - at.start);
-        out = splice(tag, length, &at, value);
+    const char *tag = p->urdf.text + joint->origin_start;
+    const size_t length = joint->origin_stop - joint->origin_start;
+    size_t start, stop;
+    char value[VALUE_SIZE];
+    edit *e = &p->edits[p->n];
+    if (memcmp(v, nominal, 3 * sizeof *v) == 0) return;
+    p->n++;
+    if (find_attribute(&start, &stop, tag, length, name)) {
+        format_vector(e->replacement, v, nominal, tag + start, stop - start);
     } else {
-        size_t end = length - (length >= 2 && tag[length - 2] == '/' ? 2 : 1);
-        while (end && strchr(" \t\r\n", tag[end - 1])) end--;
+        start = length - (length >= 2 && tag[length - 2] == '/' ? 2 : 1);
+        while (start && strchr(" \t\r\n", tag[start - 1])) start--;
+        stop = start;
         format_vector(value, v, nominal, "", 0);
-        snprintf(whole, sizeof whole, " %s=\"%s\"", name, value);
-        at = (edit){.start = end, .stop = end};
-        out = splice(tag, length, &at, whole);
+        snprintf(e->replacement, sizeof e->replacement, " %s=\"%s\"", name, value);
     }
-    free(tag);
-    return out;
+    e->start = joint->origin_start + start;
+    e->stop = joint->origin_start + stop;
 }
 
-/* The edit for one element; MUKCA_OK with an empty edit where nothing changed. */
-static mukca_status make_edit(edit *e, const mukca_urdf_text *urdf, const mukca_export_input *input,
-                              int element, mukca_error *error)
+/* A new origin behind the joint's tag, after the white space that follows the tag. */
+static void insert_origin(patch *p, const mukca_urdf_joint *joint,
+                          const mukca_export_origin *origin)
+{
+    static const double none[3] = {0, 0, 0};
+    char xyz[VALUE_SIZE], rpy[VALUE_SIZE];
+    edit *e = &p->edits[p->n++];
+    format_vector(xyz, origin->xyz, none, "", 0);
+    format_vector(rpy, origin->rpy, none, "", 0);
+    e->start = e->stop = joint->tag_end;
+    e->copied = strspn(p->urdf.text + joint->tag_end, " \t\r\n");
+    snprintf(e->replacement, sizeof e->replacement, "<origin xyz=\"%s\" rpy=\"%s\"/>", xyz, rpy);
+}
+
+static mukca_status add_edits(patch *p, const mukca_export_input *input, int element,
+                              mukca_error *error)
 {
     const mukca_element *nominal = &input->chain->element[element];
-    const mukca_urdf_joint *joint = mukca_urdf_text_joint(urdf, nominal->name);
+    const mukca_urdf_joint *joint = mukca_urdf_text_joint(&p->urdf, nominal->name);
     mukca_export_origin origin;
     mukca_export_get_origin(&origin, input, element);
-    const bool moved = memcmp(origin.xyz, nominal->xyz, sizeof origin.xyz) != 0,
-               turned = memcmp(origin.rpy, nominal->rpy, sizeof origin.rpy) != 0;
-    if (!moved && !turned) return MUKCA_OK;
-    if (!joint || !urdf->located)
+    if (memcmp(origin.xyz, nominal->xyz, sizeof origin.xyz) == 0 &&
+        memcmp(origin.rpy, nominal->rpy, sizeof origin.rpy) == 0)
+        return MUKCA_OK;
+    if (!joint || !p->urdf.located)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s: joint '%s' cannot be located in this encoding; save the file as "
                           "UTF-8",
                           mukca_table_short_path(input->urdf_path), nominal->name);
-    const edit nothing = {0};
-    char *tag;
     if (joint->has_origin) {
-        e->start = joint->origin_start;
-        e->stop = joint->origin_stop;
-        tag = splice(urdf->text + e->start, e->stop - e->start, &nothing, "");
-    } else { /* a new one, with the white space that follows the joint's tag before it */
-        e->start = e->stop = joint->tag_end;
-        const char *space = urdf->text + joint->tag_end;
-        const size_t length = strspn(space, " \t\r\n");
-        tag = splice(space, length, &(edit){.start = length, .stop = length}, "<origin/>");
+        set_attribute(p, joint, "xyz", origin.xyz, nominal->xyz);
+        set_attribute(p, joint, "rpy", origin.rpy, nominal->rpy);
+    } else {
+        insert_origin(p, joint, &origin);
     }
-    if (tag && (moved || !joint->has_origin))
-        tag = set_attribute(tag, "xyz", origin.xyz, nominal->xyz);
-    if (tag && (turned || !joint->has_origin))
-        tag = set_attribute(tag, "rpy", origin.rpy, nominal->rpy);
-    e->replacement = tag;
-    return tag ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    return MUKCA_OK;
 }
 
-static int by_start(const void *a, const void *b)
+/* By place; of two new attributes at the same place, xyz before rpy. */
+static int compare_edits(const void *a, const void *b)
 {
     const edit *x = a, *y = b;
-    return (x->start > y->start) - (x->start < y->start);
+    if (x->start != y->start) return x->start > y->start ? 1 : -1;
+    return strcmp(y->replacement, x->replacement);
 }
 
 static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
-    mukca_urdf_text urdf;
-    edit edits[MUKCA_MAX_ELEMENTS] = {{0, 0, NULL}};
-    int n = 0;
-    mukca_status status = mukca_urdf_text_read(&urdf, input->urdf_path, error);
-    if (status) return status;
-    if (strcmp(urdf.sha256, input->chain->urdf_sha256) != 0)
+    patch *p = calloc(1, sizeof *p);
+    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = mukca_urdf_text_read(&p->urdf, input->urdf_path, error);
+    if (status == MUKCA_OK && strcmp(p->urdf.sha256, input->chain->urdf_sha256) != 0)
         status = mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again",
                             mukca_table_short_path(input->urdf_path));
-    for (int k = 0; k < input->chain->n_elements && status == MUKCA_OK; k++) {
-        status = make_edit(&edits[n], &urdf, input, k, error);
-        if (edits[n].replacement) n++;
-    }
+    for (int k = 0; k < input->chain->n_elements && status == MUKCA_OK; k++)
+        status = add_edits(p, input, k, error);
     if (status == MUKCA_OK) {
         size_t at = 0;
-        qsort(edits, (size_t)n, sizeof *edits, by_start);
-        for (int i = 0; i < n; i++) {
-            fwrite(urdf.text + at, 1, edits[i].start - at, stream);
-            fputs(edits[i].replacement, stream);
-            at = edits[i].stop;
+        qsort(p->edits, (size_t)p->n, sizeof *p->edits, compare_edits);
+        for (int i = 0; i < p->n; i++) {
+            const edit *e = &p->edits[i];
+            fwrite(p->urdf.text + at, 1, e->start - at, stream);
+            fwrite(p->urdf.text + e->start, 1, e->copied, stream);
+            fputs(e->replacement, stream);
+            at = e->stop;
         }
-        fwrite(urdf.text + at, 1, urdf.length - at, stream);
+        fwrite(p->urdf.text + at, 1, p->urdf.length - at, stream);
     }
-    for (int k = 0; k < input->chain->n_elements; k++) free(edits[k].replacement);
-    mukca_urdf_text_free(&urdf);
+    mukca_urdf_text_free(&p->urdf);
+    free(p);
     return status;
 }
 

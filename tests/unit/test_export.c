@@ -159,6 +159,10 @@ static void urdf_keeps_the_text_of_unchanged_numbers(void **state)
     assert_non_null(strstr(text, "<origin rpy='0 1.5 0'\txyz = '0.1 -0.1 0.3' >"));
     assert_non_null(strstr(text, "<origin xyz=\"0.3333333333333333 0 0.5\" />"));
     free(text);
+    offsets.theta[16] = 0.25; /* an attribute that is absent */
+    text = export("urdf", MUKCA_OK);
+    assert_non_null(strstr(text, "<origin xyz=\"0.3333333333333333 0 0.5\" rpy=\"0 0.25 0\" />"));
+    free(text);
 }
 
 static void urdf_that_changed_meanwhile_is_refused(void **state)
