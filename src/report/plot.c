@@ -71,6 +71,9 @@ static mukca_status run(FILE *output, FILE *complaints, FILE *script, mukca_erro
         interrupted = true; /* a signal to us alone: gnuplot does not know of it */
         kill(pid, SIGTERM);
     }
+    /* a signal to the whole process group may end gnuplot before it interrupts the wait */
+    if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM))
+        interrupted = true;
     if (interrupted)
         return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return MUKCA_OK;
