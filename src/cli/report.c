@@ -113,6 +113,7 @@ static mukca_status diagnose(report_run *r)
                                                      .free_base = o->free_base,
                                                      .free_tool = o->free_tool,
                                                      .applied = true,
+                                                     .confounding = true,
                                                      .progress = cli_show_progress,
                                                      .progress_context = r->call};
     mukca_status status = mukca_diagnose(&r->diagnosis, &r->model.chain, &r->train,

@@ -7,6 +7,7 @@
 
 #include "diagnose/applied.h"
 #include "diagnose/competition.h"
+#include "diagnose/confounding.h"
 #include "diagnose/cross_validation.h"
 #include "diagnose/screening.h"
 #include "diagnose/untested.h"
@@ -109,6 +110,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     diagnosis->rho = m.unknowns.rho;
     if (m.unknowns.sigma < MOST_SIGMA) {
         mukca_verdict_reach(diagnosis, &contest);
+        if (options->confounding) mukca_confounding_measure(diagnosis, &contest);
         keep_told(diagnosis, &m);
     } else {
         mukca_untested_all(diagnosis,

@@ -107,6 +107,17 @@ typedef struct {
     double theta_prior[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
 } mukca_applied;
 
+enum { MUKCA_MAX_CONFOUNDED = 12 };
+
+/* What is confounded with what: the largest canonical correlation of each pair of causes and close
+ * candidates, after geometry is projected out; 1: indistinguishable, NaN: not defined. */
+typedef struct {
+    int n;
+    mukca_effect effects[MUKCA_MAX_CONFOUNDED]; /* without coefficients */
+    bool cause[MUKCA_MAX_CONFOUNDED];           /* identified; else a candidate */
+    double correlation[MUKCA_MAX_CONFOUNDED][MUKCA_MAX_CONFOUNDED];
+} mukca_confounding;
+
 typedef struct {
     mukca_verdict verdict;
     const char *why; /* it is `untestable`, else NULL */
@@ -136,6 +147,7 @@ typedef struct {
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base */
     mukca_applied applied;      /* with options->applied */
+    mukca_confounding confounding; /* with options->confounding */
     double elapsed_s;
     mukca_pool pool;
 } mukca_diagnosis;
@@ -151,6 +163,7 @@ typedef struct {
     double mass_spread; /* relative sigma of each mass; 0: 0.1 */
     bool no_folds;      /* skip the held-out measurement */
     bool applied;       /* fit what can be applied elsewhere, too */
+    bool confounding;   /* measure what is confounded with what */
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/correlation.h"
 #include "diagnose/projector.h"
 #include "diagnose/ripple.h"
-#include "math/dense.h"
 
 const mukca_candidate *mukca_scan_hypothesis(const mukca_scan *scan, int index)
 {
@@ -212,40 +212,11 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
 double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
                               const mukca_candidate *a, const mukca_candidate *b)
 {
-    enum { MOST = MUKCA_MAX_COLUMNS };
-    double G[MOST * MOST], g[MOST], block[3][MOST * MOST], s[MOST];
-    const int k = a->terms + b->terms, ka = mukca_candidate_own_terms(a),
-              kb = mukca_candidate_own_terms(b);
-    if (k > MOST || a->kind == MUKCA_CANDIDATE_DISTANCE || b->kind == MUKCA_CANDIDATE_DISTANCE)
-        return NAN;
     mukca_projector p = mukca_projector_lay_out(m, scan->memory);
     leave_out(m, without);
     mukca_regression_collect(m, scan->rho);
     mukca_projector_aim(&p, &m->evidence.normal[scan->rho], scan->sigma);
-    mukca_linearisation_columns(p.E, k, &m->linear, &m->recording, a);
-    mukca_linearisation_columns(p.E + a->terms, k, &m->linear, &m->recording, b);
-    mukca_projector_project(G, g, &p, p.E, k, a);
-    for (int i = 0; i < ka; i++)
-        for (int j = 0; j < ka; j++) block[0][i * ka + j] = G[i * k + j];
-    for (int i = 0; i < kb; i++)
-        for (int j = 0; j < kb; j++) block[1][i * kb + j] = G[(a->terms + i) * k + a->terms + j];
-    for (int i = 0; i < ka; i++) block[0][i * ka + i] *= 1 + 1e-9;
-    for (int i = 0; i < kb; i++) block[1][i * kb + i] *= 1 + 1e-9;
-    if (mukca_dense_cholesky(block[0], ka) || mukca_dense_cholesky(block[1], kb)) return NAN;
-    for (int i = 0; i < ka; i++)
-        for (int j = 0; j < kb; j++) block[2][i * kb + j] = G[i * k + a->terms + j];
-    mukca_dense_forward(block[2], kb, block[0], ka);
-    for (int i = 0; i < kb;
-         i++) /* G as scratch: the transposed block, solved from the other side */
-        for (int j = 0; j < ka; j++) G[i * ka + j] = block[2][j * kb + i];
-    mukca_dense_forward(G, ka, block[1], kb);
-    if (ka > kb) { /* the singular values of the transpose are the same */
-        for (int i = 0; i < kb; i++)
-            for (int j = 0; j < ka; j++) block[2][j * kb + i] = G[i * ka + j];
-        memcpy(G, block[2], sizeof *G * (size_t)(ka * kb));
-    }
-    if (mukca_dense_svd(G, s, NULL, ka > kb ? ka : kb, ka > kb ? kb : ka)) return NAN;
-    return fmin(s[0], 1);
+    return mukca_correlation_canonical(&p, a, b);
 }
 
 mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mukca_regression *m,

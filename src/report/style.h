@@ -43,13 +43,16 @@ static const char mukca_report_style[] =
     REPORT_COLOUR("white", "paper") REPORT_COLOUR("rgb(213,  94,   0)", "before")
     REPORT_COLOUR("rgb(  0, 114, 178)", "after") REPORT_COLOUR("rgb(  0, 158, 115)", "third")
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem;margin:.5rem 0}\n"
-    "caption{text-align:left;font-weight:600;padding:.3rem 0}\n"
+    "caption{text-align:left;font-weight:600;padding:.3rem 0}caption small{display:block;font-weight:"
+    "400}\n"
     "th,td{padding:.2rem .6rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:"
     "top}th{min-width:4.5rem}td:last-child:not(.n):not(:first-child){min-width:9rem}\n"
-    "@media screen and (max-width:40rem){.cards thead{display:none}.cards tr{display:block;padding:.3rem 0;"
+    "@media screen and (max-width:40rem){.cards{width:100%}.cards thead{display:none}.cards tr{display:block;padding:.3rem 0;"
     "border-bottom:1px solid var(--line)}.cards td,.cards td.n{display:flex;gap:.6rem;border:0;"
     "padding:.1rem 0;text-align:left}.cards td:empty{display:none}.cards td::before{content:attr("
     "data-label);flex:0 0 7rem;opacity:.75}}\n"
+    ".matrix th,.matrix td{min-width:0;padding:.2rem .35rem}.matrix .light{font-weight:400}.matrix "
+    "td{background:color-mix(in srgb,var(--before) var(--share,0%),transparent)}\n"
     ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
     "anywhere}\n"
     "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"

@@ -167,6 +167,42 @@ static void put_ties(FILE *out, const mukca_diagnosed *d)
     if (any) mukca_html_table_end(&table);
 }
 
+/* Shade of a cell by its correlation; the number stays readable on it. */
+static void put_shade(FILE *out, double correlation)
+{
+    if (isfinite(correlation))
+        fprintf(out, "<td class=\"n\" style=\"--share:%.0f%%\">%.2f</td>", 45 * correlation,
+                correlation);
+    else
+        fputs("<td class=\"n\">&ndash;</td>", out);
+}
+
+/* Matrix of what is confounded with what. */
+static void put_confounding(FILE *out, const mukca_diagnosed *d)
+{
+    const mukca_confounding *c = &d->diagnosis->confounding;
+    char text[MUKCA_WORDING];
+    if (c->n < 2) return;
+    fputs(
+        "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Confounding\">\n"
+        "<table class=\"matrix\">\n<caption>Confounding <small>Canonical correlation of each pair "
+        "after geometry is projected out; 1: indistinguishable. Causes in bold, the others are "
+        "close candidates.</small></caption>\n<thead><tr><td></td>",
+        out);
+    for (int i = 0; i < c->n; i++) fprintf(out, "<th scope=\"col\" class=\"n\">%d</th>", i + 1);
+    fputs("</tr></thead>\n<tbody>\n", out);
+    for (int i = 0; i < c->n; i++) {
+        const mukca_cause item = {.effect = c->effects[i], .socket = -1};
+        mukca_wording_cause(text, &item, d);
+        fprintf(out, "<tr><th scope=\"row\"%s>%d ", c->cause[i] ? "" : " class=\"light\"", i + 1);
+        mukca_html_escape(out, text);
+        fputs("</th>", out);
+        for (int k = 0; k < c->n; k++) put_shade(out, c->correlation[i][k]);
+        fputs("</tr>\n", out);
+    }
+    fputs("</tbody>\n</table>\n</div>\n", out);
+}
+
 void mukca_report_put_causes(FILE *out, const mukca_report *r)
 {
     const mukca_diagnosed *d = &r->diagnosed;
@@ -190,6 +226,7 @@ void mukca_report_put_causes(FILE *out, const mukca_report *r)
     }
     mukca_html_table_end(&table);
     put_ties(out, d);
+    put_confounding(out, d);
 }
 
 /* ---- recording faults ---- */

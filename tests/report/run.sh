@@ -1,6 +1,6 @@
 #!/bin/sh
-# The report of the demo arm: self-contained, its figures there and told in words, its numbers those
-# of calibrate, its failures clear.
+# The report of the demo arm: self-contained, figures present and described in words, numbers those
+# of calibrate, failures clear.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 out=$(mktemp -d)
@@ -36,6 +36,17 @@ tell "20 figures" test "$(wc -l <"$out/figures")" -eq 20
 tell "none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; print} END {exit bad}' "$out/figures"
 tell "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 20' "$out/png"
 
+# What opens the page, and what a reader looks for.
+tell "the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.verdict [a-z]*.>\(.*\)<.p>$/\1/p" "$0" |
+    grep -o "[.]" | wc -l)" -eq 1' "$page"
+tell "then what to do" sh -c 'grep -n -e "class=.verdict" -e "id=.to-do" -e "<dl class=.tiles" "$0" | sed "s/.*\(verdict\|to-do\|tiles\).*/\1/" |
+    tr "\n" " " | grep -qx "verdict to-do tiles "' "$page"
+tell "the view of the arm states its scale" grep -q 'residuals of 240 samples, enlarged 200 times' "$page"
+# joint_4's compliance and the bending of the link before joint_3 load alike in the demo's postures
+tell "the matrix of what is confounded" sh -c 'sed -n "/table class=.matrix/,/<.table>/p" "$0" |
+    grep "link bending before joint_3" | grep -oE ">[01][.][0-9]+<" | head -n 1 |
+    awk -F "[<>]" "{exit !(\$2 > 0.9 && \$2 < 1)}"' "$page"
+
 "$MUKCA" calibrate -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/o.tsv" --json "$out/c.json"
 tell "held-out error as calibrate says" grep -q "$(awk -v m="$(tr -d '\n' <"$out/c.json" |
     sed 's/.*"test": *\[\([^]]*\)\].*/\1/; s/.*"mae_m": *\([0-9.e-]*\).*/\1/')" \
@@ -49,4 +60,10 @@ mkdir "$out/bin"
 tell "without gnuplot" sh -c 'PATH=$1/bin "$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     -o "$1/q.html" 2>"$1/e"; test $? -eq 3 && test ! -e "$1/q.html"; s=$?; PATH=/usr/bin:/bin
     grep -q "install the package gnuplot-nox" "$1/e" && exit $s' "$MUKCA" "$out"
+# A pose log has no placements and no distortion: no nan anywhere, on the screen neither.
+grep -v '^#' data/demo/train.tsv | cut -f 4-10 >"$out/q.tsv"
+"$MUKCA" fk -q --urdf $arm --offsets "$out/o.tsv" "$out/q.tsv" | paste "$out/q.tsv" - >"$out/log.tsv"
+tell "a pose log prints no nan" sh -c '"$0" report --urdf data/demo/arm.urdf "$1/log.tsv" --free-base --free-tool \
+    -o "$1/log.html" >"$1/screen" 2>&1 && grep -q "</html>" "$1/log.html" && cat "$1/screen" >>"$1/log.html" &&
+    ! grep -nwi nan "$1/log.html"' "$MUKCA" "$out"
 exit $failed

@@ -1,0 +1,12 @@
+/* How alike two candidates act on a recording, once the present model has taken its share. */
+#ifndef MUKCA_DIAGNOSE_CORRELATION_H
+#define MUKCA_DIAGNOSE_CORRELATION_H
+
+#include "diagnose/projector.h"
+
+/* Largest canonical correlation of two candidates, after all that the aimed projector projects out;
+ * NaN where it is not defined. */
+double mukca_correlation_canonical(mukca_projector *projector, const mukca_candidate *a,
+                                   const mukca_candidate *b);
+
+#endif
