@@ -1,4 +1,5 @@
 /* URDFs: whatever loads can be exported with other origins, and loads again with just those. */
+#include <math.h>
 #include <string.h>
 
 #include "io/export.h"
@@ -26,16 +27,17 @@ static void check_export(const char *path, const mukca_chain *chain,
             if ((k + p) % 3) offsets.theta[MUKCA_PARAMETERS * k + p] = 0.125 * (k + 1) + p;
     const mukca_export_input input = {.urdf_path = path, .chain = chain, .offsets = &offsets};
     FILE *stream = open_memstream(&text, &length);
-    mukca_status status = mukca_export_urdf(stream, &input, NULL);
+    mukca_status status = mukca_export_urdf.write(stream, &input, NULL);
     fclose(stream);
     if (status == MUKCA_OK) {
         const char *again = memory_file((const uint8_t *)text, length);
         if (mukca_urdf_load(&patched, again, options, NULL, NULL, NULL) != MUKCA_OK) abort();
         if (patched.n_elements != chain->n_elements) abort();
         for (int k = 0; k < chain->n_elements; k++)
-            if (memcmp(patched.element[k].xyz, offsets.theta + 6 * k, 24) != 0 ||
-                memcmp(patched.element[k].rpy, offsets.theta + 6 * k + 3, 24) != 0)
-                abort();
+            for (int i = 0; i < 3; i++) /* offsets below 1e-9 count as zero */
+                if (!(fabs(patched.element[k].xyz[i] - offsets.theta[6 * k + i]) <= 1e-9) ||
+                    !(fabs(patched.element[k].rpy[i] - offsets.theta[6 * k + 3 + i]) <= 1e-9))
+                    abort();
     }
     free(text);
 }
