@@ -109,8 +109,9 @@ def compare(folder, title, effects, count):
     worst = error.max()
     print(f"{'ok' if worst < 1e-6 else 'not ok'} mjcf: {title}: {decided.sum()} of {count} "
           f"configurations, worst {worst * 1e6:.4f} um")
-    swung = max(np.linalg.norm(statics.swing_out(q[i], 2.0) - expected[i])
-                for i in np.flatnonzero(decided)[:10])
+    # a lightly loaded stop bounces in mj_step, by up to the whole play
+    pressed = [i for i, (_, load) in enumerate(found) if load > 3][:10]
+    swung = max(np.linalg.norm(statics.swing_out(q[i], 2.0) - expected[i]) for i in pressed)
     soft = 5e-5 if effects == EFFECTS + PLAY else 1e-6  # stops are soft in mj_step
     print(f"{'ok' if swung < soft else 'not ok'} mjcf: {title}: 10 left to swing out, worst "
           f"{swung * 1e6:.4f} um")
