@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/candidates.h"
-
 /* One coefficient instead of one per mass: the sum of the masses' parts without the factors that
  * measured efforts gave them, which nobody else knows. */
 static bool tie_masses(mukca_candidate *h, mukca_regression *m)
@@ -67,37 +65,32 @@ static void parameter_sigmas(mukca_applied *a, mukca_regression *m)
     }
 }
 
-void mukca_applied_fit(mukca_diagnosis *d, mukca_regression *m)
+void mukca_applied_fit(mukca_applied *a, mukca_regression *m)
 {
-    mukca_applied *a = &d->applied;
-    for (int c = 0; c < m->unknowns.n_causes; c++) {
-        mukca_candidate *h = &m->unknowns.cause[c].candidate;
+    mukca_unknowns *u = &m->unknowns;
+    for (int c = 0; c < u->n_causes; c++) {
+        mukca_candidate *h = &u->cause[c].candidate;
         if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN)
-            mukca_unknowns_drop(&m->unknowns, c--);
+            mukca_unknowns_drop(u, c--);
         else if (mukca_candidate_by_mass(h) && !tie_masses(h, m))
             return;
     }
     mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
     if (!(mukca_regression_factor(m) > -HUGE_VAL)) return;
     parameter_sigmas(a, m);
-    int column = m->unknowns.n_geometry;
-    for (int c = 0; c < m->unknowns.n_causes; c++) {
-        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        if (h->kind == MUKCA_CANDIDATE_EFFECT && a->n_effects < MUKCA_MAX_CAUSES) {
-            mukca_effect *effect = &a->effects[a->n_effects];
-            *effect = h->effect;
-            effect->terms = h->terms;
-            for (int t = 0; t < h->terms; t++) {
-                const double one = 1;
-                effect->coefficient[t] = m->unknowns.cause[c].coefficient[t];
-                a->effect_sigma[a->n_effects][t] =
-                    mukca_regression_standard_error(m, column + t, &one, 1);
-            }
-            a->n_effects++;
+    for (int c = 0; c < u->n_causes && a->n_effects < MUKCA_MAX_CAUSES; c++) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        if (h->kind != MUKCA_CANDIDATE_EFFECT) continue;
+        const int column = mukca_unknowns_column(u, c), i = a->n_effects++;
+        const double one = 1;
+        a->effects[i] = h->effect;
+        a->effects[i].terms = h->terms;
+        for (int t = 0; t < h->terms; t++) {
+            a->effects[i].coefficient[t] = u->cause[c].coefficient[t];
+            a->effect_sigma[i][t] = mukca_regression_standard_error(m, column + t, &one, 1);
         }
-        column += h->terms;
     }
-    a->geometry = m->unknowns.geometry;
-    a->tracker = m->unknowns.tracker;
+    a->geometry = u->geometry;
+    a->tracker = u->tracker;
     a->fitted = true;
 }

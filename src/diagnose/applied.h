@@ -5,8 +5,8 @@
 #include "diagnose/diagnose.h"
 #include "diagnose/regression.h"
 
-/* Fill diagnosis->applied: drop unknown functions, let each elastic cause have one coefficient at
- * the masses as they are named, fit again, and tell standard errors.  The model is changed. */
-void mukca_applied_fit(mukca_diagnosis *diagnosis, mukca_regression *m);
+/* Drop unknown functions, let each elastic cause have one coefficient at the masses as they are
+ * named, fit again, and fill `applied` with the standard errors.  The regression is changed. */
+void mukca_applied_fit(mukca_applied *applied, mukca_regression *m);
 
 #endif

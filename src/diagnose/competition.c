@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "diagnose/screening.h"
-
 /* Log posterior odds that the first cause and later ones need. */
 #define FIRST_THRESHOLD 3.0
 #define LATER_THRESHOLD 4.0
@@ -43,7 +41,7 @@ void mukca_competition_rank(mukca_competition *contest)
     for (int i = 0; i < scan->n_scores; i++) {
         const mukca_score *score = &scan->score[i];
         if (!(score->log_odds > -HUGE_VAL)) continue;
-        mukca_contender key = key_of(mukca_scan_hypothesis(scan, i));
+        mukca_contender key = key_of(mukca_scan_candidate(scan, i));
         int at = key.class == MUKCA_CLASS_OUTLIER ? -1 : contest->n_table - 1;
         while (at >= 0 && !same_key(&contest->table[at], &key)) at--;
         if (at < 0) {
@@ -91,7 +89,7 @@ static bool shadowed(const mukca_competition *contest, const mukca_contender *c,
 bool mukca_competition_taken(const mukca_competition *contest, const mukca_contender *c, int except)
 {
     const mukca_regression *m = contest->m;
-    const mukca_candidate *best = mukca_scan_hypothesis(contest->scan, c->best);
+    const mukca_candidate *best = mukca_scan_candidate(contest->scan, c->best);
     for (int i = 0; i < m->unknowns.n_causes; i++) {
         if (i != except && mukca_candidate_same(&m->unknowns.cause[i].candidate, best)) return true;
     }
@@ -141,7 +139,7 @@ static bool add_spikes(mukca_competition *contest, double least)
         const mukca_contender *c = &contest->table[i];
         if (c->log_odds < least) break;
         if (c->class != MUKCA_CLASS_OUTLIER) continue;
-        const mukca_candidate *h = mukca_scan_hypothesis(contest->scan, c->best);
+        const mukca_candidate *h = mukca_scan_candidate(contest->scan, c->best);
         bool taken = false;
         for (int k = 0; k < m->unknowns.n_causes; k++) {
             const mukca_candidate *other = &m->unknowns.cause[k].candidate;
@@ -176,10 +174,10 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
                 extent = MUKCA_SCAN_ALL;
                 continue;
             }
-            if (!mukca_screening_reinstate(contest->diagnosis, m)) return MUKCA_OK;
+            if (!mukca_screening_reinstate(contest->faults, m)) return MUKCA_OK;
         } else if (top->class == MUKCA_CLASS_OUTLIER) {
             if (!add_spikes(contest, fmax(threshold, 0.5 * top->log_odds))) return MUKCA_OK;
-        } else if (!add(contest, mukca_scan_hypothesis(contest->scan, top->best))) {
+        } else if (!add(contest, mukca_scan_candidate(contest->scan, top->best))) {
             return MUKCA_OK;
         }
         extent = MUKCA_SCAN_LISTED;
@@ -213,7 +211,7 @@ static mukca_status settle(mukca_competition *contest, mukca_error *error)
                 changed = true;
                 continue;
             }
-            const mukca_candidate *best = mukca_scan_hypothesis(contest->scan, top->best);
+            const mukca_candidate *best = mukca_scan_candidate(contest->scan, top->best);
             const mukca_candidate *now = &m->unknowns.cause[c].candidate;
             if (now->kind == MUKCA_CANDIDATE_OUTLIER || round > 0 || says_the_same(best, now))
                 continue;
@@ -232,6 +230,13 @@ static mukca_status settle(mukca_competition *contest, mukca_error *error)
 
 mukca_status mukca_competition_run(mukca_competition *contest, mukca_error *error)
 {
+    mukca_pool *pool = &contest->m->pool;
+    const int most = contest->scan->capacity;
+    contest->table = MUKCA_TAKE(pool, mukca_contender, most);
+    contest->first = MUKCA_TAKE(pool, mukca_contender, most);
+    contest->first_score = MUKCA_TAKE(pool, mukca_score, most);
+    if (pool->failed)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
     mukca_status status = forward(contest, error);
     if (status == MUKCA_OK) status = settle(contest, error);
     return status;

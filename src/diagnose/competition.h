@@ -4,6 +4,7 @@
 
 #include "diagnose/diagnose.h"
 #include "diagnose/scan.h"
+#include "diagnose/screening.h"
 
 /* Candidates that people would call the same thing: one effect at one joint (one placement, socket
  * or row where these belong to it), all variants together. */
@@ -17,7 +18,7 @@ typedef struct {
     mukca_regression *m;
     mukca_candidates *all;
     mukca_scan *scan;
-    mukca_diagnosis *diagnosis;
+    mukca_faults *faults; /* rows cut before may come back */
     const mukca_diagnose_options *options;
     mukca_contender *table; /* [scores], by falling odds after mukca_competition_rank */
     int n_table;

@@ -29,7 +29,7 @@ static const mukca_candidate *find(const mukca_competition *contest, const mukca
         if (mukca_candidate_same(&unknowns->cause[c].candidate, &key))
             return &unknowns->cause[c].candidate;
     for (int k = 0; k < contest->scan->n_scores; k++) {
-        const mukca_candidate *candidate = mukca_scan_hypothesis(contest->scan, k);
+        const mukca_candidate *candidate = mukca_scan_candidate(contest->scan, k);
         if (mukca_candidate_same(candidate, &key)) return candidate;
     }
     return NULL;
@@ -55,7 +55,7 @@ static const mukca_candidate *closest(confounding_table *t, const mukca_candidat
     double most = CLOSE;
     for (int i = 0; i < t->contest->n_first; i++) {
         const mukca_contender *c = &t->contest->first[i];
-        const mukca_candidate *candidate = mukca_scan_hypothesis(t->contest->scan, c->best);
+        const mukca_candidate *candidate = mukca_scan_candidate(t->contest->scan, c->best);
         if (candidate->kind != MUKCA_CANDIDATE_EFFECT ||
             (mukca_candidate_class(candidate) == mukca_candidate_class(cause) &&
              candidate->joint == cause->joint))
@@ -66,12 +66,13 @@ static const mukca_candidate *closest(confounding_table *t, const mukca_candidat
     return best;
 }
 
-void mukca_confounding_measure(mukca_diagnosis *d, mukca_competition *contest)
+void mukca_confounding_measure(mukca_confounding *out, const mukca_findings *findings,
+                               mukca_competition *contest)
 {
     mukca_regression *m = contest->m;
     mukca_unknowns *unknowns = &m->unknowns;
     confounding_table t = {.contest = contest,
-                           .out = &d->confounding,
+                           .out = out,
                            .projector = mukca_projector_lay_out(m, contest->scan->memory)};
     const int geometry = mukca_unknowns_column(unknowns, 0),
               all = mukca_unknowns_column(unknowns, unknowns->n_causes);
@@ -79,11 +80,12 @@ void mukca_confounding_measure(mukca_diagnosis *d, mukca_competition *contest)
     /* a column with prior 0 is left out: that of every cause */
     memset(m->evidence.prior + geometry, 0, sizeof *m->evidence.prior * (size_t)(all - geometry));
     mukca_projector_aim(&t.projector, mukca_regression_collect_own(m), unknowns->sigma);
-    for (int i = 0; i < d->n_causes; i++) add(&t, find(contest, &d->causes[i].effect), true);
+    for (int i = 0; i < findings->n_causes; i++)
+        add(&t, find(contest, &findings->causes[i].effect), true);
     const int causes = t.out->n;
-    for (int i = 0; i < d->n_causes; i++)
-        for (int k = 0; k < d->causes[i].n_ties; k++)
-            add(&t, find(contest, &d->causes[i].ties[k].rival), false);
+    for (int i = 0; i < findings->n_causes; i++)
+        for (int k = 0; k < findings->causes[i].n_ties; k++)
+            add(&t, find(contest, &findings->causes[i].ties[k].rival), false);
     for (int i = 0; i < causes; i++) add(&t, closest(&t, t.item[i]), false);
     for (int i = 0; i < t.out->n; i++) {
         t.out->correlation[i][i] = 1;

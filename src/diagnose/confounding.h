@@ -2,10 +2,11 @@
 #ifndef MUKCA_DIAGNOSE_CONFOUNDING_H
 #define MUKCA_DIAGNOSE_CONFOUNDING_H
 
-#include "diagnose/competition.h"
+#include "diagnose/verdict.h"
 
-/* Fill diagnosis->confounding from its causes and ties.  The contest's model still holds the
+/* Fill `out` for the causes and ties of the findings.  The competition's regression still has the
  * causes; afterwards its evidence is that of the whole model. */
-void mukca_confounding_measure(mukca_diagnosis *diagnosis, mukca_competition *contest);
+void mukca_confounding_measure(mukca_confounding *out, const mukca_findings *findings,
+                               mukca_competition *competition);
 
 #endif

@@ -1,21 +1,35 @@
-/* How far the gap shrinks, measured on rows that took no part in the fit. */
+/* Held-out errors: how far the error shrinks on samples that took no part in the fit. */
 #ifndef MUKCA_DIAGNOSE_CROSS_VALIDATION_H
 #define MUKCA_DIAGNOSE_CROSS_VALIDATION_H
 
-#include "diagnose/diagnose.h"
-#include "diagnose/regression.h"
+#include "diagnose/verdict.h"
 
-/* All held-out figures as not measurable. */
-void mukca_cross_validation_clear(mukca_diagnosis *diagnosis);
+/* Mean errors, m; NaN: not measurable. */
+typedef struct {
+    int folds;
+    double nominal_m, geometry_m, faults_excused_m, explained_m;
+    double surprise, surprise_sigmas;     /* as in mukca_diagnosis */
+    mukca_shrink shrink;                  /* from faults_excused_m to explained_m */
+    mukca_shrink cause[MUKCA_MAX_CAUSES]; /* by each of the causes alone */
+    double noise_shrink_percent;          /* what the best of the catalogue gains on pure noise */
+    double axis_rms_m[3];                 /* what geometry leaves, by base axis; not held out */
+    double *placement_m;                  /* [n_placements] of explained_m, NULL: none */
+    mukca_geometry geometry;              /* fitted without causes */
+} mukca_validation;
+
+/* Nothing measured. */
+void mukca_cross_validation_clear(mukca_validation *validation);
 
 /* Held-out mean error of the model as it stands, unknown functions included, m; NaN without folds.
  */
 double mukca_cross_validation_structure(mukca_regression *m);
 
 /* Leave one placement out (one socket, where there is one placement; a fifth of the rows of a pose
- * log): nominal, geometry, faults excused, explained, and each cause alone; and the held-out data
- * of options->test.  The model is left as it was.  Errors: MUKCA_INTERRUPTED, MUKCA_MEMORY. */
-mukca_status mukca_cross_validation_run(mukca_diagnosis *diagnosis, mukca_regression *m,
+ * log): nominal, geometry, faults excused, explained, and each cause of the findings alone.  The
+ * regression is left as it was.  placement_m comes from `pool`.  Errors: MUKCA_INTERRUPTED,
+ * MUKCA_MEMORY. */
+mukca_status mukca_cross_validation_run(mukca_validation *validation, mukca_pool *pool,
+                                        mukca_regression *m, const mukca_findings *findings,
                                         const mukca_diagnose_options *options, mukca_error *error);
 
 #endif

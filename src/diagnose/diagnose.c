@@ -1,4 +1,4 @@
-/* Diagnosis of the gap that geometry leaves: the way from a recording to a verdict. */
+/* The diagnosis: the way from a recording to a verdict. */
 #include "diagnose/diagnose.h"
 
 #include <math.h>
@@ -6,12 +6,11 @@
 #include <time.h>
 
 #include "diagnose/applied.h"
-#include "diagnose/competition.h"
 #include "diagnose/confounding.h"
 #include "diagnose/cross_validation.h"
-#include "diagnose/screening.h"
+#include "diagnose/test_data.h"
 #include "diagnose/untested.h"
-#include "diagnose/verdict.h"
+#include "math/stats.h"
 
 const char *const mukca_verdict_name[] = {
 #define VERDICT_NAME(name, text) text,
@@ -33,6 +32,22 @@ const char *const mukca_fault_name[] = {
 /* Noise per axis above which no arm is so bad but the rows belong to another one, m. */
 #define MOST_SIGMA 10e-3
 
+/* Numbers that a socket needs for its own mean, and what must be left for the geometry: a dozen. */
+enum { PER_GROUP = 3, LEAST_NUMBERS = 12 };
+
+/* What the steps return. */
+typedef struct {
+    mukca_faults faults;
+    mukca_findings findings;
+    mukca_tested_list tested;
+    mukca_validation validation;
+    mukca_test_errors test;
+    mukca_confounding confounding;
+    double sigma_m, rho; /* noise with all that competed */
+    double structure_m;
+    const char *why; /* nothing can be tested */
+} steps;
+
 static double now_s(void)
 {
     struct timespec t;
@@ -40,23 +55,126 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* What is measured and handed on is the geometry with the causes that were told: an unknown
- * function fits these rows and says nothing of others. */
-static void keep_told(mukca_diagnosis *d, mukca_regression *m)
+/* What is measured and handed on is the geometry with the named causes: an unknown function fits
+ * these samples and says nothing of others. */
+static void keep_named(mukca_regression *m, bool none)
 {
     bool dropped = false;
-    if (d->unexplained || d->verdict == MUKCA_VERDICT_UNKNOWN)
-        d->structure_m = mukca_cross_validation_structure(m);
     for (int c = 0; c < m->unknowns.n_causes; c++) {
         const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        const int class = mukca_candidate_class(h);
-        const bool fault = mukca_candidate_is_fault(h);
-        if (fault || (class != MUKCA_CLASS_UNKNOWN && d->verdict != MUKCA_VERDICT_UNKNOWN))
+        if (mukca_candidate_is_fault(h) ||
+            (mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN && !none))
             continue;
         mukca_unknowns_drop(&m->unknowns, c--);
         dropped = true;
     }
     if (dropped) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
+}
+
+/* Nothing can be tested.  Where a row belongs, an arm that does not fit cannot say either. */
+static void give_up(steps *s, mukca_regression *m, const char *why)
+{
+    int kept = 0;
+    s->why = why;
+    s->findings = (mukca_findings){.verdict = MUKCA_VERDICT_UNTESTABLE};
+    mukca_untested_all(&s->tested, why);
+    if (!m) return;
+    for (int f = 0; f < s->faults.count; f++)
+        if (s->faults.list[f].kind == MUKCA_FAULT_DUPLICATE)
+            s->faults.list[kept++] = s->faults.list[f];
+    s->faults.count = kept;
+    m->unknowns.n_causes = 0;
+    mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
+}
+
+/* List the candidates, let them compete, and reach the verdict. */
+static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose_options *options,
+                             mukca_error *error)
+{
+    mukca_candidates all;
+    mukca_scan scan;
+    mukca_status status = mukca_candidates_list(&all, &m->pool, &m->recording, &m->unknowns,
+                                                options->disabled, error);
+    if (status != MUKCA_OK) return status;
+    status = mukca_scan_create(&scan, &all, m, error);
+    if (status != MUKCA_OK) return status;
+    mukca_competition competition = {
+        .m = m, .all = &all, .scan = &scan, .faults = &s->faults, .options = options};
+    status = mukca_competition_run(&competition, error);
+    s->sigma_m = m->unknowns.sigma;
+    s->rho = m->unknowns.rho;
+    if (status == MUKCA_OK && s->sigma_m < MOST_SIGMA) {
+        mukca_verdict_reach(&s->findings, &s->faults, &competition);
+        mukca_untested_list(&s->tested, &competition);
+        if (options->confounding)
+            mukca_confounding_measure(&s->confounding, &s->findings, &competition);
+        const bool none = s->findings.verdict == MUKCA_VERDICT_UNKNOWN;
+        if (s->findings.unexplained || none) s->structure_m = mukca_cross_validation_structure(m);
+        keep_named(m, none);
+    } else if (status == MUKCA_OK) {
+        give_up(s, m,
+                "the rows do not fit this arm: check the URDF, the tip, the columns and their "
+                "order; a tracker's log needs --free-base and --free-tool");
+    }
+    mukca_scan_free(&scan);
+    return status;
+}
+
+/* Held-out errors, and what they say of the verdict. */
+static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
+                             const mukca_diagnose_options *options, mukca_error *error)
+{
+    mukca_status status =
+        mukca_cross_validation_run(&s->validation, pool, m, &s->findings, options, error);
+    if (status == MUKCA_OK && options->test)
+        status = mukca_test_data_measure(&s->test, pool, m, &s->validation.geometry, options->test,
+                                         error);
+    if (!(s->validation.surprise_sigmas > SURPRISED)) return status;
+    if (s->findings.verdict == MUKCA_VERDICT_NONE)
+        s->findings.verdict = MUKCA_VERDICT_UNKNOWN;
+    else
+        s->findings.unexplained = s->findings.n_causes > 0;
+    return status;
+}
+
+/* The results of all steps, as they are reported. */
+static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *recording)
+{
+    const mukca_validation *v = &s->validation;
+    d->verdict = s->findings.verdict;
+    d->why = s->why;
+    d->unexplained = s->findings.unexplained;
+    d->n_causes = s->findings.n_causes;
+    d->n_where = s->findings.n_where;
+    d->n_faults = s->faults.count;
+    d->n_tested = s->tested.count;
+    memcpy(d->causes, s->findings.causes, sizeof d->causes);
+    memcpy(d->where, s->findings.where, sizeof d->where);
+    memcpy(d->faults, s->faults.list, sizeof d->faults);
+    memcpy(d->tested, s->tested.list, sizeof d->tested);
+    for (int c = 0; c < d->n_causes; c++) d->causes[c].held_out = v->cause[c];
+    memcpy(d->axis_rms_m, v->axis_rms_m, sizeof d->axis_rms_m);
+    d->nominal_m = v->nominal_m;
+    d->geometry_m = v->geometry_m;
+    d->faults_excused_m = v->faults_excused_m;
+    d->explained_m = v->explained_m;
+    d->structure_m = s->structure_m;
+    d->sigma_m = s->sigma_m;
+    d->rho = s->rho;
+    d->noise_floor_m = v->placement_m ? MUKCA_MEAN_NORM3 * d->sigma_m : (double)NAN;
+    d->surprise = v->surprise;
+    d->surprise_sigmas = v->surprise_sigmas;
+    d->held_out = v->shrink;
+    d->noise_shrink_percent = v->noise_shrink_percent;
+    d->folds = v->folds;
+    d->placement_mae_m = v->placement_m;
+    d->test_nominal_m = s->test.nominal_m;
+    d->test_geometry_m = s->test.geometry_m;
+    d->test_explained_m = s->test.explained_m;
+    d->test_placement_mae_m = s->test.placement_m;
+    d->n_test_placements = s->test.n_placements;
+    d->confounding = s->confounding;
+    d->efforts_correlation = recording->efforts_correlation;
 }
 
 void mukca_diagnosis_free(mukca_diagnosis *diagnosis)
@@ -70,74 +188,37 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
                             mukca_error *error)
 {
     const double started = now_s();
-    mukca_regression m;
-    mukca_candidates all;
-    mukca_scan scan = {0};
-    mukca_competition contest = {&m, &all, &scan, diagnosis, options, NULL, 0, NULL, 0, NULL};
-    const mukca_recording_options model_options = {
+    const mukca_recording_options recording_options = {
         .mass_spread = options->mass_spread > 0 ? options->mass_spread : 0.1,
-        .distance_sigma = 1e-4,
+        .distance_sigma = 1e-4, /* m: what a printed or milled tool keeps */
         .free_base = options->free_base,
         .free_tool = options->free_tool};
+    mukca_regression m;
     memset(diagnosis, 0, sizeof *diagnosis);
-    mukca_status status = mukca_regression_create(&m, chain, data, &model_options, error);
+    mukca_status status = mukca_regression_create(&m, chain, data, &recording_options, error);
     if (status != MUKCA_OK) return status;
-
-    mukca_screening_run(diagnosis, &m);
-    mukca_cross_validation_clear(diagnosis);
-    diagnosis->efforts_correlation = m.recording.efforts_correlation;
-    if (mukca_untested_distinct(&m.recording) * m.recording.dim < 3 * m.recording.n_groups + 12) {
-        mukca_untested_all(diagnosis, "too few different rows: record 20 or more for each socket");
-        goto out;
-    }
-    mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
-    status =
-        mukca_candidates_list(&all, &m.pool, &m.recording, &m.unknowns, options->disabled, error);
-    if (status != MUKCA_OK) goto out;
-    status = mukca_scan_create(&scan, &all, &m, error);
-    if (status != MUKCA_OK) goto out;
-    const int most = all.count + chain->n_joints * MUKCA_RIPPLE_MOST;
-    contest.table = MUKCA_TAKE(&m.pool, mukca_contender, most);
-    contest.first = MUKCA_TAKE(&m.pool, mukca_contender, most);
-    contest.first_score = MUKCA_TAKE(&m.pool, mukca_score, most);
-    if (m.pool.failed) {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
-        goto out;
-    }
-    status = mukca_competition_run(&contest, error);
-    if (status != MUKCA_OK) goto out;
-    diagnosis->sigma_m = m.unknowns.sigma;
-    diagnosis->rho = m.unknowns.rho;
-    if (m.unknowns.sigma < MOST_SIGMA) {
-        mukca_verdict_reach(diagnosis, &contest);
-        if (options->confounding) mukca_confounding_measure(diagnosis, &contest);
-        keep_told(diagnosis, &m);
+    steps *s = MUKCA_TAKE(&m.pool, steps, 1);
+    if (!s) goto out;
+    s->structure_m = s->test.nominal_m = s->test.geometry_m = s->test.explained_m = NAN;
+    mukca_cross_validation_clear(&s->validation);
+    mukca_screening_run(&s->faults, &m);
+    const mukca_recording *recording = &m.recording;
+    if (mukca_recording_distinct(recording) * recording->dim <
+        PER_GROUP * recording->n_groups + LEAST_NUMBERS) {
+        give_up(s, NULL, "too few different rows: record 20 or more for each socket");
     } else {
-        mukca_untested_all(diagnosis,
-                           "the rows do not fit this arm: check the URDF, the tip, the columns and "
-                           "their order; a tracker's log needs --free-base and --free-tool");
-        int told = 0; /* where a row belongs, an arm that does not fit cannot say */
-        for (int f = 0; f < diagnosis->n_faults; f++)
-            if (diagnosis->faults[f].kind == MUKCA_FAULT_DUPLICATE)
-                diagnosis->faults[told++] = diagnosis->faults[f];
-        diagnosis->n_faults = told;
-        while (m.unknowns.n_causes) mukca_unknowns_drop(&m.unknowns, 0);
-        mukca_regression_fit(&m, 4, MUKCA_FIT_ALL);
+        mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
+        status = identify(s, &m, options, error);
+        diagnosis->geometry = m.unknowns.geometry;
+        diagnosis->tracker = m.unknowns.tracker;
+        if (status == MUKCA_OK && !options->no_folds)
+            status = validate(s, &diagnosis->pool, &m, options, error);
+        if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, &m);
     }
-    diagnosis->geometry = m.unknowns.geometry;
-    diagnosis->tracker = m.unknowns.tracker;
-    if (!options->no_folds) status = mukca_cross_validation_run(diagnosis, &m, options, error);
-    if (diagnosis->surprise_sigmas > SURPRISED) {
-        if (diagnosis->verdict == MUKCA_VERDICT_NONE)
-            diagnosis->verdict = MUKCA_VERDICT_UNKNOWN;
-        else
-            diagnosis->unexplained = diagnosis->n_causes > 0;
-    }
-    if (status == MUKCA_OK && options->applied) mukca_applied_fit(diagnosis, &m);
-    if (m.pool.failed || diagnosis->pool.failed)
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    assemble(diagnosis, s, recording);
 out:
-    mukca_scan_free(&scan);
+    if (status == MUKCA_OK && (m.pool.failed || diagnosis->pool.failed))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     mukca_regression_free(&m);
     if (status != MUKCA_OK) mukca_diagnosis_free(diagnosis);
     diagnosis->elapsed_s = now_s() - started;

@@ -54,6 +54,13 @@ typedef struct {
     int folds_better, folds;
 } mukca_shrink;
 
+#define MUKCA_SHRINK_NONE                  \
+    ((mukca_shrink){.before_m = NAN,       \
+                    .after_m = NAN,        \
+                    .shrink_percent = NAN, \
+                    .low_percent = NAN,    \
+                    .high_percent = NAN})
+
 typedef struct {
     mukca_effect effect; /* kind, joint, placement, variant and coefficients, SI */
     int socket;          /* index into the dataset's sockets, -1: none */

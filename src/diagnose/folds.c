@@ -106,6 +106,17 @@ double mukca_folds_mean(const double *error, int n)
     return count ? sum / count : (double)NAN;
 }
 
+void mukca_folds_by_placement(double *mean, const mukca_recording *recording, const double *error)
+{
+    for (int p = 0; p < recording->data->n_placements; p++) {
+        double sum = 0;
+        int n = 0;
+        for (int row = 0; row < recording->data->n_rows; row++)
+            if (recording->placement[row] == p && isfinite(error[row])) sum += error[row], n++;
+        mean[p] = n ? sum / n : (double)NAN;
+    }
+}
+
 /* Prior sigmas with only the causes that `use` marks (and the faults of the tool). */
 static void set_priors(mukca_regression *m, const unsigned char *use)
 {

@@ -32,6 +32,9 @@ int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket);
 void mukca_folds_errors(double *error, const mukca_regression *m, const double *position,
                         const unsigned char *of, bool excuse);
 
+/* mean[n_placements] of the finite errors of each placement's rows, NaN where there is none. */
+void mukca_folds_by_placement(double *mean, const mukca_recording *recording, const double *error);
+
 /* Mean of the finite ones among error[n], NaN where there is none. */
 double mukca_folds_mean(const double *error, int n);
 

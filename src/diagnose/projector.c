@@ -33,70 +33,83 @@ mukca_projector mukca_projector_lay_out(mukca_regression *m, double *memory)
     return p;
 }
 
-static void prepare(mukca_projector *p)
+/* Weights of the samples in the whitened mean of group g. */
+static void weigh_group(mukca_projector *p, int g)
 {
-    const mukca_regression *m = p->m;
-    const int d = m->recording.dim, n = p->n, size = n + 1;
-    const double rho = p->normal->rho, sigma2 = 1 / p->precision;
-    const double *L = m->evidence.factor;
-    const double sd2 = m->recording.options.distance_sigma * m->recording.options.distance_sigma;
-    for (int k = 0; k < m->recording.n_pairs; k++)
-        p->inverse[k] = 1 / (sd2 + sigma2 * p->normal->variance[k]);
-    for (int g = 0; g < m->recording.n_groups; g++) {
-        const mukca_group *group = &m->recording.groups[g];
-        double sum = 0;
-        for (int i = 0; i < group->count; i++) {
-            double own, before;
-            mukca_evidence_whitening(&own, &before, i, p->root, p->normal->rho);
-            sum += (own - before) * (own - before);
-        }
-        p->weights[g] = sum;
-        for (int i = 0; i < group->count; i++) {
-            double own, before, next_own, next_before, w;
-            mukca_evidence_whitening(&own, &before, i, p->root, p->normal->rho);
-            mukca_evidence_whitening(&next_own, &next_before, i + 1, p->root, p->normal->rho);
-            w = own * (own - before);
-            if (i + 1 < group->count) w -= next_before * (next_own - next_before);
-            p->mean_weight[group->start + i] = w / sum;
-            for (int c = 0; c < d; c++) {
-                const size_t at = (size_t)((group->start + i) * d + c) * (size_t)size;
-                const double *white = p->normal->white + at;
-                double *q = p->Q + at;
-                const double a = p->precision * own, b = p->precision * next_before;
-                if (i + 1 < group->count && rho > 0) {
-                    const double *next = white + (size_t)d * (size_t)size;
-                    for (int k = 0; k < size; k++) q[k] = a * white[k] - b * next[k];
-                } else {
-                    for (int k = 0; k < size; k++) q[k] = a * white[k];
-                }
-            }
-        }
+    const mukca_group *group = &p->m->recording.groups[g];
+    const double rho = p->normal->rho;
+    double sum = 0, own, before, next_own, next_before;
+    for (int i = 0; i < group->count; i++) {
+        mukca_evidence_whitening(&own, &before, i, p->root, rho);
+        sum += (own - before) * (own - before);
     }
-    for (int k = 0; k < m->recording.n_pairs; k++) {
-        const mukca_socket_pair *pair = &m->recording.pairs[k];
+    p->weights[g] = sum;
+    for (int i = 0; i < group->count; i++) {
+        mukca_evidence_whitening(&own, &before, i, p->root, rho);
+        mukca_evidence_whitening(&next_own, &next_before, i + 1, p->root, rho);
+        double w = own * (own - before);
+        if (i + 1 < group->count) w -= next_before * (next_own - next_before);
+        p->mean_weight[group->start + i] = w / sum;
+    }
+}
+
+/* Q := W X and W y of the samples of a group: the transposed whitening of the whitened columns. */
+static void fill_Q(mukca_projector *p, const mukca_group *group)
+{
+    const double rho = p->normal->rho;
+    const size_t step = (size_t)p->m->recording.dim * (size_t)(p->n + 1);
+    for (int i = 0; i < group->count; i++) {
+        double own, before, next_own, next_before;
+        mukca_evidence_whitening(&own, &before, i, p->root, rho);
+        mukca_evidence_whitening(&next_own, &next_before, i + 1, p->root, rho);
+        const double *white = p->normal->white + (size_t)(group->start + i) * step,
+                     *next = white + step;
+        double *q = p->Q + (size_t)(group->start + i) * step;
+        const double a = p->precision * own, b = p->precision * next_before;
+        if (i + 1 < group->count && rho > 0)
+            for (size_t k = 0; k < step; k++) q[k] = a * white[k] - b * next[k];
+        else
+            for (size_t k = 0; k < step; k++) q[k] = a * white[k];
+    }
+}
+
+/* The distance rows' part of Q: each acts on the means of its two sockets. */
+static void add_distances(mukca_projector *p)
+{
+    const mukca_recording *recording = &p->m->recording;
+    const int size = p->n + 1;
+    for (int k = 0; k < recording->n_pairs; k++) {
         const double *row = p->normal->distance + k * size;
+        const double *direction = p->m->linear.direction[k];
         for (int side = 0; side < 2; side++) {
-            const mukca_group *group = &m->recording.groups[side ? pair->b : pair->a];
+            const mukca_socket_pair *pair = &recording->pairs[k];
+            const mukca_group *group = &recording->groups[side ? pair->b : pair->a];
             for (int i = group->start; i < group->start + group->count; i++)
                 for (int c = 0; c < 3; c++) {
-                    const double w = (side ? -1 : 1) * p->inverse[k] * m->linear.direction[k][c] *
-                                     p->mean_weight[i];
-                    double *q = p->Q + (size_t)(i * d + c) * (size_t)size;
+                    const double w =
+                        (side ? -1 : 1) * p->inverse[k] * direction[c] * p->mean_weight[i];
+                    double *q = p->Q + (size_t)(i * recording->dim + c) * (size_t)size;
                     for (int e = 0; e < size; e++) q[e] += w * row[e];
                 }
         }
     }
-    /* Zt := (L^-1 D Q')', a block of rows at a time; u := W y - Zt z.  Columns with prior 0 drop
-     * out. */
+}
+
+/* Zt := (L^-1 D Q')', a block of rows at a time; u := W y - Zt z.  Columns with prior 0 drop out.
+ */
+static void fill_Zt(mukca_projector *p)
+{
     enum { BLOCK = 32 };
+    const double *prior = p->m->evidence.prior;
+    const int n = p->n, size = n + 1;
     double *B = p->T;
     for (int start = 0; start < p->rows; start += BLOCK) {
         const int count = p->rows - start < BLOCK ? p->rows - start : BLOCK;
         for (int r = 0; r < count; r++) {
             const double *q = p->Q + (size_t)(start + r) * (size_t)size;
-            for (int i = 0; i < n; i++) B[i * count + r] = q[i] * m->evidence.prior[i];
+            for (int i = 0; i < n; i++) B[i * count + r] = q[i] * prior[i];
         }
-        mukca_dense_forward(B, count, L, n);
+        mukca_dense_forward(B, count, p->m->evidence.factor, n);
         for (int r = 0; r < count; r++) {
             double *x = p->Zt + (size_t)(start + r) * (size_t)n;
             double sum = p->Q[(size_t)(start + r) * (size_t)size + (size_t)n];
@@ -158,60 +171,69 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
     return mukca_stats_log_sum_exp(value, n_scales) - log(n_scales);
 }
 
-void mukca_projector_project(double *G, double *g, mukca_projector *p, const double *E, int k,
-                             const mukca_candidate *h)
+/* G := E' W E of the samples, without the sockets' means. */
+static void project_samples(double *G, mukca_projector *p, const double *E, int k)
 {
-    const mukca_regression *m = p->m;
-    const int d = m->recording.dim, n = p->n;
-    double along[MUKCA_MAX_COLUMNS];
-    memset(G, 0, sizeof *G * (size_t)(k * k));
-    memset(g, 0, sizeof *g * (size_t)k);
-    memset(p->T, 0, sizeof *p->T * (size_t)(n * k));
-    for (int e = 0; e < m->recording.n_groups; e++) {
-        const mukca_group *group = &m->recording.groups[e];
+    const mukca_recording *recording = &p->m->recording;
+    const int d = recording->dim;
+    const size_t step = (size_t)(d * k);
+    double mean[MUKCA_MAX_COLUMNS];
+    for (int g = 0; g < recording->n_groups; g++) {
+        const mukca_group *group = &recording->groups[g];
         for (int i = 0; i < group->count; i++) {
-            double own, before;
+            const double *e = E + (size_t)(group->start + i) * step;
+            double *white = p->white + (size_t)(group->start + i) * step, own, before;
             mukca_evidence_whitening(&own, &before, i, p->root, p->normal->rho);
-            for (int c = 0; c < d; c++) {
-                const size_t at = (size_t)((group->start + i) * d + c) * (size_t)k;
-                for (int t = 0; t < k; t++)
-                    p->white[at + (size_t)t] =
-                        own * E[at + (size_t)t] -
-                        (i ? before * E[at - (size_t)(d * k) + (size_t)t] : 0);
-            }
+            for (size_t t = 0; t < step; t++)
+                white[t] = own * e[t] - (i ? before * (e - step)[t] : 0);
         }
     }
     mukca_dense_syrk(G, k, p->white, p->rows, k);
     for (int i = 0; i < k * k; i++) G[i] *= p->precision;
-    /* Sockets' means: out of the rows, into the distance rows. */
-    double mean[MUKCA_MAX_COLUMNS];
-    for (int e = 0; e < m->recording.n_groups; e++) {
-        const mukca_group *group = &m->recording.groups[e];
-        if (group->socket < 0) continue;
-        for (int c = 0; c < 3; c++) {
+    for (int g = 0; g < recording->n_groups; g++) {
+        const mukca_group *group = &recording->groups[g];
+        const double w = p->precision * p->weights[g];
+        for (int c = 0; c < 3 && group->socket >= 0; c++) {
             memset(mean, 0, sizeof mean);
             for (int i = group->start; i < group->start + group->count; i++)
                 for (int t = 0; t < k; t++) mean[t] += p->mean_weight[i] * E[(i * d + c) * k + t];
-            const double w = p->precision * p->weights[e];
             for (int a = 0; a < k; a++)
                 for (int b = 0; b < k; b++) G[a * k + b] -= w * mean[a] * mean[b];
         }
     }
+}
+
+/* along[k]: what the columns do to the distance of a pair of sockets. */
+static void pair_columns(double *along, const mukca_projector *p, const double *E, int k, int pair)
+{
+    const mukca_recording *recording = &p->m->recording;
+    memset(along, 0, sizeof *along * (size_t)k);
+    for (int side = 0; side < 2; side++) {
+        const mukca_socket_pair *both = &recording->pairs[pair];
+        const mukca_group *group = &recording->groups[side ? both->b : both->a];
+        for (int i = group->start; i < group->start + group->count; i++)
+            for (int c = 0; c < 3; c++) {
+                const double w =
+                    (side ? -1 : 1) * p->mean_weight[i] * p->m->linear.direction[pair][c];
+                const double *e = E + (i * recording->dim + c) * k;
+                for (int t = 0; t < k; t++) along[t] += w * e[t];
+            }
+    }
+}
+
+void mukca_projector_project(double *G, double *g, mukca_projector *p, const double *E, int k,
+                             const mukca_candidate *h)
+{
+    const mukca_regression *m = p->m;
+    const int n = p->n;
+    double along[MUKCA_MAX_COLUMNS];
+    memset(G, 0, sizeof *G * (size_t)(k * k));
+    memset(g, 0, sizeof *g * (size_t)k);
+    memset(p->T, 0, sizeof *p->T * (size_t)(n * k));
+    project_samples(G, p, E, k);
     for (int r = 0; r < m->recording.n_pairs; r++) {
-        const mukca_socket_pair *pair = &m->recording.pairs[r];
-        memset(along, 0, sizeof along);
-        for (int side = 0; side < 2; side++) {
-            const mukca_group *group = &m->recording.groups[side ? pair->b : pair->a];
-            for (int i = group->start; i < group->start + group->count; i++)
-                for (int c = 0; c < 3; c++) {
-                    const double w =
-                        (side ? -1 : 1) * p->mean_weight[i] * m->linear.direction[r][c];
-                    for (int t = 0; t < k; t++) along[t] += w * E[(i * d + c) * k + t];
-                }
-        }
-        if (mukca_candidate_changes_pair(
-                h, &m->recording,
-                r)) { /* acts on the distance rows alone: what prepare() left out */
+        pair_columns(along, p, E, k, r);
+        if (mukca_candidate_changes_pair(h, &m->recording, r)) { /* on the distance row alone */
             const double *row = p->normal->distance + r * (n + 1);
             along[0] = -1;
             g[0] -= p->inverse[r] * row[n];
@@ -296,121 +318,24 @@ void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *norma
     const int n = p->n;
     p->normal = normal;
     p->precision = 1 / (sigma * sigma);
+    const double sigma2 = 1 / p->precision;
     p->root = sqrt(1 - normal->rho * normal->rho);
     mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL);
     memcpy(p->z, m->evidence.work, sizeof *p->z * (size_t)n);
     p->residual = p->precision * normal->gram[(size_t)(n + 1) * (size_t)(n + 1) - 1];
-    prepare(p);
+    const double known = normal->distance_sigma * normal->distance_sigma;
+    for (int k = 0; k < normal->n_pairs; k++)
+        p->inverse[k] = 1 / (known + sigma2 * normal->variance[k]);
+    for (int g = 0; g < m->recording.n_groups; g++) {
+        weigh_group(p, g);
+        fill_Q(p, &m->recording.groups[g]);
+    }
+    add_distances(p);
+    fill_Zt(p);
     for (int k = 0; k < m->recording.n_pairs; k++) {
         const double y = normal->distance[k * (n + 1) + n];
         p->residual += p->inverse[k] * y * y;
     }
     for (int k = 0; k < n; k++) p->residual -= p->z[k] * p->z[k];
     p->residual = fmax(p->residual, 1e-9);
-}
-
-size_t mukca_joint_view_size(const mukca_regression *m)
-{
-    return (size_t)m->recording.data->n_rows *
-           ((size_t)mukca_unknowns_capacity(&m->unknowns) + 3 + 4 * MUKCA_MAX_COLUMNS);
-}
-
-mukca_joint_view mukca_joint_view_aim(mukca_projector *p, int joint, double *memory)
-{
-    const mukca_regression *m = p->m;
-    const int d = m->recording.dim, n = p->n, n_joints = m->recording.chain->n_joints,
-              rows = m->recording.n_samples;
-    mukca_joint_view v = {.p = p, .joint = joint};
-    v.Z = memory;
-    v.u = v.Z + (size_t)rows * (size_t)n;
-    v.diagonal = v.u + rows;
-    v.off = v.diagonal + rows;
-    v.F = v.off + rows;
-    v.H = v.F + (size_t)rows * 2 * MUKCA_MAX_COLUMNS;
-    for (int e = 0; e < m->recording.n_groups; e++) {
-        const mukca_group *group = &m->recording.groups[e];
-        for (int k = 0; k < group->count; k++) {
-            const int i = group->start + k;
-            const double *lever = m->linear.lever + (size_t)(i * n_joints + joint) * (size_t)d;
-            double *z = v.Z + (size_t)i * (size_t)n;
-            double own, before, next_own, next_before, square = 0, product = 0;
-            memset(z, 0, sizeof *z * (size_t)n);
-            v.u[i] = 0;
-            for (int c = 0; c < d; c++) {
-                const double *from = p->Zt + (size_t)(i * d + c) * (size_t)n;
-                for (int t = 0; t < n; t++) z[t] += lever[c] * from[t];
-                v.u[i] += lever[c] * p->u[i * d + c];
-                square += lever[c] * lever[c];
-                if (k) product += lever[c] * lever[c - n_joints * d];
-            }
-            mukca_evidence_whitening(&own, &before, k, p->root, p->normal->rho);
-            mukca_evidence_whitening(&next_own, &next_before, k + 1, p->root, p->normal->rho);
-            v.diagonal[i] =
-                square * (own * own + (k + 1 < group->count ? next_before * next_before : 0));
-            v.off[i] = -2 * own * before * product;
-        }
-    }
-    return v;
-}
-
-void mukca_joint_view_project(double *g, double *mean, const mukca_joint_view *v, int width)
-{
-    const mukca_projector *p = v->p;
-    const mukca_regression *m = p->m;
-    const int d = m->recording.dim, n = p->n, n_joints = m->recording.chain->n_joints;
-    memset(p->T, 0, sizeof *p->T * (size_t)(n * width));
-    memset(g, 0, sizeof *g * (size_t)width);
-    memset(mean, 0, sizeof *mean * (size_t)(m->recording.n_groups * 3 * width));
-    mukca_dense_xty(p->T, width, v->Z, n, n, v->F, width, width, m->recording.n_samples);
-    for (int e = 0; e < m->recording.n_groups; e++) {
-        const mukca_group *group = &m->recording.groups[e];
-        for (int i = group->start; i < group->start + group->count; i++) {
-            const double *lever = m->linear.lever + (size_t)(i * n_joints + v->joint) * (size_t)d;
-            const double *f = v->F + (size_t)i * (size_t)width;
-            double *h = v->H + (size_t)i * (size_t)width;
-            for (int t = 0; t < width; t++) {
-                g[t] += v->u[i] * f[t];
-                h[t] = v->diagonal[i] * f[t];
-            }
-            if (v->off[i] != 0)
-                for (int t = 0; t < width; t++) h[t] += v->off[i] * f[t - width];
-            for (int c = 0; c < 3 && group->socket >= 0; c++) {
-                const double w = p->mean_weight[i] * lever[c];
-                double *to = mean + (3 * e + c) * width;
-                for (int t = 0; t < width; t++) to[t] += w * f[t];
-            }
-        }
-    }
-}
-
-void mukca_joint_view_gram(double *G, const mukca_joint_view *v, const double *mean, int width,
-                           int at, int k)
-{
-    const mukca_projector *p = v->p;
-    const mukca_regression *m = p->m;
-    memset(G, 0, sizeof *G * (size_t)(k * k));
-    mukca_dense_xty(G, k, v->H + at, k, width, v->F + at, k, width, m->recording.n_samples);
-    for (int e = 0; e < m->recording.n_groups; e++) {
-        if (m->recording.groups[e].socket < 0) continue;
-        for (int c = 0; c < 3; c++) {
-            const double *x = mean + (3 * e + c) * width + at;
-            for (int a = 0; a < k; a++)
-                for (int b = 0; b < k; b++) G[a * k + b] -= p->weights[e] * x[a] * x[b];
-        }
-    }
-    for (int i = 0; i < k * k; i++) G[i] *= p->precision;
-    for (int r = 0; r < m->recording.n_pairs; r++) {
-        const mukca_socket_pair *pair = &m->recording.pairs[r];
-        double along[2 * MUKCA_MAX_COLUMNS] = {0};
-        for (int c = 0; c < 3; c++)
-            for (int a = 0; a < k; a++)
-                along[a] += m->linear.direction[r][c] * (mean[(3 * pair->a + c) * width + at + a] -
-                                                         mean[(3 * pair->b + c) * width + at + a]);
-        for (int a = 0; a < k; a++)
-            for (int b = 0; b < k; b++) G[a * k + b] += p->inverse[r] * along[a] * along[b];
-    }
-    double lost[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS];
-    memset(lost, 0, sizeof *lost * (size_t)(k * k));
-    mukca_dense_syrk(lost, k, p->T + at, p->n, width);
-    for (int i = 0; i < k * k; i++) G[i] -= lost[i];
 }

@@ -50,29 +50,4 @@ void mukca_projector_project(double *G, double *g, mukca_projector *p, const dou
 double mukca_projector_field(mukca_projector *p, const mukca_candidate *h, double *information);
 double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, double *information);
 
-/* The same for functions of state that turn one joint about its axis: the joint's levers make one
- * row of the three of a sample. */
-typedef struct {
-    mukca_projector *p;
-    int joint;
-    double *Z; /* [m->recording.n_samples][n] */
-    double *u; /* [m->recording.n_samples] */
-    double
-        *diagonal; /* [m->recording.n_samples] of W seen through the levers, sockets' means apart */
-    double *off;   /* [m->recording.n_samples] twice the entry with the row before */
-    double *F, *H; /* [m->recording.n_samples][2 * MUKCA_MAX_COLUMNS] scratch */
-} mukca_joint_view;
-
-size_t mukca_joint_view_size(const mukca_regression *m);
-mukca_joint_view mukca_joint_view_aim(mukca_projector *p, int joint, double *memory);
-
-/* Projected normal equations of the functions F[m->recording.n_samples][width] in the view:
- * T[n][width] (in p->T), g[width], and mean[n_groups][3][width] of what they do to each socket's
- * mean. */
-void mukca_joint_view_project(double *g, double *mean, const mukca_joint_view *v, int width);
-
-/* G[k][k] of the functions [at, at + k) of those in F, after mukca_joint_view_project. */
-void mukca_joint_view_gram(double *G, const mukca_joint_view *v, const double *mean, int width,
-                           int at, int k);
-
 #endif

@@ -122,3 +122,19 @@ bool mukca_recording_create(mukca_recording *recording, mukca_pool *pool, const 
     mukca_recording_regroup(recording);
     return true;
 }
+
+int mukca_recording_distinct(const mukca_recording *recording)
+{
+    const int n = recording->chain->n_joints;
+    int distinct = 0;
+    for (int g = 0; g < recording->n_groups; g++)
+        for (int i = 0; i < recording->groups[g].count; i++) {
+            const int *row = recording->order + recording->groups[g].start + i;
+            const double *q = recording->data->q + row[0] * n;
+            double most = i ? 0 : HUGE_VAL;
+            for (int j = 0; i && j < n; j++)
+                most = fmax(most, fabs(q[j] - recording->data->q[row[-1] * n + j]));
+            distinct += most > 1e-5; /* rad: the resolution of any encoder */
+        }
+    return distinct;
+}

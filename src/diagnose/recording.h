@@ -73,6 +73,9 @@ mukca_joint_state mukca_recording_state(const mukca_recording *recording, int ro
 void mukca_recording_range(double range[2], const mukca_recording *recording, const double *x,
                            int columns, int column);
 
+/* Samples that do not repeat the one before them in their group. */
+int mukca_recording_distinct(const mukca_recording *recording);
+
 /* Fill moments, torques and mass factors (part of mukca_recording_create). */
 void mukca_recording_load(mukca_recording *recording);
 

@@ -2,7 +2,7 @@
 #ifndef MUKCA_DIAGNOSE_RIPPLE_H
 #define MUKCA_DIAGNOSE_RIPPLE_H
 
-#include "diagnose/projector.h"
+#include "diagnose/joint_view.h"
 
 enum { MUKCA_RIPPLE_ORDERS = 400 };
 

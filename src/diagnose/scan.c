@@ -8,7 +8,7 @@
 #include "diagnose/projector.h"
 #include "diagnose/ripple.h"
 
-const mukca_candidate *mukca_scan_hypothesis(const mukca_scan *scan, int index)
+const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index)
 {
     return index < scan->all->count ? &scan->all->list[index]
                                     : &scan->harmonic[index - scan->all->count];
@@ -17,7 +17,7 @@ const mukca_candidate *mukca_scan_hypothesis(const mukca_scan *scan, int index)
 /* The best orders of each joint join the candidates. */
 static void pick_harmonics(mukca_scan *scan, const mukca_joint_view *view, double *mean)
 {
-    const mukca_regression *m = view->p->m;
+    mukca_regression *m = view->p->m; /* bases outlive the scan in accepted causes */
     const int n_joints = m->recording.chain->n_joints, j = view->joint;
     double value[MUKCA_RIPPLE_ORDERS + 1], lo = HUGE_VAL, hi = -HUGE_VAL;
     const mukca_element *element =
@@ -48,7 +48,7 @@ static void pick_harmonics(mukca_scan *scan, const mukca_joint_view *view, doubl
             .placement = -1,
             .effect = {
                 .kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = j, .placement = -1, .variant = best}};
-        if (!mukca_candidate_prepare(h, &scan->pool, &m->recording)) continue;
+        if (!mukca_candidate_prepare(h, &m->pool, &m->recording)) continue;
         h->log_prior = mukca_ripple_log_prior(best) - log(n_joints) - log(scan->all->classes);
         scan->n_harmonic++;
     }
@@ -63,12 +63,12 @@ static void score_angles(double *value, double *information, mukca_scan *scan,
     double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[2 * MUKCA_MAX_COLUMNS];
     int batch[2 * MUKCA_MAX_COLUMNS], at[2 * MUKCA_MAX_COLUMNS], n = 0, width = 0;
     for (int k = 0; k <= scan->n_scores; k++) {
-        const mukca_candidate *h = k < scan->n_scores ? mukca_scan_hypothesis(scan, k) : NULL;
+        const mukca_candidate *h = k < scan->n_scores ? mukca_scan_candidate(scan, k) : NULL;
         if (h && (!wanted[k] || !mukca_candidate_turns_joint(h) || h->joint != view->joint))
             continue;
         if (n && (!h || width + h->terms > 2 * MUKCA_MAX_COLUMNS)) {
             for (int b = 0; b < n; b++) {
-                const mukca_candidate *x = mukca_scan_hypothesis(scan, batch[b]);
+                const mukca_candidate *x = mukca_scan_candidate(scan, batch[b]);
                 for (int i = 0; i < m->recording.n_samples; i++) {
                     const float *basis =
                         x->basis + (size_t)m->recording.order[i] * (size_t)x->terms;
@@ -78,7 +78,7 @@ static void score_angles(double *value, double *information, mukca_scan *scan,
             }
             mukca_joint_view_project(g, mean, view, width);
             for (int b = 0; b < n; b++) {
-                const mukca_candidate *x = mukca_scan_hypothesis(scan, batch[b]);
+                const mukca_candidate *x = mukca_scan_candidate(scan, batch[b]);
                 mukca_joint_view_gram(G, view, mean, width, at[b], x->terms);
                 value[batch[b]] = mukca_projector_block(G, g + at[b], x, p->residual,
                                                         p->normal->dof, &information[batch[b]]);
@@ -110,13 +110,13 @@ static bool kin(const mukca_candidate *a, const mukca_candidate *b)
            a->placement == b->placement && a->kind != MUKCA_CANDIDATE_OUTLIER;
 }
 
-static bool contends(const mukca_scan *scan, int index, const mukca_accepted *cause, int capacity)
+static bool contends(const mukca_scan *scan, int index, const mukca_accepted *cause)
 {
-    const mukca_candidate *h = mukca_scan_hypothesis(scan, index), *own = &cause->candidate;
+    const mukca_candidate *h = mukca_scan_candidate(scan, index), *own = &cause->candidate;
     if (own->kind == MUKCA_CANDIDATE_OUTLIER) return mukca_candidate_same(h, own);
     if (kin(h, own)) return true;
     for (int step = cause->step; step < scan->steps && step < MUKCA_SCAN_STEPS; step++)
-        if (scan->seen[step * capacity + index] > NEAR_THE_FRONT) return true;
+        if (scan->seen[step * scan->capacity + index] > NEAR_THE_FRONT) return true;
     return false;
 }
 
@@ -150,11 +150,10 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
 
     double first = -HUGE_VAL; /* evidence of the rhos averaged so far */
     const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
-    const int capacity = scan->all->count + m->recording.chain->n_joints * MUKCA_RIPPLE_MOST;
-    memset(scan->wanted, 1, (size_t)capacity);
+    memset(scan->wanted, 1, (size_t)scan->capacity);
     scan->n_scores = scan->all->count + scan->n_harmonic;
     for (int k = 0; extent == MUKCA_SCAN_CONTENDERS && k < scan->n_scores; k++)
-        scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without], capacity);
+        scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without]);
     for (int k = 0; k < scan->n_scores; k++)
         scan->score[k] = (mukca_score){k, -HUGE_VAL, -HUGE_VAL, 0};
     for (int i = 0; i < MUKCA_RHOS; i++) {
@@ -170,7 +169,7 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
             score_angles(scan->value, scan->information, scan, &view, scan->wanted, mean);
         }
         for (int k = 0; k < scan->n_scores; k++) {
-            const mukca_candidate *h = mukca_scan_hypothesis(scan, k);
+            const mukca_candidate *h = mukca_scan_candidate(scan, k);
             if (!scan->wanted[k] || mukca_candidate_turns_joint(h)) continue;
             const bool fault = mukca_candidate_is_fault(h);
             if (fault &&
@@ -199,12 +198,12 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
         first = hi + log(exp(first - hi) + exp(value[which] - hi));
         for (int k = 0; i == 0 && k < scan->n_scores; k++)
             scan->wanted[k] =
-                worth_averaging(scan->value[k], mukca_scan_hypothesis(scan, k)->log_prior, most);
+                worth_averaging(scan->value[k], mukca_scan_candidate(scan, k)->log_prior, most);
     }
     for (int k = 0; k < scan->n_scores; k++) {
         mukca_score *score = &scan->score[k];
-        score->log_odds = score->log_bayes + mukca_scan_hypothesis(scan, k)->log_prior;
-        if (without < 0) scan->seen[step * capacity + k] = (float)score->log_odds;
+        score->log_odds = score->log_bayes + mukca_scan_candidate(scan, k)->log_prior;
+        if (without < 0) scan->seen[step * scan->capacity + k] = (float)score->log_odds;
     }
     if (without < 0) scan->steps++;
 }
@@ -226,6 +225,7 @@ mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mu
               most = all->count + harmonics;
     memset(scan, 0, sizeof *scan);
     scan->all = all;
+    scan->capacity = most;
     scan->harmonic = MUKCA_TAKE(&scan->pool, mukca_candidate, harmonics);
     scan->score = MUKCA_TAKE(&scan->pool, mukca_score, most);
     scan->seen = MUKCA_TAKE(&scan->pool, float, (size_t)most *MUKCA_SCAN_STEPS);

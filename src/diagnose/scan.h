@@ -32,8 +32,9 @@ typedef struct {
     mukca_candidates *all;
     mukca_candidate *harmonic; /* [n_joints * MUKCA_RIPPLE_MOST], in the order they were found */
     int n_harmonic;
-    float *seen; /* [MUKCA_SCAN_STEPS][scores] log odds in each run against the whole model */
-    int steps;   /* such runs so far */
+    int capacity; /* scores at most */
+    float *seen;  /* [MUKCA_SCAN_STEPS][capacity] log odds in each run against the whole model */
+    int steps;    /* such runs so far */
     mukca_score *score; /* [all->count + harmonics], unsorted */
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
@@ -50,7 +51,7 @@ mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mu
 void mukca_scan_free(mukca_scan *scan);
 
 /* Hypothesis behind a score. */
-const mukca_candidate *mukca_scan_hypothesis(const mukca_scan *scan, int index);
+const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index);
 
 /* Score all candidates against the fitted, linearised model; `without` >= 0 leaves that cause out
  * first, so that its score is what the data say of it. */

@@ -6,18 +6,18 @@
 
 #include "math/stats.h"
 
-void mukca_screening_add(mukca_diagnosis *diagnosis, const mukca_regression *m,
+void mukca_screening_add(mukca_faults *faults, const mukca_recording *recording,
                          mukca_fault_kind kind, int row, double size_m)
 {
-    if (diagnosis->n_faults == MUKCA_MAX_FAULTS) return;
-    diagnosis->faults[diagnosis->n_faults++] =
-        (mukca_data_fault){.kind = kind,
-                           .placement = mukca_dataset_placement(m->recording.data, row),
-                           .socket = m->recording.data->socket[row],
-                           .row = m->recording.data->row[row],
-                           .file = m->recording.data->file[row],
-                           .data_row = row,
-                           .size_m = size_m};
+    const mukca_dataset *data = recording->data;
+    if (faults->count == MUKCA_MAX_FAULTS) return;
+    faults->list[faults->count++] = (mukca_data_fault){.kind = kind,
+                                                       .placement = recording->placement[row],
+                                                       .socket = data->socket[row],
+                                                       .row = data->row[row],
+                                                       .file = data->file[row],
+                                                       .data_row = row,
+                                                       .size_m = size_m};
 }
 
 static double distance3(const double *a, const double *b)
@@ -38,7 +38,7 @@ static void group_median(double median[3], const mukca_regression *m, const mukc
 
 /* Own socket more than 20 mm away and another one of the placement under 0.4 of that: a wrong
  * label, seen at the nominal geometry already. */
-static void wrong_labels(mukca_diagnosis *diagnosis, mukca_regression *m, double *scratch)
+static void wrong_labels(mukca_faults *faults, mukca_regression *m, double *scratch)
 {
     double(*median)[3] = MUKCA_TAKE(&m->pool, double[3], m->recording.n_groups);
     if (!median) return;
@@ -54,7 +54,7 @@ static void wrong_labels(mukca_diagnosis *diagnosis, mukca_regression *m, double
                 const mukca_group *other = &m->recording.groups[o];
                 if (o == g || !other->count || other->placement != group->placement) continue;
                 if (own > 0.02 && distance3(m->linear.tip + 3 * i, median[o]) < 0.4 * own) {
-                    mukca_screening_add(diagnosis, m, MUKCA_FAULT_WRONG_SOCKET,
+                    mukca_screening_add(faults, &m->recording, MUKCA_FAULT_WRONG_SOCKET,
                                         m->recording.order[i], own);
                     m->recording.keep[m->recording.order[i]] = 0;
                     break;
@@ -99,8 +99,7 @@ static void residuals(double *r, const mukca_regression *m)
 }
 
 /* Wild rows of a robust fit: at another socket (wrong label), or nowhere (outlier). */
-static void wild_rows(mukca_diagnosis *diagnosis, mukca_regression *m, const double *r,
-                      double *scratch)
+static void wild_rows(mukca_faults *faults, mukca_regression *m, const double *r, double *scratch)
 {
     memcpy(scratch, r, sizeof *r * (size_t)m->recording.n_samples);
     const double median = mukca_stats_median(scratch, m->recording.n_samples);
@@ -123,7 +122,7 @@ static void wild_rows(mukca_diagnosis *diagnosis, mukca_regression *m, const dou
             }
             const bool wrong = nearest < 0.2 * r[i] && nearest < limit;
             if (!wrong && r[i] < fmax(20 * median, 6e-3)) continue;
-            mukca_screening_add(diagnosis, m,
+            mukca_screening_add(faults, &m->recording,
                                 wrong ? MUKCA_FAULT_WRONG_SOCKET : MUKCA_FAULT_OUTLIER,
                                 m->recording.order[i], r[i]);
             m->recording.keep[m->recording.order[i]] = 0;
@@ -132,7 +131,7 @@ static void wild_rows(mukca_diagnosis *diagnosis, mukca_regression *m, const dou
 }
 
 /* Rows recorded twice: every angle within 0.2 mrad of the row before, where moves are larger. */
-static void duplicates(mukca_diagnosis *diagnosis, const mukca_regression *m, double *scratch)
+static void duplicates(mukca_faults *faults, const mukca_regression *m, double *scratch)
 {
     const int n_joints = m->recording.chain->n_joints;
     int moves = 0;
@@ -153,19 +152,19 @@ static void duplicates(mukca_diagnosis *diagnosis, const mukca_regression *m, do
         for (int j = 0; j < n_joints; j++)
             largest = fmax(largest, fabs(m->recording.move[row * n_joints + j]));
         if (largest < 2e-4 && largest < 0.01 * usual)
-            mukca_screening_add(diagnosis, m, MUKCA_FAULT_DUPLICATE, row, 0);
+            mukca_screening_add(faults, &m->recording, MUKCA_FAULT_DUPLICATE, row, 0);
     }
 }
 
-void mukca_screening_run(mukca_diagnosis *diagnosis, mukca_regression *m)
+void mukca_screening_run(mukca_faults *faults, mukca_regression *m)
 {
     double *r = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
     double *scratch = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
     double *weight = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
     if (!r || !scratch || !weight) return;
-    duplicates(diagnosis, m, scratch);
+    duplicates(faults, m, scratch);
     mukca_regression_linearise(m);
-    wrong_labels(diagnosis, m, scratch);
+    wrong_labels(faults, m, scratch);
     mukca_recording_regroup(&m->recording);
     if (m->recording.n_samples < 4) return;
 
@@ -185,15 +184,15 @@ void mukca_screening_run(mukca_diagnosis *diagnosis, mukca_regression *m)
         if (change < 1e-3) break;
     }
     m->unknowns.weight = NULL;
-    wild_rows(diagnosis, m, r, scratch);
+    wild_rows(faults, m, r, scratch);
     mukca_recording_regroup(&m->recording);
 }
 
-int mukca_screening_reinstate(mukca_diagnosis *diagnosis, mukca_regression *m)
+int mukca_screening_reinstate(mukca_faults *faults, mukca_regression *m)
 {
     int back = 0;
-    for (int f = 0; f < diagnosis->n_faults; f++) {
-        mukca_data_fault *fault = &diagnosis->faults[f];
+    for (int f = 0; f < faults->count; f++) {
+        mukca_data_fault *fault = &faults->list[f];
         const bool cut =
             fault->kind == MUKCA_FAULT_OUTLIER || fault->kind == MUKCA_FAULT_WRONG_SOCKET;
         if (!cut || fault->socket < 0 || m->recording.keep[fault->data_row]) continue;
@@ -209,7 +208,7 @@ int mukca_screening_reinstate(mukca_diagnosis *diagnosis, mukca_regression *m)
         const double r = distance3(p, centre);
         if (n && r < fmax(8 * m->unknowns.sigma, 0.25 * fault->size_m)) {
             m->recording.keep[fault->data_row] = 1;
-            *fault = diagnosis->faults[--diagnosis->n_faults];
+            *fault = faults->list[--faults->count];
             f--, back++;
         } else {
             fault->size_m = r;

@@ -3,52 +3,55 @@
 
 #include <math.h>
 
-static void add(mukca_diagnosis *d, int kind, int joint, const char *why)
+/* Log evidence grows as amplitude^2 information / 2 and must beat the prior odds, Occam's factor
+ * and the threshold: some 12 in all. */
+#define LEAST_EVIDENCE 12.0
+/* Limits beyond these are no test: errors so large show without a diagnosis.  rad, m. */
+#define MOST_ANGLE 10e-3
+#define MOST_LENGTH 20e-3
+
+static bool listed(const mukca_tested_list *tested, int kind, int joint)
 {
-    if (d->n_tested == MUKCA_MAX_TESTED) return;
-    d->tested[d->n_tested++] = (mukca_tested){.effect = (mukca_effect_kind)kind,
-                                              .joint = joint,
-                                              .log_bayes_factor = NAN,
-                                              .log_odds = NAN,
-                                              .limit = NAN,
-                                              .testable = false,
-                                              .why = why};
+    for (int t = 0; t < tested->count; t++)
+        if ((int)tested->list[t].effect == kind && tested->list[t].joint == joint) return true;
+    return false;
 }
 
-/* Largest minus smallest of column j of x[rows][n]. */
-static double span(const double *x, int rows, int n, int j)
+static void add(mukca_tested_list *tested, int kind, int joint, const char *why)
 {
-    double lo = HUGE_VAL, hi = -HUGE_VAL;
-    for (int row = 0; row < rows; row++) {
-        lo = fmin(lo, x[row * n + j]);
-        hi = fmax(hi, x[row * n + j]);
-    }
-    return rows ? hi - lo : 0;
+    if (tested->count == MUKCA_MAX_TESTED) return;
+    tested->list[tested->count++] = (mukca_tested){.effect = (mukca_effect_kind)kind,
+                                                   .joint = joint,
+                                                   .log_bayes_factor = NAN,
+                                                   .log_odds = NAN,
+                                                   .limit = NAN,
+                                                   .testable = false,
+                                                   .why = why};
 }
 
 static const char *reason(int kind, const mukca_recording *recording, int joint)
 {
-    const int n = recording->chain->n_joints, rows = recording->data->n_rows;
-    double most = 0;
-    for (int row = 0; row < rows; row++)
-        most = fmax(most, fabs(recording->total_torque[row * n + joint]));
+    const int n = recording->chain->n_joints;
+    double range[2], torque[2];
+    mukca_recording_range(range, recording, recording->data->q, n, joint);
+    mukca_recording_range(torque, recording, recording->total_torque, n, joint);
     switch (kind) {
         case MUKCA_EFFECT_JOINT_COMPLIANCE:
         case MUKCA_EFFECT_BACKLASH:
-            if (most < 0.05) return "gravity does not load it in these poses";
+            if (fmax(fabs(torque[0]), fabs(torque[1])) < 0.05)
+                return "gravity does not load it in these poses";
             return kind == MUKCA_EFFECT_BACKLASH
                        ? "gravity holds it on one side in all rows: record poses on both sides"
                        : "gravity loads it alike in all rows: record poses with other lever arms";
         case MUKCA_EFFECT_JOINT_COUPLING:
             return "no neighbour of it moved: record poses that turn them";
         default:
-            return span(recording->data->q, rows, n, joint) < 1e-3
-                       ? "it did not move: record poses that turn it"
-                       : "these rows hold nothing that tells of it";
+            return !(range[1] - range[0] >= 1e-3) ? "it did not move: record poses that turn it"
+                                                  : "these rows hold nothing that tells of it";
     }
 }
 
-const char *mukca_untested_faint(int kind, int joint)
+static const char *faint(int kind, int joint)
 {
     if (kind == MUKCA_EFFECT_ZERO_JUMP && joint == 0)
         return "turns the whole placement, sockets and all: only a tracker can see it";
@@ -56,53 +59,59 @@ const char *mukca_untested_faint(int kind, int joint)
     return "hardly moves the ball in these poses: turn it further, or mount the ball off its axis";
 }
 
-void mukca_untested_add(mukca_diagnosis *d, const mukca_recording *recording,
+/* Add the effects that have no candidate, as a whole or at a joint. */
+static void add_missing(mukca_tested_list *tested, const mukca_recording *recording,
                         const mukca_candidates *all)
 {
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
         const mukca_effect_site site = mukca_effect_table[kind].site;
         if (all->missing[kind]) {
-            add(d, kind, -1, all->missing[kind]);
+            add(tested, kind, -1, all->missing[kind]);
             continue;
         }
         if (site != MUKCA_SITE_ANGLE && site != MUKCA_SITE_ROTATION) continue;
         if (kind == MUKCA_EFFECT_GEAR_HARMONIC && !all->harmonics) {
-            add(d, kind, -1, "left out on request");
+            add(tested, kind, -1, "left out on request");
             continue;
         }
         for (int j = 0; j < recording->chain->n_joints; j++) {
             const bool slides =
                 recording->chain->element[recording->chain->joint_element[j]].type ==
                 MUKCA_PRISMATIC;
-            bool listed = slides && (site == MUKCA_SITE_ROTATION ||
-                                     kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
-                                     kind == MUKCA_EFFECT_GEAR_HARMONIC);
-            for (int t = 0; t < d->n_tested && !listed; t++)
-                listed = (int)d->tested[t].effect == kind && d->tested[t].joint == j;
-            if (!listed) add(d, kind, j, reason(kind, recording, j));
+            const bool never = slides && (site == MUKCA_SITE_ROTATION ||
+                                          kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
+                                          kind == MUKCA_EFFECT_GEAR_HARMONIC);
+            if (!never && !listed(tested, kind, j))
+                add(tested, kind, j, reason(kind, recording, j));
         }
     }
 }
 
-int mukca_untested_distinct(const mukca_recording *recording)
+void mukca_untested_list(mukca_tested_list *tested, const mukca_competition *contest)
 {
-    const int n = recording->chain->n_joints;
-    int distinct = 0;
-    for (int g = 0; g < recording->n_groups; g++)
-        for (int i = 0; i < recording->groups[g].count; i++) {
-            const int *row = recording->order + recording->groups[g].start + i;
-            double most = i ? 0 : HUGE_VAL;
-            for (int j = 0; i && j < n; j++)
-                most = fmax(most, fabs(recording->data->q[row[0] * n + j] -
-                                       recording->data->q[row[-1] * n + j]));
-            distinct += most > 1e-5;
-        }
-    return distinct;
+    tested->count = 0;
+    for (int i = 0; i < contest->n_first && tested->count < MUKCA_MAX_TESTED; i++) {
+        const mukca_contender *c = &contest->first[i];
+        if (c->class >= MUKCA_EFFECT_COUNT || listed(tested, c->class, c->joint)) continue;
+        const mukca_score *score = &contest->first_score[c->best];
+        const double limit = sqrt(2 * LEAST_EVIDENCE / fmax(score->information, 1e-12));
+        const mukca_effect_site site = mukca_effect_table[c->class].site;
+        const bool length = site == MUKCA_SITE_TIP || site == MUKCA_SITE_SOCKET;
+        const bool testable = limit < (length ? MOST_LENGTH : MOST_ANGLE);
+        tested->list[tested->count++] =
+            (mukca_tested){.effect = (mukca_effect_kind)c->class,
+                           .joint = c->joint,
+                           .log_bayes_factor = score->log_bayes,
+                           .log_odds = c->log_odds,
+                           .limit = limit,
+                           .testable = testable,
+                           .why = testable ? NULL : faint(c->class, c->joint)};
+    }
+    add_missing(tested, &contest->m->recording, contest->all);
 }
 
-void mukca_untested_all(mukca_diagnosis *d, const char *why)
+void mukca_untested_all(mukca_tested_list *tested, const char *why)
 {
-    d->verdict = MUKCA_VERDICT_UNTESTABLE;
-    d->why = why;
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) add(d, kind, -1, why);
+    tested->count = 0;
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) add(tested, kind, -1, why);
 }

@@ -1,22 +1,19 @@
-/* What a recording cannot test at all, and why. */
+/* What was tested, how small an effect would have shown, and what cannot be tested at all. */
 #ifndef MUKCA_DIAGNOSE_UNTESTED_H
 #define MUKCA_DIAGNOSE_UNTESTED_H
 
-#include "diagnose/candidates.h"
-#include "diagnose/diagnose.h"
+#include "diagnose/competition.h"
 
-/* Add the effects that have no candidate, as a whole or at a joint, to diagnosis->tested with what
- * is missing. */
-void mukca_untested_add(mukca_diagnosis *diagnosis, const mukca_recording *recording,
-                        const mukca_candidates *all);
+typedef struct {
+    int count;
+    mukca_tested list[MUKCA_MAX_TESTED];
+} mukca_tested_list;
 
-/* Rows in use that do not repeat the row before them in their socket. */
-int mukca_untested_distinct(const mukca_recording *recording);
+/* Every effect and joint: those with a candidate as the first scan scored them, the others with
+ * what is missing. */
+void mukca_untested_list(mukca_tested_list *tested, const mukca_competition *competition);
 
-/* The verdict `untestable`, for that reason. */
-void mukca_untested_all(mukca_diagnosis *diagnosis, const char *why);
-
-/* Why a candidate that was scored cannot be seen. */
-const char *mukca_untested_faint(int kind, int joint);
+/* No effect can be tested, for that reason. */
+void mukca_untested_all(mukca_tested_list *tested, const char *why);
 
 #endif

@@ -1,0 +1,197 @@
+/* One accepted cause, described: its size, how probable it is, and what else it could be. */
+#include "diagnose/cause.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Ties: within this much log odds (20 to 1), or twice that where the two do nearly the same
+ * (canonical correlation after geometry is projected out). */
+#define TIE_ODDS 3.0
+#define TIE_CORRELATION 0.9
+/* Probability from which a function that no effect makes is reported as a rival of a cause. */
+#define UNKNOWN_SHARE 0.25
+/* Half width of a 95 % interval in standard errors. */
+#define INTERVAL 1.959963984540054
+
+/* Elastic causes were fitted with one factor per mass, and are reported as the one coefficient that
+ * does most nearly the same to the recorded samples: sum of weight[t] coefficient[t]. */
+static void load_weights(double *weight, const mukca_recording *recording, const mukca_candidate *h)
+{
+    const int terms = h->terms, width = h->width_of_term;
+    memset(weight, 0, sizeof *weight * MUKCA_MAX_COLUMNS);
+    for (int i = 0; i < recording->n_samples; i++) {
+        const float *basis = h->basis + (size_t)recording->order[i] * (size_t)(terms * width);
+        for (int t = 0; t < terms; t++)
+            for (int k = 0; k < width; k++)
+                weight[t] += (double)basis[t * width + k] * (double)basis[k];
+    }
+    const double square = weight[0];
+    for (int t = 0; t < terms; t++) weight[t] = square > 0 ? weight[t] / square : t == 0;
+}
+
+static mukca_effect fitted_effect(const mukca_recording *recording, const mukca_accepted *cause)
+{
+    const mukca_candidate *h = &cause->candidate;
+    mukca_effect effect = mukca_candidate_effect(h);
+    if (mukca_candidate_by_mass(h)) {
+        double weight[MUKCA_MAX_COLUMNS];
+        load_weights(weight, recording, h);
+        for (int t = 0; t < h->terms; t++)
+            effect.coefficient[0] += weight[t] * cause->coefficient[t];
+    } else {
+        memcpy(effect.coefficient, cause->coefficient,
+               sizeof *cause->coefficient * (size_t)effect.terms);
+    }
+    return effect;
+}
+
+/* The interval is by the delta method, from the posterior covariance. */
+void mukca_cause_measure(mukca_cause *out, mukca_regression *m, int index)
+{
+    const mukca_candidate *h = &m->unknowns.cause[index].candidate;
+    const int terms = out->effect.terms, column = mukca_unknowns_column(&m->unknowns, index);
+    const double *coefficient = out->effect.coefficient, one = 1;
+    double direction[MUKCA_MAX_COLUMNS] = {1};
+    out->amplitude = coefficient[0];
+    if (terms > 1) {
+        double square = 0;
+        for (int t = 0; t < terms; t++) square += coefficient[t] * coefficient[t];
+        out->amplitude = sqrt(square);
+        for (int t = 0; t < terms; t++) {
+            direction[t] = square > 0 ? coefficient[t] / out->amplitude : 0;
+            out->sigma[t] = mukca_regression_standard_error(m, column + t, &one, 1);
+        }
+    } else if (mukca_candidate_by_mass(h)) {
+        load_weights(direction, &m->recording, h);
+    }
+    const double sigma = mukca_regression_standard_error(m, column, direction, h->terms);
+    if (terms == 1) out->sigma[0] = sigma;
+    out->low = out->amplitude - INTERVAL * sigma;
+    out->high = out->amplitude + INTERVAL * sigma;
+    if (terms > 1 || mukca_effect_table[out->effect.kind].nonnegative) out->low = fmax(out->low, 0);
+}
+
+/* The effect of a tied candidate, of a size that moves the joints about as much as the cause. */
+static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *cause, double unit)
+{
+    mukca_effect rival = mukca_candidate_effect(h);
+    double square = 0;
+    for (int t = 0; t < cause->terms; t++) square += pow(cause->coefficient[t] * unit, 2);
+    rival.terms = mukca_effect_terms(rival.kind, rival.variant);
+    for (int t = 0; t < rival.terms; t++)
+        rival.coefficient[t] = sqrt(square / rival.terms) / h->unit[0];
+    return rival;
+}
+
+static void add_tie(mukca_cause *out, mukca_tie tie)
+{
+    for (int t = 0; t < out->n_ties; t++)
+        if (out->ties[t].effect == tie.effect && out->ties[t].joint == tie.joint) return;
+    if (out->n_ties < MUKCA_MAX_TIES) out->ties[out->n_ties++] = tie;
+}
+
+/* Without masses nobody knows the load, and what gravity bends looks like a smooth error of the
+ * angle: such a name shares its place with the flexibility that cannot be tested. */
+static void tie_untested_flexibility(mukca_cause *out, const mukca_competition *contest)
+{
+    const mukca_effect_kind kind = out->effect.kind;
+    const unsigned char *disabled = contest->options->disabled;
+    const bool smooth = kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
+                        kind == MUKCA_EFFECT_JOINT_SCALE || kind == MUKCA_EFFECT_JOINT_COUPLING ||
+                        kind == MUKCA_EFFECT_AXIS_WOBBLE ||
+                        (kind == MUKCA_EFFECT_GEAR_HARMONIC && out->effect.variant <= 3);
+    if (!contest->m->recording.have_torques && smooth &&
+        !(disabled && disabled[MUKCA_EFFECT_JOINT_COMPLIANCE]) && out->n_ties < MUKCA_MAX_TIES)
+        out->ties[out->n_ties++] = (mukca_tie){.effect = MUKCA_EFFECT_JOINT_COMPLIANCE,
+                                               .joint = out->effect.joint,
+                                               .log_bayes_factor = NAN,
+                                               .correlation = NAN};
+}
+
+static void add_ties(mukca_cause *out, const mukca_competition *contest, int index)
+{
+    mukca_regression *m = contest->m;
+    const mukca_candidate *cause = &m->unknowns.cause[index].candidate;
+    const double best = contest->n_table ? contest->table[0].log_odds : 0;
+    for (int i = 0; i < contest->n_table && out->n_ties < MUKCA_MAX_TIES; i++) {
+        const mukca_contender *c = &contest->table[i];
+        if (c->log_odds < best - 2 * TIE_ODDS) break;
+        if (c->class >= MUKCA_EFFECT_COUNT ||
+            (c->class == (int)out->effect.kind && c->joint == out->effect.joint))
+            continue;
+        const mukca_candidate *rival = mukca_scan_candidate(contest->scan, c->best);
+        const double correlation = mukca_scan_correlation(contest->scan, m, index, cause, rival);
+        if (c->log_odds < best - TIE_ODDS && !(correlation > TIE_CORRELATION)) continue;
+        add_tie(out, (mukca_tie){.effect = (mukca_effect_kind)c->class,
+                                 .joint = c->joint,
+                                 .log_bayes_factor = contest->scan->score[c->best].log_bayes,
+                                 .correlation = correlation,
+                                 .rival = rival_effect(rival, &out->effect, cause->unit[0])});
+    }
+}
+
+/* Probabilities of those who would fill the place of candidate h; *share gets its own, and the
+ * return value is the table's entry of h, or NULL. */
+static const mukca_contender *stand(mukca_standing *standing, double *share,
+                                    const mukca_competition *contest, const mukca_candidate *h)
+{
+    const int class = mukca_candidate_class(h);
+    const double best = fmax(contest->n_table ? contest->table[0].log_odds : 0, 0);
+    const mukca_contender *mine = NULL;
+    double total = 0, own = 0;
+    memset(standing, 0, sizeof *standing);
+    for (int i = 0; i < contest->n_table; i++) {
+        const mukca_contender *c = &contest->table[i];
+        const mukca_candidate *member = mukca_scan_candidate(contest->scan, c->best);
+        const double p = exp(c->log_odds - best);
+        total += p;
+        if (c->class == MUKCA_CLASS_UNKNOWN) standing->by_joint[c->joint] += p;
+        if (c->class == class && c->joint == h->joint &&
+            (class != MUKCA_EFFECT_TOOL_MOTION || member->fault.group == h->fault.group)) {
+            own += p;
+            if (!mine) mine = c;
+        }
+    }
+    total += exp(-best);
+    for (int j = 0; j < MUKCA_MAX_JOINTS; j++) {
+        standing->by_joint[j] /= total;
+        standing->unknown += standing->by_joint[j];
+    }
+    standing->log_odds = mine ? mine->log_odds : -HUGE_VAL;
+    *share = fmin(own / total, 1);
+    return mine;
+}
+
+bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_competition *contest,
+                          int index)
+{
+    const mukca_recording *recording = &contest->m->recording;
+    const mukca_accepted *cause = &contest->m->unknowns.cause[index];
+    const mukca_candidate *h = &cause->candidate;
+    double share;
+    mukca_scan_run(contest->scan, contest->m, index, MUKCA_SCAN_CONTENDERS);
+    mukca_competition_rank(contest);
+    int others = 0;
+    for (int i = 0; i < contest->n_table; i++)
+        if (!mukca_competition_taken(contest, &contest->table[i], index))
+            contest->table[others++] = contest->table[i];
+    contest->n_table = others;
+    const mukca_contender *mine = stand(standing, &share, contest, h);
+    if (!out || mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) return false;
+    *out = (mukca_cause){
+        .effect = fitted_effect(recording, cause),
+        .socket = -1,
+        .or_unknown = standing->unknown > UNKNOWN_SHARE,
+        .log_bayes_factor = mine ? contest->scan->score[mine->best].log_bayes : -HUGE_VAL,
+        .probability = share,
+        .held_out = MUKCA_SHRINK_NONE};
+    add_ties(out, contest, index);
+    tie_untested_flexibility(out, contest);
+    if (mukca_candidate_is_fault(h)) {
+        out->socket = recording->groups[h->fault.group].socket;
+        out->row = recording->data->row[h->fault.first];
+        out->file = recording->data->file[h->fault.first];
+        out->creep = h->kind == MUKCA_CANDIDATE_CREEP;
+    }
+    return true;
+}

@@ -1,0 +1,53 @@
+/* Errors on data that were kept out of everything (--test). */
+#include "diagnose/test_data.h"
+
+#include "diagnose/folds.h"
+
+/* The causes that act on the arm, prepared for the states of other rows. */
+static bool carry_causes(mukca_regression *t, const mukca_unknowns *from)
+{
+    for (int c = 0; c < from->n_causes; c++) {
+        mukca_accepted cause = from->cause[c];
+        if (!mukca_candidate_moves_arm(&cause.candidate)) continue;
+        /* what one placement had, others do not */
+        cause.candidate.placement = cause.candidate.effect.placement = -1;
+        if (!mukca_candidate_prepare(&cause.candidate, &t->pool, &t->recording)) return false;
+        t->unknowns.cause[t->unknowns.n_causes++] = cause;
+    }
+    return true;
+}
+
+mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool,
+                                     const mukca_regression *m, const mukca_geometry *geometry_only,
+                                     const mukca_dataset *test, mukca_error *error)
+{
+    mukca_regression t; /* of its own, for the states; the prediction takes the fitted unknowns */
+    mukca_recording_options options = m->recording.options;
+    options.mass_factor = m->recording.n_bodies ? m->recording.mass_factor : NULL;
+    mukca_status status = mukca_regression_create(&t, m->recording.chain, test, &options, error);
+    if (status != MUKCA_OK) return status;
+    const int rows = test->n_rows;
+    double *position = MUKCA_TAKE(&t.pool, double, 3 * rows);
+    double *row_error = MUKCA_TAKE(&t.pool, double, rows);
+    mukca_geometry nominal;
+    mukca_geometry_set(&nominal, m->recording.chain, NULL);
+    const mukca_geometry *const stage[3] = {&nominal, geometry_only, &m->unknowns.geometry};
+    double *const result[3] = {&errors->nominal_m, &errors->geometry_m, &errors->explained_m};
+    errors->n_placements = test->n_placements;
+    errors->placement_m = MUKCA_TAKE(pool, double, test->n_placements + 1);
+    t.unknowns.tracker = m->unknowns.tracker;
+    for (int s = 0; s < 3 && !t.pool.failed && !pool->failed; s++) {
+        if (s == 2 && !carry_causes(&t, &m->unknowns)) break;
+        t.unknowns.geometry = *stage[s];
+        for (int row = 0; row < rows; row++)
+            mukca_unknowns_predict(position + 3 * row, &t.unknowns, &t.recording, row);
+        mukca_folds_errors(row_error, &t, position, t.recording.keep, false);
+        *result[s] = mukca_folds_mean(row_error, rows);
+    }
+    if (t.pool.failed || pool->failed)
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d held-out rows", rows);
+    else
+        mukca_folds_by_placement(errors->placement_m, &t.recording, row_error);
+    mukca_regression_free(&t);
+    return status;
+}

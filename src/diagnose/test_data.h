@@ -1,0 +1,20 @@
+/* Errors on data that were kept out of everything (--test). */
+#ifndef MUKCA_DIAGNOSE_TEST_DATA_H
+#define MUKCA_DIAGNOSE_TEST_DATA_H
+
+#include "diagnose/regression.h"
+
+/* Mean errors, m; NaN: not measurable. */
+typedef struct {
+    double nominal_m, geometry_m, explained_m;
+    int n_placements;
+    double *placement_m; /* [n_placements] of explained_m, NULL: none */
+} mukca_test_errors;
+
+/* Predict the rows of `test` by the nominal geometry, by one fitted without causes, and by the
+ * unknowns of the regression.  placement_m comes from `pool`.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool,
+                                     const mukca_regression *m, const mukca_geometry *geometry_only,
+                                     const mukca_dataset *test, mukca_error *error);
+
+#endif
