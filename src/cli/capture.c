@@ -80,7 +80,7 @@ static mukca_status confirm_map(session *s)
     char text[2048], answer[16] = "";
     mukca_recorder *r = &s->recorder;
     mukca_recorder_describe_map(r, text, sizeof text);
-    cli_say(s->call, "%s", text);
+    cli_log(s->call, "%s", text);
     if (!mukca_recorder_needs_confirmation(r)) return MUKCA_OK;
     if (!s->keys)
         return mukca_fail(&s->call->error, MUKCA_USAGE,
@@ -154,7 +154,7 @@ static void conclude(session *s)
 {
     const mukca_recorder *r = &s->recorder;
     if (mukca_lcm_link_skipped(r->link))
-        cli_say(s->call, "the log is damaged: %lld bytes of it were skipped\n",
+        cli_log(s->call, "the log is damaged: %lld bytes of it were skipped\n",
                 (long long)mukca_lcm_link_skipped(r->link));
     cli_answer_wrapped(
         s->call, "%d samples in %s; %lld joint states received, %lld refused, longest gap %.3f s",

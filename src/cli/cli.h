@@ -228,12 +228,7 @@ void cli_answer_keyed(cli_call *call, const char *key, const char *format, ...)
 void cli_note(void *call, const char *text);
 
 /* printf to standard error; silent with -q. */
-#define cli_say cli_log
 void cli_log(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-/* The same for whole lines, which are wrapped to 79 columns; lines that begin with a space are kept
- * as they are. */
-void cli_tell(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Progress on a terminal once the command has run for 2 s; `done` of `total`. */
 void cli_progress(cli_call *call, const char *what, double done, double total);

@@ -18,17 +18,19 @@ typedef struct {
 } compensate_options;
 
 static const cli_option options[] = {
-    {"poses", 0, CLI_FLAG, NULL, "rows are poses x_m y_m z_m (and qw qx qy qz), not joint targets",
-     NULL, offsetof(compensate_options, poses)},
+    {"poses", 0, CLI_FLAG, NULL,
+     "rows are poses (x_m y_m z_m, optionally qw qx qy qz), not joint targets", NULL,
+     offsetof(compensate_options, poses)},
     {"position-only", 0, CLI_FLAG, NULL,
-     "let the orientation go (always so with fewer than six joints)", NULL,
+     "ignore the orientation (always with fewer than six joints)", NULL,
      offsetof(compensate_options, position_only)},
-    {"tolerance", 0, CLI_POSITIVE, "M", "how near is reached, m and rad (default: 1e-8)", NULL,
+    {"tolerance", 0, CLI_POSITIVE, "M",
+     "error at which a target counts as reached, m and rad (default: 1e-8)", NULL,
      offsetof(compensate_options, tolerance)},
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_JSON_OPTION,
-    CLI_OUTPUT_OPTION("where to write the corrected targets (default: standard output)"),
+    CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
@@ -143,7 +145,7 @@ static mukca_status from_poses(cli_call *call, FILE *stream, tally *t, const muk
     return status;
 }
 
-static void say(cli_call *call, const tally *t, bool poses)
+static void print_tally(cli_call *call, const tally *t, bool poses)
 {
     if (t->rows == 0) return;
     if (poses)
@@ -175,56 +177,51 @@ static mukca_status run(cli_call *call)
 {
     const compensate_options *o = call->options;
     const cli_common *c = call->common;
-    cli_model *model = calloc(1, sizeof *model);
-    mukca_corrected *arm = calloc(1, sizeof *arm);
+    const cli_model *model = &call->session->model;
+    mukca_corrected *arm = call->work;
     mukca_output output = {0};
     tally t = {.rows = 0};
-    mukca_status status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (!model || !arm) goto out;
-    call->error.text[0] = '\0'; /* or an interrupt would be told as this */
-    status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_load_model(call, model);
-    if (status) goto out;
+    mukca_status status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
+    if (status != MUKCA_OK) return status;
     arm->chain = model->chain;
     arm->geometry = model->geometry;
     arm->n_effects = model->offsets.n_effects;
     memcpy(arm->effects, model->offsets.effects, sizeof arm->effects);
     if (!c->offsets)
-        cli_note(call, "no --offsets: targets are those of the nominal arm, nothing is corrected");
-    const bool json_takes_it = c->json && strcmp(c->json, "-") == 0 && !c->output;
-    status = json_takes_it ? mukca_output_open(&output, "/dev/null", true, &call->error)
-                           : cli_output_open(call, &output);
+        cli_note(call, "no --offsets: targets are those of the nominal model; no correction");
+    const bool json_only = c->json && strcmp(c->json, "-") == 0 && !c->output;
+    status = json_only ? mukca_output_open(&output, "/dev/null", true, &call->error)
+                       : cli_output_open(call, &output);
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
         status = o->poses ? from_poses(call, output.stream, &t, arm, input.items[i], i == 0)
                           : from_joints(call, output.stream, &t, arm, input.items[i], i == 0);
     if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
-    if (status == MUKCA_OK) say(call, &t, o->poses);
-    if (status == MUKCA_OK && c->json) status = cli_write_json(call, as_json(call, &t));
-out:
     mukca_output_abort(&output);
-    free(model);
-    free(arm);
-    return status;
+    if (status != MUKCA_OK) return status;
+    print_tally(call, &t, o->poses);
+    return c->json ? cli_write_json(call, as_json(call, &t)) : MUKCA_OK;
 }
 
 const cli_command cli_command_compensate = {
     .name = "compensate",
     .group = CLI_USE,
-    .summary = "correct joint targets, so that the real arm gets there",
+    .summary = "correct joint targets for the identified errors",
     .synopsis = "[FILE...]",
     .max_arguments = -1,
     .description =
-        "For controllers whose model cannot be changed. Rows of joint targets (or, with --poses, "
-        "of "
-        "poses in the base frame) come in; out go targets at which the arm of --offsets, its "
-        "effects included, has its tip where the nominal arm would have it. Damped least squares, "
-        "the least change of the joints, limits kept; along a path the corrections are continuous. "
-        "A row that cannot be reached holds the nearest that was found, and its status says why.",
+        "For controllers whose model cannot be changed. Reads rows of joint targets (with --poses: "
+        "of poses in the base frame) and writes corrected joint targets: with these the arm of "
+        "--offsets, effects included, reaches what the nominal model meant. Damped least squares "
+        "with the smallest change of the joints, within their limits; along a path the corrections "
+        "are continuous. For a target out of reach the row holds the nearest solution, and its "
+        "status says why.",
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",
     .options = options,
     .options_size = sizeof(compensate_options),
     .run = run,
+    .work_size = sizeof(mukca_corrected),
 };

@@ -15,7 +15,7 @@ static const cli_option options[] = {
      offsetof(fk_options, pose)},
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
-    CLI_OUTPUT_OPTION("where to write the table (default: standard output)"),
+    CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
@@ -73,14 +73,14 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
 
 static mukca_status run(cli_call *call)
 {
-    cli_model model;
+    cli_model *model = &call->session->model;
     mukca_output output = {0};
-    mukca_status status = cli_load_model(call, &model);
-    if (status == MUKCA_OK) status = cli_check_effects(call, &model);
+    mukca_status status = cli_load_model(call, model);
+    if (status == MUKCA_OK) status = cli_check_effects(call, model);
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = convert(call, output.stream, &model, input.items[i], i == 0);
+        status = convert(call, output.stream, model, input.items[i], i == 0);
     if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
     mukca_output_abort(&output);
     return status;
@@ -89,14 +89,13 @@ static mukca_status run(cli_call *call)
 const cli_command cli_command_fk = {
     .name = "fk",
     .group = CLI_USE,
-    .summary = "where the tip is, for rows of joint angles",
+    .summary = "position or pose of the tip for rows of joint angles",
     .synopsis = "[FILE...]",
     .max_arguments = -1,
     .description =
-        "Reads tables with one column per joint, named as in the URDF (or without a header, the "
-        "joints in the chain's order), and prints the tip's position in the base frame, m, one row "
-        "for each, in order. Without FILE it reads standard input. With --offsets it is the "
-        "calibrated arm, its effects included.",
+        "Reads tables with one column per joint, named as in the URDF (without a header: in the "
+        "order of the chain), and prints the position of the tip in the base frame, m, row by row. "
+        "Without FILE it reads standard input. --offsets applies a calibration with its effects.",
     .example = "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca fk --urdf data/demo/arm.urdf --pose",
     .options = options,
     .options_size = sizeof(fk_options),

@@ -1,11 +1,10 @@
-/* mukca plan: the next poses to record, for accuracy or to tell two causes apart. */
+/* mukca plan: the next postures to record, for accuracy or to separate two causes. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/simulate.h"
 #include "diagnose/next_poses.h"
-#include "io/output.h"
 
 typedef struct {
     cli_common common;
@@ -19,37 +18,35 @@ static const plan_options defaults = {
     .rows = 20, .noise = 1e-4, .tilt = (double)NAN, .clearance = (double)NAN};
 
 static const cli_option options[] = {
-    {"rows", 0, CLI_INTEGER, "N", "poses to propose, all sockets together (default: 20)", NULL,
+    {"rows", 0, CLI_INTEGER, "N", "postures to propose, all sockets together (default: 20)", NULL,
      offsetof(plan_options, rows)},
     {"place", 0, CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
-     "a place where the tool shall stand: middle of the sockets, which lie on its x axis, m and "
-     "rad; "
-     "a centimetre does not matter",
+     "a placement of the tool: middle of the sockets, which lie on its x axis, m and rad; 1 cm is "
+     "accurate enough",
      NULL, offsetof(plan_options, places)},
     {"suggest", 0, CLI_INTEGER, "N",
-     "propose N places for the tool instead of poses, each with --rows N rows", NULL,
+     "propose N placements of the tool instead, each with --rows N samples", NULL,
      offsetof(plan_options, suggest)},
-    {"settle", 0, CLI_FLAG, NULL, "diagnose DATA, and tell its first tied causes apart", NULL,
-     offsetof(plan_options, settle)},
+    {"settle", 0, CLI_FLAG, NULL, "diagnose DATA and separate its first indistinguishable causes",
+     NULL, offsetof(plan_options, settle)},
     {"separate", 0, CLI_TEXTS, "EFFECT",
-     "causes to tell apart, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or more, "
+     "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or more, "
      "with commas or repeated",
      NULL, offsetof(plan_options, separate)},
-    {"noise", 0, CLI_NUMBER, "M", "of the ball per axis, m (default: 1e-4)", NULL,
+    {"noise", 0, CLI_NUMBER, "M", "measurement noise of the ball per axis, m (default: 1e-4)", NULL,
      offsetof(plan_options, noise)},
     {"tilt", 0, CLI_NUMBER, "DEG",
-     "how far the tool may lean from straight down (default: 60, or as far as in DATA; 180: any)",
-     NULL, offsetof(plan_options, tilt)},
+     "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)", NULL,
+     offsetof(plan_options, tilt)},
     {"clearance", 0, CLI_NUMBER, "M",
-     "that the joints keep above the plane of the base, m (default: 0.05, or less where DATA show "
-     "it)",
-     NULL, offsetof(plan_options, clearance)},
-    {"seed", 0, CLI_INTEGER, "N", "of the random candidates (default: 0)", NULL,
+     "least height of the joints above the base, m (default: 0.05, or less if DATA show it)", NULL,
+     offsetof(plan_options, clearance)},
+    {"seed", 0, CLI_INTEGER, "N", "seed of the random candidates (default: 0)", NULL,
      offsetof(plan_options, seed)},
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
-    CLI_OUTPUT_OPTION("where to write the poses, a session file (default: standard output)"),
+    CLI_OUTPUT_OPTION("write the postures there, a session file (default: standard output)"),
     CLI_JSON_OPTION,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
@@ -57,8 +54,8 @@ static const cli_option options[] = {
 
 typedef struct {
     cli_call *call;
-    cli_model model;
-    mukca_dataset data;
+    cli_model *model;          /* of the call's session */
+    const mukca_dataset *data; /* likewise */
     int n_sockets;
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
     mukca_place known[CLI_MAX_PLACES]; /* names of the placements that causes may refer to */
@@ -72,7 +69,7 @@ typedef struct {
 
 static void progress(void *context, double share)
 {
-    cli_progress(context, "trying poses", share, 1);
+    cli_progress(context, "trying postures", share, 1);
 }
 
 static mukca_status check(cli_call *call)
@@ -90,13 +87,13 @@ static mukca_status check(cli_call *call)
     if (o->settle && o->separate.n > 0)
         return mukca_fail(e, MUKCA_USAGE, "--settle and --separate exclude each other");
     if (o->settle && call->arguments.n == 0)
-        return mukca_fail(e, MUKCA_USAGE, "--settle needs the DATA that left a tie");
+        return mukca_fail(e, MUKCA_USAGE, "--settle needs the DATA of the tie");
     if (call->arguments.n == 0 && o->places.n == 0 && o->suggest == 0)
         return mukca_fail(
             e, MUKCA_USAGE,
-            "where is the tool?  Give recorded DATA, --place NAME=X,Y,Z, or --suggest "
-            "N to get places proposed");
-    return cli_check_outputs(call);
+            "where is the tool? give recorded DATA, --place NAME=X,Y,Z, or --suggest N for "
+            "proposals");
+    return MUKCA_OK;
 }
 
 /* Sockets of the data, then two for each --place. */
@@ -106,12 +103,12 @@ static mukca_status gather_sockets(plan_run *r)
     mukca_error *error = &r->call->error;
     const double distance = r->call->common->distance > 0 ? r->call->common->distance : 0.05;
     int n = 0, place = 0;
-    if (r->data.n_rows > 0) {
-        n = mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model.geometry, &r->data);
-        place = r->data.n_placements;
+    if (r->data->n_rows > 0) {
+        n = mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model->geometry, r->data);
+        place = r->data->n_placements;
         if (n == 0)
             return mukca_fail(error, MUKCA_INPUT,
-                              "these DATA hold no sockets; a pose log needs no plan of this kind");
+                              "these DATA have no sockets; plan is for socket data");
     }
     for (int i = 0; i < o->places.n; i++, place++) {
         mukca_place at = {.placed = false};
@@ -154,11 +151,11 @@ static mukca_status gather_causes(plan_run *r)
     cli_simulated *c = &r->causes;
     mukca_error *error = &r->call->error;
     mukca_status status = MUKCA_OK;
-    c->chain = &r->model.chain;
+    c->chain = &r->model->chain;
     c->places = r->known;
-    c->rows = r->data.n_rows;
-    for (int p = 0; p < r->data.n_placements && p < CLI_MAX_PLACES; p++)
-        snprintf(r->known[c->n_places++].name, MUKCA_NAME_SIZE, "%s", r->data.placements[p].name);
+    c->rows = r->data->n_rows;
+    for (int p = 0; p < r->data->n_placements && p < CLI_MAX_PLACES; p++)
+        snprintf(r->known[c->n_places++].name, MUKCA_NAME_SIZE, "%s", r->data->placements[p].name);
     for (int i = 0; i < o->places.n && c->n_places < CLI_MAX_PLACES; i++) {
         status = cli_read_place(&r->known[c->n_places++], o->places.items[i], error);
         if (status != MUKCA_OK) return status;
@@ -172,7 +169,7 @@ static mukca_status gather_causes(plan_run *r)
     if (status != MUKCA_OK || !o->settle) return status;
     const mukca_diagnose_options how = {
         .no_folds = true, .progress = cli_show_progress, .progress_context = r->call};
-    status = mukca_diagnose(&r->diagnosis, &r->model.chain, &r->data, &how, error);
+    status = mukca_diagnose(&r->diagnosis, &r->model->chain, r->data, &how, error);
     if (status != MUKCA_OK) return status;
     if (!mukca_next_poses_tie(c->effects, &r->diagnosis))
         return mukca_fail(error, MUKCA_NEGATIVE,
@@ -187,8 +184,8 @@ static mukca_status gather_causes(plan_run *r)
 static mukca_status plan(plan_run *r)
 {
     const plan_options *o = r->call->options;
-    const mukca_offsets *table = &r->model.offsets;
-    const mukca_dataset *data = r->data.n_rows > 0 ? &r->data : NULL;
+    const mukca_offsets *table = &r->model->offsets;
+    const mukca_dataset *data = r->data->n_rows > 0 ? r->data : NULL;
     const double distance = r->call->common->distance > 0 ? r->call->common->distance : 0.05;
     const double *theta = table->theta;
     double fitted[MUKCA_MAX_THETA];
@@ -207,8 +204,8 @@ static mukca_status plan(plan_run *r)
     mukca_status status = gather_causes(r);
     if (status != MUKCA_OK) return status;
     if (o->settle) {
-        mukca_geometry_theta(fitted, &r->model.chain, &r->diagnosis.geometry);
-        mukca_geometry_set(&r->model.geometry, &r->model.chain, fitted);
+        mukca_geometry_theta(fitted, &r->model->chain, &r->diagnosis.geometry);
+        mukca_geometry_set(&r->model->geometry, &r->model->chain, fitted);
         theta = fitted;
     }
     r->how.effects = r->causes.effects;
@@ -219,17 +216,17 @@ static mukca_status plan(plan_run *r)
         return o->suggest > MUKCA_PLAN_MAX_SOCKETS / 2
                    ? mukca_fail(&r->call->error, MUKCA_USAGE, "--suggest %d: not that many",
                                 o->suggest)
-                   : mukca_plan_places(r->places, &r->n_places, o->suggest, &r->model.chain, theta,
+                   : mukca_plan_places(r->places, &r->n_places, o->suggest, &r->model->chain, theta,
                                        data, distance, &r->how, &r->call->error);
-    return mukca_plan_run(&r->plan, &r->model.chain, theta, data, r->sockets, r->n_sockets, &r->how,
-                          &r->call->error);
+    return mukca_plan_run(&r->plan, &r->model->chain, theta, data, r->sockets, r->n_sockets,
+                          &r->how, &r->call->error);
 }
 
 /* The poses as a session file whose rows are yet to be recorded. */
 static mukca_status write_poses(plan_run *r)
 {
     const cli_common *c = r->call->common;
-    const mukca_chain *chain = &r->model.chain;
+    const mukca_chain *chain = &r->model->chain;
     mukca_output output = {0};
     if (c->json && !c->output) return MUKCA_OK;
     mukca_status status = cli_output_open(r->call, &output);
@@ -246,8 +243,8 @@ static mukca_status write_poses(plan_run *r)
         }
     } else {
         fprintf(out,
-                "# poses proposed by mukca plan for %s, joints in rad; guide the arm there\n"
-                "# and record the row anew: the ball in its socket decides\n",
+                "# postures proposed by mukca plan for %s, joints in rad; guide the arm there and\n"
+                "# record the angles with the ball seated in its socket\n",
                 chain->robot);
         fputs("placement\tsocket", out);
         for (int j = 0; j < chain->n_joints; j++)
@@ -268,7 +265,7 @@ static mukca_status write_poses(plan_run *r)
 
 static json_t *result_json(const plan_run *r)
 {
-    const mukca_chain *chain = &r->model.chain;
+    const mukca_chain *chain = &r->model->chain;
     json_t *rows = json_array(), *places = json_array();
     for (int i = 0; i < r->plan.n_rows; i++) {
         const mukca_plan_row *row = &r->plan.rows[i];
@@ -295,99 +292,94 @@ static json_t *result_json(const plan_run *r)
                      "elapsed_s", cli_elapsed(r->call));
 }
 
-static void say(plan_run *r)
+static void print(plan_run *r)
 {
     const plan_options *o = r->call->options;
     const mukca_plan *p = &r->plan;
     if (r->n_places > 0) {
-        cli_answer(r->call,
-                   "Places for the tool, best first (the later ones given the earlier):\n");
+        cli_answer(r->call, "Placements of the tool, best first (each given the earlier ones):\n");
         for (int i = 0; i < r->n_places; i++) {
             const mukca_plan_place *at = &r->places[i];
-            cli_answer(r->call, "  %d. %.2f %.2f %.2f m, yaw %.2f rad; %d rows there: ", i + 1,
+            cli_answer(r->call, "  %d. %.2f %.2f %.2f m, yaw %.2f rad; %d samples there: ", i + 1,
                        at->centre[0], at->centre[1], at->centre[2], at->yaw, o->rows);
             if (r->causes.n_effects > 0)
                 cli_answer(r->call, "expected log Bayes factor %.1f\n", at->evidence);
             else
                 cli_answer(r->call, "expected error %.3f mm\n", at->expected * 1e3);
         }
-        cli_answer_wrapped(
-            r->call, "Next: put the tool there and ask for poses with --place NAME=X,Y,Z,0,0,YAW.");
+        cli_answer_keyed(r->call, "Next",
+                         "put the tool there and plan postures with --place NAME=X,Y,Z,0,0,YAW");
         return;
     }
-    cli_answer(r->call, "%d poses in %d sockets, beside %d recorded rows.\n", p->n_rows,
-               r->n_sockets, p->n_recorded);
+    cli_answer(r->call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
+               p->n_recorded);
     if (r->causes.n_effects > 0) {
         char a[96], b[96];
-        name_cause(a, &r->causes.effects[0], &r->model.chain);
-        name_cause(b, &r->causes.effects[1], &r->model.chain);
-        cli_answer(r->call, "To tell %s from %s:\n", a, b);
-        cli_answer(r->call,
-                   "  expected log Bayes factor %.1f before, %.1f after (%g settles it).\n",
-                   p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+        name_cause(a, &r->causes.effects[0], &r->model->chain);
+        name_cause(b, &r->causes.effects[1], &r->model->chain);
+        cli_answer_wrapped(r->call,
+                           "Separating %s from %s: expected log Bayes factor %.1f before, %.1f "
+                           "after (%g decides)",
+                           a, b, p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
         if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
-            cli_answer_wrapped(
-                r->call,
-                "That is not enough: it takes about --rows %d, or another place (--suggest "
-                "1).",
-                p->rows_to_name);
+            cli_answer_wrapped(r->call,
+                               "Not enough: some --rows %d are needed, or another placement "
+                               "(--suggest 1)",
+                               p->rows_to_name);
         else if (p->evidence_after < MUKCA_PLAN_NAME)
-            cli_answer_wrapped(
-                r->call,
-                "No number of rows here is enough: see what --suggest 1 gains, or live with "
-                "the tie.");
+            cli_answer_wrapped(r->call,
+                               "Not enough, and more samples here do not decide: try another "
+                               "placement (--suggest 1)");
     } else {
-        cli_answer(r->call,
-                   "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after.\n",
+        cli_answer(r->call, "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after\n",
                    p->expected_before * 1e3, p->expected_after * 1e3);
     }
     if (p->n_rows < o->rows)
-        cli_answer_wrapped(
-            r->call, "Fewer than the %d asked for: the sockets allow no more different poses.",
-            o->rows);
-    cli_answer_wrapped(
-        r->call,
-        "Next: check each pose for collisions (only joint limits, tilt and height are known "
-        "here), guide the arm there, and record the row with the ball in its socket.");
+        cli_answer_wrapped(r->call,
+                           "Fewer than the requested %d: the sockets allow no more different "
+                           "postures",
+                           o->rows);
+    cli_answer_keyed(r->call, "Next",
+                     "check each posture for collisions (only joint limits, tilt and height are "
+                     "checked here), guide the arm there, and record it with the ball seated");
+}
+
+static void release(void *work)
+{
+    plan_run *r = work;
+    mukca_plan_free(&r->plan);
+    mukca_diagnosis_free(&r->diagnosis);
 }
 
 static mukca_status run(cli_call *call)
 {
-    plan_run *r = calloc(1, sizeof *r);
-    if (!r) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    plan_run *r = call->work;
     r->call = call;
-    cli_catch_interrupts();
+    r->model = &call->session->model;
+    r->data = &call->session->data;
     mukca_status status = check(call);
-    if (status == MUKCA_OK) status = cli_load_model(call, &r->model);
-    if (status == MUKCA_OK && call->arguments.n > 0)
-        status = cli_load_data(call, &r->data, &r->model, &call->arguments);
+    if (status == MUKCA_OK) status = cli_load(call);
     if (status == MUKCA_OK) status = plan(r);
     if (status == MUKCA_OK) status = write_poses(r);
     if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, result_json(r));
-    if (status == MUKCA_OK) say(r);
-    mukca_plan_free(&r->plan);
-    mukca_diagnosis_free(&r->diagnosis);
-    mukca_dataset_free(&r->data);
-    free(r);
+    if (status == MUKCA_OK) print(r);
     return status;
 }
 
 const cli_command cli_command_plan = {
     .name = "plan",
     .group = CLI_MEASURE,
-    .summary = "the next poses to record, for accuracy or to settle a tie",
+    .summary = "plan the next postures to record",
     .synopsis = "[DATA...]",
     .min_arguments = 0,
     .max_arguments = -1,
     .description =
-        "Finds poses with the ball in the sockets of DATA (as --offsets or the nominal model place "
-        "them) and of each --place, within the joint limits and with the tool pointing down, and "
-        "chooses those that tell most beside the rows of DATA: about the geometry (D-optimality), "
-        "or "
-        "with --settle or --separate about which of two causes it is (T-optimality). Writes them "
-        "as a "
-        "session file in the order to visit; the joints are where to guide the arm to, the seated "
-        "ball decides.",
+        "Finds postures with the ball in the sockets of DATA (located by --offsets or the nominal "
+        "model) and of each --place, within the joint limits and with the tool pointing down, and "
+        "selects those that add most information to DATA: about the geometry (D-optimality), or, "
+        "with --settle or --separate, about which of two causes is present (T-optimality). Writes "
+        "a session file in the order to visit. The angles say where to guide the arm; record the "
+        "angles at which the ball is seated.",
     .example =
         "mukca plan --urdf data/demo/arm.urdf --place front=0.45,0,0.05,0,0,1.57 --rows 40 -o "
         "build/demo/plan.tsv --force",
@@ -395,4 +387,6 @@ const cli_command cli_command_plan = {
     .options_size = sizeof(plan_options),
     .defaults = &defaults,
     .run = run,
+    .work_size = sizeof(plan_run),
+    .release = release,
 };

@@ -15,7 +15,6 @@
 
 typedef struct {
     cli_common common;
-    cli_list test;
     const char *plots;
     int format;
     double repeatability;
@@ -27,19 +26,18 @@ static const report_options defaults = {.repeatability = 1e-4};
 static const char *const formats[] = {"png", "pdf", "svg", NULL};
 
 static const cli_option options[] = {
-    {"test", 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported", NULL,
-     offsetof(report_options, test)},
-    CLI_OUTPUT_OPTION("where to write the page (default: standard output)"),
+    CLI_TEST_OPTION,
+    CLI_OUTPUT_OPTION("write the page there (default: standard output)"),
     {"plots", 0, CLI_TEXT, "FOLDER", "write each figure there as a file, too", NULL,
      offsetof(report_options, plots)},
     {"format", 0, CLI_CHOICE, "FORMAT", "of these files (default: png)", formats,
      offsetof(report_options, format)},
     {"repeatability", 0, CLI_NUMBER, "M",
-     "of the arm by its data sheet, a line in the training curves, m (default: 1e-4; 0: none)",
+     "repeatability by the data sheet, a line in the training curves, m (default: 1e-4; 0: none)",
      NULL, offsetof(report_options, repeatability)},
-    {"free-base", 0, CLI_FLAG, NULL, "pose logs: fit the tracker's frame", NULL,
+    {"free-base", 0, CLI_FLAG, NULL, "pose logs: fit the frame of the tracker", NULL,
      offsetof(report_options, free_base)},
-    {"free-tool", 0, CLI_FLAG, NULL, "pose logs: fit the target's place on the tool", NULL,
+    {"free-tool", 0, CLI_FLAG, NULL, "pose logs: fit the offset of the target", NULL,
      offsetof(report_options, free_tool)},
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
@@ -53,8 +51,6 @@ enum { MAX_STEPS = 500 };
 /* All that a run holds. */
 typedef struct {
     cli_call *call;
-    cli_model model;
-    mukca_dataset train, test;
     mukca_fit fit;
     mukca_offsets offsets;
     mukca_diagnosis diagnosis;
@@ -63,6 +59,7 @@ typedef struct {
     mukca_score *scores; /* scratch of `watch` */
     mukca_report_step steps[MAX_STEPS];
     mukca_report page;
+    char *command;
 } report_run;
 
 /* Called at each iteration of the fit. */
@@ -74,8 +71,8 @@ static void watch(void *context, const double *theta, const mukca_cost_value *va
     (void)evaluations;
     const mukca_model model = {.chain = &r->fit.chain, .theta = theta};
     if (r->page.n_steps < MAX_STEPS)
-        mukca_report_step_fill(&r->steps[r->page.n_steps++], &model, &r->train, &r->test,
-                               r->scores);
+        mukca_report_step_fill(&r->steps[r->page.n_steps++], &model, &r->call->session->data,
+                               &r->call->session->test, r->scores);
 }
 
 /* Fit, or take the table of --offsets. */
@@ -84,19 +81,21 @@ static mukca_status calibrate(report_run *r)
     cli_call *call = r->call;
     const report_options *o = call->options;
     if (call->common->offsets) {
-        r->offsets = r->model.offsets;
-        r->page.fitted = &r->model.chain;
+        r->offsets = r->call->session->model.offsets;
+        r->page.fitted = &r->call->session->model.chain;
         return MUKCA_OK;
     }
-    r->scores = MUKCA_TAKE(&r->pool, mukca_score, r->train.n_placements + r->test.n_placements + 2);
+    r->scores =
+        MUKCA_TAKE(&r->pool, mukca_score,
+                   r->call->session->data.n_placements + r->call->session->test.n_placements + 2);
     if (!r->scores) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     const mukca_fit_options fit_options = {
         .free_base = o->free_base,
         .free_tool = o->free_tool,
         .solver = mukca_solver_table[0],
         .limits = {.stop = cli_stop, .progress = watch, .context = r}};
-    const mukca_status status =
-        mukca_fit_run(&r->fit, &r->model.chain, &r->train, &fit_options, &call->error);
+    const mukca_status status = mukca_fit_run(&r->fit, &r->call->session->model.chain,
+                                              &r->call->session->data, &fit_options, &call->error);
     if (status != MUKCA_OK) return status;
     calibrate_fill_offsets(&r->offsets, &r->fit);
     r->page.fit = &r->fit;
@@ -108,7 +107,7 @@ static mukca_status calibrate(report_run *r)
 static mukca_status diagnose(report_run *r)
 {
     const report_options *o = r->call->options;
-    const mukca_dataset *test = r->test.n_rows > 0 ? &r->test : NULL;
+    const mukca_dataset *test = r->call->session->test.n_rows > 0 ? &r->call->session->test : NULL;
     const mukca_diagnose_options diagnose_options = {.test = test,
                                                      .free_base = o->free_base,
                                                      .free_tool = o->free_tool,
@@ -116,28 +115,31 @@ static mukca_status diagnose(report_run *r)
                                                      .confounding = true,
                                                      .progress = cli_show_progress,
                                                      .progress_context = r->call};
-    mukca_status status = mukca_diagnose(&r->diagnosis, &r->model.chain, &r->train,
-                                         &diagnose_options, &r->call->error);
+    mukca_status status =
+        mukca_diagnose(&r->diagnosis, &r->call->session->model.chain, &r->call->session->data,
+                       &diagnose_options, &r->call->error);
     if (status != MUKCA_OK) return status;
     r->page.diagnosed = (mukca_diagnosed){.diagnosis = &r->diagnosis,
-                                          .chain = &r->model.chain,
-                                          .data = &r->train,
+                                          .chain = &r->call->session->model.chain,
+                                          .data = &r->call->session->data,
                                           .test = test,
                                           .next = &r->next,
                                           .saved = true};
-    return mukca_next_poses_choose(&r->next, &r->diagnosis, &r->model.chain, &r->train, cli_stop,
-                                   &r->call->error);
+    return mukca_next_poses_choose(&r->next, &r->diagnosis, &r->call->session->model.chain,
+                                   &r->call->session->data, cli_stop, &r->call->error);
 }
 
 /* Paths and hashes of all that was read; folders stand for the files in them. */
 static mukca_status provenance(report_run *r)
 {
-    const mukca_dataset *sets[2] = {&r->train, &r->test};
+    const mukca_dataset *sets[2] = {&r->call->session->data, &r->call->session->test};
     mukca_report_file *files =
-        MUKCA_TAKE(&r->pool, mukca_report_file, r->train.n_files + r->test.n_files + 2);
+        MUKCA_TAKE(&r->pool, mukca_report_file,
+                   r->call->session->data.n_files + r->call->session->test.n_files + 2);
     int n = 0;
     if (!files) return mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory");
-    files[n++] = (mukca_report_file){r->call->common->urdf, r->model.chain.urdf_sha256};
+    files[n++] =
+        (mukca_report_file){r->call->common->urdf, r->call->session->model.chain.urdf_sha256};
     for (int k = 0; k < 2; k++)
         for (int f = 0; f < sets[k]->n_files; f++) {
             char *hash = MUKCA_TAKE(&r->pool, char, SHA256_DIGEST_STRING_LENGTH);
@@ -173,24 +175,24 @@ static mukca_status check(cli_call *call)
     const report_options *o = call->options;
     if (!call->common->output && isatty(STDOUT_FILENO))
         return mukca_fail(&call->error, MUKCA_USAGE,
-                          "-o FILE is needed: a page is nothing for the terminal");
+                          "-o FILE is needed: the page is HTML, not for the terminal");
     if (!(o->repeatability >= 0))
         return mukca_fail(&call->error, MUKCA_USAGE, "--repeatability %g: must not be negative",
                           o->repeatability);
     if (call->common->offsets && (o->free_base || o->free_tool))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--offsets brings its own frames: leave out --free-base and --free-tool");
-    return cli_check_outputs(call);
+    return MUKCA_OK;
 }
 
 static mukca_status prepare(report_run *r)
 {
     const report_options *o = r->call->options;
     mukca_report *p = &r->page;
-    p->chain = &r->model.chain;
+    p->chain = &r->call->session->model.chain;
     p->offsets = &r->offsets;
-    p->train = &r->train;
-    p->test = &r->test;
+    p->train = &r->call->session->data;
+    p->test = &r->call->session->test;
     p->repeatability = o->repeatability;
     p->steps = r->steps;
     p->progress = cli_show_progress;
@@ -202,50 +204,50 @@ static mukca_status prepare(report_run *r)
     return status;
 }
 
-static mukca_status run(cli_call *call)
+static void release(void *work)
 {
-    const report_options *o = call->options;
-    report_run *r = calloc(1, sizeof *r);
-    char when[32], *command = NULL;
-    size_t size;
-    if (!r) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    r->call = call;
-    cli_catch_interrupts();
-    mukca_status status = check(call);
-    if (status == MUKCA_OK) status = cli_load_model(call, &r->model);
-    if (status == MUKCA_OK) status = cli_check_effects(call, &r->model);
-    if (status == MUKCA_OK) status = cli_load_data(call, &r->train, &r->model, &call->arguments);
-    if (status == MUKCA_OK && o->test.n)
-        status = cli_load_data(call, &r->test, &r->model, &o->test);
-    if (status == MUKCA_OK) status = prepare(r);
-    if (status != MUKCA_OK) goto out;
-    FILE *line = open_memstream(&command, &size);
-    if (!line) {
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-        goto out;
-    }
-    fprintf(line, "mukca report --urdf %s", call->common->urdf);
-    for (int i = 0; i < call->arguments.n; i++) fprintf(line, " %s", call->arguments.items[i]);
-    for (int i = 0; i < o->test.n; i++)
-        fprintf(line, "%s %s", i ? "" : " --test", o->test.items[i]);
-    if (call->common->offsets) fprintf(line, " --offsets %s", call->common->offsets);
-    fclose(line);
-    mukca_offsets_time(when);
-    r->page.command = command;
-    r->page.when = when;
-    status = write_page(r);
-    if (status == MUKCA_OK && call->common->output)
-        cli_answer(call, "The report is in %s.\n", call->common->output);
-out:
-    free(command);
+    report_run *r = work;
     mukca_report_free(&r->page);
     mukca_next_poses_free(&r->next);
     mukca_diagnosis_free(&r->diagnosis);
     mukca_fit_free(&r->fit);
     mukca_pool_free(&r->pool);
-    mukca_dataset_free(&r->train);
-    mukca_dataset_free(&r->test);
-    free(r);
+    free(r->command);
+}
+
+/* The command that made the page, for its provenance. */
+static mukca_status describe_command(report_run *r)
+{
+    const cli_call *call = r->call;
+    const cli_list *test = &call->common->test;
+    size_t size;
+    FILE *line = open_memstream(&r->command, &size);
+    if (!line) return mukca_fail(&r->call->error, MUKCA_MEMORY, "out of memory");
+    fprintf(line, "mukca report --urdf %s", call->common->urdf);
+    for (int i = 0; i < call->arguments.n; i++) fprintf(line, " %s", call->arguments.items[i]);
+    for (int i = 0; i < test->n; i++) fprintf(line, "%s %s", i ? "" : " --test", test->items[i]);
+    if (call->common->offsets) fprintf(line, " --offsets %s", call->common->offsets);
+    fclose(line);
+    r->page.command = r->command;
+    return MUKCA_OK;
+}
+
+static mukca_status run(cli_call *call)
+{
+    report_run *r = call->work;
+    char when[32];
+    r->call = call;
+    mukca_status status = check(call);
+    if (status == MUKCA_OK) status = cli_load(call);
+    if (status == MUKCA_OK) status = cli_check_effects(call, &call->session->model);
+    if (status == MUKCA_OK) status = prepare(r);
+    if (status == MUKCA_OK) status = describe_command(r);
+    if (status != MUKCA_OK) return status;
+    mukca_offsets_time(when);
+    r->page.when = when;
+    status = write_page(r);
+    if (status == MUKCA_OK && call->common->output)
+        cli_answer(call, "The report is in %s.\n", call->common->output);
     return status;
 }
 
@@ -268,4 +270,6 @@ const cli_command cli_command_report = {
     .options_size = sizeof(report_options),
     .defaults = &defaults,
     .run = run,
+    .work_size = sizeof(report_run),
+    .release = release,
 };

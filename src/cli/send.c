@@ -49,7 +49,7 @@ static void take_result(client *c, const mukca_message_result *m)
     if (c->status != MUKCA_OK && c->status != MUKCA_NEGATIVE)
         mukca_fail(&c->call->error, c->status, "%.250s", m->text);
     else if (m->n)
-        cli_say(c->call, "%s\n", m->text);
+        cli_log(c->call, "%s\n", m->text);
     else
         cli_answer(c->call, "%s\n", m->text);
     const char *json = c->call->common->json;

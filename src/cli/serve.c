@@ -32,15 +32,15 @@ static void list_arguments(const char **arguments, char distance[32], char gravi
 
 static void report(void *call, const char *line)
 {
-    cli_say(call, "%s\n", line);
+    cli_log(call, "%s\n", line);
 }
 
 static void conclude(cli_call *call, const mukca_server *s)
 {
-    cli_say(call, "stopped; %lld joint states received, %lld messages refused\n",
+    cli_log(call, "stopped; %lld joint states received, %lld messages refused\n",
             (long long)s->recorder.received, (long long)s->recorder.refused);
     if (s->pose.sent)
-        cli_say(call, "%lld poses sent; from reception to sent: median %.0f us, 99.9 %% %.0f us\n",
+        cli_log(call, "%lld poses sent; from reception to sent: median %.0f us, 99.9 %% %.0f us\n",
                 (long long)s->pose.sent, 1e6 * mukca_server_latency(&s->pose, 0.5),
                 1e6 * mukca_server_latency(&s->pose, 0.999));
 }

@@ -45,18 +45,6 @@ void cli_log(cli_call *call, const char *format, ...)
     va_end(args);
 }
 
-void cli_tell(cli_call *call, const char *format, ...)
-{
-    char text[1024];
-    if (call->common && call->common->quiet) return;
-    clear_progress(call);
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    cli_print_wrapped(stderr, 0, text);
-}
-
 void cli_progress(cli_call *call, const char *what, double done, double total)
 {
     double t = cli_elapsed(call);

@@ -1,0 +1,37 @@
+# The answer of each command is on standard output; standard error has notes alone.  Where a machine
+# reads standard output, the text for people is on standard error or left out.
+demo=$root/data/demo
+a="--urdf $demo/arm.urdf" d="$demo/train.tsv"
+answer "^Converged after" calibrate $a "$d" -o offsets.tsv
+answer "^  consistency mm, data" evaluate $a "$d" -o scores.tsv
+answer "^Cause   joint compliance at joint_4" diagnose $a "$d"
+answer "^12 postures" plan $a --place front=0.45,0,0.05 --rows 12 -o plan.tsv
+answer "^The report is in page.html" report $a "$d" -o page.html
+"$MUKCA" export $a --offsets offsets.tsv -o calibrated.urdf
+answer "agrees with the table" export $a --offsets offsets.tsv --check calibrated.urdf
+"$MUKCA" simulate $a --recipe sweeps --seed 1 --perturb 1,2 -o log.tsv
+answer "^Result  the poses contain a calibration" recalibrate $a log.tsv
+printf '0.1\t0.2\t0.3\t-1.5\t0.2\t1.1\t0.4\n' >row.tsv
+answer "^x_m" fk $a row.tsv
+answer "^1 row" compensate $a --offsets offsets.tsv row.tsv -o targets.tsv
+answer "^joint_1	" compensate $a --offsets offsets.tsv row.tsv -q
+answer "^robot: " export $a --offsets offsets.tsv --format yaml
+
+apart() { # PATTERN ARGS...: standard output has no text that matches, standard error has, or none
+    pattern=$1
+    shift
+    run "$@"
+    expect "text for people stays out of the data: mukca $*" \
+        sh -c "test $code -eq 0 && ! grep -q -- '$pattern' '$scratch/out' && test -s '$scratch/out'"
+}
+apart "^Converged" calibrate $a "$d" --json -
+apart "^Converged" calibrate $a "$d" -o -
+apart "^Cause" diagnose $a "$d" --json -
+apart "consistency mm" evaluate $a "$d"
+apart "consistency mm" evaluate $a "$d" --json -
+apart "^Result" recalibrate $a log.tsv --json -
+apart "postures" plan $a --place front=0.45,0,0.05 --rows 12 --json -
+apart "^1 row" compensate $a --offsets offsets.tsv row.tsv
+apart "^The report" report $a "$d"
+run diagnose $a "$d" -q
+expect "-q prints nothing" test "$code $(cat "$scratch/out" "$scratch/err")" = "0 "
