@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""How many rows and placements are enough: the table of README.md.
+"""How much data is enough: the table of docs/guide.md.
 
     tools/how_much.py [SEEDS]
 
-Simulates the demo arm with other origins, 0.1 mm of noise per axis and one elastic joint; calibrates
-and diagnoses it; tests both on two placements that took no part. Prints medians over the seeds.
+Simulates the demo arm with other origins, 0.1 mm of noise per axis and one elastic joint. Calibrates
+and diagnoses it, and tests both on two placements that took no part. Prints medians over the seeds.
 """
 import json
 import os
@@ -44,7 +44,7 @@ def one(placements, rows, seed, folder):
 
 def main():
     seeds = int(sys.argv[1]) if len(sys.argv) > 1 else 10
-    print("placements  rows/socket  calibrate  diagnose_geometry  diagnose_causes  "
+    print("placements  per socket   calibrate  diagnose_geometry  diagnose_causes  "
           "named  tied  missed  wrong")
     with tempfile.TemporaryDirectory() as folder:
         for placements in PLACEMENTS:

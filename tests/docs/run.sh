@@ -75,6 +75,14 @@ for page in sys.argv[1:]:
             print(f"{page}: {target}#{anchor}")
 PY
 )"
+check "functions that documents name exist in the file beside them" "$(
+    # shellcheck disable=SC2086,SC2016
+    grep -ohE '`[a-z_]+\(\)`( in \[[^]]*\])?' ARCHITECTURE.md CONTRIBUTING.md $pages | sort -u | while read -r found; do
+        name=${found#?} name=${name%%\(*}
+        file=$(echo "$found" | sed -n 's/.*\[\(.*\)\]/\1/p')
+        # shellcheck disable=SC2086
+        grep -rqF "$name(" ${file:-src include} || echo "$found"
+    done)"
 for page in docs/diagnosis.md mukca-formats.5; do
     check "$page describes every effect" "$(
         "$MUKCA" help effects | sed -n 's/^\([a-z_]*\) (.*/\1/p' | while read -r effect; do
