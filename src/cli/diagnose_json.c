@@ -114,8 +114,14 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     const mukca_dataset *data = r->data, *test = r->test;
     json_t *causes = json_array(), *faults = json_array(), *tested = json_array(),
            *joints = json_array();
-    for (int i = 0; i < d->n_causes; i++)
-        json_array_append_new(causes, cause_object(&d->causes[i], chain, data));
+    char words[MUKCA_WORDING];
+    for (int i = 0; i < d->n_causes; i++) {
+        json_t *cause = cause_object(&d->causes[i], chain, data);
+        mukca_wording_rivals(words, &d->causes[i], r);
+        json_object_set_new(cause, "sentence", cli_json_text(words));
+        json_object_set_new(cause, "remedy", json_string(mukca_wording_remedy(&d->causes[i])));
+        json_array_append_new(causes, cause);
+    }
     for (int i = 0; i < d->n_faults; i++)
         json_array_append_new(faults, fault_object(&d->faults[i], data));
     for (int i = 0; i < d->n_where; i++)
@@ -164,7 +170,10 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_t *names = json_array();
     for (int j = 0; j < chain->n_joints; j++) json_array_append_new(names, joint_name(chain, j));
     json_object_set_new(root, "joints", names);
-    json_object_set_new(root, "why", cli_json_text(d->why));
+    mukca_wording_caveat(words, r);
+    json_object_set_new(root, "why", cli_json_text(d->why ? d->why : *words ? words : NULL));
+    mukca_wording_verdict(words, r);
+    json_object_set_new(root, "sentence", cli_json_text(words));
     json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
     json_object_set_new(root, "next_poses", next_poses_array(r));
     json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));

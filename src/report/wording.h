@@ -5,7 +5,7 @@
 
 #include "diagnose/next_poses.h"
 
-enum { MUKCA_WORDING = 400 }; /* characters of a text below, its end included */
+enum { MUKCA_WORDING = 600 }; /* characters of a text below, its end included */
 
 /* A diagnosis and what it was made of. */
 typedef struct {
