@@ -105,7 +105,7 @@ static mukca_status loop(session *s)
         bool readable;
         status = mukca_recorder_step(r, s->view ? 50 : 200, s->keys ? STDIN_FILENO : -1, &readable,
                                      &s->call->error);
-        if (status) break;
+        if (status != MUKCA_OK) break;
         if (readable) read_keys(s);
         if (cli_interrupted())
             return mukca_fail(&s->call->error, MUKCA_INTERRUPTED,
@@ -212,17 +212,17 @@ static mukca_status run(cli_call *call)
     mukca_recorder_hooks hooks = {.report = report, .interrupted = cli_interrupted, .context = s};
     cli_live_complete(&o->live, call->common);
     status = check_usage(s);
-    if (!status) status = cli_load_model(call, model);
-    if (!status)
+    if (status == MUKCA_OK) status = cli_load_model(call, model);
+    if (status == MUKCA_OK)
         status = mukca_recorder_open(&s->recorder, &o->live.recorder, &model->chain,
                                      model->offsets.theta, &hooks, error);
-    if (!status) status = mukca_recorder_connect(&s->recorder, o->wait, error);
-    if (!status) status = confirm_map(s);
-    if (!status)
+    if (status == MUKCA_OK) status = mukca_recorder_connect(&s->recorder, o->wait, error);
+    if (status == MUKCA_OK) status = confirm_map(s);
+    if (status == MUKCA_OK)
         status = mukca_recorder_begin(&s->recorder, call->common->output, o->resume,
                                       call->common->force, error);
-    if (!status) status = mukca_recorder_start_log(&s->recorder, error);
-    if (status) goto out;
+    if (status == MUKCA_OK) status = mukca_recorder_start_log(&s->recorder, error);
+    if (status != MUKCA_OK) goto out;
     if (s->keys) cli_capture_enter(&s->terminal);
     status = loop(s);
     if (s->view) cli_capture_draw(&s->terminal, &s->recorder);

@@ -57,7 +57,7 @@ static void take_result(client *c, const mukca_message_result *m)
     if (!json || !m->json[0]) return;
     mukca_output output;
     mukca_status status = mukca_output_open(&output, json, c->call->common->force, &c->call->error);
-    if (!status) {
+    if (status == MUKCA_OK) {
         fputs(m->json, output.stream);
         status = mukca_output_close(&output, &c->call->error);
     }
@@ -138,13 +138,13 @@ static mukca_status run(cli_call *call)
     c->id = (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
     c->wants_status = strcmp(call->arguments.items[0], "status") == 0;
     mukca_status status = check_verb(call, call->arguments.items[0]);
-    if (!status) status = cli_check_outputs(call);
-    if (!status) status = mukca_lcm_link_open(&c->link, o->lcm_url, on_packet, c, error);
+    if (status == MUKCA_OK) status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = mukca_lcm_link_open(&c->link, o->lcm_url, on_packet, c, error);
     if (!status && mukca_lcm_link_replays(c->link))
         status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
     mukca_message_channel(channel, c->wants_status ? MUKCA_MESSAGE_STATUS : MUKCA_MESSAGE_RESULT,
                           o->prefix);
-    if (!status) status = mukca_lcm_link_listen(c->link, channel, error);
+    if (status == MUKCA_OK) status = mukca_lcm_link_listen(c->link, channel, error);
     if (!status && !c->wants_status) status = send_command(c);
     double deadline = cli_elapsed(call) + o->timeout;
     while (!status && !c->answered) {
@@ -158,7 +158,7 @@ static mukca_status run(cli_call *call)
                                 "(--lcm-url, --prefix)?",
                                 channel, o->timeout);
     }
-    if (!status) status = c->status;
+    if (status == MUKCA_OK) status = c->status;
     mukca_lcm_link_close(c->link);
     free(c);
     return status;

@@ -64,11 +64,11 @@ static mukca_status run(cli_call *call)
     mukca_server *s = calloc(1, sizeof *s);
     mukca_status status = MUKCA_OK;
     if (!s || !model) status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (!status) status = cli_load_model(call, model);
-    if (!status)
+    if (status == MUKCA_OK) status = cli_load_model(call, model);
+    if (status == MUKCA_OK)
         status = mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks,
                                    &call->error);
-    if (!status) {
+    if (status == MUKCA_OK) {
         status = mukca_server_run(s, &call->error);
         conclude(call, s);
     }

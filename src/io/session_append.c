@@ -1,7 +1,7 @@
 /* A session file that grows while it is recorded.
  *
  * Safe against a kill or a power cut at any moment: a row is one write at the end followed by
- * fsync, an undo is one byte (the row's first becomes #).  Whatever follows the last newline was
+ * fsync, an undo is one byte (the first of the row becomes #).  Text after the last newline was
  * never acknowledged. */
 #include "io/session_append.h"
 
@@ -20,7 +20,7 @@
 
 enum { LINE_SIZE = 8192, MAX_SESSION = 1 << 27 };
 
-/* A line that is being put together. */
+/* A line under construction. */
 typedef struct {
     char text[LINE_SIZE];
     size_t length;
@@ -40,8 +40,7 @@ static void append(line *l, const char *format, ...)
 
 static mukca_status fail(const mukca_session *session, const char *what, mukca_error *error)
 {
-    return mukca_fail(error, MUKCA_INPUT, "session %s: %s: %s", session->path, what,
-                      strerror(errno));
+    return mukca_fail(error, MUKCA_INPUT, "%s: %s: %s", session->path, what, strerror(errno));
 }
 
 bool mukca_session_label_ok(const char *label)
@@ -73,7 +72,7 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
         return MUKCA_OK;
     }
     mukca_status status = fail(session, "not recorded", error);
-    if (ftruncate(fd, session->length)) { /* what is left has no newline: cut off on resume */
+    if (ftruncate(fd, session->length)) { /* no newline follows: resume removes it */
     }
     return status;
 }
@@ -104,7 +103,7 @@ mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *
     append(&l, "\n");
     int64_t at = session->length;
     mukca_status status = commit(session, l.text, l.length, error);
-    if (!status) session->row_at[session->n_rows++] = at;
+    if (status == MUKCA_OK) session->row_at[session->n_rows++] = at;
     return status;
 }
 
@@ -112,7 +111,7 @@ mukca_status mukca_session_undo(mukca_session *session, const char *placement, c
                                 mukca_error *error)
 {
     if (!session->n_rows)
-        return mukca_fail(error, MUKCA_INPUT, "session %s has no row to delete", session->path);
+        return mukca_fail(error, MUKCA_INPUT, "%s: no row to delete", session->path);
     int fd = session->fd - 1;
     if (pwrite(fd, "#", 1, session->row_at[session->n_rows - 1]) != 1 || fsync(fd))
         return fail(session, "not deleted", error);
@@ -120,8 +119,8 @@ mukca_status mukca_session_undo(mukca_session *session, const char *placement, c
     append(&l, "# undone: row %d, placement %s, socket %s (the line that now begins with #)\n",
            session->n_rows, placement, socket);
     session->n_rows--;
-    mukca_error unsaid; /* the row itself, behind its #, is record enough */
-    (void)commit(session, l.text, l.length, &unsaid);
+    mukca_error none; /* without this note the row is undone all the same */
+    (void)commit(session, l.text, l.length, &none);
     return MUKCA_OK;
 }
 
@@ -165,7 +164,7 @@ static mukca_status write_head(mukca_session *session, const mukca_session_head 
            "# a row is the mean of a still window; .spread is the standard deviation within it\n");
     format_columns(&l, session, head);
     mukca_status status = commit(session, l.text, l.length, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     /* the file's name must survive a power cut too */
     char folder[sizeof session->path];
     memcpy(folder, session->path, sizeof folder);
@@ -184,7 +183,7 @@ static mukca_status open_file(mukca_session *session, const char *path, int flag
     memset(session, 0, sizeof *session);
     size_t n = strlen(path);
     if (n >= sizeof session->path)
-        return mukca_fail(error, MUKCA_INPUT, "session %.100s...: path too long", path);
+        return mukca_fail(error, MUKCA_INPUT, "%.100s...: the path is too long", path);
     memcpy(session->path, path, n + 1);
     session->separator = n > 4 && strcmp(path + n - 4, ".csv") == 0 ? ',' : '\t';
     session->n_joints = head->chain->n_joints;
@@ -193,16 +192,14 @@ static mukca_status open_file(mukca_session *session, const char *path, int flag
     int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | flags, 0666);
     if (fd < 0 && errno == EEXIST)
         return mukca_fail(error, MUKCA_INPUT,
-                          "session %s exists: --resume goes on with it, --force overwrites it",
-                          path);
+                          "%s: exists already; --resume continues it, --force overwrites it", path);
     if (fd < 0) return fail(session, "cannot be written", error);
     session->fd = fd + 1;
     struct stat st;
     if (fstat(fd, &st) || !S_ISREG(st.st_mode))
-        return mukca_fail(error, MUKCA_INPUT, "session %s is no regular file", path);
+        return mukca_fail(error, MUKCA_INPUT, "%s: not a regular file", path);
     if (flock(fd, LOCK_EX | LOCK_NB))
-        return mukca_fail(error, MUKCA_INPUT, "session %s is being recorded by another mukca",
-                          path);
+        return mukca_fail(error, MUKCA_INPUT, "%s: another mukca is recording it", path);
     session->length = st.st_size;
     return MUKCA_OK;
 }
@@ -213,7 +210,7 @@ mukca_status mukca_session_create(mukca_session *session, const char *path, bool
     mukca_status status = open_file(session, path, force ? 0 : O_EXCL, head, error);
     if (!status && session->length && ftruncate(session->fd - 1, 0))
         status = fail(session, "cannot be overwritten", error);
-    if (!status) {
+    if (status == MUKCA_OK) {
         session->length = 0;
         status = write_head(session, head, error);
         if (status && !force) unlink(path);
@@ -235,8 +232,7 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
     *has_columns = false;
     for (char *at = text, *end; *at; at = end + 1) {
         end = strchr(at, '\n');
-        if (!end)
-            return mukca_fail(error, MUKCA_INPUT, "session %s is no text file", session->path);
+        if (!end) return mukca_fail(error, MUKCA_INPUT, "%s: not a text file", session->path);
         *end = '\0';
         if (end > at && end[-1] == '\r') end[-1] = '\0';
         if (at[0] == '#') {
@@ -247,16 +243,16 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
                     strcmp(at + 4 + n, head_value(head, k)) == 0)
                     continue;
                 return mukca_fail(error, MUKCA_INPUT,
-                                  k == 0 ? "session %s was recorded with another URDF (SHA-256 "
-                                           "%.16s...): give that one"
-                                         : "session %s was recorded with --stream %s: do not mix",
+                                  k == 0 ? "%s: recorded with another URDF (SHA-256 "
+                                           "%.16s...); use that one"
+                                         : "%s: recorded with --stream %s; do not mix",
                                   session->path, at + 4 + n);
             }
         } else if (at[0] && !*has_columns) {
             if (strcmp(at, columns.text) != 0)
                 return mukca_fail(error, MUKCA_INPUT,
-                                  "session %s has other columns than this stream would record: "
-                                  "begin another session",
+                                  "%s: other columns than those of this stream; begin "
+                                  "another session",
                                   session->path);
             *has_columns = true;
         } else if (at[0]) {
@@ -273,9 +269,9 @@ mukca_status mukca_session_resume(mukca_session *session, const char *path,
 {
     char *text = NULL;
     mukca_status status = open_file(session, path, 0, head, error);
-    if (status) goto out;
+    if (status != MUKCA_OK) goto out;
     if (session->length > MAX_SESSION) {
-        status = mukca_fail(error, MUKCA_INPUT, "session %s is too large", path);
+        status = mukca_fail(error, MUKCA_INPUT, "%s: too large for a session", path);
         goto out;
     }
     text = malloc((size_t)session->length + 1);
@@ -298,18 +294,18 @@ mukca_status mukca_session_resume(mukca_session *session, const char *path,
     text[whole] = '\0';
     bool begun = whole > 0;
     if (begun) status = scan(session, &begun, text, head, error);
-    if (status) goto out;
-    if (begun && whole < length) { /* only now is it sure to be a session */
-        char said[160];
-        snprintf(said, sizeof said, "cut %lld bytes of an unfinished row off the session",
+    if (status != MUKCA_OK) goto out;
+    if (begun && whole < length) { /* by now it is known to be a session */
+        char removed[1200];
+        snprintf(removed, sizeof removed, "%s: %lld bytes of an unfinished row removed", path,
                  (long long)(length - whole));
         if (ftruncate(session->fd - 1, whole)) status = fail(session, "cannot be mended", error);
-        if (!status && note) note(note_context, said);
+        if (!status && note) note(note_context, removed);
     }
     if (status || begun) goto out;
     if (!ours) {
-        status = mukca_fail(error, MUKCA_INPUT, "session %s has no header", path);
-    } else if (ftruncate(session->fd - 1, 0)) { /* a head that a power cut left unfinished */
+        status = mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);
+    } else if (ftruncate(session->fd - 1, 0)) { /* a header that a power cut left unfinished */
         status = fail(session, "cannot be mended", error);
     } else {
         session->length = 0;

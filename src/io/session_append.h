@@ -1,4 +1,4 @@
-/* A session file that grows while it is recorded: each row is on disk before it counts. */
+/* A session file that grows while it is recorded: each row is on disk before it is acknowledged. */
 #ifndef MUKCA_IO_SESSION_APPEND_H
 #define MUKCA_IO_SESSION_APPEND_H
 
@@ -8,7 +8,7 @@
 #include "mukca/chain.h"
 #include "mukca/status.h"
 
-/* What the head of a session says. */
+/* The header of a session. */
 typedef struct {
     const mukca_chain *chain;
     const char *stream;  /* "raw" or "corrected" */
@@ -33,7 +33,7 @@ typedef struct {
     int n_joints;
     bool has_effort, has_command;
     int64_t length;  /* of the file, bytes */
-    int n_rows;      /* that count: recorded and not undone */
+    int n_rows;      /* recorded and not undone */
     int64_t *row_at; /* [n_rows] where each begins */
     int capacity;
 } mukca_session;
@@ -44,23 +44,24 @@ typedef struct {
 mukca_status mukca_session_create(mukca_session *session, const char *path, bool force,
                                   const mukca_session_head *head, mukca_error *error);
 
-/* Go on with a session; a file that does not exist, or holds nothing, is begun.  What a crash or a
- * power cut left of a row that was never acknowledged is cut off, and `note` says so.
+/* Continue a session; a file that does not exist, or is empty, is begun.  The rest of a row that a
+ * crash or a power cut left unacknowledged is removed with a `note`.
  * Errors: as above; another robot's, other columns, the other kind of stream. */
 mukca_status mukca_session_resume(mukca_session *session, const char *path,
                                   const mukca_session_head *head, mukca_note_fn *note,
                                   void *note_context, mukca_error *error);
 
-/* Append a row and put it on disk.  When that fails the file is as it was before. */
+/* Append a row and put it on disk; after a failure the file is as before.  Errors: MUKCA_INPUT,
+ * MUKCA_MEMORY. */
 mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
                                mukca_error *error);
 
-/* Take the last row back: it becomes a comment, and another one says what was undone.
+/* Undo the last row: it becomes a comment, and a second comment records that.
  * Errors: MUKCA_INPUT (no row; cannot be written). */
 mukca_status mukca_session_undo(mukca_session *session, const char *placement, const char *socket,
                                 mukca_error *error);
 
-/* Whether `label` can stand in a session: 1 to 63 printable characters, no separator, no #. */
+/* Whether `label` may be written to a session: 1 to 63 printable characters, no separator, no #. */
 bool mukca_session_label_ok(const char *label);
 
 /* Harmless on a closed one. */

@@ -110,7 +110,7 @@ static mukca_status decode_struct(decoder *d, int t, int depth, unsigned mask)
         unsigned here = 0;
         size_t count;
         mukca_status status = count_elements(d, field, value, &count);
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
         for (int r = 0; r < MUKCA_LCM_ROLES; r++)
             if (mask >> r & 1u && d->role[r][depth] == i) here |= 1u << r;
         if (field->primitive != MUKCA_LCM_NESTED && field->primitive != MUKCA_LCM_STRING) {
@@ -156,7 +156,7 @@ mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_t
     for (int r = 0; r < MUKCA_LCM_ROLES; r++)
         if (d.role[r][0] >= 0) mask |= 1u << r;
     mukca_status status = decode_struct(&d, type, 0, mask);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     if (d.wire.left)
         return mukca_fail(error, MUKCA_INPUT, "malformed message: %zu bytes left over",
                           d.wire.left);

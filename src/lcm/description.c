@@ -111,7 +111,7 @@ static mukca_status parse_dimension(reader *r, mukca_lcm_field *field,
     if (field->n_dimensions == MUKCA_LCM_MAX_DIMENSIONS) return fail(r, "too many dimensions");
     mukca_lcm_dimension *d = &field->dimension[field->n_dimensions++];
     mukca_status status = next(r);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     if (strlen(r->token) >= sizeof d->text) return fail(r, "size too long");
     memcpy(d->text, r->token, strlen(r->token) + 1);
     d->field = -1;
@@ -127,7 +127,7 @@ static mukca_status parse_dimension(reader *r, mukca_lcm_field *field,
                 d->field = i;
         if (d->field < 0) return fail(r, "the array size is no integer field before this one");
     }
-    if ((status = next(r))) return status;
+    if ((status = next(r)) != MUKCA_OK) return status;
     return expect(r, "]");
 }
 
@@ -140,7 +140,7 @@ static mukca_status parse_members(reader *r, mukca_lcm_types *types, mukca_lcm_t
     memset(&form, 0, sizeof form);
     form.primitive = MUKCA_LCM_NESTED;
     mukca_status status = take_name(r, name, sizeof name, true);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     for (int p = 0; p < MUKCA_LCM_NESTED; p++)
         if (strcmp(name, mukca_lcm_primitive_names[p]) == 0)
             form.primitive = (mukca_lcm_primitive)p;
@@ -155,7 +155,8 @@ static mukca_status parse_members(reader *r, mukca_lcm_types *types, mukca_lcm_t
             return fail(r, "too many fields");
         mukca_lcm_field *field = &types->field[types->n_fields];
         *field = form;
-        if ((status = take_name(r, field->name, sizeof field->name, false))) return status;
+        if ((status = take_name(r, field->name, sizeof field->name, false)) != MUKCA_OK)
+            return status;
         while (is(r, "["))
             if ((status =
                      parse_dimension(r, field, &types->field[type->first_field], type->n_fields)))
@@ -166,7 +167,7 @@ static mukca_status parse_members(reader *r, mukca_lcm_types *types, mukca_lcm_t
         types->n_fields++;
         type->n_fields++;
         if (!is(r, ",")) return expect(r, ";");
-        if ((status = next(r))) return status;
+        if ((status = next(r)) != MUKCA_OK) return status;
     }
 }
 
@@ -180,21 +181,21 @@ static mukca_status parse_struct(reader *r, mukca_lcm_types *types, const char *
     type->effort_factor = 1;
     type->first_field = types->n_fields;
     mukca_status status = take_name(r, name, sizeof name, false);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     int n = snprintf(type->name, sizeof type->name, "%s%s%s", package, package[0] ? "." : "", name);
     if (n >= (int)sizeof type->name) return fail(r, "type name too long before this");
-    if ((status = expect(r, "{"))) return status;
+    if ((status = expect(r, "{")) != MUKCA_OK) return status;
     while (!is(r, "}")) {
         if (is(r, "const")) { /* no part of the message */
             while (!is(r, ";") && r->token[0])
-                if ((status = next(r))) return status;
+                if ((status = next(r)) != MUKCA_OK) return status;
             status = expect(r, ";");
         } else if (is(r, "enum") || is(r, "struct")) {
             status = fail(r, "enum and struct inside a struct are not understood");
         } else {
             status = parse_members(r, types, type, package);
         }
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
     }
     types->n_types++;
     return next(r);
@@ -222,7 +223,7 @@ mukca_status mukca_lcm_types_parse(mukca_lcm_types *types, const char *text, siz
     }
     if (!status && types->n_types == n_types)
         status = mukca_fail(error, MUKCA_INPUT, "%s describes no struct", file);
-    if (!status) status = mukca_lcm_types_link(types, n_types, file, error);
+    if (status == MUKCA_OK) status = mukca_lcm_types_link(types, n_types, file, error);
     if (status) {
         types->n_types = n_types;
         types->n_fields = n_fields;

@@ -28,7 +28,7 @@ static mukca_status keep_path(mukca_lcm_log *log, const char *path, mukca_error 
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error)
 {
     mukca_status status = keep_path(log, path, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     log->file = fopen(path, "rb");
     if (!log->file || fseeko(log->file, 0, SEEK_END) || (log->length = ftello(log->file)) < 0 ||
         log->length == INT64_MAX || fseeko(log->file, 0, SEEK_SET)) {
@@ -44,7 +44,7 @@ mukca_status mukca_lcm_log_create(mukca_lcm_log *log, const char *path, bool for
                                   mukca_error *error)
 {
     mukca_status status = keep_path(log, path, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | (force ? O_TRUNC : O_EXCL), 0666);
     if (fd >= 0) log->file = fdopen(fd, "wb");
     if (log->file) return MUKCA_OK;

@@ -11,11 +11,11 @@ static const size_t wire_size[] = {8, 4, 8, 1, 4, 4}; /* of a text: of its lengt
 static const size_t member_size[] = {sizeof(int64_t), sizeof(int),    sizeof(double),
                                      sizeof(bool),    sizeof(char *), sizeof(int)};
 
-enum { N = -1 }; /* as many as the COUNT before says */
+enum { N = -1 }; /* as many as the COUNT before it */
 
 typedef struct {
     field_kind kind;
-    int count; /* of elements, or N; of a COUNT: the most that it may say */
+    int count; /* of elements, or N; of a COUNT: its largest value */
     size_t offset;
 } field;
 
@@ -98,7 +98,7 @@ const char *mukca_message_identify(const void *data, size_t size)
     return NULL;
 }
 
-/* Number of elements of a field after the count `n`; -1 where a COUNT says what it may not. */
+/* Number of elements of a field after the count `n`; -1 for a COUNT out of range. */
 static int elements(const field *f, const void *member, int *n)
 {
     if (f->kind == COUNT) {

@@ -76,7 +76,7 @@ mukca_status mukca_recorder_make_map(mukca_recorder *r)
     if (n != joints)
         return mukca_fail(&r->problem, MUKCA_INPUT,
                           "channel %s sends %d joints, the arm has %d: %s", r->channel, n, joints,
-                          n > joints ? "say which with --map, as in --map 8-14"
+                          n > joints ? "choose some with --map, as in --map 8-14"
                                      : "check --urdf, --base and --tip");
     for (int j = 0; j < joints; j++) r->map[j] = j;
     return MUKCA_OK;

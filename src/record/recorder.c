@@ -109,8 +109,8 @@ mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options
     r->hooks = *hooks;
     r->type = -1;
     mukca_status status = read_types(r, error);
-    if (!status) status = mukca_recorder_prepare(r, theta, error);
-    if (!status) status = mukca_recorder_check_map(r, error);
+    if (status == MUKCA_OK) status = mukca_recorder_prepare(r, theta, error);
+    if (status == MUKCA_OK) status = mukca_recorder_check_map(r, error);
     if (status != MUKCA_OK) return status;
     if (options->channel && strlen(options->channel) >= sizeof r->channel)
         return mukca_fail(error, MUKCA_USAGE, "--channel: at most 63 characters");

@@ -28,7 +28,7 @@ typedef struct {
 /* "raw", "corrected", NULL */
 extern const char *const mukca_recorder_streams[];
 
-/* What the caller is told; any may be NULL. */
+/* Callbacks; any may be NULL. */
 typedef struct {
     mukca_note_fn *report;                                           /* one line for people */
     void (*joints)(void *context, int64_t time_us, const double *q); /* each usable message */

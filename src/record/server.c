@@ -228,9 +228,9 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     s->hooks = *hooks;
     mukca_row_state_stream(&s->pose.states, chain->n_joints);
     mukca_status status = check_folder(options->folder, error);
-    if (!status)
+    if (status == MUKCA_OK)
         status = mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &own, error);
-    if (!status) status = mukca_server_load_state(s, error);
+    if (status == MUKCA_OK) status = mukca_server_load_state(s, error);
     if (status != MUKCA_OK) return status;
     mukca_error problem; /* it serves without a model, too */
     if (mukca_server_load_model(s, &problem))

@@ -168,7 +168,7 @@ static void report(mukca_server *s, mukca_status code)
         snprintf(s->state.model_stream, sizeof s->state.model_stream, "%s",
                  mukca_recorder_stream(&s->recorder));
         mukca_status status = mukca_server_load_model(s, &error);
-        if (!status) status = mukca_server_save_state(s, &error);
+        if (status == MUKCA_OK) status = mukca_server_save_state(s, &error);
         if (status) {
             s->state = before;
             snprintf(line, sizeof line, "%s", error.text);

@@ -18,7 +18,7 @@ mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
     mukca_server_path(path, s, s->state.model, "");
     mukca_status status =
         mukca_offsets_read(&s->pose.offsets, s->recorder.chain, path, false, NULL, NULL, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     mukca_geometry_set(&s->pose.geometry, s->recorder.chain, s->pose.offsets.theta);
     s->pose.ready = true;
     return MUKCA_OK;

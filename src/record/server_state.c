@@ -65,12 +65,12 @@ mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error)
     if (memcmp(&s->state, &s->saved, sizeof s->state) == 0) return MUKCA_OK;
     mukca_server_path(path, s, "state", ".tsv");
     mukca_status status = mukca_output_open(&output, path, true, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     for (int i = 0; i < FIELDS; i++)
         fprintf(output.stream, "%s\t%s\n", fields[i].key,
                 (const char *)&s->state + fields[i].offset);
     status = mukca_output_close(&output, error);
-    if (!status) s->saved = s->state;
+    if (status == MUKCA_OK) s->saved = s->state;
     return status;
 }
 
@@ -87,7 +87,7 @@ void mukca_server_notify(const char *text)
     if (fd < 0) return;
     socklen_t size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + strlen(name));
     if (sendto(fd, text, strlen(text), MSG_NOSIGNAL, (const struct sockaddr *)&address, size) < 0) {
-        /* no manager listens: nobody to tell */
+        /* no manager is listening */
     }
     close(fd);
 }

@@ -38,7 +38,7 @@ mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukc
     const mukca_recorder_options *o = r->options;
     mukca_status status = split_labels(r->placements, &r->n_placements, r->labels[0], o->placements,
                                        "--placement", error);
-    if (!status)
+    if (status == MUKCA_OK)
         status =
             split_labels(r->sockets, &r->n_sockets, r->labels[1], o->sockets, "--sockets", error);
     if (!status && r->n_sockets == 1)
@@ -84,12 +84,12 @@ static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *
                                            .context = r};
     char text[MUKCA_RECORDER_LINE];
     mukca_status status = mukca_dataset_load(&data, r->chain, &path, 1, &options, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     for (int i = 0; i < data.n_rows && !status; i++) {
         const mukca_socket *s = &data.sockets[data.socket[i]];
         status =
             mukca_capture_select(&r->capture, data.placements[s->placement].name, s->label, error);
-        if (!status)
+        if (status == MUKCA_OK)
             status = mukca_capture_keep(text, &r->capture, data.q + i * data.n_joints, error);
     }
     mukca_dataset_free(&data);
@@ -117,7 +117,7 @@ mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resu
         status =
             mukca_capture_select(&r->capture, name, mukca_capture_next_label(&r->capture), error);
     }
-    if (!status) status = mukca_capture_advise(&r->advice, &r->capture, error);
+    if (status == MUKCA_OK) status = mukca_capture_advise(&r->advice, &r->capture, error);
     if (status) mukca_session_close(&r->session);
     return status;
 }
@@ -134,7 +134,7 @@ static const char *given(const char *label, const char *otherwise)
     return label && *label ? label : otherwise;
 }
 
-/* Put a sample into the file and the capture; `remark` gets what is odd about it. */
+/* Add a sample to the file and the capture; `remark` gets what is unusual about it. */
 static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
                           const char *placement, const char *socket,
                           char remark[MUKCA_CAPTURE_TEXT], mukca_error *error)
@@ -154,7 +154,7 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
     int socket_before = r->capture.socket;
     mukca_status status = mukca_capture_select(&r->capture, placement, socket, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     mukca_session_row row = {.placement = placement,
                              .socket = socket,
                              .time = sample->time,
@@ -181,8 +181,9 @@ mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *pl
     snprintf(place, sizeof place, "%s", given(placement, mukca_capture_placement(&r->capture)));
     snprintf(seat, sizeof seat, "%s", given(socket, mukca_capture_socket(&r->capture)));
     if (!r->session.fd) status = mukca_fail(&error, MUKCA_NEGATIVE, "no session is being recorded");
-    if (!status) status = mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &error);
-    if (!status) status = store(r, &sample, place, seat, remark, &error);
+    if (status == MUKCA_OK)
+        status = mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &error);
+    if (status == MUKCA_OK) status = store(r, &sample, place, seat, remark, &error);
     int row = status ? 0 : r->session.n_rows;
     if (status)
         snprintf(line, MUKCA_RECORDER_LINE, "not recorded: %s", error.text);
@@ -217,7 +218,7 @@ mukca_status mukca_recorder_undo(mukca_recorder *r, char line[MUKCA_RECORDER_LIN
         const mukca_socket *s = &rows->sockets[rows->socket[rows->n_rows - 1]];
         const char *placement = rows->placements[s->placement].name;
         status = mukca_session_undo(&r->session, placement, s->label, &error);
-        if (!status) {
+        if (status == MUKCA_OK) {
             snprintf(line, MUKCA_RECORDER_LINE, "row %d deleted (placement %s, socket %s)",
                      rows->n_rows, placement, s->label);
             (void)mukca_capture_drop(&r->capture, &error); /* has a row, as said */
@@ -241,7 +242,7 @@ mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, con
     else if (!mukca_session_label_ok(place) || !mukca_session_label_ok(seat))
         status =
             mukca_fail(&error, MUKCA_NEGATIVE, "\"%s\" or \"%s\" cannot be a name", place, seat);
-    if (!status) status = mukca_capture_select(&r->capture, place, seat, &error);
+    if (status == MUKCA_OK) status = mukca_capture_select(&r->capture, place, seat, &error);
     if (status)
         snprintf(line, MUKCA_RECORDER_LINE, "not changed: %s", error.text);
     else
@@ -267,10 +268,10 @@ mukca_status mukca_recorder_next_placement(mukca_recorder *r, char line[MUKCA_RE
 const char *mukca_recorder_state(const mukca_recorder *r)
 {
     mukca_capture_sample sample;
-    mukca_error unsaid;
+    mukca_error none;
     if (!r->mapped || mukca_recorder_age(r) > 1) return "no_stream";
-    return mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &unsaid) ? "moving"
-                                                                                    : "still";
+    return mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &none) ? "moving"
+                                                                                  : "still";
 }
 
 void mukca_recorder_publish_status(mukca_recorder *r, const char *state)

@@ -68,7 +68,7 @@ static void feed(mukca_recorder *r, int64_t time)
     if (text[0]) mukca_recorder_report(r, "%s", text);
 }
 
-/* A message that holds no joint states that we know of. */
+/* A message without joint states of a known type. */
 static void refuse_type(mukca_recorder *r, const mukca_lcm_packet *packet, int type)
 {
     uint64_t fingerprint = packet->size < 8 ? 0 : mukca_lcm_wire_get(packet->data, 8);

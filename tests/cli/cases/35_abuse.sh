@@ -64,9 +64,9 @@ refuse 2 'a tool has two or more' $c --lcm-url file://log -o new.tsv --sockets a
 refuse 2 'names reading 2 twice' $c --lcm-url file://log -o new.tsv --map 1,2,3,4,5,6,2
 # --resume must not wipe a file that is no session, nor mend one that it refuses
 printf 'my notes' >notes.tsv
-refuse 3 'notes.tsv has no header' capture --urdf "$demo/arm.urdf" --trigger -q --lcm-url file://log -o notes.tsv --resume
+refuse 3 'notes.tsv: no header' capture --urdf "$demo/arm.urdf" --trigger -q --lcm-url file://log -o notes.tsv --resume
 printf '# mukca session\nplacement\tsocket\nhalf' >other.tsv
-refuse 3 'other.tsv has other columns' capture --urdf "$demo/arm.urdf" --trigger -q --lcm-url file://log -o other.tsv --resume
+refuse 3 'other.tsv: other columns' capture --urdf "$demo/arm.urdf" --trigger -q --lcm-url file://log -o other.tsv --resume
 printf 'x_m,y_m,z_m\n1e300,0,0\n' >far.csv
 refuse 3 "far.csv:2: column 'x_m': 1e+300 is no position" compensate $a --poses far.csv -q
 
