@@ -62,16 +62,19 @@ static mukca_status run(cli_call *call)
     list_arguments(options.arguments, distance, gravity, call->common);
     cli_model *model = calloc(1, sizeof *model);
     mukca_server *s = calloc(1, sizeof *s);
-    mukca_status status = MUKCA_OK;
-    if (!s || !model) status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK) status = cli_load_model(call, model);
-    if (status == MUKCA_OK)
-        status = mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks,
-                                   &call->error);
-    if (status == MUKCA_OK) {
-        status = mukca_server_run(s, &call->error);
-        conclude(call, s);
+    mukca_status status = MUKCA_MEMORY;
+    if (!s || !model) {
+        mukca_fail(&call->error, status, "out of memory");
+        goto out;
     }
+    status = cli_load_model(call, model);
+    if (status != MUKCA_OK) goto out;
+    status =
+        mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks, &call->error);
+    if (status != MUKCA_OK) goto out;
+    status = mukca_server_run(s, &call->error);
+    conclude(call, s);
+out:
     if (s) mukca_server_close(s);
     free(s);
     free(model);

@@ -14,10 +14,13 @@
     X(joint_state, "bot_core.joint_state_t", "any channel", 0x3e377b4cebc593a4)        \
     X(joint_angles, "bot_core.joint_angles_t", "any channel", 0x3e7cd307b8f9e790)
 
-/* Number of rows; types from this index on were described by the user. */
-#define MUKCA_LCM_STATE_COUNT(name, type, channel, fingerprint) +1
-enum { MUKCA_LCM_STATES = 0 MUKCA_LCM_STATE_LIST(MUKCA_LCM_STATE_COUNT) };
-#undef MUKCA_LCM_STATE_COUNT
+/* Indices of the rows; types from MUKCA_LCM_STATES on are described by the user. */
+enum {
+#define MUKCA_LCM_STATE_INDEX(name, type, channel, fingerprint) MUKCA_LCM_STATE_##name,
+    MUKCA_LCM_STATE_LIST(MUKCA_LCM_STATE_INDEX)
+#undef MUKCA_LCM_STATE_INDEX
+        MUKCA_LCM_STATES
+};
 
 /* What a file state_NAME.c defines as mukca_lcm_state_NAME. */
 typedef struct {

@@ -7,11 +7,11 @@
 #include "lcm/description.h"
 #include "lcm/state.h"
 
-enum {                      /* us, of our choice */
-       LISTEN_US = 1000000, /* silence after which all channels are heard */
-       REPORT_US = 1800000, /* silence after which it is reported: within 2 s */
-       SEARCH_US = 500000,  /* for other streams that fit, after the first */
-       PROBLEM_US = 1000000 /* for a good message after a bad one */
+enum {                       /* us, of our choice */
+       LISTEN_US = 1000000,  /* silence after which all channels are heard */
+       SILENCE_US = 1800000, /* silence after which it is reported: within 2 s */
+       SEARCH_US = 500000,   /* for other streams that fit, after the first */
+       PROBLEM_US = 1000000  /* for a good message after a bad one */
 };
 
 /* "PANDA_STATUS (drake.lcmt_panda_status, 7 joints), CAMERA (unknown type)" */
@@ -170,7 +170,7 @@ static void watch(mukca_recorder *r, int64_t age)
         r->n_heard = 0;
         r->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
     }
-    if (r->silent || age < REPORT_US) return;
+    if (r->silent || age < SILENCE_US) return;
     char heard[MUKCA_RECORDER_LINE - 100];
     r->silent = true;
     describe_heard(r, heard, sizeof heard);
