@@ -1,55 +1,39 @@
 /* The model so far: a Bayesian calibration after each row, and what more rows would bring. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "base/pool.h"
 #include "capture/capture.h"
 #include "fit/observe.h"
 #include "math/dense.h"
 #include "math/random.h"
 
+/* Postures that the error is averaged over (their mean is known to a few %), Gauss-Newton steps
+ * (from mm they leave nothing), pairs of sockets, and rows that "more rows" means. */
 enum { PROBES = 32, ITERATIONS = 4, MAX_PAIRS = 4096, MORE_ROWS = 10 };
 
-/* Prior: geometry within 3 mm and 3 mrad; noise 0.15 mm, as sure of it as ten measurements make. */
-static const double prior_sigma = 3e-3, prior_noise = 1.5e-4, prior_weight = 10;
-
-/* Derivatives of the tip by the free parameters, J[3][n]. */
-static void free_jacobian(double *J, const mukca_capture *capture, const double *q)
-{
-    double all[3 * MUKCA_MAX_FREE], position[3];
-    const mukca_parameters *p = &capture->parameters;
-    int width = MUKCA_PARAMETERS * capture->chain->n_elements;
-    mukca_fk_parameter_jacobian(all, position, &capture->geometry, capture->theta, q);
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < p->n; i++) J[k * p->n + i] = all[k * width + p->index[i]];
-}
-
-/* a' C a with C the covariance; a[n] is spoilt. */
-static double variance(const mukca_capture *capture, const double *factor, double *a)
-{
-    double sum = 0;
-    mukca_dense_forward(a, 1, factor, capture->parameters.n);
-    for (int i = 0; i < capture->parameters.n; i++) sum += a[i] * a[i];
-    return sum;
-}
+/* Prior of the noise, m, and the number of measurements that it counts as: a printed socket
+ * repeats to 0.1 to 0.2 mm. */
+static const double prior_noise = 1.5e-4, prior_weight = 10;
 
 double mukca_capture_expected_offset(const mukca_capture *capture, int socket, const double *q,
                                      int without)
 {
     const mukca_dataset *rows = &capture->rows;
     double J[3 * MUKCA_MAX_FREE], other[3 * MUKCA_MAX_FREE], mean[3 * MUKCA_MAX_FREE] = {0};
-    int n = capture->parameters.n, count = 0;
+    const int n = capture->model.parameters.n;
+    int count = 0;
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket || i == without) continue;
-        free_jacobian(other, capture, rows->q + i * rows->n_joints);
+        mukca_linearisation_tip(other, n, NULL, &capture->model, rows->q + i * rows->n_joints);
         for (int k = 0; k < 3 * n; k++) mean[k] += other[k];
         count++;
     }
     if (!count) return HUGE_VAL;
-    free_jacobian(J, capture, q);
+    mukca_linearisation_tip(J, n, NULL, &capture->model, q);
     double sum = 3 * capture->noise * capture->noise * (1 + 1. / count);
     for (int k = 0; k < 3 * n; k++) J[k] -= mean[k] / count;
-    for (int k = 0; k < 3; k++) sum += variance(capture, capture->factor, J + k * n);
+    for (int k = 0; k < 3; k++) sum += mukca_posterior_variance(capture->factor, J + k * n, n);
     return sqrt(sum);
 }
 
@@ -58,7 +42,7 @@ double mukca_capture_expected_offset(const mukca_capture *capture, int socket, c
 static double expected_error(const mukca_capture *capture, const double *factor, double *A)
 {
     const mukca_chain *chain = capture->chain;
-    const int n = capture->parameters.n, m = 3 * PROBES;
+    const int n = capture->model.parameters.n, m = 3 * PROBES;
     double B[6][3 * PROBES], q[MUKCA_MAX_JOINTS];
     mukca_random random;
     mukca_random_seed(&random, 1);
@@ -71,8 +55,7 @@ static double expected_error(const mukca_capture *capture, const double *factor,
             double high = fmin(e->upper, e->type == MUKCA_PRISMATIC ? 1 : M_PI);
             q[j] = low + (high - low) * (0.1 + 0.8 * mukca_random_uniform(&random));
         }
-        free_jacobian(A + 3 * i * n, capture, q);
-        mukca_fk_position(x, &capture->geometry, q, NULL);
+        mukca_linearisation_tip(A + 3 * i * n, n, x, &capture->model, q);
         for (int k = 0; k < 3; k++) {
             B[k][3 * i + k] = 1;
             B[3 + k][3 * i + (k + 1) % 3] = -x[(k + 2) % 3];
@@ -95,7 +78,7 @@ static double expected_error(const mukca_capture *capture, const double *factor,
         }
     }
     double sum = 0;
-    for (int k = 0; k < m; k++) sum += variance(capture, factor, A + k * n);
+    for (int k = 0; k < m; k++) sum += mukca_posterior_variance(factor, A + k * n, n);
     return sqrt(sum / PROBES);
 }
 
@@ -111,99 +94,111 @@ static int list_distances(mukca_distance *out, const mukca_capture *capture)
     return n;
 }
 
-/* factor = Cholesky of gram / noise^2 + prior. */
-static void factorise(double *factor, const double *gram, const mukca_capture *capture)
+/* Memory of one piece of advice: n parameters, m residuals. */
+typedef struct {
+    mukca_observations observations;
+    int n, m;
+    double *J, *r;            /* [max(m, 3 PROBES)][n], [m] */
+    double *gram, *part;      /* [n][n] */
+    double *x, *start, *step; /* [n] */
+    mukca_pool pool;
+} workspace;
+
+static mukca_status workspace_take(workspace *w, const mukca_capture *capture,
+                                   const mukca_dataset *rows, mukca_error *error)
 {
-    int n = capture->parameters.n;
-    for (int i = 0; i < n * n; i++) factor[i] = gram[i] / (capture->noise * capture->noise);
-    for (int i = 0; i < n; i++) factor[i * n + i] += 1 / (prior_sigma * prior_sigma);
-    mukca_dense_cholesky(factor, n); /* positive: the prior is on every parameter */
+    const int n = capture->model.parameters.n;
+    memset(w, 0, sizeof *w);
+    const size_t need = mukca_observe_setup(&w->observations, NULL, capture->chain, rows, NULL, n);
+    const int m = w->observations.n_residuals;
+    void *memory = mukca_pool_take(&w->pool, need, 1);
+    w->n = n;
+    w->m = m;
+    w->J = MUKCA_TAKE(&w->pool, double, (m > 3 * PROBES ? m : 3 * PROBES) * n);
+    w->r = MUKCA_TAKE(&w->pool, double, m);
+    w->gram = MUKCA_TAKE(&w->pool, double, n *n);
+    w->part = MUKCA_TAKE(&w->pool, double, n *n);
+    w->x = MUKCA_TAKE(&w->pool, double, n);
+    w->start = MUKCA_TAKE(&w->pool, double, n);
+    w->step = MUKCA_TAKE(&w->pool, double, n);
+    if (w->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_observe_setup(&w->observations, memory, capture->chain, rows, NULL, n);
+    return MUKCA_OK;
+}
+
+/* The noise by which the residuals are explained, less what the parameters took up. */
+static void update_noise(mukca_capture *capture, workspace *w)
+{
+    double squares = 0, taken = 0;
+    const int n = w->n;
+    for (int i = 0; i < w->m; i++) squares += w->r[i] * w->r[i];
+    memcpy(w->part, w->gram, (size_t)(n * n) * sizeof *w->part); /* trace of C gram / noise^2 */
+    mukca_dense_forward(w->part, n, capture->factor, n);
+    mukca_dense_backward(w->part, n, capture->factor, n);
+    for (int i = 0; i < n; i++) taken += w->part[i * n + i] / (capture->noise * capture->noise);
+    const double freedom = fmax(w->observations.n_measured - taken, 0);
+    capture->noise =
+        sqrt((prior_weight * prior_noise * prior_noise + squares) / (prior_weight + freedom));
+}
+
+/* Gauss-Newton on the posterior: moves the model, its factor and the noise. */
+static void fit(mukca_capture *capture, workspace *w)
+{
+    const mukca_parameters *p = &capture->model.parameters;
+    const int n = w->n;
+    double theta[MUKCA_MAX_FREE];
+    memcpy(theta, capture->start, sizeof theta);
+    mukca_parameters_pack(w->start, p, theta);
+    memcpy(w->x, w->start, (size_t)n * sizeof *w->x);
+    for (int iteration = 0; iteration < ITERATIONS; iteration++) {
+        mukca_parameters_unpack(theta, p, w->x);
+        mukca_observe_residuals(w->r, w->J, &w->observations, theta, p, MUKCA_GRADIENT_ANALYTIC);
+        memset(w->gram, 0, (size_t)(n * n) * sizeof *w->gram);
+        mukca_dense_syrk(w->gram, n, w->J, w->m, n);
+        if (iteration) update_noise(capture, w);
+        mukca_posterior_factor(capture->factor, w->gram, capture->sigma, capture->noise, n);
+        for (int i = 0; i < n; i++)
+            w->step[i] = (w->start[i] - w->x[i]) / (capture->sigma[i] * capture->sigma[i]);
+        for (int k = 0; k < w->m; k++)
+            for (int i = 0; i < n; i++)
+                w->step[i] -= w->J[k * n + i] * w->r[k] / (capture->noise * capture->noise);
+        mukca_dense_forward(w->step, 1, capture->factor, n);
+        mukca_dense_backward(w->step, 1, capture->factor, n);
+        for (int i = 0; i < n; i++) w->x[i] += w->step[i];
+    }
+    mukca_parameters_unpack(theta, p, w->x);
+    mukca_linearisation_move(&capture->model, theta);
 }
 
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
                                   mukca_error *error)
 {
-    const mukca_parameters *p = &capture->parameters;
-    const size_t n = (size_t)p->n, bytes = sizeof capture->theta;
+    const int n = capture->model.parameters.n, here = mukca_capture_count(capture, capture->socket);
     mukca_dataset view = capture->rows; /* with distances; owns nothing */
-    mukca_observations observations;
-    mukca_observe_options options = {0};
-    void *memory = NULL;
-    mukca_status status = MUKCA_OK;
-    memset(advice, 0, sizeof *advice);
-    advice->expected = advice->expected_more = (double)NAN;
-    advice->more_rows_help = true;
-    memcpy(capture->theta, capture->start, bytes);
-    mukca_geometry_set(&capture->geometry, capture->chain, capture->theta);
+    mukca_distance distances[MAX_PAIRS];
+    workspace w;
+    *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true};
+    mukca_linearisation_move(&capture->model, capture->start);
     capture->noise = prior_noise;
-    memset(capture->factor, 0, n * n * sizeof(double));
-    if (!view.n_rows) {
-        factorise(capture->factor, capture->factor, capture);
-        return MUKCA_OK;
-    }
-    view.distances = malloc(MAX_PAIRS * sizeof *view.distances);
-    if (!view.distances) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    view.n_distances = list_distances(view.distances, capture);
-    size_t need = mukca_observe_setup(&observations, NULL, capture->chain, &view, &options, p->n);
-    size_t most = (size_t)observations.n_residuals, probes = 3 * PROBES;
-    memory = malloc(need + 64);
-    double *J = malloc((most > probes ? most : probes) * (n + 1) * sizeof *J);
-    double *gram = malloc((3 * n * n + 3 * n) * sizeof *gram);
-    if (!memory || !J || !gram) {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-        goto out;
-    }
-    void *aligned = (void *)(((uintptr_t)memory + 63) & ~(uintptr_t)63);
-    mukca_observe_setup(&observations, aligned, capture->chain, &view, &options, p->n);
-    const int m = observations.n_residuals;
-    double *r = J + (size_t)m * n, *part = gram + n * n, *more = part + n * n;
-    double *x = more + n * n, *start = x + n, *step = start + n;
-    mukca_parameters_pack(start, p, capture->start);
-    memcpy(x, start, n * sizeof *x);
-    for (int iteration = 0; iteration < ITERATIONS; iteration++) {
-        mukca_parameters_unpack(capture->theta, p, x);
-        mukca_observe_residuals(r, J, &observations, capture->theta, p, MUKCA_GRADIENT_ANALYTIC);
-        memset(gram, 0, n * n * sizeof *gram);
-        mukca_dense_syrk(gram, p->n, J, m, p->n);
-        if (iteration) { /* noise: residuals, less what the parameters took up */
-            double squares = 0, taken = 0;
-            for (int i = 0; i < m; i++) squares += r[i] * r[i];
-            memcpy(part, gram, n * n * sizeof *part); /* trace of C gram / noise^2 */
-            mukca_dense_forward(part, p->n, capture->factor, p->n);
-            mukca_dense_backward(part, p->n, capture->factor, p->n);
-            for (size_t i = 0; i < n; i++)
-                taken += part[i * n + i] / (capture->noise * capture->noise);
-            double dof = fmax(observations.n_measured - taken, 0);
-            capture->noise =
-                sqrt((prior_weight * prior_noise * prior_noise + squares) / (prior_weight + dof));
-        }
-        factorise(capture->factor, gram, capture);
-        for (size_t i = 0; i < n; i++) step[i] = (start[i] - x[i]) / (prior_sigma * prior_sigma);
-        for (int k = 0; k < m; k++)
-            for (size_t i = 0; i < n; i++)
-                step[i] -= J[(size_t)k * n + i] * r[k] / (capture->noise * capture->noise);
-        mukca_dense_forward(step, 1, capture->factor, p->n);
-        mukca_dense_backward(step, 1, capture->factor, p->n);
-        for (size_t i = 0; i < n; i++) x[i] += step[i];
-    }
-    mukca_parameters_unpack(capture->theta, p, x);
-    mukca_geometry_set(&capture->geometry, capture->chain, capture->theta);
-    int here = mukca_capture_count(capture, capture->socket);
-    memcpy(part, gram, n * n * sizeof *part);
-    memset(more, 0, n * n * sizeof *more);
+    memset(capture->factor, 0, (size_t)(n * n) * sizeof *capture->factor);
+    mukca_posterior_factor(capture->factor, capture->factor, capture->sigma, capture->noise, n);
+    if (!view.n_rows) return MUKCA_OK;
+    view.distances = distances;
+    view.n_distances = list_distances(distances, capture);
+    mukca_status status = workspace_take(&w, capture, &view, error);
+    if (status != MUKCA_OK) goto out;
+    fit(capture, &w);
+    /* ten more rows here add what the rows here have, per row */
+    memset(w.part, 0, (size_t)(n * n) * sizeof *w.part);
     for (int i = 0; i < view.n_rows && here; i++)
-        if (view.socket[i] == capture->socket)
-            mukca_dense_syrk(more, p->n, J + 3 * (size_t)i * n, 3, p->n);
-    for (size_t i = 0; i < n * n && here; i++) part[i] += more[i] * MORE_ROWS / here;
-    advice->expected = expected_error(capture, capture->factor, J);
-    factorise(more, part, capture);
-    advice->expected_more = expected_error(capture, more, J);
+        if (view.socket[i] == capture->socket) mukca_dense_syrk(w.part, n, w.J + 3 * i * n, 3, n);
+    for (int i = 0; i < n * n && here; i++) w.gram[i] += w.part[i] * MORE_ROWS / here;
+    advice->expected = expected_error(capture, capture->factor, w.J);
+    mukca_posterior_factor(w.part, w.gram, capture->sigma, capture->noise, n);
+    advice->expected_more = expected_error(capture, w.part, w.J);
     advice->more_rows_help =
         here < 3 || advice->expected - advice->expected_more > 0.03 * advice->expected;
 out:
-    free(gram);
-    free(J);
-    free(memory);
-    free(view.distances);
+    mukca_pool_free(&w.pool);
     return status;
 }

@@ -1,12 +1,8 @@
-/* The stream: a window of readings, standing still, and the samples that come of it. */
+/* A capture's memory: defaults, start, end. */
 #include "capture/capture.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { MIN_READINGS = 3 };
 
 static double or_default(double value, double otherwise)
 {
@@ -31,27 +27,23 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
         s->labels = two_sockets;
     }
     capture->chain = chain;
-    mukca_selection everything = {.free = NULL};
-    mukca_status status = mukca_parameters_select(&capture->parameters, chain, &everything, error);
-    if (status) return status;
-    if (theta)
-        memcpy(capture->start, theta,
-               (size_t)(MUKCA_PARAMETERS * chain->n_elements) * sizeof *theta);
-    else
-        mukca_chain_theta(capture->start, chain);
-    size_t n_free = (size_t)capture->parameters.n;
+    mukca_status status = mukca_linearisation_init(&capture->model, chain, theta, error);
+    if (status != MUKCA_OK) return status;
+    memcpy(capture->start, capture->model.theta, sizeof capture->start);
+    mukca_posterior_prior(capture->sigma, &capture->model);
+    size_t n_free = (size_t)capture->model.parameters.n;
     capture->factor = calloc(n_free * n_free, sizeof *capture->factor);
     size_t n = (size_t)chain->n_joints;
     capture->time = calloc(MUKCA_CAPTURE_RING, sizeof *capture->time);
     capture->values = calloc(MUKCA_CAPTURE_RING * 3 * n, sizeof *capture->values);
     status = mukca_dataset_create(&capture->rows, MUKCA_CAPTURE_MAX_ROWS, chain->n_joints,
                                   MUKCA_CAPTURE_MAX_SOCKETS, MUKCA_CAPTURE_MAX_PLACEMENTS, error);
-    if (!status && (!capture->time || !capture->values || !capture->factor))
+    if (status == MUKCA_OK && (!capture->time || !capture->values || !capture->factor))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_capture_clear(capture);
     mukca_capture_advice none;
-    if (!status) status = mukca_capture_advise(&none, capture, error);
-    if (status) mukca_capture_free(capture);
+    if (status == MUKCA_OK) status = mukca_capture_advise(&none, capture, error);
+    if (status != MUKCA_OK) mukca_capture_free(capture);
     return status;
 }
 
@@ -73,149 +65,4 @@ void mukca_capture_clear(mukca_capture *capture)
     capture->has_last = capture->guided = capture->was_guided = false;
     capture->standing = capture->taken = false;
     capture->checked = 0;
-}
-
-/* ---- readings ---- */
-
-/* Quantity `kind` (0 q, 1 effort, 2 command) of the reading `back` before the last. */
-static double *stored(const mukca_capture *capture, int back, int kind)
-{
-    int at = (capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING;
-    return capture->values + (3 * at + kind) * capture->chain->n_joints;
-}
-
-static double stored_time(const mukca_capture *capture, int back)
-{
-    return capture->time[(capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING];
-}
-
-/* Two arms on one channel: readings that leap away and back again, or clocks that do. */
-static bool jumped(const mukca_capture *capture, const mukca_capture_reading *reading)
-{
-    double step = reading->time - capture->last_time;
-    if (step < 0) return true;
-    for (int j = 0; j < capture->chain->n_joints; j++) {
-        double leap = fabs(reading->q[j] - capture->last_q[j]);
-        if (leap > 0.05 + 10 * step && fabs(reading->q[j] - capture->before_q[j]) < 0.2 * leap)
-            return true;
-    }
-    return false;
-}
-
-unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading *reading)
-{
-    const mukca_capture_settings *s = &capture->settings;
-    size_t bytes = (size_t)capture->chain->n_joints * sizeof *reading->q;
-    unsigned found = 0;
-    double step = reading->time - capture->last_time;
-    if (capture->has_last) {
-        double before = capture->jumps;
-        capture->jumps = jumped(capture, reading) ? before + 1 : before * 0.98;
-        if (before < 4 && capture->jumps >= 4) found |= MUKCA_CAPTURE_TWO_SENDERS;
-        if (step < 0) {
-            found |= MUKCA_CAPTURE_BACKWARDS;
-            capture->count = 0;
-            capture->standing = false;
-            capture->checked = reading->time;
-        } else if (step > 0.5) {
-            found |= MUKCA_CAPTURE_PAUSE;
-            capture->pause = step;
-        }
-    }
-    memcpy(capture->before_q, capture->last_q, bytes);
-    memcpy(capture->last_q, reading->q, bytes);
-    capture->last_time = reading->time;
-    capture->has_last = true;
-    if (capture->guided && !reading->guided) capture->was_guided = true;
-    capture->guided = reading->guided;
-    /* A window always fits the ring, however fast the stream. */
-    if (capture->count &&
-        reading->time - stored_time(capture, 0) < s->window / (0.5 * MUKCA_CAPTURE_RING))
-        return found;
-    const double *const kinds[] = {reading->q, reading->effort, reading->command};
-    capture->time[capture->head] = reading->time;
-    for (int k = 0; k < 3; k++) {
-        double *to = capture->values + (3 * capture->head + k) * capture->chain->n_joints;
-        if (kinds[k])
-            memcpy(to, kinds[k], bytes);
-        else
-            memset(to, 0, bytes);
-    }
-    capture->head = (capture->head + 1) % MUKCA_CAPTURE_RING;
-    if (capture->count < MUKCA_CAPTURE_RING) capture->count++;
-    return found;
-}
-
-/* ---- samples ---- */
-
-static const char *joint_name(const mukca_capture *capture, int joint)
-{
-    return capture->chain->element[capture->chain->joint_element[joint]].name;
-}
-
-mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_capture *capture,
-                                double age, mukca_error *error)
-{
-    const mukca_capture_settings *s = &capture->settings;
-    const int n_joints = capture->chain->n_joints;
-    double most = s->window > 0.3 ? s->window : 0.3;
-    if (!capture->count) return mukca_fail(error, MUKCA_NEGATIVE, "no joint state has come yet");
-    if (age > most)
-        return mukca_fail(error, MUKCA_NEGATIVE, "the last joint state is %.1f s old", age);
-    if (capture->jumps >= 4)
-        return mukca_fail(error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
-    double end = stored_time(capture, 0), hole = 0;
-    int n = 1; /* half open, and clear of rounding: times are of whole microseconds */
-    while (n < capture->count && stored_time(capture, n) > end - s->window + 1e-6) {
-        double step = stored_time(capture, n - 1) - stored_time(capture, n);
-        if (step > hole) hole = step;
-        n++;
-    }
-    /* Slow streams fill their window with few readings, so its first one may lie a period inside.
-     */
-    double covered = end - stored_time(capture, n - 1);
-    if (n < MIN_READINGS || covered < 0.6 * s->window || hole > 0.5 * s->window)
-        return mukca_fail(
-            error, MUKCA_NEGATIVE,
-            "only %d joint states in the last %g s, %.2g s of it without: hold still a "
-            "little longer, or use a longer --window",
-            n, s->window, s->window - covered > hole ? s->window - covered : hole);
-    memset(sample, 0, sizeof *sample);
-    sample->time = end;
-    sample->n = n;
-    int worst = 0;
-    double worst_range = 0;
-    for (int j = 0; j < n_joints; j++) {
-        double first = stored(capture, 0, 0)[j], low = first, high = first;
-        double sum = 0, squares = 0, effort = 0, command = 0;
-        for (int i = 0; i < n; i++) {
-            double q = stored(capture, i, 0)[j], d = q - first;
-            low = fmin(low, q);
-            high = fmax(high, q);
-            sum += d;
-            squares += d * d;
-            effort += stored(capture, i, 1)[j];
-            command += stored(capture, i, 2)[j];
-        }
-        double mean = sum / n, variance = (squares - n * mean * mean) / (n - 1);
-        sample->q[j] = first + mean;
-        sample->spread[j] = variance > 0 ? sqrt(variance) : 0;
-        sample->effort[j] = effort / n;
-        sample->command[j] = command / n;
-        if (high - low > worst_range) {
-            worst_range = high - low;
-            worst = j;
-        }
-    }
-    if (!(worst_range <= s->range))
-        return mukca_fail(
-            error, MUKCA_NEGATIVE,
-            "the arm moves: %s by %.2g m%s in %g s (%.2g allowed): hold still and "
-            "trigger again",
-            joint_name(capture, worst), 1e3 * worst_range,
-            capture->chain->element[capture->chain->joint_element[worst]].type == MUKCA_PRISMATIC
-                ? "m"
-                : "rad",
-            s->window, 1e3 * s->range);
-    return MUKCA_OK;
 }

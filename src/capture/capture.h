@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "fit/parameters.h"
+#include "fit/posterior.h"
 #include "mukca/chain.h"
 #include "mukca/dataset.h"
 #include "mukca/status.h"
@@ -54,12 +54,12 @@ typedef struct {
 typedef struct {
     mukca_capture_settings settings;
     const mukca_chain *chain;
-    /* the model so far (capture_advice.c): nominal until there are rows to learn from */
-    mukca_parameters parameters;
-    double start[MUKCA_MAX_FREE], theta[MUKCA_MAX_FREE]; /* [6 * n_elements] without rows, with */
-    mukca_geometry geometry;                             /* of theta */
-    double noise;                                        /* of one coordinate, m */
-    double *factor; /* [n][n] Cholesky factor of the parameters' information, n = parameters.n */
+    /* the model so far (advice.c): that of the start until there are rows */
+    mukca_linearisation model;
+    double start[MUKCA_MAX_FREE]; /* [6 * n_elements] */
+    double sigma[MUKCA_MAX_FREE]; /* [n] of the prior, n = model.parameters.n */
+    double noise;                 /* of one coordinate, m */
+    double *factor;               /* [n][n] as mukca_posterior_factor gives it */
     /* the stream */
     int head, count; /* of the ring: next to be written, filled */
     double *time;    /* [RING] */
@@ -125,7 +125,12 @@ mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *ca
 mukca_status mukca_capture_drop(mukca_capture *capture, mukca_error *error);
 
 /* Rows at a socket. */
-int mukca_capture_count(const mukca_capture *capture, int socket);
+static inline int mukca_capture_count(const mukca_capture *capture, int socket)
+{
+    int n = 0;
+    for (int i = 0; i < capture->rows.n_rows; i++) n += capture->rows.socket[i] == socket;
+    return n;
+}
 
 /* Spread of the model's predictions at a socket (root mean square distance from their mean, m), and
  * the distance of the last row from the mean of the others.  NaN where there are too few rows.
@@ -136,7 +141,7 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
  * reading of all rows, coverage[n_joints]. */
 void mukca_capture_coverage(double *coverage, const mukca_capture *capture);
 
-/* ---- the model so far (capture_advice.c) ---- */
+/* ---- the model so far (advice.c) ---- */
 
 typedef struct {
     double expected;      /* m: rms error of the calibrated tip over the joints' ranges, its base
@@ -145,8 +150,8 @@ typedef struct {
     bool more_rows_help;  /* those ten would take more than 3 % off */
 } mukca_capture_advice;
 
-/* Learn from the rows: sets theta, geometry, noise.  A geometry that is Gaussian about the start
- * (3 mm, 3 mrad), the noise from the residuals.  Without rows back to the start.
+/* Fit the model to the rows: Gaussian prior about the start, noise from the residuals.  Without
+ * rows back to the start.
  * Errors: MUKCA_MEMORY. */
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
                                   mukca_error *error);

@@ -42,7 +42,7 @@ static int socket_mean(double mean[3], const mukca_capture *capture, int socket,
     for (int i = 0; i < rows->n_rows; i++) {
         double x[3];
         if (rows->socket[i] != socket || i == without) continue;
-        mukca_fk_position(x, &capture->geometry, rows->q + i * rows->n_joints, NULL);
+        mukca_fk_position(x, &capture->model.geometry, rows->q + i * rows->n_joints, NULL);
         for (int k = 0; k < 3; k++) mean[k] += x[k];
         n++;
     }
@@ -119,7 +119,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     capture->taken = true;
     if (find_posture(capture, sample.q, s->difference) >= 0) return false;
     double x[3], how_far;
-    mukca_fk_position(x, &capture->geometry, sample.q, NULL);
+    mukca_fk_position(x, &capture->model.geometry, sample.q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, -1);
     const char *label = nearest < 0 || how_far < 0.5 * s->distance ? NULL : empty_label(capture);
     *socket = nearest < 0 ? capture->socket : nearest;
@@ -182,13 +182,6 @@ const char *mukca_capture_next_label(const mukca_capture *capture)
     return s->labels[0];
 }
 
-int mukca_capture_count(const mukca_capture *capture, int socket)
-{
-    int n = 0;
-    for (int i = 0; i < capture->rows.n_rows; i++) n += capture->rows.socket[i] == socket;
-    return n;
-}
-
 void mukca_capture_spread(double *rms, double *last, const mukca_capture *capture, int socket)
 {
     const mukca_dataset *rows = &capture->rows;
@@ -196,7 +189,7 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
     int n = socket_mean(mean, capture, socket, -1), latest = -1;
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket) continue;
-        mukca_fk_position(x, &capture->geometry, rows->q + i * rows->n_joints, NULL);
+        mukca_fk_position(x, &capture->model.geometry, rows->q + i * rows->n_joints, NULL);
         squares += distance3(x, mean) * distance3(x, mean);
         latest = i;
     }
@@ -205,7 +198,7 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
     *last = (double)NAN;
     if (n < 2) return;
     socket_mean(others, capture, socket, latest);
-    mukca_fk_position(x, &capture->geometry, rows->q + latest * rows->n_joints, NULL);
+    mukca_fk_position(x, &capture->model.geometry, rows->q + latest * rows->n_joints, NULL);
     *last = distance3(x, others);
 }
 
@@ -217,7 +210,7 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], const mukca_capture *capture, 
     const double *q = rows->q + latest * rows->n_joints;
     double x[3], own[3], how_far;
     text[0] = '\0';
-    mukca_fk_position(x, &capture->geometry, q, NULL);
+    mukca_fk_position(x, &capture->model.geometry, q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, latest);
     int n = socket_mean(own, capture, capture->socket, latest);
     double off = n ? distance3(x, own) : 0;

@@ -184,10 +184,8 @@ static mukca_status gather_causes(plan_run *r)
 static mukca_status plan(plan_run *r)
 {
     const plan_options *o = r->call->options;
-    const mukca_offsets *table = &r->model->offsets;
-    const mukca_dataset *data = r->data->n_rows > 0 ? r->data : NULL;
     const double distance = r->call->common->distance > 0 ? r->call->common->distance : 0.05;
-    const double *theta = table->theta;
+    const double *theta = r->model->offsets.theta;
     double fitted[MUKCA_MAX_THETA];
     r->how = (mukca_plan_options){.rows = o->rows,
                                   .seed = (uint64_t)o->seed,
@@ -212,14 +210,19 @@ static mukca_status plan(plan_run *r)
     r->how.n_effects = r->causes.n_effects;
     status = gather_sockets(r);
     if (status != MUKCA_OK) return status;
+    const mukca_plan_task task = {.chain = &r->model->chain,
+                                  .theta = theta,
+                                  .data = r->data->n_rows > 0 ? r->data : NULL,
+                                  .sockets = r->sockets,
+                                  .n_sockets = r->n_sockets,
+                                  .distance = distance};
     if (o->suggest > 0)
         return o->suggest > MUKCA_PLAN_MAX_SOCKETS / 2
                    ? mukca_fail(&r->call->error, MUKCA_USAGE, "--suggest %d: not that many",
                                 o->suggest)
-                   : mukca_plan_places(r->places, &r->n_places, o->suggest, &r->model->chain, theta,
-                                       data, distance, &r->how, &r->call->error);
-    return mukca_plan_run(&r->plan, &r->model->chain, theta, data, r->sockets, r->n_sockets,
-                          &r->how, &r->call->error);
+                   : mukca_plan_places(r->places, &r->n_places, o->suggest, &task, &r->how,
+                                       &r->call->error);
+    return mukca_plan_run(&r->plan, &task, &r->how, &r->call->error);
 }
 
 /* The poses as a session file whose rows are yet to be recorded. */

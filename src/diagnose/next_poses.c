@@ -52,11 +52,12 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
                                         .n_effects = 2,
                                         .stop = stop};
     const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &d->geometry, data);
+    const mukca_plan_task task = {
+        .chain = chain, .theta = theta, .data = data, .sockets = next->sockets, .n_sockets = n};
     if (n == 0) return MUKCA_OK;
     mukca_geometry_theta(theta, chain, &d->geometry);
     mukca_error none;
-    const mukca_status status =
-        mukca_plan_run(&next->plan, chain, theta, data, next->sockets, n, &options, &none);
+    const mukca_status status = mukca_plan_run(&next->plan, &task, &options, &none);
     if (status == MUKCA_MEMORY || status == MUKCA_INTERRUPTED) {
         if (error) *error = none;
         return status;

@@ -6,7 +6,7 @@
 
 enum { DRAWS = 40, EXCHANGES = 2, SHIFTS = 40 };
 
-bool plan_stopped(const mukca_plan_options *options)
+bool mukca_plan_stopped(const mukca_plan_options *options)
 {
     return options->stop && options->stop(options->context);
 }
@@ -14,36 +14,35 @@ bool plan_stopped(const mukca_plan_options *options)
 /* ---- candidates ---- */
 
 /* Whether no recorded row is nearly this pose. */
-static bool is_new(const planner *p, const double *q)
+static bool is_new(const mukca_planner *p, const double *q)
 {
-    const int n = p->state.chain->n_joints;
+    const int n = p->state.at.chain->n_joints;
     for (int r = 0; p->data && r < p->data->n_rows; r++)
-        if (!plan_differs(q, p->data->q + r * n, n, p->allow.separation)) return false;
+        if (!mukca_plan_differs(q, p->data->q + r * n, n, p->rules.separation)) return false;
     return true;
 }
 
-int plan_draw_candidates(planner *p, plan_pose *poses, int room, int k, mukca_random *random)
+int mukca_plan_draw_candidates(mukca_planner *p, mukca_plan_pose *poses, int room, int k,
+                               mukca_random *random)
 {
-    plan_state *s = &p->state;
-    const int n = s->chain->n_joints;
+    mukca_plan_state *s = &p->state;
+    const int n = s->at.chain->n_joints;
     int found = 0, draws = 0;
     while (found < room && draws < DRAWS * room && (found > 0 || draws < 10 * DRAWS)) {
-        plan_pose *pose = &poses[found];
+        mukca_plan_pose *pose = &poses[found];
         bool fresh;
         draws++;
-        if (!plan_draw_pose(pose->q, s->chain, &s->geometry, p->sockets[k].centre, &p->allow,
-                            random))
-            continue;
+        if (!mukca_plan_draw_pose(pose->q, p->sockets[k].centre, &p->rules, random)) continue;
         fresh = is_new(p, pose->q);
         for (int i = 0; i < found && fresh; i++)
-            fresh = plan_differs(pose->q, poses[i].q, n, p->allow.separation);
+            fresh = mukca_plan_differs(pose->q, poses[i].q, n, p->rules.separation);
         if (!fresh) continue;
         if (!pose->H) pose->H = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
         if (!pose->H) break;
         pose->socket = k;
         pose->used = false;
         pose->bound = HUGE_VAL;
-        plan_design(pose->H, s, pose->q, p->sockets[k].place, NULL);
+        mukca_plan_design(pose->H, s, pose->q, p->sockets[k].place, NULL);
         found++;
     }
     p->tried += draws;
@@ -53,7 +52,7 @@ int plan_draw_candidates(planner *p, plan_pose *poses, int room, int k, mukca_ra
 /* ---- what is there already ---- */
 
 /* The socket of the plan that a row of the dataset belongs to, -1 where none. */
-static int socket_of_row(const planner *p, int row)
+static int socket_of_row(const mukca_planner *p, int row)
 {
     const int k = p->data->socket[row];
     if (k < 0) return -1;
@@ -65,16 +64,16 @@ static int socket_of_row(const planner *p, int row)
     return -1;
 }
 
-int plan_take_recorded(planner *p, double *H, int *count)
+int mukca_plan_take_recorded(mukca_planner *p, double *H, int *count)
 {
     int rows = 0;
     const double *before = NULL;
     for (int r = 0; p->data && r < p->data->n_rows; r++) {
-        const double *q = p->data->q + r * p->state.chain->n_joints;
+        const double *q = p->data->q + r * p->state.at.chain->n_joints;
         const int k = socket_of_row(p, r);
         if (k < 0) continue;
-        plan_design(H, &p->state, q, p->sockets[k].place, before);
-        plan_state_row(&p->state, H, k, 1);
+        mukca_plan_design(H, &p->state, q, p->sockets[k].place, before);
+        mukca_plan_state_row(&p->state, H, k, 1);
         before = q;
         count[k]++;
         rows++;
@@ -82,43 +81,44 @@ int plan_take_recorded(planner *p, double *H, int *count)
     for (int a = 0; a < p->n_sockets; a++)
         for (int b = a + 1; b < p->n_sockets; b++)
             if (p->sockets[a].place == p->sockets[b].place)
-                plan_state_distance(&p->state, a, b, p->sockets[a].centre, p->sockets[b].centre);
+                mukca_plan_state_distance(&p->state, a, b, p->sockets[a].centre,
+                                          p->sockets[b].centre);
     return rows;
 }
 
 /* ---- choosing ---- */
 
 /* Whether a pose repeats one of those chosen, number `except` apart. */
-static bool too_near(const planner *p, const plan_pose *pose, const int *chosen, int n_chosen,
-                     int except)
+static bool too_near(const mukca_planner *p, const mukca_plan_pose *pose, const int *chosen,
+                     int n_chosen, int except)
 {
-    const int n = p->state.chain->n_joints;
+    const int n = p->state.at.chain->n_joints;
     for (int i = 0; i < n_chosen; i++)
         if (i != except && p->poses[chosen[i]].socket == pose->socket &&
-            !plan_differs(p->poses[chosen[i]].q, pose->q, n, p->allow.separation))
+            !mukca_plan_differs(p->poses[chosen[i]].q, pose->q, n, p->rules.separation))
             return true;
     return false;
 }
 
-static double renew(planner *p, plan_pose *pose, const double *before)
+static double renew(mukca_planner *p, mukca_plan_pose *pose, const double *before)
 {
     if (p->ordered)
-        plan_design(pose->H, &p->state, pose->q, p->sockets[pose->socket].place, before);
-    return plan_gain(&p->state, pose->H, pose->socket);
+        mukca_plan_design(pose->H, &p->state, pose->q, p->sockets[pose->socket].place, before);
+    return mukca_plan_gain(&p->state, pose->H, pose->socket);
 }
 
 /* The most telling candidate that is free, of one socket or (-1) of all that have room; -1: none.
  * Gains only fall as rows are added, so that a stale one is a bound (not so for causes). */
-static int best_pose(planner *p, int socket, const int *count, int room, const double *before)
+static int best_pose(mukca_planner *p, int socket, const int *count, int room, const double *before)
 {
     const bool bounds = p->state.n_effects == 0 && socket < 0;
     int best = -1;
     double most = -HUGE_VAL;
-    plan_state_refresh(&p->state);
+    mukca_plan_state_refresh(&p->state);
     for (;;) {
         int next = -1;
         for (int i = 0; i < p->n_poses; i++) {
-            plan_pose *pose = &p->poses[i];
+            mukca_plan_pose *pose = &p->poses[i];
             if (pose->used ||
                 (socket >= 0 ? pose->socket != socket : count && count[pose->socket] >= room))
                 continue;
@@ -145,9 +145,9 @@ static int best_pose(planner *p, int socket, const int *count, int room, const d
 
 /* The pose of a socket nearest to the mean of its candidates: a first row tells nothing by itself.
  */
-static int middle_pose(const planner *p, int socket)
+static int middle_pose(const mukca_planner *p, int socket)
 {
-    const int n = p->state.chain->n_joints;
+    const int n = p->state.at.chain->n_joints;
     double mean[MUKCA_MAX_JOINTS] = {0}, least = HUGE_VAL;
     int count = 0, best = -1;
     for (int i = 0; i < p->n_poses; i++) {
@@ -167,33 +167,33 @@ static int middle_pose(const planner *p, int socket)
     return best;
 }
 
-static void take(planner *p, int pose, int *chosen, int *n_chosen, int *count)
+static void take(mukca_planner *p, int pose, int *chosen, int *n_chosen, int *count)
 {
-    plan_state_row(&p->state, p->poses[pose].H, p->poses[pose].socket, 1);
+    mukca_plan_state_row(&p->state, p->poses[pose].H, p->poses[pose].socket, 1);
     p->poses[pose].used = true;
     count[p->poses[pose].socket]++;
     chosen[(*n_chosen)++] = pose;
 }
 
 /* Try a pose near chosen[i], whose row is forgotten at the moment, and keep it if it tells more. */
-static void shift(planner *p, const int *chosen, int n_chosen, int i, double spread,
+static void shift(mukca_planner *p, const int *chosen, int n_chosen, int i, double spread,
                   mukca_random *random)
 {
-    plan_state *s = &p->state;
-    plan_pose *pose = &p->poses[chosen[i]], trial = *pose;
+    mukca_plan_state *s = &p->state;
+    mukca_plan_pose *pose = &p->poses[chosen[i]], trial = *pose;
     trial.H = p->spare;
-    if (!plan_draw_near(trial.q, spread, s->chain, &s->geometry, p->sockets[pose->socket].centre,
-                        &p->allow, random) ||
+    if (!mukca_plan_draw_near(trial.q, spread, p->sockets[pose->socket].centre, &p->rules,
+                              random) ||
         too_near(p, &trial, chosen, n_chosen, i) || !is_new(p, trial.q))
         return;
-    plan_design(trial.H, s, trial.q, p->sockets[pose->socket].place, NULL);
-    if (plan_gain(s, trial.H, trial.socket) > plan_gain(s, pose->H, pose->socket)) {
+    mukca_plan_design(trial.H, s, trial.q, p->sockets[pose->socket].place, NULL);
+    if (mukca_plan_gain(s, trial.H, trial.socket) > mukca_plan_gain(s, pose->H, pose->socket)) {
         p->spare = pose->H;
         *pose = trial;
     }
 }
 
-int plan_choose(planner *p, int *chosen, int rows, const int *recorded)
+int mukca_plan_choose(mukca_planner *p, int *chosen, int rows, const int *recorded)
 {
     int count[MUKCA_PLAN_MAX_SOCKETS] = {0}, n = 0, fresh = 0;
     const mukca_plan_options *o = p->state.options;
@@ -204,7 +204,7 @@ int plan_choose(planner *p, int *chosen, int rows, const int *recorded)
         const int first = recorded[k] == 0 ? middle_pose(p, k) : -1;
         if (first >= 0) take(p, first, chosen, &n, count);
     }
-    while (n < rows && !plan_stopped(o)) {
+    while (n < rows && !mukca_plan_stopped(o)) {
         const double *before = n > 0 ? p->poses[chosen[n - 1]].q : NULL;
         const int best = best_pose(p, -1, count, room, before);
         if (best < 0) break;
@@ -219,21 +219,21 @@ int plan_choose(planner *p, int *chosen, int rows, const int *recorded)
     return n;
 }
 
-void plan_exchange(planner *p, int *chosen, int n, mukca_random *random)
+void mukca_plan_exchange(mukca_planner *p, int *chosen, int n, mukca_random *random)
 {
     static const double spread = 0.4; /* rad */
     for (int pass = 0; pass < EXCHANGES && !p->ordered; pass++) {
-        if (p->state.n_effects == 0) plan_state_weigh(&p->state);
-        for (int i = 0; i < n && !plan_stopped(p->state.options); i++) {
-            plan_pose *pose = &p->poses[chosen[i]];
-            plan_state_row(&p->state, pose->H, pose->socket, -1);
+        if (p->state.n_effects == 0) mukca_plan_state_weigh(&p->state);
+        for (int i = 0; i < n && !mukca_plan_stopped(p->state.options); i++) {
+            mukca_plan_pose *pose = &p->poses[chosen[i]];
+            mukca_plan_state_row(&p->state, pose->H, pose->socket, -1);
             pose->used = false;
             const int best = best_pose(p, pose->socket, NULL, 0, NULL);
             if (best >= 0 && !too_near(p, &p->poses[best], chosen, n, i)) chosen[i] = best;
             pose = &p->poses[chosen[i]];
             pose->used = true;
             for (int t = 0; t < SHIFTS; t++) shift(p, chosen, n, i, spread / (1 + pass), random);
-            plan_state_row(&p->state, pose->H, pose->socket, 1);
+            mukca_plan_state_row(&p->state, pose->H, pose->socket, 1);
         }
     }
 }

@@ -6,39 +6,40 @@
 #include "plan/state.h"
 
 typedef struct {
-    plan_state state;
-    plan_allowance allow;
+    mukca_plan_state state;
+    mukca_plan_rules rules;
     const mukca_dataset *data;
     const mukca_plan_socket *sockets;
     int n_sockets, n_poses;
-    plan_pose *poses; /* [n_poses] candidates, by socket */
+    mukca_plan_pose *poses; /* [n_poses] candidates, by socket */
     int tried;
     double *spare; /* an H */
     bool ordered;  /* a cause depends on where the arm comes from */
-} planner;
+} mukca_planner;
 
-bool plan_stopped(const mukca_plan_options *options);
+bool mukca_plan_stopped(const mukca_plan_options *options);
 
 /* Fill poses[room] with candidates for socket k; returns how many were found. */
-int plan_draw_candidates(planner *p, plan_pose *poses, int room, int k, mukca_random *random);
+int mukca_plan_draw_candidates(mukca_planner *p, mukca_plan_pose *poses, int room, int k,
+                               mukca_random *random);
 
 /* Take what the recorded rows tell, and the distances between the plan's sockets; count[n_sockets]
  * gets the rows of each; H[3][n_known] is scratch.  Returns the number of rows. */
-int plan_take_recorded(planner *p, double *H, int *count);
+int mukca_plan_take_recorded(mukca_planner *p, double *H, int *count);
 
 /* Choose `rows` candidates one by one, chosen[rows]; recorded[n_sockets] rows are there already.
  * Returns how many were found. */
-int plan_choose(planner *p, int *chosen, int rows, const int *recorded);
+int mukca_plan_choose(mukca_planner *p, int *chosen, int rows, const int *recorded);
 
 /* Exchange chosen poses for better ones, from the candidates and from their own surroundings. */
-void plan_exchange(planner *p, int *chosen, int n_chosen, mukca_random *random);
+void mukca_plan_exchange(mukca_planner *p, int *chosen, int n_chosen, mukca_random *random);
 
 /* The grid of places around the arm: the middle of cell 0 .. PLAN_CELLS - 1, and the direction from
  * its first socket to the other. */
 enum { PLAN_AZIMUTHS = 8, PLAN_CELLS = 3 * 3 * PLAN_AZIMUTHS };
-void plan_grid_place(double centre[3], double *yaw, int cell, const plan_state *s);
+void mukca_plan_grid_place(double centre[3], double *yaw, int cell, const mukca_plan_state *s);
 
 /* Fill s->elsewhere: spots all over what the arm reaches by the rules, and poses at each. */
-void plan_look_elsewhere(plan_state *s, const plan_allowance *allow, uint64_t seed);
+void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rules, uint64_t seed);
 
 #endif

@@ -64,27 +64,28 @@ static int rows_to_name(double before, double after, int rows)
 {
     double wanted = 1;
     if (!(after > before) || rows < 1) return 0;
-    while (plan_evidence(wanted) < MUKCA_PLAN_NAME) wanted *= 1.01;
+    while (mukca_plan_evidence(wanted) < MUKCA_PLAN_NAME) wanted *= 1.01;
     const double needed = ceil(rows * (wanted - before) / (after - before));
     return needed > 1000 ? 0 : (int)fmax(needed, 1);
 }
 
-mukca_status mukca_plan_run(mukca_plan *plan, const mukca_chain *chain, const double *theta,
-                            const mukca_dataset *data, const mukca_plan_socket *sockets,
-                            int n_sockets, const mukca_plan_options *options, mukca_error *error)
+mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
+                            const mukca_plan_options *options, mukca_error *error)
 {
-    planner p = {.data = data, .sockets = sockets, .n_sockets = n_sockets};
+    const mukca_chain *chain = task->chain;
+    const int n_sockets = task->n_sockets;
+    mukca_planner p = {.data = task->data, .sockets = task->sockets, .n_sockets = n_sockets};
     const int rows = options->rows > 0 ? options->rows : DEFAULT_ROWS;
     const int candidates = options->candidates > 0 ? options->candidates : DEFAULT_CANDIDATES;
     int recorded[MUKCA_PLAN_MAX_SOCKETS] = {0};
     memset(plan, 0, sizeof *plan);
     mukca_status status = check(chain, n_sockets, options, error);
     if (status != MUKCA_OK) return status;
-    status = plan_state_create(&p.state, chain, theta, n_sockets, options, error);
+    status = mukca_plan_state_create(&p.state, task, n_sockets, options, error);
     if (status != MUKCA_OK) return status;
-    plan_state *s = &p.state;
-    p.allow = plan_allow(options, chain, &s->geometry, data);
-    p.poses = MUKCA_TAKE(&s->pool, plan_pose, n_sockets * candidates);
+    mukca_plan_state *s = &p.state;
+    mukca_plan_rules_set(&p.rules, chain, &s->at.geometry, options, task->data);
+    p.poses = MUKCA_TAKE(&s->pool, mukca_plan_pose, n_sockets * candidates);
     double *H = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
     p.spare = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
     int *chosen = MUKCA_TAKE(&s->pool, int, rows + n_sockets);
@@ -92,32 +93,34 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_chain *chain, const do
     if (s->pool.failed || !plan->rows) goto memory;
     for (int e = 0; e < s->n_effects; e++)
         p.ordered |= (mukca_effect_table[s->effect[e].kind].needs & MUKCA_NEEDS_ORDER) != 0;
-    plan_look_elsewhere(s, &p.allow, options->seed);
-    plan->n_recorded = plan_take_recorded(&p, H, recorded);
-    plan->expected_before = plan_expected(s);
-    const double weak = plan_strength(s);
-    plan->evidence_before = plan_evidence(weak);
+    mukca_plan_look_elsewhere(s, &p.rules, options->seed);
+    plan->n_recorded = mukca_plan_take_recorded(&p, H, recorded);
+    plan->expected_before = mukca_plan_expected(s);
+    const double weak = mukca_plan_strength(s);
+    plan->evidence_before = mukca_plan_evidence(weak);
     mukca_random random;
     mukca_random_seed(&random, options->seed);
-    for (int k = 0; k < n_sockets && !plan_stopped(options); k++) {
-        const int found = plan_draw_candidates(&p, p.poses + p.n_poses, candidates, k, &random);
+    for (int k = 0; k < n_sockets && !mukca_plan_stopped(options); k++) {
+        const int found =
+            mukca_plan_draw_candidates(&p, p.poses + p.n_poses, candidates, k, &random);
         p.n_poses += found;
         if (options->progress) options->progress(options->context, 0.3 * (k + 1) / n_sockets);
         if (found == 0 && recorded[k] == 0) {
-            const double *c = sockets[k].centre;
+            const mukca_plan_socket *socket = &task->sockets[k];
+            const double *c = socket->centre;
             status = mukca_fail(error, MUKCA_INPUT,
                                 "placement %s: no pose was found that reaches socket %s at "
                                 "%.3f %.3f %.3f m; move it, or allow more --tilt",
-                                sockets[k].placement, sockets[k].label, c[0], c[1], c[2]);
+                                socket->placement, socket->label, c[0], c[1], c[2]);
             goto out;
         }
     }
     if (s->pool.failed) goto memory;
     plan->tried = p.tried;
     plan->reached = p.n_poses;
-    plan->n_rows = plan_choose(&p, chosen, rows, recorded);
-    plan_exchange(&p, chosen, plan->n_rows, &random);
-    if (plan_stopped(options)) {
+    plan->n_rows = mukca_plan_choose(&p, chosen, rows, recorded);
+    mukca_plan_exchange(&p, chosen, plan->n_rows, &random);
+    if (mukca_plan_stopped(options)) {
         status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         goto out;
     }
@@ -126,14 +129,14 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_chain *chain, const do
         memcpy(plan->rows[i].q, p.poses[chosen[i]].q, sizeof plan->rows[i].q);
     }
     if (!p.ordered) put_in_order(plan->rows, plan->n_rows, chain->n_joints);
-    plan->expected_after = plan_expected(s);
-    plan->evidence_after = plan_evidence(plan_strength(s));
-    plan->rows_to_name = rows_to_name(weak, plan_strength(s), plan->n_rows);
+    plan->expected_after = mukca_plan_expected(s);
+    plan->evidence_after = mukca_plan_evidence(mukca_plan_strength(s));
+    plan->rows_to_name = rows_to_name(weak, mukca_plan_strength(s), plan->n_rows);
     goto out;
 memory:
     status = mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
 out:
-    plan_state_free(s);
+    mukca_plan_state_free(s);
     if (status != MUKCA_OK) mukca_plan_free(plan);
     return status;
 }
@@ -142,27 +145,4 @@ void mukca_plan_free(mukca_plan *plan)
 {
     free(plan->rows);
     memset(plan, 0, sizeof *plan);
-}
-
-int mukca_plan_sockets(mukca_plan_socket *sockets, int room, const mukca_geometry *geometry,
-                       const mukca_dataset *data)
-{
-    int n = 0;
-    for (int k = 0; k < data->n_sockets && n < room; k++) {
-        double sum[3] = {0}, position[3];
-        int rows = 0;
-        for (int r = 0; r < data->n_rows; r++) {
-            if (data->socket[r] != k) continue;
-            mukca_fk_position(position, geometry, data->q + r * data->n_joints, NULL);
-            for (int i = 0; i < 3; i++) sum[i] += position[i];
-            rows++;
-        }
-        if (rows == 0) continue;
-        mukca_plan_socket *s = &sockets[n++];
-        s->place = data->sockets[k].placement;
-        memcpy(s->label, data->sockets[k].label, sizeof s->label);
-        memcpy(s->placement, data->placements[s->place].name, sizeof s->placement);
-        for (int i = 0; i < 3; i++) s->centre[i] = sum[i] / rows;
-    }
-    return n;
 }

@@ -66,13 +66,20 @@ typedef struct {
 int mukca_plan_sockets(mukca_plan_socket *sockets, int room, const mukca_geometry *geometry,
                        const mukca_dataset *data);
 
-/* Propose rows at the sockets.  `data` (may be NULL) is what was recorded so far, `theta` (NULL:
- * nominal) the model in use.  Free with mukca_plan_free.  Errors: MUKCA_USAGE, MUKCA_INPUT (no pose
- * reaches the sockets), MUKCA_UNIDENTIFIABLE (the causes do the same at every pose), MUKCA_MEMORY,
- * MUKCA_INTERRUPTED. */
-mukca_status mukca_plan_run(mukca_plan *plan, const mukca_chain *chain, const double *theta,
-                            const mukca_dataset *data, const mukca_plan_socket *sockets,
-                            int n_sockets, const mukca_plan_options *options, mukca_error *error);
+/* What to plan for. */
+typedef struct {
+    const mukca_chain *chain;
+    const double *theta;              /* [6 * n_elements] of the model in use; NULL: nominal */
+    const mukca_dataset *data;        /* recorded so far; NULL: nothing */
+    const mukca_plan_socket *sockets; /* [n_sockets]; not used for places */
+    int n_sockets;
+    double distance; /* between the sockets of a place, m */
+} mukca_plan_task;
+
+/* Propose rows at the sockets.  Free with mukca_plan_free.  Errors: MUKCA_USAGE, MUKCA_INPUT (no
+ * posture reaches the sockets), MUKCA_MEMORY, MUKCA_INTERRUPTED. */
+mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
+                            const mukca_plan_options *options, mukca_error *error);
 void mukca_plan_free(mukca_plan *plan);
 
 /* A place for the tool and what recording there would bring. */
@@ -83,11 +90,10 @@ typedef struct {
 } mukca_plan_place;
 
 /* The `n_places` places of a grid around the arm that are worth most, for accuracy or (with
- * effects) for evidence; the later ones given the earlier.  Returns in *n_found how many there are.
- * `distance` between the sockets, m.  Errors: as mukca_plan_run. */
+ * effects) for evidence; the later ones given the earlier.  *n_found gets their number.
+ * Errors: as mukca_plan_run. */
 mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_places,
-                               const mukca_chain *chain, const double *theta,
-                               const mukca_dataset *data, double distance,
-                               const mukca_plan_options *options, mukca_error *error);
+                               const mukca_plan_task *task, const mukca_plan_options *options,
+                               mukca_error *error);
 
 #endif

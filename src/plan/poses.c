@@ -13,14 +13,15 @@ typedef struct {
     double lean, clear;
 } standing;
 
-static standing stand(const double *q, const mukca_chain *chain, const mukca_geometry *geometry)
+static standing stand(const double *q, const mukca_plan_rules *rules)
 {
+    const mukca_chain *chain = rules->chain;
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
     double up[3], stem[3];
     standing s = {.lean = 0, .clear = HUGE_VAL};
     const double weight = sqrt(mukca_dot3(chain->gravity, chain->gravity));
     if (!(weight > 0)) return s;
-    mukca_fk_frames(before, &tip, geometry, q, NULL);
+    mukca_fk_frames(before, &tip, rules->geometry, q, NULL);
     const mukca_frame *last = &before[chain->joint_element[chain->n_joints - 1]];
     for (int i = 0; i < 3; i++) {
         up[i] = -chain->gravity[i] / weight;
@@ -34,47 +35,51 @@ static standing stand(const double *q, const mukca_chain *chain, const mukca_geo
     return s;
 }
 
-plan_allowance plan_allow(const mukca_plan_options *o, const mukca_chain *chain,
-                          const mukca_geometry *geometry, const mukca_dataset *data)
+void mukca_plan_rules_set(mukca_plan_rules *rules, const mukca_chain *chain,
+                          const mukca_geometry *geometry, const mukca_plan_options *o,
+                          const mukca_dataset *data)
 {
-    plan_allowance allow = {.tilt = o->tilt > 0 ? o->tilt : M_PI / 3,
-                            .clearance = o->clearance != 0 ? o->clearance : 0.05,
-                            .separation = o->separation > 0 ? o->separation : 0.2,
-                            .margin = o->margin > 0 ? o->margin : 0.02};
+    /* A printed socket holds the ball up to a lean of some 60 degrees; 5 cm keep a joint's housing
+     * off the table; 0.2 rad make postures of a session differ; 0.02 rad keep off the stops. */
+    *rules = (mukca_plan_rules){.chain = chain,
+                                .geometry = geometry,
+                                .tilt = o->tilt > 0 ? o->tilt : M_PI / 3,
+                                .clearance = o->clearance != 0 ? o->clearance : 0.05,
+                                .separation = o->separation > 0 ? o->separation : 0.2,
+                                .margin = o->margin > 0 ? o->margin : 0.02};
     for (int r = 0; data && r < data->n_rows; r++) {
-        const standing s = stand(data->q + r * data->n_joints, chain, geometry);
-        if (!(o->tilt > 0)) allow.tilt = fmax(allow.tilt, s.lean);
-        if (o->clearance == 0) allow.clearance = fmin(allow.clearance, s.clear);
+        const standing s = stand(data->q + r * data->n_joints, rules);
+        if (!(o->tilt > 0)) rules->tilt = fmax(rules->tilt, s.lean);
+        if (o->clearance == 0) rules->clearance = fmin(rules->clearance, s.clear);
     }
-    return allow;
 }
 
-bool plan_differs(const double *a, const double *b, int n_joints, double separation)
+bool mukca_plan_differs(const double *a, const double *b, int n_joints, double separation)
 {
     for (int j = 0; j < n_joints; j++)
         if (fabs(a[j] - b[j]) >= separation) return true;
     return false;
 }
 
-static bool allowed(const double *q, const mukca_chain *chain, const mukca_geometry *geometry,
-                    const plan_allowance *allow)
+static bool allowed(const double *q, const mukca_plan_rules *rules)
 {
-    const standing s = stand(q, chain, geometry);
-    return s.lean <= allow->tilt && !(s.clear < allow->clearance);
+    const standing s = stand(q, rules);
+    return s.lean <= rules->tilt && !(s.clear < rules->clearance);
 }
 
-/* From the start q to the socket, and whether the result will do. */
-static bool seat(double *q, const mukca_chain *chain, const mukca_geometry *geometry,
-                 const double centre[3], const plan_allowance *allow)
+/* From the start q to the socket, and whether the result is allowed. */
+static bool seat(double *q, const double centre[3], const mukca_plan_rules *rules)
 {
+    const mukca_chain *chain = rules->chain;
     const mukca_inverse_options options = {.max_steps = 60};
     const mukca_frame target = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {centre[0], centre[1], centre[2]}};
-    if (!mukca_inverse_solve(q, chain, geometry, &target, false, &options).reached) return false;
+    if (!mukca_inverse_solve(q, chain, rules->geometry, &target, false, &options).reached)
+        return false;
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
-        if (q[j] < e->lower + allow->margin || q[j] > e->upper - allow->margin) return false;
+        if (q[j] < e->lower + rules->margin || q[j] > e->upper - rules->margin) return false;
     }
-    return allowed(q, chain, geometry, allow);
+    return allowed(q, rules);
 }
 
 static void draw(double *q, const mukca_chain *chain, mukca_random *random)
@@ -86,29 +91,28 @@ static void draw(double *q, const mukca_chain *chain, mukca_random *random)
     }
 }
 
-bool plan_draw_anywhere(double *q, double centre[3], const mukca_chain *chain,
-                        const mukca_geometry *geometry, const plan_allowance *allow,
-                        mukca_random *random)
+bool mukca_plan_draw_anywhere(double *q, double centre[3], const mukca_plan_rules *rules,
+                              mukca_random *random)
 {
-    draw(q, chain, random);
-    mukca_fk_position(centre, geometry, q, NULL);
-    return allowed(q, chain, geometry, allow);
+    draw(q, rules->chain, random);
+    mukca_fk_position(centre, rules->geometry, q, NULL);
+    return allowed(q, rules);
 }
 
-bool plan_draw_pose(double *q, const mukca_chain *chain, const mukca_geometry *geometry,
-                    const double centre[3], const plan_allowance *allow, mukca_random *random)
+bool mukca_plan_draw_pose(double *q, const double centre[3], const mukca_plan_rules *rules,
+                          mukca_random *random)
 {
-    draw(q, chain, random);
-    return seat(q, chain, geometry, centre, allow);
+    draw(q, rules->chain, random);
+    return seat(q, centre, rules);
 }
 
-bool plan_draw_near(double *q, double spread, const mukca_chain *chain,
-                    const mukca_geometry *geometry, const double centre[3],
-                    const plan_allowance *allow, mukca_random *random)
+bool mukca_plan_draw_near(double *q, double spread, const double centre[3],
+                          const mukca_plan_rules *rules, mukca_random *random)
 {
+    const mukca_chain *chain = rules->chain;
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
         q[j] = fmax(e->lower, fmin(e->upper, q[j] + spread * mukca_random_normal(random)));
     }
-    return seat(q, chain, geometry, centre, allow);
+    return seat(q, centre, rules);
 }

@@ -1,34 +1,36 @@
-/* Poses of the arm with the ball in a socket, drawn at random within what arm and tool allow. */
+/* Postures with the ball in a socket, drawn at random within the limits of arm and tool. */
 #ifndef MUKCA_PLAN_POSES_H
 #define MUKCA_PLAN_POSES_H
 
 #include "math/random.h"
 #include "plan/plan.h"
 
+/* The arm and what a posture must keep, as in mukca_plan_options with the defaults filled in. */
 typedef struct {
-    double tilt, clearance, separation, margin; /* as in mukca_plan_options, defaults filled in */
-} plan_allowance;
+    const mukca_chain *chain;
+    const mukca_geometry *geometry;
+    double tilt, clearance, separation, margin;
+} mukca_plan_rules;
 
-/* What `options` allow; where they leave a default, all that a recorded row did (data may be NULL)
- * is allowed, too. */
-plan_allowance plan_allow(const mukca_plan_options *options, const mukca_chain *chain,
-                          const mukca_geometry *geometry, const mukca_dataset *data);
+/* Rules of `options`; where those leave a default, all that a recorded row did is allowed, too.
+ * `data` may be NULL; chain and geometry must outlive the rules. */
+void mukca_plan_rules_set(mukca_plan_rules *rules, const mukca_chain *chain,
+                          const mukca_geometry *geometry, const mukca_plan_options *options,
+                          const mukca_dataset *data);
 
-/* One pose q[n_joints] with the tip at `centre` (m), anywhere; false when this draw led to none. */
-bool plan_draw_pose(double *q, const mukca_chain *chain, const mukca_geometry *geometry,
-                    const double centre[3], const plan_allowance *allow, mukca_random *random);
+/* One posture q[n_joints] with the tip at `centre` (m), anywhere; false when this draw failed. */
+bool mukca_plan_draw_pose(double *q, const double centre[3], const mukca_plan_rules *rules,
+                          mukca_random *random);
 
-/* A random posture that the rules allow, and where its ball is. */
-bool plan_draw_anywhere(double *q, double centre[3], const mukca_chain *chain,
-                        const mukca_geometry *geometry, const plan_allowance *allow,
-                        mukca_random *random);
+/* A random posture within the rules, and the position of its ball. */
+bool mukca_plan_draw_anywhere(double *q, double centre[3], const mukca_plan_rules *rules,
+                              mukca_random *random);
 
-/* As plan_draw_pose, near the pose that q holds: joints moved by some `spread` (rad or m) first. */
-bool plan_draw_near(double *q, double spread, const mukca_chain *chain,
-                    const mukca_geometry *geometry, const double centre[3],
-                    const plan_allowance *allow, mukca_random *random);
+/* As mukca_plan_draw_pose, near the posture in q: its joints move by `spread` (rad or m) first. */
+bool mukca_plan_draw_near(double *q, double spread, const double centre[3],
+                          const mukca_plan_rules *rules, mukca_random *random);
 
-/* Whether two poses differ by `separation` in some joint. */
-bool plan_differs(const double *a, const double *b, int n_joints, double separation);
+/* Whether two postures differ by `separation` in some joint. */
+bool mukca_plan_differs(const double *a, const double *b, int n_joints, double separation);
 
 #endif

@@ -7,108 +7,92 @@
 #include "math/dense.h"
 #include "math/stats.h"
 
-/* Prior standard deviations: of a robot as it comes (DESIGN: 1 to 8 mm and mrad were seen), of a
- * tool that was mounted by hand, and of a socket's place on the table. */
-static const double prior_length = 3e-3, prior_angle = 3e-3, prior_tip = 2e-2, prior_socket = 5e-2;
-/* Of the distance between two sockets of the printed tool, m. */
+/* Prior standard deviation of a socket's position on the table, m: it is placed by eye. */
+static const double prior_socket = 5e-2;
+/* Of the distance between two sockets of the printed tool, m: a good printer. */
 static const double distance_sigma = 5e-5;
-/* A cause is thought to be this many times as large as asked for, or less. */
+/* Prior standard deviation of a cause over the size asked for: wide, so that the rows decide. */
 static const double prior_cause = 30;
 
-/* C = 0 but for the prior variances. */
-static void set_prior(plan_state *s)
+static double size_of(const mukca_effect *effect)
 {
-    const int tip = mukca_chain_tip_element(s->chain);
-    memset(s->C, 0, (size_t)s->n * (size_t)s->n * sizeof *s->C);
-    for (int i = 0; i < s->n; i++) {
-        double sigma = prior_socket;
-        if (i < s->n_geometry) {
-            const int index = s->parameters.index[i];
-            sigma = index % MUKCA_PARAMETERS < 3 ? prior_length : prior_angle;
-            if (index / MUKCA_PARAMETERS == tip) sigma = prior_tip;
-        } else if (i < s->n_known) {
-            const int term = i - s->n_geometry;
-            for (int e = 0; e < s->n_effects; e++)
-                if (term >= s->first_term[e] && term < s->first_term[e + 1]) {
-                    double size = 0;
-                    for (int t = 0; t < s->effect[e].terms; t++)
-                        size = hypot(size, s->effect[e].coefficient[t]);
-                    sigma = prior_cause * size;
-                }
-        }
-        s->C[i * s->n + i] = sigma * sigma;
-    }
+    double size = 0;
+    for (int t = 0; t < effect->terms; t++) size = hypot(size, effect->coefficient[t]);
+    return size;
 }
 
-mukca_status plan_state_create(plan_state *s, const mukca_chain *chain, const double *theta,
-                               int n_sockets, const mukca_plan_options *options, mukca_error *error)
+/* C = 0 but for the prior variances. */
+static void set_prior(mukca_plan_state *s)
 {
-    const mukca_selection selection = {0};
+    double sigma[MUKCA_MAX_FREE];
+    memset(s->C, 0, (size_t)s->n * (size_t)s->n * sizeof *s->C);
+    mukca_posterior_prior(sigma, &s->at);
+    for (int i = 0; i < s->n_geometry; i++) s->C[i * s->n + i] = sigma[i] * sigma[i];
+    for (int e = 0; e < s->n_effects; e++)
+        for (int t = s->first_term[e]; t < s->first_term[e + 1]; t++)
+            s->C[(s->n_geometry + t) * (s->n + 1)] = pow(prior_cause * size_of(&s->effect[e]), 2);
+    for (int i = s->n_known; i < s->n; i++) s->C[i * s->n + i] = prior_socket * prior_socket;
+}
+
+mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task *task,
+                                     int n_sockets, const mukca_plan_options *options,
+                                     mukca_error *error)
+{
     memset(s, 0, sizeof *s);
-    s->chain = chain;
     s->options = options;
     s->noise = options->noise > 0 ? options->noise : 1e-4;
     s->n_sockets = n_sockets;
     s->n_effects = options->n_effects;
-    const mukca_status status = mukca_parameters_select(&s->parameters, chain, &selection, error);
+    mukca_status status = mukca_linearisation_init(&s->at, task->chain, task->theta, error);
     if (status != MUKCA_OK) return status;
-    if (theta)
-        memcpy(s->theta, theta, (size_t)(MUKCA_PARAMETERS * chain->n_elements) * sizeof *theta);
-    else
-        mukca_chain_theta(s->theta, chain);
-    mukca_geometry_set(&s->geometry, chain, s->theta);
     for (int e = 0; e < s->n_effects; e++) {
         s->effect[e] = options->effects[e];
         s->effect[e].terms = mukca_effect_terms(s->effect[e].kind, s->effect[e].variant);
         s->first_term[e + 1] = s->first_term[e] + s->effect[e].terms;
     }
     s->n_terms = s->first_term[s->n_effects];
-    s->n_geometry = s->parameters.n;
+    s->n_geometry = s->at.parameters.n;
     s->n_known = s->n_geometry + s->n_terms;
     s->n = s->n_known + 3 * n_sockets;
     s->C = MUKCA_TAKE(&s->pool, double, s->n * s->n);
     s->P = MUKCA_TAKE(&s->pool, double, s->n_geometry * s->n_geometry);
     s->W = MUKCA_TAKE(&s->pool, double, s->n_geometry * s->n_geometry);
     s->G = MUKCA_TAKE(&s->pool, double, 3 * s->n);
-    s->work = MUKCA_TAKE(&s->pool, double, 3 * MUKCA_PARAMETERS * chain->n_elements);
     if (s->pool.failed) {
-        plan_state_free(s);
+        mukca_plan_state_free(s);
         return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
     }
     set_prior(s);
     return MUKCA_OK;
 }
 
-void plan_state_free(plan_state *s)
+void mukca_plan_state_free(mukca_plan_state *s)
 {
     mukca_pool_free(&s->pool);
     memset(s, 0, sizeof *s);
 }
 
-void plan_design(double *H, plan_state *s, const double *q, int place, const double *before)
+void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int place,
+                       const double *before)
 {
-    const int columns = MUKCA_PARAMETERS * s->chain->n_elements;
-    double position[3], move[MUKCA_MAX_JOINTS] = {0};
-    mukca_fk_parameter_jacobian(s->work, position, &s->geometry, s->theta, q);
-    for (int i = 0; i < 3; i++)
-        for (int c = 0; c < s->n_geometry; c++)
-            H[i * s->n_known + c] = s->work[i * columns + s->parameters.index[c]];
-    for (int j = 0; j < s->chain->n_joints && before; j++) move[j] = q[j] - before[j];
+    const mukca_chain *chain = s->at.chain;
+    double move[MUKCA_MAX_JOINTS] = {0};
+    mukca_linearisation_tip(H, s->n_known, NULL, &s->at, q);
+    for (int j = 0; j < chain->n_joints && before; j++) move[j] = q[j] - before[j];
     for (int e = 0; e < s->n_effects; e++) {
         const mukca_joint_state state = {.q = q, .move = move, .placement = place};
         for (int t = 0; t < s->effect[e].terms; t++) {
             /* The displacement is linear in the coefficient, the position nearly so. */
-            const double *size = s->effect[e].coefficient;
-            double step = 0, at[2][3];
-            for (int k = 0; k < s->effect[e].terms; k++) step = hypot(step, size[k]);
+            const double step = size_of(&s->effect[e]);
+            double at[2][3];
             for (int side = 0; side < 2; side++) {
                 mukca_effect one = s->effect[e];
                 mukca_displacement displacement = {0};
                 memset(one.coefficient, 0, sizeof one.coefficient);
                 one.coefficient[t] = side ? step : -step;
-                mukca_effects_displacement(&displacement, &one, 1, s->chain, &s->geometry, q,
+                mukca_effects_displacement(&displacement, &one, 1, chain, &s->at.geometry, q,
                                            &state);
-                mukca_fk_position(at[side], &s->geometry, q, &displacement);
+                mukca_fk_position(at[side], &s->at.geometry, q, &displacement);
             }
             for (int i = 0; i < 3; i++)
                 H[i * s->n_known + s->n_geometry + s->first_term[e] + t] =
@@ -118,7 +102,7 @@ void plan_design(double *H, plan_state *s, const double *q, int place, const dou
 }
 
 /* G = C [H, -I at the socket]' for rows [0, n) of C, and S = [H, -I] G (3 x 3). */
-static void project(double S[9], plan_state *s, int n, const double *H, int socket)
+static void project(double S[9], mukca_plan_state *s, int n, const double *H, int socket)
 {
     const int k = s->n_known, mean = k + 3 * socket;
     for (int r = 0; r < s->n; r++) {
@@ -148,7 +132,7 @@ static double factor(double *A, int m)
     return sum;
 }
 
-void plan_state_row(plan_state *s, const double *H, int socket, int sign)
+void mukca_plan_state_row(mukca_plan_state *s, const double *H, int socket, int sign)
 {
     double S[9], g[3];
     project(S, s, s->n, H, socket);
@@ -165,8 +149,8 @@ void plan_state_row(plan_state *s, const double *H, int socket, int sign)
     }
 }
 
-void plan_state_distance(plan_state *s, int a, int b, const double *centre_a,
-                         const double *centre_b)
+void mukca_plan_state_distance(mukca_plan_state *s, int a, int b, const double *centre_a,
+                               const double *centre_b)
 {
     double u[3], length = 0, S = distance_sigma * distance_sigma;
     for (int i = 0; i < 3; i++) u[i] = centre_a[i] - centre_b[i];
@@ -181,7 +165,7 @@ void plan_state_distance(plan_state *s, int a, int b, const double *centre_a,
         for (int c = 0; c < s->n; c++) s->C[r * s->n + c] -= s->G[r] * s->G[c] / S;
 }
 
-void plan_state_refresh(plan_state *s)
+void mukca_plan_state_refresh(mukca_plan_state *s)
 {
     const int p = s->n_geometry;
     if (s->n_effects > 0) return;
@@ -189,7 +173,7 @@ void plan_state_refresh(plan_state *s)
     mukca_dense_cholesky(s->P, p);
 }
 
-double plan_gain(plan_state *s, const double *H, int socket)
+double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
 {
     double S[9], gain = 0;
     const int p = s->n_geometry;
@@ -239,7 +223,7 @@ double plan_gain(plan_state *s, const double *H, int socket)
 }
 
 /* Mean square of one move elsewhere, m^2. */
-static double error_square(const plan_state *s, const double *J)
+static double error_square(const mukca_plan_state *s, const double *J)
 {
     const int p = s->n_geometry;
     double sum = 0;
@@ -252,7 +236,7 @@ static double error_square(const plan_state *s, const double *J)
     return fmax(sum, 0);
 }
 
-double plan_expected(const plan_state *s)
+double mukca_plan_expected(const mukca_plan_state *s)
 {
     /* the mean length of a 3-vector over its root mean square, if it is isotropic */
     const double ratio = MUKCA_MEAN_NORM3 / sqrt(3);
@@ -262,7 +246,7 @@ double plan_expected(const plan_state *s)
     return s->n_elsewhere > 0 ? ratio * sum / s->n_elsewhere : 0;
 }
 
-void plan_state_weigh(plan_state *s)
+void mukca_plan_state_weigh(mukca_plan_state *s)
 {
     const int p = s->n_geometry;
     memset(s->W, 0, (size_t)(p * p) * sizeof *s->W);
@@ -276,7 +260,7 @@ void plan_state_weigh(plan_state *s)
     s->accuracy = true;
 }
 
-double plan_strength(const plan_state *s)
+double mukca_plan_strength(const mukca_plan_state *s)
 {
     double least = NAN;
     for (int e = 0; e < s->n_effects; e++) {
@@ -294,7 +278,7 @@ double plan_strength(const plan_state *s)
     return least;
 }
 
-double plan_evidence(double strength)
+double mukca_plan_evidence(double strength)
 {
     /* What a fit gains, less the price of a coefficient whose prior is as wide as the cause is
      * large. */

@@ -3,7 +3,7 @@
 #define MUKCA_PLAN_STATE_H
 
 #include "base/pool.h"
-#include "fit/parameters.h"
+#include "fit/posterior.h"
 #include "plan/plan.h"
 
 /* One pose of the arm in a socket with its design: H[3][n_known], the ball's position by geometry
@@ -14,14 +14,11 @@ typedef struct {
     double q[MUKCA_MAX_JOINTS];
     double *H;
     double bound; /* of the gain, from an earlier step */
-} plan_pose;
+} mukca_plan_pose;
 
 typedef struct {
-    const mukca_chain *chain;
+    mukca_linearisation at;
     const mukca_plan_options *options;
-    mukca_parameters parameters;
-    mukca_geometry geometry;
-    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     double noise; /* m */
     int n_geometry, n_effects, n_terms, n_sockets;
     mukca_effect effect[MUKCA_PLAN_MAX_EFFECTS];
@@ -37,46 +34,46 @@ typedef struct {
         *W; /* [n_geometry][n_geometry] sum of their squares, each weighed by one over its error */
     bool accuracy; /* gains are of W, not of the determinant */
     double *G;     /* [n][3] scratch */
-    double *work;  /* [6 * n_elements][3] scratch */
     mukca_pool pool;
-} plan_state;
+} mukca_plan_state;
 
-/* An arm that knows only its prior.  Errors: MUKCA_MEMORY, MUKCA_USAGE. */
-mukca_status plan_state_create(plan_state *s, const mukca_chain *chain, const double *theta,
-                               int n_sockets, const mukca_plan_options *options,
-                               mukca_error *error);
-void plan_state_free(plan_state *s);
+/* An arm of which only the prior is known.  Errors: MUKCA_MEMORY, MUKCA_USAGE. */
+mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task *task,
+                                     int n_sockets, const mukca_plan_options *options,
+                                     mukca_error *error);
+void mukca_plan_state_free(mukca_plan_state *s);
 
 /* H of a pose; `before` (may be NULL) is the pose that the arm comes from. */
-void plan_design(double *H, plan_state *s, const double *q, int place, const double *before);
+void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int place,
+                       const double *before);
 
 /* Take what a row at `socket` would tell (sign 1), or forget it (sign -1).  Refresh before gains.
  */
-void plan_state_row(plan_state *s, const double *H, int socket, int sign);
+void mukca_plan_state_row(mukca_plan_state *s, const double *H, int socket, int sign);
 
 /* Take that sockets a and b with these centres are a known distance apart. */
-void plan_state_distance(plan_state *s, int a, int b, const double *centre_a,
-                         const double *centre_b);
+void mukca_plan_state_distance(mukca_plan_state *s, int a, int b, const double *centre_a,
+                               const double *centre_b);
 
 /* Renew P. */
-void plan_state_refresh(plan_state *s);
+void mukca_plan_state_refresh(mukca_plan_state *s);
 
 /* What a row is worth: the fall of the log determinant of the covariance in question (geometry, or
- * each cause), or after plan_state_weigh of the weighed error elsewhere. */
-double plan_gain(plan_state *s, const double *H, int socket);
+ * each cause), or after mukca_plan_state_weigh of the weighed error elsewhere. */
+double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket);
 
 /* Mean error of the ball elsewhere, m. */
-double plan_expected(const plan_state *s);
+double mukca_plan_expected(const mukca_plan_state *s);
 
 /* From now on gains are of that mean error: weigh each place by the inverse of its present error,
  * so that the sum of the squares falls as the sum of the errors does. */
-void plan_state_weigh(plan_state *s);
+void mukca_plan_state_weigh(mukca_plan_state *s);
 
 /* The square of the weakest cause's size over its standard error, which grows as rows are added;
  * NaN without causes. */
-double plan_strength(const plan_state *s);
+double mukca_plan_strength(const mukca_plan_state *s);
 
 /* The expected log Bayes factor that goes with it. */
-double plan_evidence(double strength);
+double mukca_plan_evidence(double strength);
 
 #endif

@@ -29,14 +29,22 @@ static const mukca_plan_socket two_sockets[2] = {
     {.placement = "front", .label = "0", .centre = {0.45, -0.025, 0.05}},
     {.placement = "front", .label = "1", .centre = {0.45, 0.025, 0.05}}};
 
+static mukca_status propose(mukca_plan *plan, const mukca_dataset *data,
+                            const mukca_plan_socket *sockets, int n_sockets,
+                            const mukca_plan_options *options)
+{
+    mukca_error error;
+    const mukca_plan_task task = {
+        .chain = &chain, .data = data, .sockets = sockets, .n_sockets = n_sockets};
+    return mukca_plan_run(plan, &task, options, &error);
+}
+
 static void test_rules(void **state)
 {
     (void)state;
     const mukca_plan_options options = {.rows = 20, .seed = 3, .tilt = 0.7};
     mukca_plan plan, again;
-    mukca_error error;
-    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, NULL, two_sockets, 2, &options, &error),
-                     MUKCA_OK);
+    assert_int_equal(propose(&plan, NULL, two_sockets, 2, &options), MUKCA_OK);
     assert_int_equal(plan.n_rows, 20);
     assert_int_equal(plan.n_recorded, 0);
     int count[2] = {0};
@@ -61,12 +69,11 @@ static void test_rules(void **state)
         }
         for (int k = 0; k < i; k++)
             assert_true(plan.rows[k].socket != plan.rows[i].socket ||
-                        plan_differs(plan.rows[k].q, q, 7, 0.2));
+                        mukca_plan_differs(plan.rows[k].q, q, 7, 0.2));
     }
     assert_int_equal(count[0], 10);
     /* the same seed, the same plan */
-    assert_int_equal(mukca_plan_run(&again, &chain, NULL, NULL, two_sockets, 2, &options, &error),
-                     MUKCA_OK);
+    assert_int_equal(propose(&again, NULL, two_sockets, 2, &options), MUKCA_OK);
     for (int i = 0; i < 20; i++)
         assert_memory_equal(plan.rows[i].q, again.rows[i].q, 7 * sizeof(double));
     mukca_plan_free(&plan);
@@ -97,17 +104,14 @@ static void test_better_than_random(void **state)
         mukca_dataset random;
         mukca_plan beside, alone;
         mukca_plan_socket sockets[2];
-        mukca_error error;
         record(&random, 12, seed);
         assert_int_equal(mukca_plan_sockets(sockets, 2, &nominal, &random), 2);
         mukca_plan_options more = options;
         more.rows = 4;
-        assert_int_equal(mukca_plan_run(&beside, &chain, NULL, &random, sockets, 2, &more, &error),
-                         MUKCA_OK);
+        assert_int_equal(propose(&beside, &random, sockets, 2, &more), MUKCA_OK);
         assert_int_equal(beside.n_recorded, 24);
         assert_true(beside.expected_after < beside.expected_before);
-        assert_int_equal(mukca_plan_run(&alone, &chain, NULL, NULL, sockets, 2, &options, &error),
-                         MUKCA_OK);
+        assert_int_equal(propose(&alone, NULL, sockets, 2, &options), MUKCA_OK);
         assert_true(alone.expected_before > 1e-3);
         wins += alone.expected_after < beside.expected_before;
         mukca_plan_free(&beside);
@@ -122,9 +126,11 @@ static void test_covariance(void **state)
 {
     (void)state;
     const mukca_plan_options options = {.noise = 1e-3};
-    plan_state s;
+    mukca_plan_state s;
     mukca_error error;
-    assert_int_equal(plan_state_create(&s, &chain, NULL, 1, &options, &error), MUKCA_OK);
+    assert_int_equal(
+        mukca_plan_state_create(&s, &(mukca_plan_task){.chain = &chain}, 1, &options, &error),
+        MUKCA_OK);
     const int n = s.n;
     double *prior = MUKCA_TAKE(&s.pool, double, n), *M = MUKCA_TAKE(&s.pool, double, n *n);
     double *H = MUKCA_TAKE(&s.pool, double, 3 * s.n_known), *C = MUKCA_TAKE(&s.pool, double, n *n);
@@ -135,8 +141,8 @@ static void test_covariance(void **state)
     for (int r = 0; r < 8; r++) {
         double q[7];
         for (int j = 0; j < 7; j++) q[j] = 2 * mukca_random_uniform(&random) - 1;
-        plan_design(H, &s, q, 0, NULL);
-        plan_state_row(&s, H, 0, 1);
+        mukca_plan_design(H, &s, q, 0, NULL);
+        mukca_plan_state_row(&s, H, 0, 1);
         for (int d = 0; d < 3; d++)
             for (int a = 0; a < n; a++)
                 for (int b = 0; b < n; b++) {
@@ -158,12 +164,12 @@ static void test_covariance(void **state)
         }
     /* forgetting a row is the same as never having had it */
     memcpy(C, s.C, (size_t)(n * n) * sizeof *C);
-    plan_state_row(&s, H, 0, -1);
-    plan_state_row(&s, H, 0, 1);
+    mukca_plan_state_row(&s, H, 0, -1);
+    mukca_plan_state_row(&s, H, 0, 1);
     for (int i = 0; i < n * n; i++)
         assert_false(
             !(fabs(s.C[i] - C[i]) <= 1e-8 * sqrt(C[i / n * (n + 1)] * C[i % n * (n + 1)])));
-    plan_state_free(&s);
+    mukca_plan_state_free(&s);
 }
 
 static void test_causes(void **state)
@@ -186,22 +192,37 @@ static void test_causes(void **state)
     const mukca_plan_options options = {.rows = 10, .effects = effects, .n_effects = 2};
     record(&data, 12, 1);
     mukca_plan_sockets(sockets, 2, &nominal, &data);
-    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, &data, sockets, 2, &options, &error),
-                     MUKCA_OK);
+    assert_int_equal(
+        mukca_plan_run(
+            &plan,
+            &(mukca_plan_task){
+                .chain = &chain, .theta = NULL, .data = &data, .sockets = sockets, .n_sockets = 2},
+            &options, &error),
+        MUKCA_OK);
     assert_true(plan.evidence_after > 2 * plan.evidence_before);
     mukca_plan_free(&plan);
     /* what cannot be settled by poses, or has no size, is refused with a reason */
     effects[1].coefficient[0] = 0;
-    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, &data, sockets, 2, &options, &error),
-                     MUKCA_USAGE);
+    assert_int_equal(
+        mukca_plan_run(
+            &plan,
+            &(mukca_plan_task){
+                .chain = &chain, .theta = NULL, .data = &data, .sockets = sockets, .n_sockets = 2},
+            &options, &error),
+        MUKCA_USAGE);
     assert_non_null(strstr(error.text, "link_bending needs a size"));
     effects[1] = (mukca_effect){.kind = MUKCA_EFFECT_TOOL_MOTION,
                                 .joint = -1,
                                 .placement = -1,
                                 .terms = 3,
                                 .coefficient = {1e-3}};
-    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, &data, sockets, 2, &options, &error),
-                     MUKCA_USAGE);
+    assert_int_equal(
+        mukca_plan_run(
+            &plan,
+            &(mukca_plan_task){
+                .chain = &chain, .theta = NULL, .data = &data, .sockets = sockets, .n_sockets = 2},
+            &options, &error),
+        MUKCA_USAGE);
     assert_non_null(strstr(error.text, "record again"));
     mukca_dataset_free(&data);
 }
@@ -213,8 +234,13 @@ static void test_out_of_reach(void **state)
     const mukca_plan_options options = {.rows = 4};
     mukca_plan plan;
     mukca_error error;
-    assert_int_equal(mukca_plan_run(&plan, &chain, NULL, NULL, far, 1, &options, &error),
-                     MUKCA_INPUT);
+    assert_int_equal(
+        mukca_plan_run(
+            &plan,
+            &(mukca_plan_task){
+                .chain = &chain, .theta = NULL, .data = NULL, .sockets = far, .n_sockets = 1},
+            &options, &error),
+        MUKCA_INPUT);
     assert_non_null(strstr(error.text, "moon"));
     assert_null(plan.rows);
 }
@@ -227,7 +253,11 @@ static void test_places(void **state)
     mukca_error error;
     int found;
     assert_int_equal(
-        mukca_plan_places(places, &found, 2, &chain, NULL, NULL, 0.05, &options, &error), MUKCA_OK);
+        mukca_plan_places(
+            places, &found, 2,
+            &(mukca_plan_task){.chain = &chain, .theta = NULL, .data = NULL, .distance = 0.05},
+            &options, &error),
+        MUKCA_OK);
     assert_int_equal(found, 2);
     /* a second placement halves what one leaves, or better; and it stands elsewhere */
     assert_true(places[1].expected < 0.6 * places[0].expected);

@@ -141,7 +141,13 @@ static void follow(mukca_dataset *data, mukca_true_arm *arm, mukca_place *place,
     const mukca_plan_options options = {
         .rows = rows, .noise = noise, .tilt = 4, .clearance = (double)NAN};
     sockets_of(sockets, place, 0);
-    if (mukca_plan_run(&plan, &arm->chain, NULL, NULL, sockets, 2, &options, &error))
+    if (mukca_plan_run(&plan,
+                       &(mukca_plan_task){.chain = &arm->chain,
+                                          .theta = NULL,
+                                          .data = NULL,
+                                          .sockets = sockets,
+                                          .n_sockets = 2},
+                       &options, &error))
         fail(error.text);
     extend(data, like, &plan, sockets, arm, place, false, false, random);
     mukca_plan_free(&plan);
@@ -188,7 +194,10 @@ static void accuracy(int arms)
             fail(error.text);
         follow(&sets[SAME_PLACE], &arm, &places[0], 2 * PLANNED_ROWS, &sets[RANDOM], &random);
         const mukca_plan_options anywhere = {.rows = 2 * PLANNED_ROWS, .noise = noise};
-        if (mukca_plan_places(&suggested, &found, 1, &chain, NULL, NULL, apart, &anywhere, &error))
+        if (mukca_plan_places(
+                &suggested, &found, 1,
+                &(mukca_plan_task){.chain = &chain, .theta = NULL, .data = NULL, .distance = apart},
+                &anywhere, &error))
             fail(error.text);
         memcpy(own.pose.p, suggested.centre, sizeof own.pose.p);
         mukca_rotation_from_rpy(own.pose.R, (double[3]){0, 0, suggested.yaw});
@@ -255,7 +264,11 @@ static bool plan_elsewhere(mukca_plan *plan, mukca_plan_socket *sockets, int n,
     mukca_plan_place best;
     mukca_error error;
     int found = 0;
-    if (mukca_plan_places(&best, &found, 1, &arm->chain, theta, data, apart, options, &error) ||
+    if (mukca_plan_places(
+            &best, &found, 1,
+            &(mukca_plan_task){
+                .chain = &arm->chain, .theta = theta, .data = data, .distance = apart},
+            options, &error) ||
         found < 1 || !(best.evidence > plan->evidence_after))
         return false;
     snprintf(place->name, sizeof place->name, "other");
@@ -264,7 +277,13 @@ static bool plan_elsewhere(mukca_plan *plan, mukca_plan_socket *sockets, int n,
     mukca_rotation_from_rpy(place->pose.R, (double[3]){0, 0, best.yaw});
     sockets_of(sockets + n, place, data->n_placements);
     mukca_plan_free(plan);
-    if (mukca_plan_run(plan, &arm->chain, theta, data, sockets, n + 2, options, &error))
+    if (mukca_plan_run(plan,
+                       &(mukca_plan_task){.chain = &arm->chain,
+                                          .theta = theta,
+                                          .data = data,
+                                          .sockets = sockets,
+                                          .n_sockets = n + 2},
+                       options, &error))
         fail(error.text);
     return true;
 }
@@ -316,7 +335,13 @@ static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
     const int n = mukca_plan_sockets(sockets, MUKCA_PLAN_MAX_SOCKETS, &before->geometry, data);
     const mukca_plan_options options = {
         .rows = TIE_ROWS, .noise = before->sigma_m, .effects = rivals, .n_effects = 2};
-    if (mukca_plan_run(&plan, &arm->chain, theta, data, sockets, n, &options, &error))
+    if (mukca_plan_run(&plan,
+                       &(mukca_plan_task){.chain = &arm->chain,
+                                          .theta = theta,
+                                          .data = data,
+                                          .sockets = sockets,
+                                          .n_sockets = n},
+                       &options, &error))
         fail(error.text);
     if (way == ADVISED && plan.evidence_after < MUKCA_PLAN_NAME)
         added = plan_elsewhere(&plan, sockets, n, arm, theta, data, &places[data->n_placements],
