@@ -20,6 +20,9 @@ def run(command):
         p = subprocess.run([MUKCA, *words[1:]], capture_output=True, text=True, cwd=work, timeout=60,
                            stdin=subprocess.DEVNULL)
         check("help %s: %s" % (command, " ".join(words)), p.returncode == 0, p.stderr[-400:])
+        if command == "capture":
+            check("capture answers on standard output", " samples in build/guided.tsv" in p.stdout and
+                  "samples in" not in p.stderr, (p.stdout, p.stderr))
 
 
 run("capture")
