@@ -158,7 +158,7 @@ static void list_faults_at(lister *l, int g, int i)
                          .placement = group->placement,
                          .fault = {.group = g, .first = rows[i], .last = rows[i]}};
     append(l, h);
-    /* A few samples at either end: a move there cannot be told from a badly seated ball. */
+    /* A few samples at either end: a move there and a badly seated ball are indistinguishable. */
     for (int n = 1; n < LONGEST_BURST && i + n <= last; n++)
         if (i == 0 || i + n == last) {
             h.fault.last = rows[i + n];

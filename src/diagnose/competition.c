@@ -8,7 +8,7 @@
 /* Log posterior odds that the first cause and later ones need. */
 #define FIRST_THRESHOLD 3.0
 #define LATER_THRESHOLD 4.0
-enum { MOST_CAUSES = 10, MOST_SPIKES = 12 };
+enum { MOST_CAUSES = 10, MOST_OUTLIERS = 12 };
 
 static int by_odds(const void *a, const void *b)
 {
@@ -106,7 +106,7 @@ static const mukca_contender *leader(const mukca_competition *contest, int witho
     return NULL;
 }
 
-static int spikes(const mukca_regression *m)
+static int outliers(const mukca_regression *m)
 {
     int n = 0;
     for (int c = 0; c < m->unknowns.n_causes; c++)
@@ -131,11 +131,11 @@ static bool add(mukca_competition *contest, const mukca_candidate *h)
 }
 
 /* Accept a single bad row, and with it all others that are as plain. */
-static bool add_spikes(mukca_competition *contest, double least)
+static bool add_outliers(mukca_competition *contest, double least)
 {
     mukca_regression *m = contest->m;
     const int before = m->unknowns.n_causes;
-    for (int i = 0; i < contest->n_table && spikes(m) < MOST_SPIKES; i++) {
+    for (int i = 0; i < contest->n_table && outliers(m) < MOST_OUTLIERS; i++) {
         const mukca_contender *c = &contest->table[i];
         if (c->log_odds < least) break;
         if (c->class != MUKCA_CLASS_OUTLIER) continue;
@@ -156,7 +156,7 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;
     mukca_scan_extent extent = MUKCA_SCAN_ALL;
-    while (m->unknowns.n_causes - spikes(m) < MOST_CAUSES && spikes(m) < MOST_SPIKES) {
+    while (m->unknowns.n_causes - outliers(m) < MOST_CAUSES && outliers(m) < MOST_OUTLIERS) {
         if (!watch(contest, "looking for causes", error)) return MUKCA_INTERRUPTED;
         mukca_scan_run(contest->scan, m, -1, extent);
         mukca_competition_rank(contest);
@@ -176,7 +176,7 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
             }
             if (!mukca_screening_reinstate(contest->faults, m)) return MUKCA_OK;
         } else if (top->class == MUKCA_CLASS_OUTLIER) {
-            if (!add_spikes(contest, fmax(threshold, 0.5 * top->log_odds))) return MUKCA_OK;
+            if (!add_outliers(contest, fmax(threshold, 0.5 * top->log_odds))) return MUKCA_OK;
         } else if (!add(contest, mukca_scan_candidate(contest->scan, top->best))) {
             return MUKCA_OK;
         }

@@ -1,5 +1,5 @@
-/* Diagnosis of the gap that geometry leaves: where it lies, which effect causes it, how far it
- * shrinks once that effect is modelled, and what the data cannot tell. */
+/* Diagnosis of the error that a calibrated geometry leaves: which effects cause it and how much,
+ * the held-out error with and without them, and what the data cannot distinguish. */
 #ifndef MUKCA_DIAGNOSE_DIAGNOSE_H
 #define MUKCA_DIAGNOSE_DIAGNOSE_H
 
@@ -138,7 +138,7 @@ typedef struct {
     /* held-out mean errors, leave one placement out, m; NaN: not measurable */
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
     double structure_m; /* as explained_m, but with the functions that nobody can name; NaN: none */
-    double surprise;    /* left-out rows' rms misfit with everything told, in units of what noise
+    double surprise;    /* held-out samples' rms misfit with all causes, in units of what noise
                            and the other rows' ignorance allow; NaN: not measurable */
     double surprise_sigmas;      /* how far its square is above 1, in standard deviations */
     mukca_shrink held_out;       /* from faults_excused_m to explained_m */

@@ -19,7 +19,7 @@ typedef struct {
     int freedom;        /* of the left-out rows: what `surprise` would be if nothing were missing */
 } mukca_folds;
 
-/* Take memory for b->m from its pool (which tells where it failed). */
+/* Memory for b->m from its pool (check pool.failed). */
 void mukca_folds_create(mukca_folds *b);
 
 /* Folds fold[n_rows]: placements, else (or by_socket) sockets, else blocks of a pose log.  Returns

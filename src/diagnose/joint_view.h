@@ -8,18 +8,17 @@
 typedef struct {
     mukca_projector *p;
     int joint;
-    double *Z; /* [m->recording.n_samples][n] */
-    double *u; /* [m->recording.n_samples] */
-    double
-        *diagonal; /* [m->recording.n_samples] of W seen through the levers, sockets' means apart */
-    double *off;   /* [m->recording.n_samples] twice the entry with the row before */
-    double *F, *H; /* [m->recording.n_samples][2 * MUKCA_MAX_COLUMNS] scratch */
+    double *Z;        /* [n_samples][n] */
+    double *u;        /* [n_samples] */
+    double *diagonal; /* [n_samples] of W seen through the levers, sockets' means apart */
+    double *off;      /* [n_samples] twice the entry with the row before */
+    double *F, *H;    /* [n_samples][2 * MUKCA_MAX_COLUMNS] scratch */
 } mukca_joint_view;
 
 size_t mukca_joint_view_size(const mukca_regression *m);
 mukca_joint_view mukca_joint_view_aim(mukca_projector *p, int joint, double *memory);
 
-/* Projected normal equations of the functions F[m->recording.n_samples][width] in the view:
+/* Projected normal equations of the functions F[n_samples][width] in the view:
  * T[n][width] (in p->T), g[width], and mean[n_groups][3][width] of what they do to each socket's
  * mean. */
 void mukca_joint_view_project(double *g, double *mean, const mukca_joint_view *v, int width);

@@ -9,13 +9,13 @@ enum { MUKCA_NEXT_POSES = 10 };
 
 typedef struct {
     int cause,
-        tie; /* that they would tell apart: indices into the diagnosis; -1: nothing to settle */
+        tie; /* that they would distinguish: indices into the diagnosis; -1: nothing to settle */
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
     mukca_plan plan; /* rows refer to `sockets`; zeroed where no pose of theirs settles it */
 } mukca_next_poses;
 
-/* Choose poses in the recorded sockets that best tell the first tied cause from its rival.  None
- * where nothing is tied, or no pose there would help: plan.n_rows is 0 then.  Free with
+/* Choose poses in the recorded sockets that best distinguish the first tied cause from its rival.
+ * None where nothing is tied, or no pose there would help: plan.n_rows is 0 then.  Free with
  * mukca_next_poses_free.  `stop` (may be NULL) is asked now and then.  Errors: MUKCA_MEMORY,
  * MUKCA_INTERRUPTED. */
 mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *diagnosis,

@@ -12,14 +12,14 @@
 typedef struct {
     mukca_regression *m;
     const mukca_normal_equations *normal;
-    int n, rows;         /* columns; observation rows d * m->recording.n_samples */
+    int n, rows;         /* columns; observation rows d * n_samples */
     double precision;    /* 1 / sigma^2 */
     double root;         /* sqrt(1 - rho^2) */
     double residual;     /* quadratic form that the present model leaves */
     double *inverse;     /* [n_pairs] 1 / variance of the distance rows */
     double *weights;     /* [n_groups] o'o */
     double *z;           /* [n] */
-    double *mean_weight; /* [m->recording.n_samples] weight of each kept row in its socket's
+    double *mean_weight; /* [n_samples] weight of each kept row in its socket's
                             whitened mean */
     double *u;           /* [rows] */
     double *Q;           /* [rows][n + 1]: W X and W y */

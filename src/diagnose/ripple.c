@@ -22,6 +22,8 @@ double mukca_ripple_log_prior(int order)
     return log(p);
 }
 
+/* One long loop on purpose: an order needs two columns only, so the sums of mukca_joint_view_gram
+ * are written out for many orders at once. */
 void mukca_ripple_scan(double *value, const mukca_joint_view *view, double *mean, double *waves)
 {
     const mukca_projector *p = view->p;

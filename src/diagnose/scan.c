@@ -104,7 +104,7 @@ static void leave_out(mukca_regression *m, int without)
 #define NEAR_THE_FRONT (-3.0F)
 
 /* The same effect at the same joint, placement or socket. */
-static bool kin(const mukca_candidate *a, const mukca_candidate *b)
+static bool same_effect(const mukca_candidate *a, const mukca_candidate *b)
 {
     return mukca_candidate_class(a) == mukca_candidate_class(b) && a->joint == b->joint &&
            a->placement == b->placement && a->kind != MUKCA_CANDIDATE_OUTLIER;
@@ -114,7 +114,7 @@ static bool contends(const mukca_scan *scan, int index, const mukca_accepted *ca
 {
     const mukca_candidate *h = mukca_scan_candidate(scan, index), *own = &cause->candidate;
     if (own->kind == MUKCA_CANDIDATE_OUTLIER) return mukca_candidate_same(h, own);
-    if (kin(h, own)) return true;
+    if (same_effect(h, own)) return true;
     for (int step = cause->step; step < scan->steps && step < MUKCA_SCAN_STEPS; step++)
         if (scan->seen[step * scan->capacity + index] > NEAR_THE_FRONT) return true;
     return false;
@@ -127,26 +127,55 @@ static bool worth_averaging(double log_bayes, double log_prior, double most)
     return log_bayes + log_prior > -4.0 || log_bayes > fmax(0.25 * most, 4.0);
 }
 
+/* Noise and evidence at each AR(1) coefficient; order[0] is the best one. */
+static void weigh_rhos(mukca_regression *m, double *sigma, double *value, int *order, int without)
+{
+    for (int i = 0; i < MUKCA_RHOS; i++) {
+        const mukca_normal_equations *normal = mukca_regression_collect(m, i);
+        order[i] = i;
+        sigma[i] = mukca_evidence_noise(&m->evidence, normal, m->unknowns.sigma, &value[i]);
+        if (without >= 0) { /* the noise is what the full model leaves, not what the hole adds */
+            sigma[i] = fmin(sigma[i], 1.15 * m->unknowns.sigma);
+            value[i] = mukca_evidence_evaluate(&m->evidence, normal, sigma[i], NULL);
+        }
+    }
+    for (int i = 1; i < MUKCA_RHOS; i++)
+        if (value[i] > value[order[0]]) order[i] = order[0], order[0] = i;
+}
+
+/* Score the wanted candidates at the projector's AR(1) coefficient; `pick` adds orders of ripple.
+ */
+static void score_all(mukca_scan *scan, mukca_projector *p, bool pick)
+{
+    const mukca_regression *m = p->m;
+    double *view_memory = scan->memory + mukca_projector_size(m);
+    double *mean = view_memory + mukca_joint_view_size(m);
+    for (int j = 0; j < m->recording.chain->n_joints; j++) {
+        const mukca_joint_view view = mukca_joint_view_aim(p, j, view_memory);
+        if (pick) pick_harmonics(scan, &view, mean);
+        scan->n_scores = scan->all->count + scan->n_harmonic;
+        score_angles(scan->value, scan->information, scan, &view, scan->wanted, mean);
+    }
+    for (int k = 0; k < scan->n_scores; k++) {
+        const mukca_candidate *h = mukca_scan_candidate(scan, k);
+        if (!scan->wanted[k] || mukca_candidate_turns_joint(h)) continue;
+        if (!mukca_candidate_is_fault(h))
+            scan->value[k] = mukca_projector_field(p, h, &scan->information[k]);
+        else if (m->recording.keep[h->fault.first])
+            scan->value[k] = mukca_projector_fault(p, h, &scan->information[k]);
+        else
+            scan->value[k] = -HUGE_VAL;
+    }
+}
+
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent)
 {
     mukca_projector p = mukca_projector_lay_out(m, scan->memory);
-    double *view_memory = scan->memory + mukca_projector_size(m);
-    double *mean = view_memory + mukca_joint_view_size(m);
     double value[MUKCA_RHOS], sigma[MUKCA_RHOS], most = -HUGE_VAL;
-    int order[MUKCA_RHOS] = {0, 1, 2};
+    int order[MUKCA_RHOS];
     leave_out(m, without);
-    for (int i = 0; i < MUKCA_RHOS; i++) {
-        mukca_regression_collect(m, i);
-        sigma[i] = mukca_evidence_noise(&m->evidence, &m->evidence.normal[i], m->unknowns.sigma,
-                                        &value[i]);
-        if (without >= 0) { /* the noise is what the full model leaves, not what the hole adds */
-            sigma[i] = fmin(sigma[i], 1.15 * m->unknowns.sigma);
-            value[i] =
-                mukca_evidence_evaluate(&m->evidence, &m->evidence.normal[i], sigma[i], NULL);
-        }
-    }
-    for (int i = 1; i < MUKCA_RHOS; i++) /* best rho first: the harmonics are picked there */
-        if (value[i] > value[order[0]]) order[i] = order[0], order[0] = i;
+    weigh_rhos(m, sigma, value, order, without);
+    scan->rho = order[0], scan->sigma = sigma[order[0]];
 
     double first = -HUGE_VAL; /* evidence of the rhos averaged so far */
     const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
@@ -155,31 +184,13 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     for (int k = 0; extent == MUKCA_SCAN_CONTENDERS && k < scan->n_scores; k++)
         scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without]);
     for (int k = 0; k < scan->n_scores; k++)
-        scan->score[k] = (mukca_score){k, -HUGE_VAL, -HUGE_VAL, 0};
+        scan->score[k] = (mukca_score){.index = k, .log_bayes = -HUGE_VAL, .log_odds = -HUGE_VAL};
     for (int i = 0; i < MUKCA_RHOS; i++) {
         const int which = order[i];
         if (i && value[which] < value[order[0]] - 15 - 0.25 * fmax(most, 0)) continue;
         mukca_projector_aim(&p, &m->evidence.normal[which], sigma[which]);
-        if (i == 0) scan->rho = which, scan->sigma = sigma[which];
-        for (int j = 0; j < m->recording.chain->n_joints; j++) {
-            const mukca_joint_view view = mukca_joint_view_aim(&p, j, view_memory);
-            if (i == 0 && scan->all->harmonics && extent == MUKCA_SCAN_ALL)
-                pick_harmonics(scan, &view, mean);
-            scan->n_scores = scan->all->count + scan->n_harmonic;
-            score_angles(scan->value, scan->information, scan, &view, scan->wanted, mean);
-        }
-        for (int k = 0; k < scan->n_scores; k++) {
-            const mukca_candidate *h = mukca_scan_candidate(scan, k);
-            if (!scan->wanted[k] || mukca_candidate_turns_joint(h)) continue;
-            const bool fault = mukca_candidate_is_fault(h);
-            if (fault &&
-                (!m->recording.groups[h->fault.group].count || !m->recording.keep[h->fault.first]))
-                scan->value[k] = -HUGE_VAL;
-            else if (fault)
-                scan->value[k] = mukca_projector_fault(&p, h, &scan->information[k]);
-            else
-                scan->value[k] = mukca_projector_field(&p, h, &scan->information[k]);
-        }
+        /* the best rho comes first: the harmonics are picked there */
+        score_all(scan, &p, i == 0 && scan->all->harmonics && extent == MUKCA_SCAN_ALL);
         /* Running average over rho, weighted by the evidence of the model scanned against. */
         const double hi = fmax(first, value[which]);
         const double old_share = exp(first - hi) / (exp(first - hi) + exp(value[which] - hi));
@@ -187,7 +198,8 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
             mukca_score *score = &scan->score[k];
             if (!scan->wanted[k]) continue;
             if (i == 0) {
-                *score = (mukca_score){k, scan->value[k], 0, scan->information[k]};
+                *score = (mukca_score){
+                    .index = k, .log_bayes = scan->value[k], .information = scan->information[k]};
                 most = fmax(most, scan->value[k]);
             } else if (scan->value[k] > -HUGE_VAL) {
                 const double a = score->log_bayes + log(fmax(old_share, 1e-300));

@@ -58,7 +58,7 @@ const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index);
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent);
 
 /* Largest canonical correlation of two hypotheses, after geometry and the other causes are
- * projected out, in the state of the last run with the same `without`; NaN where it cannot be told.
+ * projected out, in the state of the last run with the same `without`; NaN where it is not defined.
  */
 double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
                               const mukca_candidate *a, const mukca_candidate *b);

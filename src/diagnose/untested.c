@@ -1,4 +1,4 @@
-/* What a recording cannot test at all, and why. */
+/* What was tested, how small an effect would have shown, and what cannot be tested at all. */
 #include "diagnose/untested.h"
 
 #include <math.h>
