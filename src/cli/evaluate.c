@@ -75,9 +75,10 @@ typedef struct {
 static mukca_status matrix_row(cli_call *call, matrix_line *line, const matrix *m)
 {
     const bool tested = m->test->n_rows > 0;
+    const mukca_split split = {
+        .data = m->data, .train = m->train, .extra = tested ? m->test : NULL};
     mukca_status status =
-        mukca_evaluate_trained(m->scores, m->test_scores, &m->model->chain, m->data, m->train,
-                               tested ? m->test : NULL, NULL, &call->error);
+        mukca_evaluate_trained(m->scores, m->test_scores, &m->model->chain, &split, &call->error);
     if (status != MUKCA_OK) return status;
     double sum = 0;
     int have = 0;

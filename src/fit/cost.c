@@ -7,7 +7,7 @@
 
 size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain,
                         const mukca_parameters *parameters, const mukca_dataset *data,
-                        const mukca_cost_options *options, const double *theta)
+                        const mukca_cost_options *options)
 {
     const mukca_cost_options none = {0};
     double nominal[MUKCA_MAX_FREE];
@@ -40,7 +40,7 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     cost->pair_weight = options->no_distortion ? 0 : 1;
     cost->lambda = options->lambda < 0 ? 0 : options->lambda > 0 ? options->lambda : MUKCA_LAMBDA;
     cost->lambda *= cost->observations.n_groups;
-    memcpy(cost->theta, theta ? theta : nominal, (size_t)all * sizeof *nominal);
+    memcpy(cost->theta, options->theta ? options->theta : nominal, (size_t)all * sizeof *nominal);
     mukca_parameters_pack(cost->nominal, parameters, nominal);
     mukca_observe_weights(cost->weight, &cost->observations, cost->pair_weight);
     return arena.used;

@@ -20,6 +20,7 @@ typedef struct {
     mukca_gradient gradient; /* how an element's derivative is taken */
     const mukca_displacement *displacements; /* as in observe.h */
     double metres_per_radian;
+    const double *theta; /* [6 * n_elements] values of frozen parameters; NULL: nominal */
 } mukca_cost_options;
 
 typedef struct {
@@ -43,12 +44,11 @@ typedef struct {
     double *scratch;    /* [3][n][n] and [6][n] for solvers */
 } mukca_cost;
 
-/* Carve from `memory`, or with memory = NULL count the bytes.  `theta[6 * n_elements]` (NULL:
- * nominal) gives the frozen parameters their values.  chain and parameters must outlive the cost.
- */
+/* Carve from `memory`, or with memory = NULL count the bytes.  `options` may be NULL; chain and
+ * parameters must outlive the cost. */
 size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain,
                         const mukca_parameters *parameters, const mukca_dataset *data,
-                        const mukca_cost_options *options, const double *theta);
+                        const mukca_cost_options *options);
 
 /* J at x[n], m^2; its parts and its gradient[n] may be NULL.  Allocates nothing. */
 double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost *cost,

@@ -34,12 +34,18 @@ void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
 int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data);
 
-/* Fit to the placements of `data` that have train[placement] != 0, and score: all of `data` into
- * scores[n_placements + 1], as above, and `extra` (may be NULL: none) into extra_scores.
- * Errors: those of mukca_fit_run. */
+/* Data that are trained on in part. */
+typedef struct {
+    const mukca_dataset *data;
+    const unsigned char *train; /* [n_placements] 1: fitted to */
+    const mukca_dataset *extra; /* scored, too; NULL: nothing */
+} mukca_split;
+
+/* Fit to the marked placements and score: all of split->data into scores[n_placements + 1], as
+ * above, and split->extra into extra_scores (may be NULL without).  Errors: those of mukca_fit_run.
+ */
 mukca_status mukca_evaluate_trained(mukca_score *scores, mukca_score *extra_scores,
-                                    const mukca_chain *chain, const mukca_dataset *data,
-                                    const unsigned char *train, const mukca_dataset *extra,
-                                    const mukca_fit_options *options, mukca_error *error);
+                                    const mukca_chain *chain, const mukca_split *split,
+                                    mukca_error *error);
 
 #endif

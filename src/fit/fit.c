@@ -86,8 +86,10 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
 
     const size_t n = (size_t)fit->parameters.n;
     mukca_fit_start(fit->theta, &fit->chain, data, options->free_base);
-    const size_t bytes = mukca_cost_setup(&cost, NULL, &fit->chain, &fit->parameters, data,
-                                          &options->cost, fit->theta);
+    mukca_cost_options cost_options = options->cost;
+    cost_options.theta = fit->theta;
+    const size_t bytes =
+        mukca_cost_setup(&cost, NULL, &fit->chain, &fit->parameters, data, &cost_options);
     workspace = malloc(bytes);
     fit->memory = malloc((n * n + MUKCA_IDENTIFY_WORK(n)) * sizeof *fit->memory);
     if (!workspace || !fit->memory) {
@@ -96,8 +98,7 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
         goto out;
     }
     fit->null_space = fit->memory;
-    mukca_cost_setup(&cost, workspace, &fit->chain, &fit->parameters, data, &options->cost,
-                     fit->theta);
+    mukca_cost_setup(&cost, workspace, &fit->chain, &fit->parameters, data, &cost_options);
     mukca_chain_theta(nominal, &fit->chain);
     mukca_parameters_pack(x, &fit->parameters, nominal);
     mukca_cost_evaluate(&fit->nominal, NULL, &cost, x);

@@ -299,7 +299,7 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
 {
     const int n = parameters->n, padded = o->sweep.padded;
     double *JO = o->oriented ? J + 3 * o->n_rows * n : NULL;
-    mukca_sweep_jacobian(J, JO, n, &o->sweep, theta, parameters->index, n, kind);
+    mukca_sweep_jacobian(J, JO, &o->sweep, theta, parameters, kind);
     memset(o->mean_rows, 0, 3 * (size_t)(o->n_sockets * n) * sizeof *o->mean_rows);
     for (int i = 0; i < o->n_rows; i++) {
         if (o->socket[i] < 0) continue;

@@ -290,12 +290,13 @@ void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_
     }
 }
 
-/* Column `column` of J: row i gets Q_i v_i.  v is the same for all rows (stride 1, along 0) or one
- * per row (stride padded, along 1). */
-MUKCA_INLINE void column_rows(double *J, int ld, int column, const double *Q, const double *v,
-                              int stride, int along, const mukca_sweep *sweep)
+/* Column `column` of J: row i gets Q_i v_i.  v[3] is the same for all rows, or `each` has one,
+ * v[3][padded]. */
+MUKCA_INLINE void column_rows(double *J, int ld, int column, const double *v, bool each,
+                              const mukca_sweep *sweep)
 {
-    const int padded = sweep->padded, rows = sweep->n_rows;
+    const int padded = sweep->padded, rows = sweep->n_rows, stride = each ? padded : 1;
+    const double *Q = sweep->Q;
     for (int start = 0; start < rows; start += LANES) {
         double out[3][LANES];
         for (int r = 0; r < 3; r++)
@@ -303,7 +304,7 @@ MUKCA_INLINE void column_rows(double *J, int ld, int column, const double *Q, co
                 const int i = start + l;
                 double s = 0;
                 for (int c = 0; c < 3; c++)
-                    s += Q[(3 * r + c) * padded + i] * v[c * stride + along * i];
+                    s += Q[(3 * r + c) * padded + i] * v[c * stride + each * i];
                 out[r][l] = s;
             }
         for (int l = 0; l < LANES && start + l < rows; l++)
@@ -311,10 +312,12 @@ MUKCA_INLINE void column_rows(double *J, int ld, int column, const double *Q, co
     }
 }
 
-MUKCA_CLONES void mukca_sweep_jacobian(double *J, double *JO, int ld, mukca_sweep *sweep,
-                                       const double *theta, const short *index, int n,
+MUKCA_CLONES void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep,
+                                       const double *theta, const mukca_parameters *parameters,
                                        mukca_gradient gradient)
 {
+    const int n = parameters->n;
+    const short *index = parameters->index;
     const int padded = sweep->padded;
     static const double none[3] = {0, 0, 0};
     double *Q = sweep->Q, *v = sweep->x; /* x is spent: predictions are recomputed below */
@@ -326,21 +329,21 @@ MUKCA_CLONES void mukca_sweep_jacobian(double *J, double *JO, int ld, mukca_swee
         for (; column < n && index[column] / MUKCA_PARAMETERS == k; column++) {
             const int parameter = index[column] % MUKCA_PARAMETERS;
             if (parameter < 3) { /* the parent frame's axis, in aligned coordinates */
-                column_rows(J, ld, column, Q, sweep->align[k] + 3 * parameter, 1, 0, sweep);
-                if (JO) column_rows(JO, ld, column, Q, none, 1, 0, sweep);
+                column_rows(J, n, column, sweep->align[k] + 3 * parameter, false, sweep);
+                if (JO) column_rows(JO, n, column, none, false, sweep);
                 continue;
             }
             double M[9], R[9], spin[9];
             conjugate(M, sweep->align[k], dR[parameter - 3], sweep->align[k + 1]);
             map_rows(v, M, NULL, sweep->w + 3 * k * padded, padded);
-            column_rows(J, ld, column, Q, v, padded, 1, sweep);
+            column_rows(J, n, column, v, true, sweep);
             if (!JO) continue;
             for (int r = 0; r < 3; r++)
                 for (int c = 0; c < 3; c++) R[3 * r + c] = sweep->R[k][3 * c + r];
             mukca_mat3_mul(spin, M, R); /* antisymmetric: the angular velocity */
             const double omega[3] = {0.5 * (spin[7] - spin[5]), 0.5 * (spin[2] - spin[6]),
                                      0.5 * (spin[3] - spin[1])};
-            column_rows(JO, ld, column, Q, omega, 1, 0, sweep);
+            column_rows(JO, n, column, omega, false, sweep);
         }
         frames_times(Q, sweep->R[k], padded);
         frames_turn(Q, sweep, k);

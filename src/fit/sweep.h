@@ -10,7 +10,7 @@
 #define MUKCA_FIT_SWEEP_H
 
 #include "base/arena.h"
-#include "mukca/chain.h"
+#include "fit/parameters.h"
 
 typedef enum { MUKCA_GRADIENT_FD, MUKCA_GRADIENT_ANALYTIC } mukca_gradient;
 
@@ -61,10 +61,10 @@ void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep)
  * differences (which for the translation, linear as it is, are exact). */
 void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_gradient gradient);
 
-/* Derivatives of the tip's position by the parameters index[n] of theta, J[3 * n_rows][ld], and of
- * its orientation (as a rotation vector in base coordinates), JO[3 * n_rows][ld] or NULL.
- * Needs mukca_sweep_forward; spoils Q. */
-void mukca_sweep_jacobian(double *J, double *JO, int ld, mukca_sweep *sweep, const double *theta,
-                          const short *index, int n, mukca_gradient gradient);
+/* Derivatives of the tip's position by the n free parameters at theta, J[3 * n_rows][n], and of its
+ * orientation (as a rotation vector in base coordinates), JO[3 * n_rows][n] or NULL.
+ * Needs mukca_sweep_forward; overwrites Q. */
+void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep, const double *theta,
+                          const mukca_parameters *parameters, mukca_gradient gradient);
 
 #endif

@@ -210,8 +210,9 @@ static mukca_status add_bar(mukca_report *r, const unsigned char *marked, mukca_
     mukca_report_bar *bar = &r->bars[r->n_bars];
     int count = 0, named = 0;
     memset(others, 0, (size_t)(test->n_placements + 2) * sizeof *others);
-    mukca_status status = mukca_evaluate_trained(scores, others, r->chain, train, marked,
-                                                 test->n_rows > 0 ? test : NULL, NULL, error);
+    const mukca_split split = {
+        .data = train, .train = marked, .extra = test->n_rows > 0 ? test : NULL};
+    mukca_status status = mukca_evaluate_trained(scores, others, r->chain, &split, error);
     if (status != MUKCA_OK) return status;
     *bar = (mukca_report_bar){.low = HUGE_VAL};
     for (int p = 0, i = 0; p < train->n_placements; p++) {

@@ -116,8 +116,8 @@ static void test_trained(void **state)
     }
     make_data(&data, (const double(*)[4])q, socket, 40);
     assert_int_equal(mukca_dataset_subset(&one, &data, keep, NULL), MUKCA_OK);
-    assert_int_equal(mukca_evaluate_trained(scores, extra, &chain, &data, train, &one, NULL, NULL),
-                     MUKCA_OK);
+    const mukca_split split = {.data = &data, .train = train, .extra = &one};
+    assert_int_equal(mukca_evaluate_trained(scores, extra, &chain, &split, NULL), MUKCA_OK);
     assert_int_equal(mukca_fit_run(&fit, &chain, &one, NULL, NULL), MUKCA_OK);
     const mukca_model model = {.chain = &chain, .theta = fit.theta};
     assert_int_equal(mukca_evaluate(again, NULL, &model, &data), 2);

@@ -237,10 +237,9 @@ static void test_stops(void **state)
         mukca_solver_outcome outcome;
         mukca_fit_options options = {.solver = mukca_solver_table[s], .limits.stop = stop_at_once};
         assert_int_equal(mukca_fit_run(&fit, &chain, &data, &options, NULL), MUKCA_INTERRUPTED);
-        void *memory =
-            malloc(mukca_cost_setup(&cost, NULL, &chain, &parameters, &data, NULL, NULL));
+        void *memory = malloc(mukca_cost_setup(&cost, NULL, &chain, &parameters, &data, NULL));
         assert_non_null(memory);
-        mukca_cost_setup(&cost, memory, &chain, &parameters, &data, NULL, NULL);
+        mukca_cost_setup(&cost, memory, &chain, &parameters, &data, NULL);
         memcpy(x, cost.nominal, sizeof x);
         x[3] = NAN;
         assert_int_equal(mukca_solver_table[s]->run(x, &outcome, &cost, NULL, NULL), MUKCA_OK);

@@ -120,12 +120,12 @@ static void check_point(const mukca_chain *chain, const mukca_dataset *data, con
     differences(want, chain, data, theta, &parameters, &options);
     for (int k = 0; k < 6 * chain->n_elements; k++) wide[k] = theta[k];
     const real value = reference_cost(chain, data, wide, &parameters, &options);
+    options.theta = theta;
     for (int kind = 0; kind < 2; kind++) {
         options.gradient = kind ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD;
-        void *memory =
-            malloc(mukca_cost_setup(&cost, NULL, chain, &parameters, data, &options, theta));
+        void *memory = malloc(mukca_cost_setup(&cost, NULL, chain, &parameters, data, &options));
         assert_non_null(memory);
-        mukca_cost_setup(&cost, memory, chain, &parameters, data, &options, theta);
+        mukca_cost_setup(&cost, memory, chain, &parameters, data, &options);
         const double J = mukca_cost_evaluate(&parts, got[kind], &cost, x);
         assert_close(J, (double)value, 1e-12 * (double)value);
         assert_close(parts.inconsistency + parts.distortion + parts.regularisation, J, 1e-15 * J);

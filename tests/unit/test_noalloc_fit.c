@@ -47,14 +47,14 @@ static void test_nothing_allocated(void **state)
     for (int i = 0; i < ROWS; i++) data.socket[i] = i % 2;
     for (int i = 0; i < 7 * ROWS; i++) data.q[i] = mukca_random_normal(&random);
     assert_int_equal(mukca_parameters_select(&parameters, &chain, NULL, NULL), MUKCA_OK);
-    void *memory = malloc(mukca_cost_setup(&cost, NULL, &chain, &parameters, &data, NULL, NULL));
+    void *memory = malloc(mukca_cost_setup(&cost, NULL, &chain, &parameters, &data, NULL));
     double *work = malloc(MUKCA_IDENTIFY_WORK(parameters.n) * sizeof *work);
     assert_non_null(memory);
     assert_non_null(work);
 
     assert_true(calls > 0); /* the wrapping works */
     calls = 0;
-    mukca_cost_setup(&cost, memory, &chain, &parameters, &data, NULL, NULL);
+    mukca_cost_setup(&cost, memory, &chain, &parameters, &data, NULL);
     memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
     sum += mukca_cost_evaluate(NULL, NULL, &cost, x);
     sum += mukca_cost_evaluate(NULL, g, &cost, x);

@@ -48,10 +48,9 @@ static void time_solvers(bench *b)
             for (int i = 0; i < b->repeats; i++) {
                 mukca_solver_outcome outcome;
                 const double start = mukca_solver_clock();
-                void *memory = malloc(mukca_cost_setup(&cost, NULL, &b->chain, &b->parameters,
-                                                       &b->data, &options, NULL));
-                mukca_cost_setup(&cost, memory, &b->chain, &b->parameters, &b->data, &options,
-                                 NULL);
+                void *memory = malloc(
+                    mukca_cost_setup(&cost, NULL, &b->chain, &b->parameters, &b->data, &options));
+                mukca_cost_setup(&cost, memory, &b->chain, &b->parameters, &b->data, &options);
                 memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
                 (*solver)->run(x, &outcome, &cost, NULL, NULL);
                 b->times[i] = mukca_solver_clock() - start;
@@ -90,9 +89,8 @@ static void time_kernels(bench *b, int times)
     mukca_cost cost;
     double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE];
     if (repeat(&data, &b->data, times) != MUKCA_OK) return;
-    void *memory =
-        malloc(mukca_cost_setup(&cost, NULL, &b->chain, &b->parameters, &data, NULL, NULL));
-    mukca_cost_setup(&cost, memory, &b->chain, &b->parameters, &data, NULL, NULL);
+    void *memory = malloc(mukca_cost_setup(&cost, NULL, &b->chain, &b->parameters, &data, NULL));
+    mukca_cost_setup(&cost, memory, &b->chain, &b->parameters, &data, NULL);
     memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
     for (int kernel = 0; kernel < 3; kernel++) {
         for (int i = 0; i < b->repeats; i++) {
