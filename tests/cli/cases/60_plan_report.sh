@@ -24,6 +24,6 @@ answer "2\. .* m, yaw .* rad; .* expected error" plan --urdf "$demo/arm.urdf" --
 run plan -q --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 2 --json -
 expect "plan --json - prints JSON alone" sh -c "grep -q '\"schema\": *\"mukca.plan/1\"' '$scratch/out' && ! grep -q '^#' '$scratch/out'"
 refuse 2 "repeatability" report --urdf "$demo/arm.urdf" "$demo/train.tsv" --repeatability -1 -o r.html
-refuse 2 "brings its own frames" report --urdf "$demo/arm.urdf" "$demo/train.tsv" --offsets x.tsv --free-base -o r.html
+refuse 2 "contains its own frames" report --urdf "$demo/arm.urdf" "$demo/train.tsv" --offsets x.tsv --free-base -o r.html
 refuse 3 "missing.tsv" report --urdf "$demo/arm.urdf" missing.tsv -o r.html
 refuse 3 "plots /dev/null/x" report --urdf "$demo/arm.urdf" "$demo/train.tsv" -o r.html --plots /dev/null/x
