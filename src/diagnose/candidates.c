@@ -243,7 +243,12 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
                                    const mukca_recording *recording, const mukca_unknowns *unknowns,
                                    const unsigned char *disabled, mukca_error *error)
 {
-    lister l = {all, pool, recording, unknowns, disabled, true};
+    lister l = {.all = all,
+                .pool = pool,
+                .recording = recording,
+                .unknowns = unknowns,
+                .disabled = disabled,
+                .ok = true};
     const mukca_dataset *data = recording->data;
     const int n_joints = recording->chain->n_joints, rows = data->n_rows;
     bool moved = false, commanded = false, sockets = false;

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Log posterior odds that the first cause and later ones need. */
+/* Log posterior odds that the first cause and later ones need: 20 to 1, and 55 to 1 since later
+ * ones are tried many times. */
 #define FIRST_THRESHOLD 3.0
 #define LATER_THRESHOLD 4.0
 enum { MOST_CAUSES = 10, MOST_OUTLIERS = 12 };
@@ -18,7 +19,11 @@ static int by_odds(const void *a, const void *b)
 
 static mukca_contender key_of(const mukca_candidate *h)
 {
-    mukca_contender c = {mukca_candidate_class(h), h->joint, -1, -HUGE_VAL, -1};
+    mukca_contender c = {.class = mukca_candidate_class(h),
+                         .joint = h->joint,
+                         .place = -1,
+                         .log_odds = -HUGE_VAL,
+                         .best = -1};
     if (h->kind == MUKCA_CANDIDATE_OUTLIER)
         c.place = 8 * h->fault.first + (h->fault.last - h->fault.first) % 8;
     else if (mukca_candidate_is_fault(h))

@@ -126,8 +126,12 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     mukca_normal_equations *normal = &evidence->normal[index];
     const int d = recording->dim, size = linear->n_columns + 1;
     const double rho = normal->rho;
-    const collection from = {normal,           recording,      linear,
-                             unknowns->weight, evidence->work, sqrt(1 - rho * rho)};
+    const collection from = {.normal = normal,
+                             .recording = recording,
+                             .linear = linear,
+                             .weight = unknowns->weight,
+                             .mean = evidence->work,
+                             .root = sqrt(1 - rho * rho)};
     normal->n = linear->n_columns;
     normal->n_pairs = recording->n_pairs;
     normal->log_det = 0;

@@ -36,8 +36,8 @@ static void group_median(double median[3], const mukca_regression *m, const mukc
     }
 }
 
-/* Own socket more than 20 mm away and another one of the placement under 0.4 of that: a wrong
- * label, seen at the nominal geometry already. */
+/* Own socket more than 20 mm away (some times the error of any nominal geometry) and another one of
+ * the placement under 0.4 of that: a wrong label, before anything is fitted. */
 static void wrong_labels(mukca_faults *faults, mukca_regression *m, double *scratch)
 {
     double(*median)[3] = MUKCA_TAKE(&m->pool, double[3], m->recording.n_groups);
