@@ -2,10 +2,13 @@
  *
  * An effect turns the state of the joints into a small displacement that is linear in its
  * coefficients: displacement = sum_t coefficient[t] * basis_t(state).  The same forward model is
- * fitted, simulated, exported and compensated; deciding which effect is there is the diagnosis'.
+ * fitted, simulated, exported and compensated; src/diagnose decides which effect is present.
  */
 #ifndef MUKCA_EFFECT_H
 #define MUKCA_EFFECT_H
+
+#include <stdbool.h>
+#include <stddef.h>
 
 #include "mukca/chain.h"
 
@@ -13,13 +16,52 @@
 extern "C" {
 #endif
 
+/* One row per effect: constant and name.  A new effect is one row here and one file in src/effect
+ * that defines `const mukca_effect_ops mukca_NAME_effect` (src/effect/catalogue.h). */
+#define MUKCA_EFFECT_LIST(X)                      \
+    X(JOINT_COMPLIANCE, joint_compliance)         \
+    X(LINK_BENDING, link_bending)                 \
+    X(BASE_COMPLIANCE, base_compliance)           \
+    X(BACKLASH, backlash)                         \
+    X(APPROACH_HYSTERESIS, approach_hysteresis)   \
+    X(JOINT_SCALE, joint_scale)                   \
+    X(JOINT_COUPLING, joint_coupling)             \
+    X(ENCODER_ECCENTRICITY, encoder_eccentricity) \
+    X(GEAR_HARMONIC, gear_harmonic)               \
+    X(AXIS_WOBBLE, axis_wobble)                   \
+    X(JOINT_DRIFT, joint_drift)                   \
+    X(READBACK_LAG, readback_lag)                 \
+    X(TOOL_MOTION, tool_motion)                   \
+    X(ZERO_JUMP, zero_jump)                       \
+    X(BALL_SHIFT, ball_shift)                     \
+    X(SOCKET_DISTANCE, socket_distance)
+
+typedef enum {
+#define MUKCA_EFFECT_ENUM(kind, name) MUKCA_EFFECT_##kind,
+    MUKCA_EFFECT_LIST(MUKCA_EFFECT_ENUM)
+#undef MUKCA_EFFECT_ENUM
+        MUKCA_EFFECT_COUNT
+} mukca_effect_kind;
+
 /* What a hypothesis needs in the data (bits). */
 enum {
     MUKCA_NEEDS_MASSES = 1,     /* link masses (URDF or --inertials), or measured efforts */
-    MUKCA_NEEDS_ORDER = 2,      /* rows in recording order */
-    MUKCA_NEEDS_TIME = 4,       /* time_s, else the row number stands in */
-    MUKCA_NEEDS_PLACEMENTS = 8, /* two placements or more */
-    MUKCA_NEEDS_SOCKETS = 16    /* socket rows (not a pose log) */
+    MUKCA_NEEDS_ORDER = 2,      /* samples in recording order */
+    MUKCA_NEEDS_PLACEMENTS = 4, /* two placements or more */
+    MUKCA_NEEDS_SOCKETS = 8     /* socket data (not a pose log) */
+};
+
+/* What the rest of the program may ask of an effect (bits). */
+enum {
+    MUKCA_TRAIT_ELASTIC = 1,          /* proportional to gravity's moment: a spring */
+    MUKCA_TRAIT_PLAY = 2,             /* free motion between two stops */
+    MUKCA_TRAIT_PERIODIC = 4,         /* in the joint's angle: sines of it, turning joints only */
+    MUKCA_TRAIT_OWN_ANGLE = 8,        /* a function of the joint's own angle */
+    MUKCA_TRAIT_OTHER_ANGLE = 16,     /* a function of another joint's angle */
+    MUKCA_TRAIT_OF_TIME = 32,         /* a function of time */
+    MUKCA_TRAIT_SMOOTH = 64,          /* in the angles, periodic ones at low order only */
+    MUKCA_TRAIT_PER_PLACEMENT = 128,  /* acts in one placement */
+    MUKCA_TRAIT_RECORDING_FAULT = 256 /* of the data, not of the arm: nothing to apply */
 };
 
 /* Where the displacement acts. */
@@ -29,86 +71,59 @@ typedef enum {
     MUKCA_SITE_BASE,     /* rotation vector of the base */
     MUKCA_SITE_ANGLES,   /* all joints' angles together */
     MUKCA_SITE_TIP,      /* shift in the tip's frame */
-    MUKCA_SITE_SOCKET    /* shift of a socket: a fault of the recording, not of the arm */
+    MUKCA_SITE_SOCKET,   /* shift of a socket */
+    MUKCA_SITE_DISTANCE  /* distance between the sockets of a pair */
 } mukca_effect_site;
 
-/* kind, name, site, terms, unit, display factor, display unit, signed (1: coefficient >= 0), needs,
- * sentence for people */
-#define MUKCA_EFFECT_LIST(X)                                                                    \
-    X(JOINT_COMPLIANCE, "joint_compliance", ANGLE, 1, "rad/(N*m)", 1e6, "urad/(N*m)", 1,        \
-      MUKCA_NEEDS_MASSES,                                                                       \
-      "the joint's gear and bearing give way under gravity's torque about its axis")            \
-    X(LINK_BENDING, "link_bending", ROTATION, 1, "rad/(N*m)", 1e6, "urad/(N*m)", 1,             \
-      MUKCA_NEEDS_MASSES, "the link before the joint bends across the joint's axis under load") \
-    X(BASE_COMPLIANCE, "base_compliance", BASE, 1, "rad/(N*m)", 1e6, "urad/(N*m)", 1,           \
-      MUKCA_NEEDS_MASSES, "the base or its table tilts under the arm's weight")                 \
-    X(BACKLASH, "backlash", ANGLE, 1, "rad", 1e3, "mrad", 1, MUKCA_NEEDS_MASSES,                \
-      "play in the gear: gravity decides on which side the joint rests")                        \
-    X(APPROACH_HYSTERESIS, "approach_hysteresis", ANGLE, 1, "rad", 1e3, "mrad", 0,              \
-      MUKCA_NEEDS_ORDER, "the joint rests differently after moving up than after moving down")  \
-    X(JOINT_SCALE, "joint_scale", ANGLE, 1, "rad/rad", 1e3, "mrad/rad", 0, 0,                   \
-      "the encoder counts a little too much or too little per turn")                            \
-    X(JOINT_COUPLING, "joint_coupling", ANGLE, 1, "rad/rad", 1e3, "mrad/rad", 0, 0,             \
-      "a neighbour's motion leaks into this joint (belt, differential or cable drive)")         \
-    X(ENCODER_ECCENTRICITY, "encoder_eccentricity", ANGLE, 2, "rad", 1e3, "mrad", 0, 0,         \
-      "the encoder disk sits off centre: an error once per turn")                               \
-    X(GEAR_HARMONIC, "gear_harmonic", ANGLE, 2, "rad", 1e3, "mrad", 0, 0,                       \
-      "gear ripple: an error that repeats `order` times per turn")                              \
-    X(AXIS_WOBBLE, "axis_wobble", ROTATION, 4, "rad", 1e3, "mrad", 0, 0,                        \
-      "the joint's axis tumbles as it turns (bearing run-out)")                                 \
-    X(JOINT_DRIFT, "joint_drift", ANGLE, 1, "rad", 1e3, "mrad", 0, MUKCA_NEEDS_ORDER,           \
-      "the joint's zero wanders during the session, as a warming gear does")                    \
-    X(READBACK_LAG, "readback_lag", ANGLES, 1, "rad", 1e3, "mrad", 0, MUKCA_NEEDS_ORDER,        \
-      "the recorded angles are stale: they lag along the last move")                            \
-    X(TOOL_MOTION, "tool_motion", SOCKET, 3, "m", 1e3, "mm", 0, MUKCA_NEEDS_SOCKETS,            \
-      "the tool was pushed or crept while it was being recorded")                               \
-    X(ZERO_JUMP, "zero_jump", ANGLE, 1, "rad", 1e3, "mrad", 0, MUKCA_NEEDS_PLACEMENTS,          \
-      "the joint's zero differs in one placement from the others (slipped or re-homed)")        \
-    X(BALL_SHIFT, "ball_shift", TIP, 3, "m", 1e3, "mm", 0, MUKCA_NEEDS_PLACEMENTS,              \
-      "the ball sat differently on the arm in one placement (loose or re-mounted)")             \
-    X(SOCKET_DISTANCE, "socket_distance", SOCKET, 1, "m", 1e3, "mm", 0, MUKCA_NEEDS_SOCKETS,    \
-      "the sockets are not as far apart as --distance says")
-
-typedef enum {
-#define MUKCA_EFFECT_ENUM(kind, ...) MUKCA_EFFECT_##kind,
-    MUKCA_EFFECT_LIST(MUKCA_EFFECT_ENUM)
-#undef MUKCA_EFFECT_ENUM
-        MUKCA_EFFECT_COUNT
-} mukca_effect_kind;
-
 typedef struct {
-    const char *name; /* as in the contract, the JSON and the offsets table */
+    const char *name;  /* as in the contract, the JSON and the offsets table */
+    const char *title; /* for people: "joint compliance" */
     mukca_effect_site site;
-    int terms;                /* coefficients of one variant */
+    int terms;                /* coefficients, at most MUKCA_MAX_TERMS */
     const char *unit;         /* of the coefficients, SI */
     double display_factor;    /* times this ... */
     const char *display_unit; /* ... is what people are shown */
-    int nonnegative;          /* 1: physics wants coefficient[0] >= 0 */
-    int needs;                /* MUKCA_NEEDS_* */
-    const char *sentence;
+    bool nonnegative;         /* physics wants coefficient[0] >= 0 */
+    int needs, traits;        /* MUKCA_NEEDS_*, MUKCA_TRAIT_* */
+    const char *sentence;     /* for people: what happens in the arm */
+    const char *remedy;       /* what to do; NULL: compensate it, inspect the transmission */
 } mukca_effect_info;
 
-extern const mukca_effect_info mukca_effect_table[MUKCA_EFFECT_COUNT];
+extern const mukca_effect_info *const mukca_effect_table[MUKCA_EFFECT_COUNT];
 
 /* A row for which no time is known stands for this long, s: people take some 8 s per sample. */
 #define MUKCA_SECONDS_PER_ROW 8.0
 
-enum { MUKCA_MAX_TERMS = 4, MUKCA_MAX_EFFECTS = 48 };
+enum {
+    MUKCA_MAX_TERMS = 4,
+    MUKCA_MAX_EFFECTS = 48,
+    MUKCA_EFFECT_TEXT = 48,
+    MUKCA_LAST_ORDER = 400
+};
 
-/* One effect at work.  `variant` by kind:
- *   backlash            torque scale tau0 in mN m (300, 1000, 3000)
- *   joint_coupling      which neighbour: -1 or +1
- *   gear_harmonic       order, 2 .. 400
- *   axis_wobble         order 1 or 2 in the frame before the turn, 11 or 12 in the frame after it,
- *                       100 + k (k = -2, -1, 2, 3) a conical motion, two terms
- *   joint_drift         time constant T in s of 1 - exp(-t / T); 0: linear, rad per 1000 s
- *   readback_lag        0: along the last move; 1: command minus reading
- * and 0 elsewhere. */
+/* The frame in which an axis wobbles. */
+typedef enum {
+    MUKCA_WOBBLE_FIXED,   /* before the joint's rotation; order 1 or 2 */
+    MUKCA_WOBBLE_TURNING, /* after it; order 1 or 2 */
+    MUKCA_WOBBLE_CONE     /* a conical motion, two terms; order -2, -1, 2 or 3 */
+} mukca_wobble_frame;
+
+/* Which of several forms an effect has; each effect uses one or two members, the rest are zero. */
+typedef struct {
+    int order;                /* gear_harmonic (2 .. 400), axis_wobble: per turn of the joint */
+    mukca_wobble_frame frame; /* axis_wobble */
+    int neighbour;            /* joint_coupling: -1 or +1, the joint before or after */
+    double torque_scale;      /* backlash: tau0, N m */
+    double time_constant;     /* joint_drift: T of 1 - exp(-t / T), s; 0: linear, per 1000 s */
+    bool to_command;          /* readback_lag: along command minus reading, not the last move */
+} mukca_effect_variant;
+
+/* One effect at work. */
 typedef struct {
     mukca_effect_kind kind;
     int joint;     /* -1 where the effect has none */
-    int placement; /* zero_jump, ball_shift: index into the dataset's placements, else -1 */
-    int variant;
+    int placement; /* MUKCA_TRAIT_PER_PLACEMENT: index into the dataset's placements, else -1 */
+    mukca_effect_variant variant;
     int terms;
     double coefficient[MUKCA_MAX_TERMS];
 } mukca_effect;
@@ -130,17 +145,30 @@ typedef struct {
 /* Kind by its name, -1 (as int) where unknown. */
 int mukca_effect_find(const char *name);
 
-/* Number of terms of a kind's variant. */
-int mukca_effect_terms(mukca_effect_kind kind, int variant);
+/* Has the effect one of these traits?  False for a kind that is none of the catalogue's. */
+bool mukca_effect_has(int kind, int traits);
+
+/* Does the effect act at one joint (sites ANGLE and ROTATION)? */
+bool mukca_effect_has_joint(int kind);
+
+/* Does it vary slowly with the joints' angles, as flexibility does? */
+bool mukca_effect_is_smooth(const mukca_effect *effect);
+
+/* Same kind, joint, placement and variant? */
+bool mukca_effect_same(const mukca_effect *a, const mukca_effect *b);
+
+/* Number of coefficients of an effect's variant. */
+int mukca_effect_terms(const mukca_effect *effect);
 
 /* Basis of an effect at a state: basis[terms][3].  Site ANGLE fills [t][0] only (rad about the
- * axis); site ANGLES is not covered here (see mukca_effect_lag_direction); SOCKET gives zeros. */
+ * axis); site ANGLES is mukca_effect_direction's; SOCKET and DISTANCE give zeros.
+ * `axis` [3] of the joint, may be NULL for an effect without one. */
 void mukca_effect_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
                         const double axis[3], const mukca_joint_state *state);
 
-/* Basis of readback_lag, direction[n_joints]. */
-void mukca_effect_lag_direction(double *direction, int n_joints, int variant,
-                                const mukca_joint_state *state);
+/* Basis of an effect of site ANGLES: direction[n_joints], zero for other effects. */
+void mukca_effect_direction(double *direction, int n_joints, const mukca_effect *effect,
+                            const mukca_joint_state *state);
 
 /* displacement += what `effect` does at `state`.  No allocation, no locks. */
 void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *effect,
@@ -153,11 +181,26 @@ void mukca_effects_displacement(mukca_displacement *displacement, const mukca_ef
                                 int n, const mukca_chain *chain, const mukca_geometry *geometry,
                                 const double *q, const mukca_joint_state *state);
 
+/* Set variant and terms from text ("160", "300mNm", "turning2"; NULL: the usual variant), for an
+ * effect whose kind and joint are set.  Returns NULL, or what the text should have been. */
+const char *mukca_effect_set_variant(mukca_effect *effect, const char *text, int n_joints);
+
+/* Text of the variant as mukca_effect_set_variant reads it; "" where the effect has one form. */
+void mukca_effect_variant_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *effect);
+
 /* Text of one term of an effect for the offsets table's `term` column ("order=240 sin"), and back.
- * Parsing sets variant, terms and placement of `effect` and returns the term's index, -1 when the
- * text is not of this kind. `text` holds at least 48 characters. */
-void mukca_effect_term_text(char text[48], const mukca_effect *effect, int term);
-int mukca_effect_term_parse(mukca_effect *effect, const char *text);
+ * Parsing sets variant, terms and placement of an effect whose kind and joint are set and returns
+ * the term's index, -1 when the text is not of this kind or names a joint that is not there. */
+void mukca_effect_term_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *effect, int term);
+int mukca_effect_term_parse(mukca_effect *effect, const char *text, int n_joints);
+
+/* What distinguishes an effect from others of its kind, for people: " (240 per turn)"; "" where
+ * nothing does. */
+void mukca_effect_describe(char *text, size_t size, const mukca_effect *effect,
+                           const mukca_chain *chain);
+
+/* SI unit of an effect's coefficients there: "rad", or "m" where the joint slides. */
+const char *mukca_effect_unit(const mukca_effect *effect, const mukca_chain *chain);
 
 #ifdef __cplusplus
 }

@@ -38,7 +38,7 @@ int mukca_offsets_rows(mukca_offset_row *rows, const mukca_offsets *offsets,
     }
     for (int e = 0; e < offsets->n_effects; e++) {
         const mukca_effect *effect = &offsets->effects[e];
-        const mukca_effect_info *info = &mukca_effect_table[effect->kind];
+        const mukca_effect_info *info = mukca_effect_table[effect->kind];
         for (int t = 0; t < effect->terms; t++) {
             mukca_offset_row *row = &rows[n++];
             *row = (mukca_offset_row){

@@ -35,7 +35,7 @@ typedef struct {
     const char *joint, *parameter, *unit; /* joint: "-" where an effect has none */
     double nominal, calibrated, offset, sigma;
     bool identifiable;
-    char term[48]; /* which coefficient of an effect; "-" for a parameter */
+    char term[MUKCA_EFFECT_TEXT]; /* which coefficient of an effect; "-" for a parameter */
 } mukca_offset_row;
 
 /* Nothing calibrated yet: theta nominal, no rows. */

@@ -162,12 +162,8 @@ static mukca_status read_parameter(reader *r, int parameter)
 /* The effect that a row belongs to: the last one where it goes on with that, else a new one. */
 static mukca_effect *find_effect(mukca_offsets *o, const mukca_effect *wanted)
 {
-    for (int e = 0; e < o->n_effects; e++) {
-        mukca_effect *found = &o->effects[e];
-        if (found->kind == wanted->kind && found->joint == wanted->joint &&
-            found->placement == wanted->placement && found->variant == wanted->variant)
-            return found;
-    }
+    for (int e = 0; e < o->n_effects; e++)
+        if (mukca_effect_same(&o->effects[e], wanted)) return &o->effects[e];
     if (o->n_effects == MUKCA_MAX_EFFECTS) return NULL;
     o->effects[o->n_effects] = *wanted;
     return &o->effects[o->n_effects++];
@@ -178,21 +174,17 @@ static mukca_status read_effect(reader *r, int kind)
     mukca_offsets *o = r->offsets;
     const char *joint = r->cell[r->column[JOINT]];
     mukca_effect wanted = {.kind = (mukca_effect_kind)kind, .joint = -1, .placement = -1};
-    const mukca_effect_site site = mukca_effect_table[kind].site;
-    if (site == MUKCA_SITE_SOCKET)
-        return fail(r, PARAMETER, "is a fault of recording, nothing to apply to an arm");
-    if (site == MUKCA_SITE_ANGLE || site == MUKCA_SITE_ROTATION) {
+    if (mukca_effect_has(kind, MUKCA_TRAIT_RECORDING_FAULT))
+        return fail(r, PARAMETER, "is a recording fault and cannot be applied to an arm");
+    if (mukca_effect_has_joint(kind)) {
         wanted.joint = mukca_chain_find_joint(r->chain, joint);
         if (wanted.joint < 0) return fail(r, JOINT, "no such joint in the chain");
     }
     double value[OFFSET + 1];
-    int term =
-        mukca_effect_term_parse(&wanted, r->column[TERM] < 0 ? "-" : r->cell[r->column[TERM]]);
+    const char *text = r->column[TERM] < 0 ? "-" : r->cell[r->column[TERM]];
+    const int term = mukca_effect_term_parse(&wanted, text, r->chain->n_joints);
     if (term < 0 || wanted.placement >= o->n_placements || wanted.placement < -1)
-        return fail(r, TERM, "does not fit the effect");
-    if (kind == MUKCA_EFFECT_JOINT_COUPLING &&
-        (wanted.joint + wanted.variant < 0 || wanted.joint + wanted.variant >= r->chain->n_joints))
-        return fail(r, TERM, "the joint has no such neighbour");
+        return fail(r, TERM, "does not fit the effect at this joint");
     mukca_effect *effect = find_effect(o, &wanted);
     if (!effect) return fail(r, PARAMETER, "too many effects");
     if (effect->coefficient[term] != 0) return fail(r, PARAMETER, "comes twice");

@@ -8,7 +8,7 @@
 static void print_effect_names(void)
 {
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        printf("%s%s", kind ? " " : "", mukca_effect_table[kind].name);
+        printf("%s%s", kind ? " " : "", mukca_effect_table[kind]->name);
 }
 
 /* Lines of the case for values that are words of a list, not files. */

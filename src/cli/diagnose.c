@@ -39,8 +39,8 @@ static mukca_status no_effect(mukca_error *error, const char *option, const char
     const char *meant = NULL;
     int best = 99;
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        if (mukca_suggest_better(&best, name, mukca_effect_table[kind].name))
-            meant = mukca_effect_table[kind].name;
+        if (mukca_suggest_better(&best, name, mukca_effect_table[kind]->name))
+            meant = mukca_effect_table[kind]->name;
     return mukca_fail(error, MUKCA_USAGE, "%s: no effect is called '%.60s'; %s%s%s", option, name,
                       meant ? "did you mean " : "`mukca help effects` lists them",
                       meant ? meant : "", meant ? "?" : "");

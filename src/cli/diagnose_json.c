@@ -41,26 +41,24 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
     for (int i = 0; i < c->n_ties; i++) {
         const mukca_tie *t = &c->ties[i];
         json_array_append_new(
-            ties, json_pack("{s:s, s:o, s:o, s:o}", "effect", mukca_effect_table[t->effect].name,
+            ties, json_pack("{s:s, s:o, s:o, s:o}", "effect", mukca_effect_table[t->effect]->name,
                             "joint", joint_name(chain, t->joint), "log_bayes_factor",
                             cli_json_real(t->log_bayes_factor), "correlation",
                             cli_json_real(t->correlation)));
     }
-    const mukca_effect_info *info = &mukca_effect_table[c->effect.kind];
-    const bool of_command = c->effect.kind == MUKCA_EFFECT_READBACK_LAG && c->effect.variant;
+    const mukca_effect_info *info = mukca_effect_table[c->effect.kind];
     return json_pack(
         "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:o, s:o, s:b, s:o}", "effect",
         info->name, "joint", joint_name(chain, c->effect.joint), "placement",
         placement_name(data, c->effect.placement), "socket", socket_label(data, c->socket), "row",
         c->row > 0 ? json_integer(c->row) : json_null(), "order",
-        c->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC ? json_integer(c->effect.variant)
-                                                     : json_null(),
+        info->site == MUKCA_SITE_ANGLE && c->effect.variant.order
+            ? json_integer(c->effect.variant.order)
+            : json_null(),
         "motion",
-        c->effect.kind == MUKCA_EFFECT_TOOL_MOTION ? json_string(c->creep ? "creep" : "step")
-                                                   : json_null(),
-        "amplitude", cli_json_real(c->amplitude), "unit",
-        of_command ? "rad/rad" : mukca_wording_unit(c->effect.kind, chain, c->effect.joint), "ci95",
-        interval(c->low, c->high), "log_bayes_factor", cli_json_real(c->log_bayes_factor),
+        info->site == MUKCA_SITE_SOCKET ? json_string(c->creep ? "creep" : "step") : json_null(),
+        "amplitude", cli_json_real(c->amplitude), "unit", mukca_effect_unit(&c->effect, chain),
+        "ci95", interval(c->low, c->high), "log_bayes_factor", cli_json_real(c->log_bayes_factor),
         "probability", cli_json_real(c->probability), "ties", ties, "or_unknown", c->or_unknown,
         "held_out", shrink_object(&c->held_out));
 }
@@ -96,7 +94,7 @@ static json_t *next_poses_array(const mukca_diagnosed *r)
         json_t *tells = json_array();
         for (int k = 0; k < 2; k++)
             json_array_append_new(
-                tells, json_pack("{s:s, s:o}", "effect", mukca_effect_table[rivals[k].kind].name,
+                tells, json_pack("{s:s, s:o}", "effect", mukca_effect_table[rivals[k].kind]->name,
                                  "joint", joint_name(r->chain, rivals[k].joint)));
         json_array_append_new(
             array,
@@ -134,7 +132,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         json_array_append_new(
             tested,
             json_pack("{s:s, s:o, s:o, s:o, s:o, s:b, s:o}", "effect",
-                      mukca_effect_table[t->effect].name, "joint", joint_name(chain, t->joint),
+                      mukca_effect_table[t->effect]->name, "joint", joint_name(chain, t->joint),
                       "log_bayes_factor", cli_json_real(t->log_bayes_factor), "log_odds",
                       cli_json_real(t->log_odds), "detection_limit", cli_json_real(t->limit),
                       "testable", t->testable, "why", cli_json_text(t->why)));

@@ -47,7 +47,7 @@ mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *le
     fill_geometry(o, a, r->chain, free_base);
     if (free_base) fill_tracker(o, a);
     for (int e = 0; e < a->n_effects; e++) {
-        if ((mukca_effect_table[a->effects[e].kind].needs & MUKCA_NEEDS_MASSES) &&
+        if ((mukca_effect_table[a->effects[e].kind]->needs & MUKCA_NEEDS_MASSES) &&
             chain->n_masses == 0) {
             ++*left_out; /* measured efforts told of it, which other rows do not have */
             continue;

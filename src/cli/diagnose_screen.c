@@ -88,7 +88,7 @@ static void print_first(FILE *stream, const mukca_diagnosed *r, const mukca_caus
         put(&p, ")");
     } else {
         mukca_wording_cause(words, c, r);
-        put(&p, "%s: %s", words, mukca_effect_table[c->effect.kind].sentence);
+        put(&p, "%s: %s", words, mukca_effect_table[c->effect.kind]->sentence);
     }
     print(stream, "Cause", &p);
     put_amplitude(&p, c, r->chain);
@@ -309,7 +309,7 @@ static void print_reason(FILE *stream, const mukca_diagnosed *r, const mukca_tes
         put(&p, "%d effects", kinds);
     else
         for (int k = 0; k < MUKCA_EFFECT_COUNT; k++)
-            if (kind[k]) put(&p, "%s%s", n++ ? ", " : "", mukca_effect_table[k].name);
+            if (kind[k]) put(&p, "%s%s", n++ ? ", " : "", mukca_effect_table[k]->name);
     for (int j = 0, at = 0; j < r->chain->n_joints; j++)
         if (joint[j]) put(&p, "%s%s", at++ ? ", " : " at ", mukca_wording_joint(r->chain, j));
     put(&p, " (%s)", of->why);
@@ -351,7 +351,7 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
     for (int i = 0, lines = 0; i < d->n_tested && lines < MOST_LINES; i++) {
         const mukca_tested *t = &d->tested[i];
         bool printed = t->testable || (caveat && t->joint < 0 &&
-                                       (mukca_effect_table[t->effect].needs & MUKCA_NEEDS_MASSES));
+                                       (mukca_effect_table[t->effect]->needs & MUKCA_NEEDS_MASSES));
         for (int k = 0; k < i && !printed; k++)
             printed = !d->tested[k].testable && strcmp(d->tested[k].why, t->why) == 0 &&
                       (d->tested[k].joint < 0) == (t->joint < 0);

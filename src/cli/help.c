@@ -151,37 +151,27 @@ void cli_print_start(FILE *stream)
 void cli_print_effects(FILE *stream)
 {
     static const struct {
-        const char *name, *unit, *sentence;
-        int site, needs;
-    } effects[] = {
-#define EFFECT_ROW(kind, name, site, terms, unit, factor, display, sign, needs, sentence) \
-    {name, unit, sentence, MUKCA_SITE_##site, needs},
-        MUKCA_EFFECT_LIST(EFFECT_ROW)
-#undef EFFECT_ROW
-    };
-    static const struct {
         int bit;
         const char *text;
     } needs[] = {{MUKCA_NEEDS_MASSES, "link masses"},
                  {MUKCA_NEEDS_ORDER, "rows in recording order"},
-                 {MUKCA_NEEDS_TIME, "the time_s column"},
                  {MUKCA_NEEDS_PLACEMENTS, "two placements or more"},
                  {MUKCA_NEEDS_SOCKETS, "socket data"}};
     cli_print_wrapped(
         stream, 0,
         "The effects that `mukca diagnose` can name and `mukca simulate --effect` can "
         "make, with the unit of their coefficients:\n\n");
-    for (size_t i = 0; i < sizeof effects / sizeof *effects; i++) {
-        fprintf(stream, "%s%s%s (%s)\n    ", cli_bold(stream), effects[i].name, cli_plain(stream),
-                effects[i].unit);
-        cli_print_words(stream, 4, 4, effects[i].sentence, strlen(effects[i].sentence));
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
+        const mukca_effect_info *e = mukca_effect_table[kind];
+        fprintf(stream, "%s%s%s (%s)\n    ", cli_bold(stream), e->name, cli_plain(stream), e->unit);
+        cli_print_words(stream, 4, 4, e->sentence, strlen(e->sentence));
         bool any = false;
         for (size_t k = 0; k < sizeof needs / sizeof *needs; k++) {
-            if (!(effects[i].needs & needs[k].bit)) continue;
+            if (!(e->needs & needs[k].bit)) continue;
             fprintf(stream, "%s%s", any ? ", " : "    needs ", needs[k].text);
             any = true;
-            /* a measured torque tells what acts about the joint's own axis, and no more */
-            if (needs[k].bit == MUKCA_NEEDS_MASSES && effects[i].site == MUKCA_SITE_ANGLE)
+            /* a measured torque acts about the joint's own axis only */
+            if (needs[k].bit == MUKCA_NEEDS_MASSES && e->site == MUKCA_SITE_ANGLE)
                 fputs(" or measured efforts", stream);
         }
         if (any) fputc('\n', stream);

@@ -111,7 +111,7 @@ cli_list cli_inputs(cli_call *call)
 mukca_status cli_check_effects(cli_call *call, const cli_model *model)
 {
     for (int e = 0; e < model->offsets.n_effects; e++) {
-        const mukca_effect_info *info = &mukca_effect_table[model->offsets.effects[e].kind];
+        const mukca_effect_info *info = mukca_effect_table[model->offsets.effects[e].kind];
         if ((info->needs & MUKCA_NEEDS_MASSES) && model->chain.n_masses == 0)
             return mukca_fail(&call->error, MUKCA_INPUT,
                               "%s: %s needs the masses of the links: give --inertials FILE",

@@ -139,7 +139,7 @@ static mukca_status gather_sockets(plan_run *r)
 
 static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
 {
-    snprintf(name, 96, "%s%s%s", mukca_effect_table[effect->kind].name,
+    snprintf(name, 96, "%s%s%s", mukca_effect_table[effect->kind]->name,
              effect->joint < 0 ? "" : " of ",
              effect->joint < 0 ? "" : chain->element[chain->joint_element[effect->joint]].name);
 }

@@ -34,15 +34,17 @@ static json_t *fault_json(const mukca_simulated_fault *fault, const cli_simulati
 
 static json_t *effect_json(const mukca_effect *effect, const cli_simulation *s)
 {
-    const mukca_effect_info *info = &mukca_effect_table[effect->kind];
-    const bool has_order = effect->kind == MUKCA_EFFECT_GEAR_HARMONIC;
+    char variant[MUKCA_EFFECT_TEXT];
+    mukca_effect_variant_text(variant, effect);
     return json_pack(
-        "{s:s, s:o, s:o, s:o, s:i, s:f, s:s, s:o}", "effect", info->name, "joint",
+        "{s:s, s:o, s:o, s:o, s:s, s:f, s:s, s:o}", "effect",
+        mukca_effect_table[effect->kind]->name, "joint",
         cli_json_text(joint_name(&s->model.chain, effect->joint)), "placement",
         cli_json_text(effect->placement < 0 ? NULL : s->places[effect->placement].name), "order",
-        has_order ? json_integer(effect->variant) : json_null(), "variant", effect->variant,
-        "amplitude", size_of(effect->coefficient, effect->terms), "unit", info->unit,
-        "coefficients", cli_json_reals(effect->coefficient, effect->terms));
+        effect->variant.order ? json_integer(effect->variant.order) : json_null(), "variant",
+        variant, "amplitude", size_of(effect->coefficient, effect->terms), "unit",
+        mukca_effect_unit(effect, &s->model.chain), "coefficients",
+        cli_json_reals(effect->coefficient, effect->terms));
 }
 
 mukca_status cli_write_labels(cli_call *call, const cli_simulation *s, const mukca_dataset *data)

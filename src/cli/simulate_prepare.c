@@ -142,7 +142,7 @@ static void tell_truth(cli_simulation *s)
     s->truth.n_placements = s->n_places;
     s->truth.n_effects = 0;
     for (int e = 0; e < s->arm.n_effects; e++)
-        if (mukca_effect_table[s->arm.effects[e].kind].site != MUKCA_SITE_SOCKET)
+        if (!mukca_effect_has((int)s->arm.effects[e].kind, MUKCA_TRAIT_RECORDING_FAULT))
             s->truth.effects[s->truth.n_effects++] = s->arm.effects[e];
 }
 

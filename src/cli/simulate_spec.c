@@ -2,7 +2,6 @@
 #include "cli/simulate_spec.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"
@@ -18,15 +17,30 @@ typedef struct {
     const char *text; /* all of it, for messages */
 } piece;
 
-/* Faults of the recording beside tool_motion (which the table has). */
-static const struct {
+/* Recording faults at samples of a socket. */
+typedef struct {
     const char *name;
     mukca_simulated_fault_kind kind;
-    bool sized;
-} faults[] = {{"wrong_socket", MUKCA_SIMULATED_WRONG_SOCKET, false},
-              {"outlier", MUKCA_SIMULATED_OUTLIER, true},
-              {"duplicate", MUKCA_SIMULATED_DUPLICATE, false}};
-enum { N_FAULTS = sizeof faults / sizeof *faults };
+    bool sized, creeps;
+    int first_row;
+} fault_kind;
+
+static const fault_kind faults[] = {
+    {.name = "tool_motion",
+     .kind = MUKCA_SIMULATED_STEP,
+     .sized = true,
+     .creeps = true,
+     .first_row = 1},
+    {.name = "wrong_socket", .kind = MUKCA_SIMULATED_WRONG_SOCKET, .first_row = 1},
+    {.name = "outlier", .kind = MUKCA_SIMULATED_OUTLIER, .sized = true, .first_row = 1},
+    {.name = "duplicate", .kind = MUKCA_SIMULATED_DUPLICATE, .first_row = 2}};
+
+static const fault_kind *find_fault(const char *name)
+{
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
+        if (strcmp(faults[i].name, name) == 0) return &faults[i];
+    return NULL;
+}
 
 static mukca_status wrong(mukca_error *error, const piece *p, const char *why)
 {
@@ -68,15 +82,6 @@ static mukca_status split(piece *p, const char **text, mukca_error *error)
     return MUKCA_OK;
 }
 
-static bool whole(int *value, const char *text)
-{
-    char *end;
-    const long number = strtol(text, &end, 10);
-    if (end == text || *end || number < -100000 || number > 100000) return false;
-    *value = (int)number;
-    return true;
-}
-
 static int find_place(const cli_simulated *s, const char *name)
 {
     for (int p = 0; p < s->n_places; p++)
@@ -113,26 +118,25 @@ static mukca_status find_placement(int *placement, const cli_simulated *s, const
 
 /* PLACEMENT/SOCKET and @ROW of a fault. */
 static mukca_status find_seat(mukca_simulated_fault *fault, const cli_simulated *s, const piece *p,
-                              bool creeps, mukca_error *error)
+                              const fault_kind *kind, mukca_error *error)
 {
     char name[TEXT];
+    double row = 1;
     const char *slash = strrchr(p->where, '/');
     if (!slash || (strcmp(slash, "/0") != 0 && strcmp(slash, "/1") != 0))
-        return wrong(error, p, "say where: NAME:PLACEMENT/SOCKET@ROW, socket 0 or 1");
+        return wrong(error, p, "needs NAME:PLACEMENT/SOCKET@ROW, socket 0 or 1");
     snprintf(name, sizeof name, "%.*s", (int)(slash - p->where), p->where);
     mukca_status status = find_placement(&fault->placement, s, p, name, error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     fault->socket = slash[1] - '0';
-    int row = 1;
-    if (creeps && strcmp(p->variant, "creep") == 0)
+    if (kind->creeps && strcmp(p->variant, "creep") == 0)
         fault->kind = MUKCA_SIMULATED_CREEP;
-    else if (!whole(&row, p->variant) || row < 1 + (fault->kind == MUKCA_SIMULATED_DUPLICATE) ||
+    else if (!mukca_number_parse(&row, p->variant) || row != floor(row) || row < kind->first_row ||
              row > s->rows)
         return mukca_fail(error, MUKCA_USAGE,
                           "--effect %.80s: @ROW must be a row of the socket, %d to %d%s", p->text,
-                          1 + (fault->kind == MUKCA_SIMULATED_DUPLICATE), s->rows,
-                          creeps ? ", or creep" : "");
-    fault->row = row - 1;
+                          kind->first_row, s->rows, kind->creeps ? ", or creep" : "");
+    fault->row = (int)row - 1;
     return MUKCA_OK;
 }
 
@@ -147,15 +151,15 @@ static void draw_vector(double *vector, int n, double length, mukca_random *rand
     for (int i = 0; i < n; i++) vector[i] *= length / size;
 }
 
-static mukca_status add_fault(cli_simulated *s, const piece *p, mukca_simulated_fault_kind kind,
-                              bool sized, mukca_error *error)
+static mukca_status add_fault(cli_simulated *s, const piece *p, const fault_kind *kind,
+                              mukca_error *error)
 {
-    mukca_simulated_fault fault = {.kind = kind};
+    mukca_simulated_fault fault = {.kind = kind->kind};
     if (s->n_faults == CLI_MAX_SIMULATED_FAULTS) return wrong(error, p, "too many faults");
-    mukca_status status = find_seat(&fault, s, p, kind == MUKCA_SIMULATED_STEP, error);
-    if (status) return status;
-    if (p->n_values != 0 && !sized) return wrong(error, p, "has no size");
-    if (sized && p->n_values != 1 && p->n_values != 3)
+    mukca_status status = find_seat(&fault, s, p, kind, error);
+    if (status != MUKCA_OK) return status;
+    if (p->n_values != 0 && !kind->sized) return wrong(error, p, "has no size");
+    if (kind->sized && p->n_values != 1 && p->n_values != 3)
         return wrong(error, p, "needs its size in m: =LENGTH or =X,Y,Z");
     if (p->n_values == 1) draw_vector(fault.shift, 3, p->value[0], &s->random);
     if (p->n_values == 3) memcpy(fault.shift, p->value, sizeof fault.shift);
@@ -163,70 +167,30 @@ static mukca_status add_fault(cli_simulated *s, const piece *p, mukca_simulated_
     return MUKCA_OK;
 }
 
-/* @VARIANT of an effect whose joint is known, or its default. */
-static mukca_status set_variant(mukca_effect *effect, const cli_simulated *s, const piece *p,
-                                mukca_error *error)
-{
-    int *v = &effect->variant;
-    const bool given = p->variant[0] != '\0';
-    if (given && strcmp(p->variant, "command") != 0 && !whole(v, p->variant))
-        return wrong(error, p, "a whole number must follow the @");
-    switch (effect->kind) {
-        case MUKCA_EFFECT_BACKLASH:
-            if (!given) *v = 1000;
-            return *v > 0 ? MUKCA_OK : wrong(error, p, "@ gives the torque scale in mN m, above 0");
-        case MUKCA_EFFECT_JOINT_COUPLING:
-            if (!given) *v = effect->joint + 1 < s->chain->n_joints ? 1 : -1;
-            if ((*v == 1 || *v == -1) && effect->joint + *v >= 0 &&
-                effect->joint + *v < s->chain->n_joints)
-                return MUKCA_OK;
-            return wrong(error, p, "@ gives the neighbour, +1 or -1; there is none");
-        case MUKCA_EFFECT_GEAR_HARMONIC:
-            return *v >= 2 && *v <= 400 ? MUKCA_OK : wrong(error, p, "@ORDER is needed, 2 to 400");
-        case MUKCA_EFFECT_AXIS_WOBBLE:
-            if (!given) *v = 1;
-            return *v == 1 || *v == 2 || *v == 11 || *v == 12 || *v == 98 || *v == 99 ||
-                           *v == 102 || *v == 103
-                       ? MUKCA_OK
-                       : wrong(error, p, "@ must be 1, 2, 11, 12, 98, 99, 102 or 103");
-        case MUKCA_EFFECT_JOINT_DRIFT:
-            return *v >= 0 ? MUKCA_OK : wrong(error, p, "@ gives the time constant in s");
-        case MUKCA_EFFECT_READBACK_LAG:
-            *v = strcmp(p->variant, "command") == 0;
-            return *v == given ? MUKCA_OK : wrong(error, p, "@ can only be @command");
-        default:
-            return given ? wrong(error, p, "has no variants (@)") : MUKCA_OK;
-    }
-}
-
 static mukca_status set_place(mukca_effect *effect, const cli_simulated *s, const piece *p,
                               mukca_error *error)
 {
-    const mukca_effect_info *info = &mukca_effect_table[effect->kind];
+    const bool jointed = mukca_effect_has_joint((int)effect->kind);
+    const bool placed = mukca_effect_table[effect->kind]->needs & MUKCA_NEEDS_PLACEMENTS;
     char joint[TEXT];
-    const char *slash = NULL;
-    mukca_status status = MUKCA_OK;
-    if (info->site == MUKCA_SITE_TIP)
-        return find_placement(&effect->placement, s, p, p->where, error);
-    if (info->site != MUKCA_SITE_ANGLE && info->site != MUKCA_SITE_ROTATION)
-        return p->where[0] ? wrong(error, p, "belongs to no joint") : MUKCA_OK;
+    const char *slash = strrchr(p->where, '/');
+    if (!jointed && !placed) return p->where[0] ? wrong(error, p, "acts at no joint") : MUKCA_OK;
+    if (!jointed) return find_placement(&effect->placement, s, p, p->where, error);
     memcpy(joint, p->where, sizeof joint);
-    if (info->needs & MUKCA_NEEDS_PLACEMENTS) {
-        slash = strrchr(p->where, '/');
-        if (!slash) return wrong(error, p, "say where: NAME:JOINT/PLACEMENT");
+    if (placed) {
+        if (!slash) return wrong(error, p, "needs a joint and a placement: NAME:JOINT/PLACEMENT");
         joint[slash - p->where] = '\0';
-        status = find_placement(&effect->placement, s, p, slash + 1, error);
+        mukca_status status = find_placement(&effect->placement, s, p, slash + 1, error);
+        if (status != MUKCA_OK) return status;
     }
-    if (status) return status;
-    if (!joint[0]) return wrong(error, p, "say of which joint: NAME:JOINT=VALUE");
+    if (!joint[0]) return wrong(error, p, "needs a joint: NAME:JOINT=VALUE");
     return find_joint(&effect->joint, s, p, joint, error);
 }
 
 static mukca_status set_values(mukca_effect *effect, cli_simulated *s, const piece *p,
                                mukca_error *error)
 {
-    const mukca_effect_info *info = &mukca_effect_table[effect->kind];
-    effect->terms = mukca_effect_terms(effect->kind, effect->variant);
+    const mukca_effect_info *info = mukca_effect_table[effect->kind];
     if (p->n_values == 0)
         return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: needs =VALUE in %s", p->text,
                           info->unit);
@@ -234,7 +198,7 @@ static mukca_status set_values(mukca_effect *effect, cli_simulated *s, const pie
         return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: needs 1 or %d values", p->text,
                           effect->terms);
     if (info->nonnegative && p->value[0] < 0)
-        return wrong(error, p, "cannot be negative: gravity would have to push up");
+        return wrong(error, p, "cannot be negative: the load is gravity's");
     if (p->n_values == effect->terms) {
         memcpy(effect->coefficient, p->value, sizeof effect->coefficient);
     } else if (effect->terms == 4) { /* the axis runs round a circle: the two waves are one */
@@ -253,13 +217,17 @@ static mukca_status add_effect(cli_simulated *s, const piece *p, mukca_effect_ki
 {
     mukca_effect effect = {.kind = kind, .joint = -1, .placement = -1};
     if (s->n_effects == MUKCA_MAX_EFFECTS) return wrong(error, p, "too many effects");
-    if (!s->n_places && (mukca_effect_table[kind].needs & MUKCA_NEEDS_SOCKETS))
+    if (!s->n_places && (mukca_effect_table[kind]->needs & MUKCA_NEEDS_SOCKETS))
         return wrong(error, p, "a pose log has no placements and no sockets");
-    if ((mukca_effect_table[kind].needs & MUKCA_NEEDS_MASSES) && !s->chain->n_masses)
+    if ((mukca_effect_table[kind]->needs & MUKCA_NEEDS_MASSES) && !s->chain->n_masses)
         return wrong(error, p, "needs link masses; give --inertials FILE");
     mukca_status status = set_place(&effect, s, p, error);
-    if (status == MUKCA_OK) status = set_variant(&effect, s, p, error);
-    if (status == MUKCA_OK) status = set_values(&effect, s, p, error);
+    if (status != MUKCA_OK) return status;
+    const char *expected =
+        mukca_effect_set_variant(&effect, p->variant[0] ? p->variant : NULL, s->chain->n_joints);
+    if (expected)
+        return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: expected %s", p->text, expected);
+    status = set_values(&effect, s, p, error);
     if (status == MUKCA_OK) s->effects[s->n_effects++] = effect;
     return status;
 }
@@ -269,9 +237,9 @@ static mukca_status unknown(const piece *p, mukca_error *error)
     const char *meant = NULL;
     int best = 99;
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        if (mukca_suggest_better(&best, p->name, mukca_effect_table[kind].name))
-            meant = mukca_effect_table[kind].name;
-    for (int k = 0; k < N_FAULTS; k++)
+        if (mukca_suggest_better(&best, p->name, mukca_effect_table[kind]->name))
+            meant = mukca_effect_table[kind]->name;
+    for (size_t k = 0; k < sizeof faults / sizeof *faults; k++)
         if (mukca_suggest_better(&best, p->name, faults[k].name)) meant = faults[k].name;
     return mukca_fail(error, MUKCA_USAGE, "--effect: no effect is called '%.60s'; %s%s%s", p->name,
                       meant ? "did you mean " : "`mukca help effects` lists them",
@@ -286,16 +254,10 @@ mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error
         status = split(&p, &text, error);
         if (status) return status;
         const int kind = mukca_effect_find(p.name);
-        int fault = 0;
-        while (fault < N_FAULTS && strcmp(faults[fault].name, p.name) != 0) fault++;
-        if (kind == MUKCA_EFFECT_TOOL_MOTION)
-            status = add_fault(s, &p, MUKCA_SIMULATED_STEP, true, error);
-        else if (kind >= 0)
-            status = add_effect(s, &p, (mukca_effect_kind)kind, error);
-        else if (fault < N_FAULTS)
-            status = add_fault(s, &p, faults[fault].kind, faults[fault].sized, error);
-        else
-            status = unknown(&p, error);
+        const fault_kind *fault = find_fault(p.name);
+        status = fault       ? add_fault(s, &p, fault, error)
+                 : kind >= 0 ? add_effect(s, &p, (mukca_effect_kind)kind, error)
+                             : unknown(&p, error);
     } while (status == MUKCA_OK && *text);
     return status;
 }

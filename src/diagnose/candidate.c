@@ -54,7 +54,7 @@ mukca_effect mukca_candidate_effect(const mukca_candidate *h)
 mukca_effect_site mukca_candidate_site(const mukca_candidate *h)
 {
     const int class = mukca_candidate_class(h);
-    return class < MUKCA_EFFECT_COUNT    ? mukca_effect_table[class].site
+    return class < MUKCA_EFFECT_COUNT    ? mukca_effect_table[class]->site
            : mukca_candidate_is_fault(h) ? MUKCA_SITE_SOCKET
                                          : MUKCA_SITE_ANGLE;
 }
@@ -71,8 +71,7 @@ bool mukca_candidate_turns_joint(const mukca_candidate *h)
 
 int mukca_candidate_own_terms(const mukca_candidate *h)
 {
-    return h->kind == MUKCA_CANDIDATE_EFFECT ? mukca_effect_terms(h->effect.kind, h->effect.variant)
-                                             : h->terms;
+    return h->kind == MUKCA_CANDIDATE_EFFECT ? mukca_effect_terms(&h->effect) : h->terms;
 }
 
 bool mukca_candidate_by_mass(const mukca_candidate *h)
@@ -85,7 +84,7 @@ bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b)
     if (a->kind != b->kind || a->joint != b->joint || a->placement != b->placement) return false;
     switch (a->kind) {
         case MUKCA_CANDIDATE_EFFECT:
-            return a->effect.kind == b->effect.kind && a->effect.variant == b->effect.variant;
+            return mukca_effect_same(&a->effect, &b->effect);
         case MUKCA_CANDIDATE_STEP:
         case MUKCA_CANDIDATE_CREEP:
         case MUKCA_CANDIDATE_OUTLIER:
@@ -136,6 +135,7 @@ int mukca_candidate_scales(const double **scales, const mukca_candidate *h)
     static const double ball[] = {0.05e-3, 0.2e-3, 1e-3};
     switch (mukca_candidate_site(h)) {
         case MUKCA_SITE_SOCKET:
+        case MUKCA_SITE_DISTANCE:
             *scales = socket;
             return COUNT(socket);
         case MUKCA_SITE_TIP:
@@ -211,9 +211,8 @@ static void fill_stretch(mukca_candidate *h, const mukca_recording *recording)
 
 static bool is_elastic(const mukca_candidate *h)
 {
-    return h->kind == MUKCA_CANDIDATE_EFFECT && (h->effect.kind == MUKCA_EFFECT_JOINT_COMPLIANCE ||
-                                                 h->effect.kind == MUKCA_EFFECT_LINK_BENDING ||
-                                                 h->effect.kind == MUKCA_EFFECT_BASE_COMPLIANCE);
+    return h->kind == MUKCA_CANDIDATE_EFFECT &&
+           mukca_effect_has((int)h->effect.kind, MUKCA_TRAIT_ELASTIC);
 }
 
 /* An effect's basis; the terms behind an elastic effect's own are what each body alone does. */
@@ -228,8 +227,8 @@ static void fill_effect(mukca_candidate *h, const mukca_recording *recording)
         mukca_joint_state state = mukca_recording_state(recording, row);
         float *out = h->basis + (size_t)row * (size_t)(h->terms * width);
         double term[MUKCA_MAX_TERMS][3], direction[MUKCA_MAX_JOINTS];
-        if (mukca_effect_table[h->effect.kind].site == MUKCA_SITE_ANGLES) {
-            mukca_effect_lag_direction(direction, n_joints, h->effect.variant, &state);
+        if (mukca_effect_table[h->effect.kind]->site == MUKCA_SITE_ANGLES) {
+            mukca_effect_direction(direction, n_joints, &h->effect, &state);
             for (int i = 0; i < n_joints; i++) out[i] = (float)direction[i];
             continue;
         }
@@ -251,10 +250,8 @@ static void fill_effect(mukca_candidate *h, const mukca_recording *recording)
 static void set_units(mukca_candidate *h, const mukca_recording *recording)
 {
     const int width = h->width_of_term;
-    const mukca_effect_site site = mukca_effect_table[h->effect.kind].site;
-    const bool wave = h->effect.kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
-                      h->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC ||
-                      h->effect.kind == MUKCA_EFFECT_AXIS_WOBBLE;
+    const mukca_effect_site site = mukca_effect_table[h->effect.kind]->site;
+    const bool wave = mukca_effect_has((int)h->effect.kind, MUKCA_TRAIT_PERIODIC);
     for (int t = 0; t < h->terms && site != MUKCA_SITE_TIP; t++) {
         double square = 0, whole = 0;
         for (int i = 0; i < width; i++) {
@@ -284,11 +281,11 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
     h->terms = h->width_of_term = 1;
     switch (h->kind) {
         case MUKCA_CANDIDATE_EFFECT: {
-            const mukca_effect_site site = mukca_effect_table[h->effect.kind].site;
+            const mukca_effect_site site = mukca_effect_table[h->effect.kind]->site;
             h->width_of_term = site == MUKCA_SITE_ANGLE    ? 1
                                : site == MUKCA_SITE_ANGLES ? recording->chain->n_joints
                                                            : 3;
-            h->terms = h->effect.terms = mukca_effect_terms(h->effect.kind, h->effect.variant);
+            h->terms = h->effect.terms = mukca_effect_terms(&h->effect);
             if (is_elastic(h) && recording->options.mass_spread > 0 && recording->n_bodies > 0)
                 h->terms = 1 + recording->n_bodies;
             break;

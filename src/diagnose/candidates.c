@@ -38,51 +38,28 @@ static void append(lister *l, mukca_candidate h)
     all->list[all->count++] = h;
 }
 
-static void append_effect(lister *l, mukca_effect_kind kind, int joint, int variant, int placement)
+/* The effects of the catalogue at a joint, or (-1) those of the arm and the recording. */
+static void append_effects(lister *l, int joint)
 {
-    append(l, (mukca_candidate){
-                  .kind = MUKCA_CANDIDATE_EFFECT,
-                  .joint = joint,
-                  .placement = placement,
-                  .effect = {
-                      .kind = kind, .joint = joint, .variant = variant, .placement = placement}});
-}
-
-/* Largest minus smallest angle of a joint. */
-static double turned(const lister *l, int joint)
-{
-    double range[2];
-    mukca_recording_range(range, l->recording, l->recording->data->q, l->recording->chain->n_joints,
-                          joint);
-    return range[1] - range[0];
-}
-
-/* Effects that need gravity to load the joint differently. */
-static void list_elastic(lister *l, int j, bool turns)
-{
-    static const int torque_scales[] = {300, 1000, 3000};
-    const mukca_recording *recording = l->recording;
-    const int n_joints = recording->chain->n_joints;
-    if (recording->have_torques) {
-        double range[2], least = HUGE_VAL;
-        mukca_recording_range(range, recording, recording->total_torque, n_joints, j);
-        for (int row = 0; row < recording->data->n_rows; row++)
-            least = fmin(least, fabs(recording->total_torque[row * n_joints + j]));
-        const double most = fmax(fabs(range[0]), fabs(range[1]));
-        if (most > 0.05 && range[1] - range[0] > 0.01) {
-            append_effect(l, MUKCA_EFFECT_JOINT_COMPLIANCE, j, 0, -1);
-            if ((range[0] < 0 && range[1] > 0) || least < 0.3 * most)
-                for (int i = 0; i < 3; i++)
-                    append_effect(l, MUKCA_EFFECT_BACKLASH, j, torque_scales[i], -1);
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
+        mukca_candidate h = {.kind = mukca_effect_table[kind]->site == MUKCA_SITE_DISTANCE
+                                         ? MUKCA_CANDIDATE_DISTANCE
+                                         : MUKCA_CANDIDATE_EFFECT,
+                             .joint = joint};
+        mukca_effect *e = &h.effect;
+        if (mukca_effect_has_joint(kind) != (joint >= 0)) continue;
+        for (int i = 0;
+             mukca_effect_candidate(e, (mukca_effect_kind)kind, joint, &l->all->survey, i); i++) {
+            h.placement = e->placement;
+            append(l, h);
         }
     }
-    if (recording->have_moments && turns) append_effect(l, MUKCA_EFFECT_LINK_BENDING, j, 0, -1);
 }
 
 /* Unknown functions that turn a joint by anything but its own angle. */
 static void list_other_functions(lister *l, int j)
 {
-    static const int time_constants[] = {300, 1000, 3000};
+    static const double time_constants[] = {300, 1000, 3000}; /* s, as of joint_drift */
     const mukca_recording *recording = l->recording;
     const mukca_unknowns *unknowns = l->unknowns;
     const int element = recording->chain->joint_element[j], rows = recording->data->n_rows;
@@ -91,7 +68,7 @@ static void list_other_functions(lister *l, int j)
     for (h.other = 0; h.other < recording->chain->n_joints; h.other++)
         for (int both = 0; both < 2; both++) {
             h.kind = both ? MUKCA_CANDIDATE_ANGLE_PRODUCT : MUKCA_CANDIDATE_OTHER_ANGLE;
-            if (h.other != j && turned(l, h.other) > 0.1) append(l, h);
+            if (h.other != j && l->all->survey.joint[h.other].range > 0.1) append(l, h);
         }
     h.kind = MUKCA_CANDIDATE_TIME;
     append(l, h);
@@ -111,41 +88,17 @@ static void list_other_functions(lister *l, int j)
         }
 }
 
-static void list_joint(lister *l, int j, bool moved)
+/* Unknown functions of a joint's own angle: two bumps or more, as many as there is room for. */
+static void list_own_functions(lister *l, int j)
 {
-    static const int time_constants[] = {0, 300, 1000, 3000};
-    static const int wobbles[] = {1, 2, 11, 12, 98, 99, 102, 103};
-    static const int widths_mrad[] = {120, 250, 500, 1000};
-    const mukca_recording *recording = l->recording;
-    const int n_joints = recording->chain->n_joints, placements = recording->data->n_placements;
-    const bool turns =
-        recording->chain->element[recording->chain->joint_element[j]].type != MUKCA_PRISMATIC;
-    list_elastic(l, j, turns);
-    for (int i = 0; i < 4; i++)
-        append_effect(l, MUKCA_EFFECT_JOINT_DRIFT, j, time_constants[i], -1);
-    for (int p = 0; placements > 1 && p < placements; p++)
-        append_effect(l, MUKCA_EFFECT_ZERO_JUMP, j, 0, p);
-    for (int side = -1; side <= 1; side += 2)
-        if (j + side >= 0 && j + side < n_joints && turned(l, j + side) > 1e-3)
-            append_effect(l, MUKCA_EFFECT_JOINT_COUPLING, j, side, -1);
-    list_other_functions(l, j);
-    const double range = turned(l, j);
-    if (range < 1e-3) return;
-    if (moved) append_effect(l, MUKCA_EFFECT_APPROACH_HYSTERESIS, j, 0, -1);
-    append_effect(l, MUKCA_EFFECT_JOINT_SCALE, j, 0, -1);
-    if (!turns) return;
-    for (int i = 0; i < 4 && range > 0.1; i++) {
-        const double width =
-            1e-3 * widths_mrad[i]; /* two bumps or more, as many as there is room */
-        if (width <= 0.6 * range && (int)ceil(range / width) + 1 <= MUKCA_MAX_COLUMNS)
+    static const double widths[] = {0.12, 0.25, 0.5, 1}; /* rad */
+    const double range = l->all->survey.joint[j].range;
+    for (int i = 0; l->all->survey.joint[j].turns && range > 0.1 && i < 4; i++)
+        if (widths[i] <= 0.6 * range && (int)ceil(range / widths[i]) + 1 <= MUKCA_MAX_COLUMNS)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_OWN_ANGLE,
                                         .joint = j,
                                         .placement = -1,
-                                        .width = width});
-    }
-    append_effect(l, MUKCA_EFFECT_ENCODER_ECCENTRICITY, j, 0, -1);
-    for (size_t i = 0; i < sizeof wobbles / sizeof *wobbles; i++)
-        append_effect(l, MUKCA_EFFECT_AXIS_WOBBLE, j, wobbles[i], -1);
+                                        .width = widths[i]});
 }
 
 /* Faults that begin at sample i of a group. */
@@ -224,19 +177,35 @@ static void set_priors(mukca_candidates *all)
     }
 }
 
-static const char *reason_missing(mukca_effect_kind kind, bool sockets)
+/* The facts that decide which effects can be tested. */
+static void survey_recording(mukca_effect_survey *s, const mukca_recording *recording)
 {
-    const int needs = mukca_effect_table[kind].needs;
-    if (needs & MUKCA_NEEDS_MASSES) return "no masses: give --inertials FILE";
-    if (needs & MUKCA_NEEDS_PLACEMENTS)
-        return sockets ? "one placement only: record a second one"
-                       : "a log of poses has no placements";
-    if (!(needs & MUKCA_NEEDS_SOCKETS))
-        return needs & MUKCA_NEEDS_ORDER ? "no moves between rows" : "no joint moved enough";
-    if (!sockets) return "a log of poses has no sockets";
-    return kind == MUKCA_EFFECT_TOOL_MOTION
-               ? "too few rows in each socket: record 20 or more"
-               : "needs two pairs of sockets a known distance apart: record another placement";
+    const mukca_dataset *data = recording->data;
+    const int n = recording->chain->n_joints, rows = data->n_rows;
+    *s = (mukca_effect_survey){.n_joints = n,
+                               .n_placements = data->n_placements,
+                               .moments = recording->have_moments,
+                               .torques = recording->have_torques,
+                               .pairs = recording->n_pairs > 1};
+    for (int j = 0; j < n; j++) {
+        const double *torque = recording->total_torque;
+        double range[2];
+        mukca_recording_range(range, recording, data->q, n, j);
+        s->joint[j].range = range[1] - range[0];
+        s->joint[j].turns =
+            recording->chain->element[recording->chain->joint_element[j]].type != MUKCA_PRISMATIC;
+        mukca_recording_range(range, recording, recording->move, n, j);
+        s->moved |= range[1] - range[0] > 1e-6;
+        mukca_recording_range(range, recording, torque, n, j);
+        s->joint[j].torque_low = range[0], s->joint[j].torque_high = range[1];
+        s->joint[j].torque_most = fmax(fabs(range[0]), fabs(range[1]));
+        s->joint[j].torque_least = HUGE_VAL;
+        for (int row = 0; row < rows; row++)
+            s->joint[j].torque_least = fmin(s->joint[j].torque_least, fabs(torque[row * n + j]));
+    }
+    for (int i = 0; recording->command && i < rows * n; i++)
+        s->commanded |= fabs(recording->command[i] - data->q[i]) > 1e-7;
+    for (int g = 0; g < recording->n_groups; g++) s->sockets |= recording->groups[g].socket >= 0;
 }
 
 mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
@@ -249,37 +218,24 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
                 .unknowns = unknowns,
                 .disabled = disabled,
                 .ok = true};
-    const mukca_dataset *data = recording->data;
-    const int n_joints = recording->chain->n_joints, rows = data->n_rows;
-    bool moved = false, commanded = false, sockets = false;
     memset(all, 0, sizeof *all);
-    for (int j = 0; j < n_joints; j++) {
-        double range[2];
-        mukca_recording_range(range, recording, recording->move, n_joints, j);
-        moved |= range[1] - range[0] > 1e-6;
+    survey_recording(&all->survey, recording);
+    for (int j = 0; j < recording->chain->n_joints; j++) {
+        append_effects(&l, j);
+        list_other_functions(&l, j);
+        list_own_functions(&l, j);
     }
-    for (int i = 0; recording->command && i < rows * n_joints; i++)
-        commanded |= fabs(recording->command[i] - data->q[i]) > 1e-7;
-    for (int j = 0; j < n_joints; j++) list_joint(&l, j, moved);
-    if (recording->have_moments) append_effect(&l, MUKCA_EFFECT_BASE_COMPLIANCE, -1, 0, -1);
-    if (moved) append_effect(&l, MUKCA_EFFECT_READBACK_LAG, -1, 0, -1);
-    if (commanded) append_effect(&l, MUKCA_EFFECT_READBACK_LAG, -1, 1, -1);
-    for (int p = 0; data->n_placements > 1 && p < data->n_placements; p++)
-        append_effect(&l, MUKCA_EFFECT_BALL_SHIFT, -1, 0, p);
-    /* a wrong distance in all placements, or in one */
-    for (int p = -1; recording->n_pairs > 1 && p < data->n_placements; p++)
-        append(&l,
-               (mukca_candidate){.kind = MUKCA_CANDIDATE_DISTANCE, .joint = -1, .placement = p});
+    append_effects(&l, -1);
     list_faults(&l);
     if (!l.ok)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows", rows);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows",
+                          recording->data->n_rows);
     all->harmonics = !(disabled && disabled[MUKCA_EFFECT_GEAR_HARMONIC]);
     set_priors(all);
-    for (int g = 0; g < recording->n_groups; g++) sockets |= recording->groups[g].socket >= 0;
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
         if (!all->enabled[kind] && kind != MUKCA_EFFECT_GEAR_HARMONIC)
             all->missing[kind] = disabled && disabled[kind]
                                      ? "left out on request"
-                                     : reason_missing((mukca_effect_kind)kind, sockets);
+                                     : mukca_effect_missing((mukca_effect_kind)kind, &all->survey);
     return MUKCA_OK;
 }

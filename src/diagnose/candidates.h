@@ -3,10 +3,12 @@
 #define MUKCA_DIAGNOSE_CANDIDATES_H
 
 #include "diagnose/unknowns.h"
+#include "effect/survey.h"
 
 typedef struct {
     mukca_candidate *list;
     int count, capacity;
+    mukca_effect_survey survey;         /* of the recording */
     int classes;                        /* that compete, gear harmonics included where scanned */
     bool enabled[MUKCA_CLASSES];        /* classes in the competition */
     bool harmonics;                     /* all orders of gear ripple are scanned, too */

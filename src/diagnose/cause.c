@@ -68,7 +68,8 @@ void mukca_cause_measure(mukca_cause *out, mukca_regression *m, int index)
     if (terms == 1) out->sigma[0] = sigma;
     out->low = out->amplitude - INTERVAL * sigma;
     out->high = out->amplitude + INTERVAL * sigma;
-    if (terms > 1 || mukca_effect_table[out->effect.kind].nonnegative) out->low = fmax(out->low, 0);
+    if (terms > 1 || mukca_effect_table[out->effect.kind]->nonnegative)
+        out->low = fmax(out->low, 0);
 }
 
 /* The effect of a tied candidate, of a size that moves the joints about as much as the cause. */
@@ -77,7 +78,7 @@ static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *c
     mukca_effect rival = mukca_candidate_effect(h);
     double square = 0;
     for (int t = 0; t < cause->terms; t++) square += pow(cause->coefficient[t] * unit, 2);
-    rival.terms = mukca_effect_terms(rival.kind, rival.variant);
+    rival.terms = mukca_effect_terms(&rival);
     for (int t = 0; t < rival.terms; t++)
         rival.coefficient[t] = sqrt(square / rival.terms) / h->unit[0];
     return rival;
@@ -94,13 +95,8 @@ static void add_tie(mukca_cause *out, mukca_tie tie)
  * angle: such a name shares its place with the flexibility that cannot be tested. */
 static void tie_untested_flexibility(mukca_cause *out, const mukca_competition *contest)
 {
-    const mukca_effect_kind kind = out->effect.kind;
     const unsigned char *disabled = contest->options->disabled;
-    const bool smooth = kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
-                        kind == MUKCA_EFFECT_JOINT_SCALE || kind == MUKCA_EFFECT_JOINT_COUPLING ||
-                        kind == MUKCA_EFFECT_AXIS_WOBBLE ||
-                        (kind == MUKCA_EFFECT_GEAR_HARMONIC && out->effect.variant <= 3);
-    if (!contest->m->recording.have_torques && smooth &&
+    if (!contest->m->recording.have_torques && mukca_effect_is_smooth(&out->effect) &&
         !(disabled && disabled[MUKCA_EFFECT_JOINT_COMPLIANCE]) && out->n_ties < MUKCA_MAX_TIES)
         out->ties[out->n_ties++] = (mukca_tie){.effect = MUKCA_EFFECT_JOINT_COMPLIANCE,
                                                .joint = out->effect.joint,
@@ -147,7 +143,7 @@ static const mukca_contender *stand(mukca_standing *standing, double *share,
         total += p;
         if (c->class == MUKCA_CLASS_UNKNOWN) standing->by_joint[c->joint] += p;
         if (c->class == class && c->joint == h->joint &&
-            (class != MUKCA_EFFECT_TOOL_MOTION || member->fault.group == h->fault.group)) {
+            (!mukca_candidate_is_fault(h) || member->fault.group == h->fault.group)) {
             own += p;
             if (!mine) mine = c;
         }

@@ -28,8 +28,7 @@ static mukca_contender key_of(const mukca_candidate *h)
         c.place = 8 * h->fault.first + (h->fault.last - h->fault.first) % 8;
     else if (mukca_candidate_is_fault(h))
         c.place = h->fault.group;
-    else if (c.class == MUKCA_EFFECT_ZERO_JUMP || c.class == MUKCA_EFFECT_BALL_SHIFT ||
-             c.class == MUKCA_EFFECT_SOCKET_DISTANCE)
+    else if (mukca_effect_has(c.class, MUKCA_TRAIT_PER_PLACEMENT))
         c.place = h->placement;
     return c;
 }
@@ -76,17 +75,13 @@ static bool shadowed(const mukca_competition *contest, const mukca_contender *c,
         if (i == without || mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN || h->joint != c->joint)
             continue;
         if (c->class == MUKCA_CLASS_UNKNOWN) return true;
-        if (h->kind == MUKCA_CANDIDATE_OWN_ANGLE) {
-            if (c->class == MUKCA_EFFECT_GEAR_HARMONIC ||
-                c->class == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
-                c->class == MUKCA_EFFECT_JOINT_SCALE)
-                return true;
-        } else if (h->kind == MUKCA_CANDIDATE_OTHER_ANGLE ||
-                   h->kind == MUKCA_CANDIDATE_ANGLE_PRODUCT) {
-            if (c->class == MUKCA_EFFECT_JOINT_COUPLING) return true;
-        } else if (c->class == MUKCA_EFFECT_JOINT_DRIFT) {
+        const bool other =
+            h->kind == MUKCA_CANDIDATE_OTHER_ANGLE || h->kind == MUKCA_CANDIDATE_ANGLE_PRODUCT;
+        if (mukca_effect_has(c->class, other ? MUKCA_TRAIT_OTHER_ANGLE
+                                       : h->kind == MUKCA_CANDIDATE_OWN_ANGLE
+                                           ? MUKCA_TRAIT_OWN_ANGLE
+                                           : MUKCA_TRAIT_OF_TIME))
             return true;
-        }
     }
     return false;
 }

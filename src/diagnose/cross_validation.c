@@ -30,7 +30,8 @@ static double noise_gain(int placements)
 /* Does an effect belong to one placement, which must have been seen to predict it? */
 static bool of_placement(const mukca_effect *effect)
 {
-    return effect->kind == MUKCA_EFFECT_ZERO_JUMP || effect->kind == MUKCA_EFFECT_BALL_SHIFT;
+    return mukca_effect_has((int)effect->kind, MUKCA_TRAIT_PER_PLACEMENT) &&
+           !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);
 }
 
 /* The accepted cause behind a described one, -1: none. */
@@ -40,9 +41,7 @@ static int find_accepted(const mukca_regression *m, const mukca_cause *cause)
         const mukca_candidate *h = &m->unknowns.cause[c].candidate;
         if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) continue;
         const mukca_effect effect = mukca_candidate_effect(h);
-        if (effect.kind == cause->effect.kind && effect.joint == cause->effect.joint &&
-            effect.variant == cause->effect.variant &&
-            effect.placement == cause->effect.placement &&
+        if (mukca_effect_same(&effect, &cause->effect) &&
             (cause->socket < 0 || m->recording.groups[h->fault.group].socket == cause->socket))
             return c;
     }

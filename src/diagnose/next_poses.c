@@ -9,7 +9,7 @@ enum { CANDIDATES = 40 };
 
 static bool settled_by_poses(const mukca_effect *effect)
 {
-    return mukca_effect_table[effect->kind].site != MUKCA_SITE_SOCKET;
+    return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);
 }
 
 /* The first tied cause that acts on the arm, and its nearest rival that does. */

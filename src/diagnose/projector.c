@@ -131,7 +131,7 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
     const double *scales;
     const int n_scales = mukca_candidate_scales(&scales, h);
     const bool nonnegative =
-        h->kind == MUKCA_CANDIDATE_EFFECT && mukca_effect_table[h->effect.kind].nonnegative;
+        h->kind == MUKCA_CANDIDATE_EFFECT && mukca_effect_table[h->effect.kind]->nonnegative;
     double trace = 0;
     for (int i = 0; i < k; i++) {
         g[i] /= h->unit[i];

@@ -36,18 +36,19 @@ static void pick_harmonics(mukca_scan *scan, const mukca_joint_view *view, doubl
             if (value[order] > value[best]) best = order;
         for (int i = 0; i < scan->n_harmonic; i++) {
             const mukca_candidate *e = &scan->harmonic[i];
-            known |= e->joint == j && e->effect.variant == best;
+            known |= e->joint == j && e->effect.variant.order == best;
             of_joint += e->joint == j;
         }
         value[best] = -HUGE_VAL;
         if (known || of_joint == MUKCA_RIPPLE_MOST) continue;
         mukca_candidate *h = &scan->harmonic[scan->n_harmonic];
-        *h = (mukca_candidate){
-            .kind = MUKCA_CANDIDATE_EFFECT,
-            .joint = j,
-            .placement = -1,
-            .effect = {
-                .kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = j, .placement = -1, .variant = best}};
+        *h = (mukca_candidate){.kind = MUKCA_CANDIDATE_EFFECT,
+                               .joint = j,
+                               .placement = -1,
+                               .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
+                                          .joint = j,
+                                          .placement = -1,
+                                          .variant.order = best}};
         if (!mukca_candidate_prepare(h, &m->pool, &m->recording)) continue;
         h->log_prior = mukca_ripple_log_prior(best) - log(n_joints) - log(scan->all->classes);
         scan->n_harmonic++;

@@ -29,61 +29,20 @@ static void add(mukca_tested_list *tested, int kind, int joint, const char *why)
                                                    .why = why};
 }
 
-static const char *reason(int kind, const mukca_recording *recording, int joint)
-{
-    const int n = recording->chain->n_joints;
-    double range[2], torque[2];
-    mukca_recording_range(range, recording, recording->data->q, n, joint);
-    mukca_recording_range(torque, recording, recording->total_torque, n, joint);
-    switch (kind) {
-        case MUKCA_EFFECT_JOINT_COMPLIANCE:
-        case MUKCA_EFFECT_BACKLASH:
-            if (fmax(fabs(torque[0]), fabs(torque[1])) < 0.05)
-                return "gravity does not load it in these poses";
-            return kind == MUKCA_EFFECT_BACKLASH
-                       ? "gravity holds it on one side in all rows: record poses on both sides"
-                       : "gravity loads it alike in all rows: record poses with other lever arms";
-        case MUKCA_EFFECT_JOINT_COUPLING:
-            return "no neighbour of it moved: record poses that turn them";
-        default:
-            return !(range[1] - range[0] >= 1e-3) ? "it did not move: record poses that turn it"
-                                                  : "these rows hold nothing that tells of it";
-    }
-}
-
-static const char *faint(int kind, int joint)
-{
-    if (kind == MUKCA_EFFECT_ZERO_JUMP && joint == 0)
-        return "turns the whole placement, sockets and all: only a tracker can see it";
-    if (joint < 0) return "too faint for these rows: record more";
-    return "hardly moves the ball in these poses: turn it further, or mount the ball off its axis";
-}
-
 /* Add the effects that have no candidate, as a whole or at a joint. */
-static void add_missing(mukca_tested_list *tested, const mukca_recording *recording,
-                        const mukca_candidates *all)
+static void add_missing(mukca_tested_list *tested, const mukca_candidates *all)
 {
+    const mukca_effect_survey *survey = &all->survey;
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
-        const mukca_effect_site site = mukca_effect_table[kind].site;
-        if (all->missing[kind]) {
-            add(tested, kind, -1, all->missing[kind]);
-            continue;
-        }
-        if (site != MUKCA_SITE_ANGLE && site != MUKCA_SITE_ROTATION) continue;
-        if (kind == MUKCA_EFFECT_GEAR_HARMONIC && !all->harmonics) {
-            add(tested, kind, -1, "left out on request");
-            continue;
-        }
-        for (int j = 0; j < recording->chain->n_joints; j++) {
-            const bool slides =
-                recording->chain->element[recording->chain->joint_element[j]].type ==
-                MUKCA_PRISMATIC;
-            const bool never = slides && (site == MUKCA_SITE_ROTATION ||
-                                          kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY ||
-                                          kind == MUKCA_EFFECT_GEAR_HARMONIC);
-            if (!never && !listed(tested, kind, j))
-                add(tested, kind, j, reason(kind, recording, j));
-        }
+        const bool turning = mukca_effect_table[kind]->site == MUKCA_SITE_ROTATION ||
+                             mukca_effect_has(kind, MUKCA_TRAIT_PERIODIC);
+        const char *why = kind == MUKCA_EFFECT_GEAR_HARMONIC && !all->harmonics
+                              ? "left out on request"
+                              : all->missing[kind];
+        if (why) add(tested, kind, -1, why);
+        for (int j = 0; !why && mukca_effect_has_joint(kind) && j < survey->n_joints; j++)
+            if ((survey->joint[j].turns || !turning) && !listed(tested, kind, j))
+                add(tested, kind, j, mukca_effect_untested((mukca_effect_kind)kind, survey, j));
     }
 }
 
@@ -95,19 +54,19 @@ void mukca_untested_list(mukca_tested_list *tested, const mukca_competition *con
         if (c->class >= MUKCA_EFFECT_COUNT || listed(tested, c->class, c->joint)) continue;
         const mukca_score *score = &contest->first_score[c->best];
         const double limit = sqrt(2 * LEAST_EVIDENCE / fmax(score->information, 1e-12));
-        const mukca_effect_site site = mukca_effect_table[c->class].site;
-        const bool length = site == MUKCA_SITE_TIP || site == MUKCA_SITE_SOCKET;
+        const bool length = mukca_effect_table[c->class]->site == MUKCA_SITE_TIP ||
+                            mukca_effect_has(c->class, MUKCA_TRAIT_RECORDING_FAULT);
         const bool testable = limit < (length ? MOST_LENGTH : MOST_ANGLE);
-        tested->list[tested->count++] =
-            (mukca_tested){.effect = (mukca_effect_kind)c->class,
-                           .joint = c->joint,
-                           .log_bayes_factor = score->log_bayes,
-                           .log_odds = c->log_odds,
-                           .limit = limit,
-                           .testable = testable,
-                           .why = testable ? NULL : faint(c->class, c->joint)};
+        tested->list[tested->count++] = (mukca_tested){
+            .effect = (mukca_effect_kind)c->class,
+            .joint = c->joint,
+            .log_bayes_factor = score->log_bayes,
+            .log_odds = c->log_odds,
+            .limit = limit,
+            .testable = testable,
+            .why = testable ? NULL : mukca_effect_faint((mukca_effect_kind)c->class, c->joint)};
     }
-    add_missing(tested, &contest->m->recording, contest->all);
+    add_missing(tested, contest->all);
 }
 
 void mukca_untested_all(mukca_tested_list *tested, const char *why)

@@ -103,9 +103,7 @@ static bool part_of_unknown(const mukca_unknowns *u, const described *found, int
     const mukca_candidate *h = &u->cause[cause].candidate;
     const int class = mukca_candidate_class(h);
     if (class == MUKCA_CLASS_UNKNOWN) return true;
-    if (class != MUKCA_EFFECT_ENCODER_ECCENTRICITY && class != MUKCA_EFFECT_JOINT_SCALE &&
-        class != MUKCA_EFFECT_GEAR_HARMONIC)
-        return false;
+    if (!mukca_effect_has(class, MUKCA_TRAIT_OWN_ANGLE)) return false;
     for (int c = 0; c < u->n_causes; c++)
         if (mukca_candidate_class(&u->cause[c].candidate) == MUKCA_CLASS_UNKNOWN &&
             u->cause[c].candidate.joint == h->joint &&
@@ -154,7 +152,8 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_c
     bool ties = false;
     for (int c = 0; c < u->n_causes; c++) {
         const mukca_cause *cause = &found[c].cause;
-        const bool moved = found[c].named && cause->effect.kind == MUKCA_EFFECT_TOOL_MOTION;
+        const bool moved =
+            found[c].named && mukca_effect_table[cause->effect.kind]->site == MUKCA_SITE_SOCKET;
         if (moved)
             mukca_screening_add(faults, &m->recording, MUKCA_FAULT_TOOL_MOTION,
                                 u->cause[found[c].index].candidate.fault.first, cause->amplitude);

@@ -37,7 +37,7 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
         char text[256];
         if (format->holds(effect)) continue;
         snprintf(text, sizeof text, "%s of %.60s is left out: the format %s cannot represent it",
-                 mukca_effect_table[effect->kind].name, joint ? joint : "the arm", exporter->name);
+                 mukca_effect_table[effect->kind]->name, joint ? joint : "the arm", exporter->name);
         input->note(input->context, text);
     }
     return MUKCA_OK;

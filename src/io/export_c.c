@@ -59,10 +59,10 @@ static void print_effects(FILE *stream, const char *id, const mukca_export_input
         id);
     for (int e = 0; e < o->n_effects; e++)
         for (int t = 0; t < o->effects[e].terms; t++) {
-            char term[48];
+            char term[MUKCA_EFFECT_TEXT];
             mukca_effect_term_text(term, &o->effects[e], t);
             fprintf(stream, "    {\"%s\", %d, \"%s\", ",
-                    mukca_effect_table[o->effects[e].kind].name, o->effects[e].joint, term);
+                    mukca_effect_table[o->effects[e].kind]->name, o->effects[e].joint, term);
             mukca_export_numbers(stream, &o->effects[e].coefficient[t], 1, "");
             fputs("},\n", stream);
         }

@@ -50,19 +50,14 @@ static void name(const writer *w, const char *key, const char *text, const char 
 static double *equivalent(writer *w, const mukca_effect *effect)
 {
     elasticity *joint = effect->joint < 0 ? NULL : &w->joint[effect->joint];
+    const mukca_effect_site site = mukca_effect_table[effect->kind]->site;
+    const int traits = mukca_effect_table[effect->kind]->traits;
     if (!(effect->coefficient[0] > 0)) return NULL;
-    switch (effect->kind) {
-        case MUKCA_EFFECT_BASE_COMPLIANCE:
-            return &w->base;
-        case MUKCA_EFFECT_JOINT_COMPLIANCE:
-            return &joint->angle;
-        case MUKCA_EFFECT_LINK_BENDING:
-            return &joint->bending;
-        case MUKCA_EFFECT_BACKLASH:
-            return &joint->play;
-        default:
-            return NULL;
-    }
+    if (traits & MUKCA_TRAIT_PLAY) return &joint->play;
+    if (!(traits & MUKCA_TRAIT_ELASTIC)) return NULL;
+    return site == MUKCA_SITE_BASE    ? &w->base
+           : site == MUKCA_SITE_ANGLE ? &joint->angle
+                                      : &joint->bending;
 }
 
 static bool holds(const mukca_effect *effect)
@@ -82,7 +77,7 @@ static void gather(writer *w)
             *sum += o->effects[e].coefficient[0];
         else
             fprintf(w->stream, "     Left out, no spring or stop behaves like it: %s of %s\n",
-                    mukca_effect_table[o->effects[e].kind].name, joint ? joint : "the arm");
+                    mukca_effect_table[o->effects[e].kind]->name, joint ? joint : "the arm");
     }
 }
 

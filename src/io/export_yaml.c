@@ -15,15 +15,15 @@ static void print_effects(FILE *stream, const mukca_export_input *input)
         const mukca_effect *effect = &input->offsets->effects[e];
         const char *joint = mukca_export_joint(input, effect);
         for (int t = 0; t < effect->terms; t++) {
-            char term[48];
+            char term[MUKCA_EFFECT_TEXT];
             mukca_effect_term_text(term, effect, t);
-            fprintf(stream, "  - effect: %s\n    joint: ", mukca_effect_table[effect->kind].name);
+            fprintf(stream, "  - effect: %s\n    joint: ", mukca_effect_table[effect->kind]->name);
             if (joint)
                 mukca_export_quoted(stream, joint);
             else
                 fputs("null", stream);
             fprintf(stream, "\n    term: \"%s\"\n    unit: \"%s\"\n    coefficient: ", term,
-                    mukca_effect_table[effect->kind].unit);
+                    mukca_effect_table[effect->kind]->unit);
             mukca_export_numbers(stream, &effect->coefficient[t], 1, "");
             fputc('\n', stream);
         }

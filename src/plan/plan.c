@@ -41,10 +41,10 @@ static mukca_status check(const mukca_chain *chain, int n_sockets, const mukca_p
                           MUKCA_PLAN_MAX_EFFECTS, o->n_effects);
     for (int e = 0; e < o->n_effects; e++) {
         const mukca_effect *f = &o->effects[e];
-        const mukca_effect_info *info = &mukca_effect_table[f->kind];
+        const mukca_effect_info *info = mukca_effect_table[f->kind];
         double size = 0;
         for (int t = 0; t < f->terms; t++) size = hypot(size, f->coefficient[t]);
-        if (info->site == MUKCA_SITE_SOCKET)
+        if (info->traits & MUKCA_TRAIT_RECORDING_FAULT)
             return mukca_fail(error, MUKCA_USAGE,
                               "%s is a fault of the recording; no pose settles it: record again",
                               info->name);
@@ -92,7 +92,7 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
     plan->rows = calloc((size_t)rows, sizeof *plan->rows);
     if (s->pool.failed || !plan->rows) goto memory;
     for (int e = 0; e < s->n_effects; e++)
-        p.ordered |= (mukca_effect_table[s->effect[e].kind].needs & MUKCA_NEEDS_ORDER) != 0;
+        p.ordered |= (mukca_effect_table[s->effect[e].kind]->needs & MUKCA_NEEDS_ORDER) != 0;
     mukca_plan_look_elsewhere(s, &p.rules, options->seed);
     plan->n_recorded = mukca_plan_take_recorded(&p, H, recorded);
     plan->expected_before = mukca_plan_expected(s);

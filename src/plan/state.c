@@ -47,7 +47,7 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     if (status != MUKCA_OK) return status;
     for (int e = 0; e < s->n_effects; e++) {
         s->effect[e] = options->effects[e];
-        s->effect[e].terms = mukca_effect_terms(s->effect[e].kind, s->effect[e].variant);
+        s->effect[e].terms = mukca_effect_terms(&s->effect[e]);
         s->first_term[e + 1] = s->first_term[e] + s->effect[e].terms;
     }
     s->n_terms = s->first_term[s->n_effects];

@@ -222,7 +222,7 @@ void mukca_report_put_causes(FILE *out, const mukca_report *r)
         mukca_html_table_text(&table, text);
         mukca_wording_probability(text, cause->probability);
         mukca_html_table_text(&table, text + strlen("probability "));
-        mukca_html_table_text(&table, mukca_effect_table[cause->effect.kind].sentence);
+        mukca_html_table_text(&table, mukca_effect_table[cause->effect.kind]->sentence);
     }
     mukca_html_table_end(&table);
     put_ties(out, d);

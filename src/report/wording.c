@@ -26,18 +26,9 @@ bool mukca_wording_slides(const mukca_chain *chain, int joint)
     return joint >= 0 && chain->element[chain->joint_element[joint]].type == MUKCA_PRISMATIC;
 }
 
-const char *mukca_wording_unit(mukca_effect_kind kind, const mukca_chain *chain, int joint)
-{
-    const mukca_effect_info *info = &mukca_effect_table[kind];
-    if (info->site != MUKCA_SITE_ANGLE || !mukca_wording_slides(chain, joint)) return info->unit;
-    return strcmp(info->unit, "rad/(N*m)") == 0 ? "m/N"
-           : strcmp(info->unit, "rad/rad") == 0 ? "m/m"
-                                                : "m";
-}
-
 bool mukca_wording_on_arm(const mukca_cause *cause)
 {
-    return cause->effect.kind != MUKCA_EFFECT_TOOL_MOTION;
+    return mukca_effect_table[cause->effect.kind]->site != MUKCA_SITE_SOCKET;
 }
 
 /* ---- causes ---- */
@@ -45,13 +36,14 @@ bool mukca_wording_on_arm(const mukca_cause *cause)
 void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind,
                           const mukca_chain *chain, int joint)
 {
+    const mukca_effect_info *info = mukca_effect_table[kind];
     text[0] = '\0';
-    put(text, "%s",
-        kind == MUKCA_EFFECT_GEAR_HARMONIC ? "transmission ripple" : mukca_effect_table[kind].name);
-    for (char *c = text; *c; c++)
-        if (*c == '_') *c = ' ';
+    put(text, "%s", info->title);
     if (joint < 0) return;
-    put(text, " %s %s", kind == MUKCA_EFFECT_LINK_BENDING ? "before" : "at",
+    put(text, " %s %s",
+        info->site == MUKCA_SITE_ROTATION && mukca_effect_has((int)kind, MUKCA_TRAIT_ELASTIC)
+            ? "before"
+            : "at",
         mukca_wording_joint(chain, joint));
 }
 
@@ -60,16 +52,8 @@ void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
 {
     const mukca_effect *e = &cause->effect;
     mukca_wording_effect(text, e->kind, r->chain, e->joint);
-    if (e->kind == MUKCA_EFFECT_GEAR_HARMONIC)
-        put(text, " (%d per turn)", e->variant);
-    else if (e->kind == MUKCA_EFFECT_JOINT_COUPLING)
-        put(text, " (driven by %s)", mukca_wording_joint(r->chain, e->joint + e->variant));
-    else if (e->kind == MUKCA_EFFECT_JOINT_DRIFT && e->variant > 0)
-        put(text, " (settles within %d min)", (e->variant + 30) / 60);
-    else if (e->kind == MUKCA_EFFECT_JOINT_DRIFT)
-        put(text, " (per 1000 s)");
-    else if (e->kind == MUKCA_EFFECT_READBACK_LAG)
-        put(text, e->variant ? " towards the commanded angles" : " of all joints");
+    char *end = text + strlen(text);
+    mukca_effect_describe(end, (size_t)(text + MUKCA_WORDING - end), e, r->chain);
     const int placement = e->placement;
     if (placement >= 0) put(text, " in placement %s", r->data->placements[placement].name);
     if (placement >= 0 && cause->socket >= 0)
@@ -97,13 +81,12 @@ void mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
         double factor;
     } table[] = {{"rad/(N*m)", "urad/(N·m)", 1e6}, {"m/N", "um/N", 1e6}, {"rad", "mrad", 1e3},
                  {"rad/rad", "mrad/rad", 1e3},     {"m", "mm", 1e3},     {"m/m", "mm/m", 1e3}};
-    const char *unit = mukca_wording_unit(cause->effect.kind, chain, cause->effect.joint);
+    const char *unit = mukca_effect_unit(&cause->effect, chain);
     const char *shown = unit;
     double factor = 1;
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         if (strcmp(unit, table[i].si) == 0) shown = table[i].shown, factor = table[i].factor;
-    if (cause->effect.kind == MUKCA_EFFECT_READBACK_LAG && cause->effect.variant)
-        shown = "% of command minus reading", factor = 100;
+    if (cause->effect.variant.to_command) shown = "% of command minus reading", factor = 100;
     /* two figures of the interval's half width */
     const double half = fmax(factor * fabs(cause->high - cause->amplitude), 1e-12);
     int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
@@ -125,32 +108,7 @@ void mukca_wording_probability(char text[MUKCA_WORDING], double probability)
 
 const char *mukca_wording_remedy(const mukca_cause *cause)
 {
-    static const char *const remedy[MUKCA_EFFECT_COUNT] = {
-        [MUKCA_EFFECT_LINK_BENDING] =
-            "compensate it with the offsets table; check the screws between link and joint",
-        [MUKCA_EFFECT_BASE_COMPLIANCE] = "stiffen the base or its table, or compensate it",
-        [MUKCA_EFFECT_BACKLASH] = "adjust the gear, or approach targets from one side",
-        [MUKCA_EFFECT_APPROACH_HYSTERESIS] =
-            "approach targets from one side; check friction and preload",
-        [MUKCA_EFFECT_JOINT_SCALE] =
-            "correct the encoder's counts per turn in the controller, or compensate it",
-        [MUKCA_EFFECT_JOINT_COUPLING] =
-            "correct the coupling ratio in the controller, or compensate it",
-        [MUKCA_EFFECT_ENCODER_ECCENTRICITY] =
-            "calibrate the encoder in the controller, or compensate it",
-        [MUKCA_EFFECT_AXIS_WOBBLE] =
-            "check the seat and the preload of the bearing, or "
-            "compensate it",
-        [MUKCA_EFFECT_JOINT_DRIFT] = "warm the arm up before recording and before use",
-        [MUKCA_EFFECT_READBACK_LAG] =
-            "let the arm stand still before each sample; check the time stamps of the joint states",
-        [MUKCA_EFFECT_TOOL_MOTION] = "fasten the tool and record this placement again",
-        [MUKCA_EFFECT_ZERO_JUMP] =
-            "check homing and brake of the joint, then record this placement again",
-        [MUKCA_EFFECT_BALL_SHIFT] = "fasten the ball and record this placement again",
-        [MUKCA_EFFECT_SOCKET_DISTANCE] =
-            "measure the distance between the sockets and give it as --distance"};
-    const char *text = remedy[cause->effect.kind];
+    const char *text = mukca_effect_table[cause->effect.kind]->remedy;
     return text ? text : "compensate it with the offsets table; inspect the transmission";
 }
 
@@ -218,20 +176,11 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
             mukca_wording_cause(words, first, r);
         put(text, "%s: %s (%s)", causes > 1 ? "Main cause" : "Cause", words,
             tied ? "indistinguishable in these data"
-                 : mukca_effect_table[first->effect.kind].sentence);
+                 : mukca_effect_table[first->effect.kind]->sentence);
         put_count(text, causes - 1, "further ");
     }
     if (d->unexplained && d->verdict != MUKCA_VERDICT_UNKNOWN)
         put(text, "; unexplained structure remains");
-}
-
-/* Smooth functions of a joint's angle, for which flexibility is mistaken.  A ripple counts as one
- * up to 4 per turn: gravity's torque has orders 1 and 2, and their doubles. */
-static bool smooth(const mukca_effect *e)
-{
-    return e->kind == MUKCA_EFFECT_JOINT_SCALE || e->kind == MUKCA_EFFECT_JOINT_COUPLING ||
-           e->kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY || e->kind == MUKCA_EFFECT_AXIS_WOBBLE ||
-           (e->kind == MUKCA_EFFECT_GEAR_HARMONIC && e->variant <= 4);
 }
 
 void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
@@ -246,7 +195,7 @@ void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
                 "Flexibility not tested: the URDF has no link masses (give --inertials "
                 "FILE).");
     for (int i = 0; *text && i < d->n_causes; i++)
-        if (smooth(&d->causes[i].effect)) {
+        if (mukca_effect_is_smooth(&d->causes[i].effect)) {
             put(text, " What follows may be flexibility in disguise.");
             break;
         }

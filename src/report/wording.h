@@ -22,9 +22,6 @@ const char *mukca_wording_joint(const mukca_chain *chain, int joint);
 /* Is it prismatic?  False for -1. */
 bool mukca_wording_slides(const mukca_chain *chain, int joint);
 
-/* SI unit of an effect's amplitude there, for machines: "rad", or "m" where the joint slides. */
-const char *mukca_wording_unit(mukca_effect_kind kind, const mukca_chain *chain, int joint);
-
 /* Does the cause act on the arm?  A moved tool does not. */
 bool mukca_wording_on_arm(const mukca_cause *cause);
 

@@ -8,21 +8,6 @@
 enum { CANDIDATES = 32, TRIES = 10, SEARCH = 200 };
 static const double margin = 0.03; /* m */
 
-static double range_of(const mukca_element *e, double *lower)
-{
-    const double free = e->type == MUKCA_PRISMATIC ? 0.5 : 3.141592653589793;
-    *lower = fmax(e->lower, -free);
-    return fmin(e->upper, free) - *lower;
-}
-
-void mukca_simulate_posture(double *q, const mukca_chain *chain, mukca_random *random)
-{
-    for (int j = 0; j < chain->n_joints; j++) {
-        double lower, range = range_of(&chain->element[chain->joint_element[j]], &lower);
-        q[j] = lower + range * (0.02 + 0.96 * mukca_random_uniform(random));
-    }
-}
-
 static void random_rotation(double R[9], mukca_random *random)
 {
     double q[4];

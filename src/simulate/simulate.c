@@ -24,11 +24,6 @@ static mukca_simulate_options settle(const mukca_simulate_options *options)
     return o;
 }
 
-void mukca_simulate_seed(mukca_random *random, uint64_t seed, mukca_draw purpose)
-{
-    mukca_random_seed(random, seed ^ ((uint64_t)purpose * 0xd1b54a32d192ed03u));
-}
-
 void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_chain *chain,
                             double shift, double turn, uint64_t seed)
 {
@@ -74,11 +69,12 @@ typedef struct {
 /* What the effects do in the row at hand if its angles are q. */
 static void displace(mukca_displacement *displacement, const double *q, void *context)
 {
+    const mukca_effect last_move = {.kind = MUKCA_EFFECT_READBACK_LAG};
     recorder *r = context;
     const int n = r->data->n_joints;
     double meant[MUKCA_MAX_JOINTS]; /* by a controller whose reading is stale */
     mukca_joint_state state = *mukca_row_state_set(&r->states, q);
-    mukca_effect_lag_direction(meant, n, 0, &state);
+    mukca_effect_direction(meant, n, &last_move, &state);
     for (int j = 0; j < n; j++) meant[j] = q[j] + r->stale * meant[j];
     state.command = meant;
     if (r->data->command)
@@ -177,9 +173,10 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int socket
     }
     bool compared = false;
     for (int e = 0; e < arm->n_effects; e++) {
-        if (arm->effects[e].kind != MUKCA_EFFECT_READBACK_LAG) continue;
-        compared |= arm->effects[e].variant == 1;
-        if (arm->effects[e].variant == 0) r->stale += arm->effects[e].coefficient[0];
+        const mukca_effect *effect = &arm->effects[e];
+        if (mukca_effect_table[effect->kind]->site != MUKCA_SITE_ANGLES) continue;
+        compared |= effect->variant.to_command;
+        if (!effect->variant.to_command) r->stale += effect->coefficient[0];
     }
     if (compared && r->stale == 0) r->stale = 1e-3;
     mukca_status status = mukca_dataset_create(data, rows, (int)n, sockets, placements, error);
@@ -204,7 +201,7 @@ void mukca_simulate_seat(double position[3], const mukca_true_arm *arm, const mu
     const mukca_simulate_options o = settle(options);
     double distance = o.distance, shift[3] = {0, 0, 0};
     for (int e = 0; e < arm->n_effects; e++)
-        if (arm->effects[e].kind == MUKCA_EFFECT_SOCKET_DISTANCE)
+        if (mukca_effect_table[arm->effects[e].kind]->site == MUKCA_SITE_DISTANCE)
             distance += arm->effects[e].coefficient[0];
     int seat = socket;
     for (int f = 0; f < n_faults; f++) {

@@ -25,12 +25,33 @@ static int setup(void **state)
         }
     mukca_geometry_set(&arm.geometry, &arm.chain, theta);
     mukca_geometry_set(&nominal, &arm.chain, NULL);
-    static const mukca_effect effects[] = {
-        {MUKCA_EFFECT_JOINT_COMPLIANCE, 1, -1, 0, 1, {2e-4}},
-        {MUKCA_EFFECT_BASE_COMPLIANCE, -1, -1, 0, 1, {5e-5}},
-        {MUKCA_EFFECT_BACKLASH, 3, -1, 1000, 1, {1e-3}},
-        {MUKCA_EFFECT_GEAR_HARMONIC, 3, -1, 160, 2, {2e-4, 1e-4}},
-        {MUKCA_EFFECT_APPROACH_HYSTERESIS, 5, -1, 0, 1, {5e-4}}};
+    static const mukca_effect effects[] = {{.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,
+                                            .joint = 1,
+                                            .placement = -1,
+                                            .terms = 1,
+                                            .coefficient = {2e-4}},
+                                           {.kind = MUKCA_EFFECT_BASE_COMPLIANCE,
+                                            .joint = -1,
+                                            .placement = -1,
+                                            .terms = 1,
+                                            .coefficient = {5e-5}},
+                                           {.kind = MUKCA_EFFECT_BACKLASH,
+                                            .joint = 3,
+                                            .placement = -1,
+                                            .variant.torque_scale = 1,
+                                            .terms = 1,
+                                            .coefficient = {1e-3}},
+                                           {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
+                                            .joint = 3,
+                                            .placement = -1,
+                                            .variant.order = 160,
+                                            .terms = 2,
+                                            .coefficient = {2e-4, 1e-4}},
+                                           {.kind = MUKCA_EFFECT_APPROACH_HYSTERESIS,
+                                            .joint = 5,
+                                            .placement = -1,
+                                            .terms = 1,
+                                            .coefficient = {5e-4}}};
     memcpy(arm.effects, effects, sizeof effects);
     arm.n_effects = (int)(sizeof effects / sizeof *effects);
     return 0;

@@ -68,7 +68,7 @@ static void check_json(json_t *root, const mukca_chain *chain)
                     "probability ties held_out");
         const int kind = mukca_effect_find(text(item, "effect"));
         assert_true(kind >= 0);
-        assert_string_equal(text(item, "unit"), mukca_effect_table[kind].unit);
+        assert_string_equal(text(item, "unit"), mukca_effect_table[kind]->unit);
         json_t *joint = json_object_get(item, "joint");
         assert_true(json_is_null(joint) ||
                     mukca_chain_find_joint(chain, json_string_value(joint)) >= 0);

@@ -53,7 +53,7 @@ static const mukca_diagnosis *diagnose(const scene *s, const mukca_dataset *data
             const mukca_cause *other = &d->causes[k];
             assert_false(c->effect.kind == other->effect.kind &&
                          c->effect.joint == other->effect.joint &&
-                         c->effect.variant == other->effect.variant &&
+                         mukca_effect_same(&c->effect, &other->effect) &&
                          c->effect.placement == other->effect.placement && c->row == other->row &&
                          c->socket == other->socket);
         }

@@ -190,7 +190,7 @@ static void yaml_and_c_hold_every_number(void **state)
         assert_non_null(strstr(c, number));
     }
     for (int e = 0; e < offsets.n_effects; e++) {
-        const char *name = mukca_effect_table[offsets.effects[e].kind].name;
+        const char *name = mukca_effect_table[offsets.effects[e].kind]->name;
         assert_non_null(strstr(yaml, name));
         assert_non_null(strstr(c, name));
     }

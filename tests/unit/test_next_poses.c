@@ -41,8 +41,16 @@ static void poses_reach_their_sockets_and_tell(void **state)
     (void)state;
     tie *t = malloc(sizeof *t);
     assert_non_null(t);
-    const mukca_effect bending = {MUKCA_EFFECT_LINK_BENDING, 2, -1, 0, 1, {4e-5}};
-    const mukca_effect scale = {MUKCA_EFFECT_JOINT_SCALE, 1, -1, 0, 1, {1e-3}};
+    const mukca_effect bending = {.kind = MUKCA_EFFECT_LINK_BENDING,
+                                  .joint = 2,
+                                  .placement = -1,
+                                  .terms = 1,
+                                  .coefficient = {4e-5}};
+    const mukca_effect scale = {.kind = MUKCA_EFFECT_JOINT_SCALE,
+                                .joint = 1,
+                                .placement = -1,
+                                .terms = 1,
+                                .coefficient = {1e-3}};
     set_tie(t, bending, scale);
     choose(t);
     assert_int_equal(t->next.cause, 0);
@@ -85,8 +93,16 @@ static void nothing_where_no_pose_can_settle_it(void **state)
     (void)state;
     tie *t = malloc(sizeof *t);
     assert_non_null(t);
-    const mukca_effect scale = {MUKCA_EFFECT_JOINT_SCALE, 1, -1, 0, 1, {1e-3}};
-    const mukca_effect moved = {MUKCA_EFFECT_TOOL_MOTION, -1, 0, 0, 3, {1e-3, 0, 0}};
+    const mukca_effect scale = {.kind = MUKCA_EFFECT_JOINT_SCALE,
+                                .joint = 1,
+                                .placement = -1,
+                                .terms = 1,
+                                .coefficient = {1e-3}};
+    const mukca_effect moved = {.kind = MUKCA_EFFECT_TOOL_MOTION,
+                                .joint = -1,
+                                .placement = 0,
+                                .terms = 3,
+                                .coefficient = {1e-3, 0, 0}};
     set_tie(t, scale, moved); /* a fault of the recording */
     choose(t);
     assert_int_equal(t->next.cause, -1);
@@ -98,7 +114,11 @@ static void nothing_where_no_pose_can_settle_it(void **state)
     assert_int_equal(t->next.cause, -1);
     mukca_dataset_free(&t->data);
 
-    const mukca_effect bending = {MUKCA_EFFECT_LINK_BENDING, 2, -1, 0, 1, {4e-5}};
+    const mukca_effect bending = {.kind = MUKCA_EFFECT_LINK_BENDING,
+                                  .joint = 2,
+                                  .placement = -1,
+                                  .terms = 1,
+                                  .coefficient = {4e-5}};
     set_tie(t, scale, bending);
     t->s.chain.n_masses = 0; /* nobody knows the load of other poses */
     choose(t);

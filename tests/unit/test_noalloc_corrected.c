@@ -17,15 +17,11 @@ static mukca_geometry geometry;
 static char text[1 << 17];
 static mukca_error error;
 
-static void add_effect(mukca_effect_kind kind, int joint, int variant, double a, double b)
+static void add_effect(mukca_effect_kind kind, int joint, const char *variant, double a, double b)
 {
-    offsets.effects[offsets.n_effects++] =
-        (mukca_effect){.kind = kind,
-                       .joint = joint,
-                       .placement = -1,
-                       .variant = variant,
-                       .terms = mukca_effect_terms(kind, variant),
-                       .coefficient = {a, b}};
+    mukca_effect *e = &offsets.effects[offsets.n_effects++];
+    *e = (mukca_effect){.kind = kind, .joint = joint, .placement = -1, .coefficient = {a, b}};
+    assert_null(mukca_effect_set_variant(e, variant, chain.n_joints));
 }
 
 /* A table of the Gen3 with offsets, masses and effects, as the program writes it. */
@@ -44,12 +40,12 @@ static int setup(void **state)
         offsets.theta[i] += 1e-3 * mukca_random_normal(&random);
         offsets.listed[i] = offsets.identifiable[i] = 1;
     }
-    add_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 1, 0, 5e-5, 0);
-    add_effect(MUKCA_EFFECT_LINK_BENDING, 3, 0, 4e-5, 0);
-    add_effect(MUKCA_EFFECT_BASE_COMPLIANCE, -1, 0, 6e-5, 0);
-    add_effect(MUKCA_EFFECT_BACKLASH, 5, 1000, 1e-3, 0);
-    add_effect(MUKCA_EFFECT_GEAR_HARMONIC, 3, 240, 1e-4, -2e-4);
-    add_effect(MUKCA_EFFECT_JOINT_COUPLING, 2, -1, 3e-4, 0);
+    add_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 1, NULL, 5e-5, 0);
+    add_effect(MUKCA_EFFECT_LINK_BENDING, 3, NULL, 4e-5, 0);
+    add_effect(MUKCA_EFFECT_BASE_COMPLIANCE, -1, NULL, 6e-5, 0);
+    add_effect(MUKCA_EFFECT_BACKLASH, 5, "1000mNm", 1e-3, 0);
+    add_effect(MUKCA_EFFECT_GEAR_HARMONIC, 3, "240", 1e-4, -2e-4);
+    add_effect(MUKCA_EFFECT_JOINT_COUPLING, 2, "-1", 3e-4, 0);
     mukca_geometry_set(&geometry, &chain, offsets.theta);
     FILE *file = tmpfile();
     if (!file || mukca_offsets_write(file, &offsets, &chain, NULL, "a comment", &error)) return 1;

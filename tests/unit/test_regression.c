@@ -223,7 +223,7 @@ static void harmonics(void **state)
                                      .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
                                                 .joint = joint,
                                                 .placement = -1,
-                                                .variant = order}};
+                                                .variant.order = order}};
                 assert_true(mukca_candidate_prepare(&h, &m->pool, &m->recording));
                 assert_close(value[order], mukca_projector_field(&p, &h, &information), 1e-4);
             }

@@ -51,10 +51,11 @@ static void a_missing_command_shows_no_lag(void **state)
     (void)state;
     mukca_row_state rows;
     const double q[2] = {1, 2}, command[2] = {NAN, 2.5};
+    const mukca_effect lag = {.kind = MUKCA_EFFECT_READBACK_LAG, .variant.to_command = true};
     double direction[2];
     mukca_row_reading reading = {.q = q, .command = command, .time = NAN, .number = 1};
     mukca_row_state_start(&rows, 2);
-    mukca_effect_lag_direction(direction, 2, 1, mukca_row_state_next(&rows, &reading));
+    mukca_effect_direction(direction, 2, &lag, mukca_row_state_next(&rows, &reading));
     assert_close(direction[0], 0, 0);
     assert_close(direction[1], 0.5, 0);
     reading.command = NULL;

@@ -45,7 +45,7 @@ static void test_diagnosed(void **state)
         if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
         const mukca_cause *cause = &d->causes[0];
         print_message("%s: %s, %d causes, size %.3g\n", cases[c].text,
-                      d->n_causes ? mukca_effect_table[cause->effect.kind].name : "none",
+                      d->n_causes ? mukca_effect_table[cause->effect.kind]->name : "none",
                       d->n_causes, cause->amplitude);
         assert_int_equal(d->verdict, MUKCA_VERDICT_NAMED);
         assert_int_equal(d->n_causes, 1);

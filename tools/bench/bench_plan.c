@@ -225,17 +225,16 @@ static mukca_effect draw_effect(const mukca_chain *chain, mukca_random *random)
 {
     static const struct {
         mukca_effect_kind kind;
-        int variant;
         double size;
-    } kinds[] = {{MUKCA_EFFECT_JOINT_COMPLIANCE, 0, 2e-5},
-                 {MUKCA_EFFECT_LINK_BENDING, 0, 2e-5},
-                 {MUKCA_EFFECT_JOINT_SCALE, 0, 5e-4},
-                 {MUKCA_EFFECT_ENCODER_ECCENTRICITY, 0, 5e-4},
-                 {MUKCA_EFFECT_BACKLASH, 1000, 8e-4}};
+    } kinds[] = {{MUKCA_EFFECT_JOINT_COMPLIANCE, 2e-5},
+                 {MUKCA_EFFECT_LINK_BENDING, 2e-5},
+                 {MUKCA_EFFECT_JOINT_SCALE, 5e-4},
+                 {MUKCA_EFFECT_ENCODER_ECCENTRICITY, 5e-4},
+                 {MUKCA_EFFECT_BACKLASH, 8e-4}};
     const int k = mukca_random_below(random, (int)(sizeof kinds / sizeof *kinds));
-    mukca_effect e = {.kind = kinds[k].kind, .placement = -1, .variant = kinds[k].variant};
+    mukca_effect e = {.kind = kinds[k].kind, .placement = -1};
     e.joint = 1 + mukca_random_below(random, chain->n_joints - 3);
-    e.terms = mukca_effect_terms(e.kind, e.variant);
+    (void)mukca_effect_set_variant(&e, NULL, chain->n_joints);
     const double size = kinds[k].size * exp2(2 * mukca_random_uniform(random) - 1);
     const double phase = 2 * M_PI * mukca_random_uniform(random);
     e.coefficient[0] = e.terms == 2 ? size * cos(phase) : size;
@@ -423,7 +422,7 @@ static void ties(int wanted, bool sweep)
             for (int way = 0; way < TIE_WAYS; way++)
                 verdict[way] = settle(&sums[way], way, &before, &data, &arm, places, seed);
             printf("%d\t%s\t%s\t%d\t%d\t%s\t%s\t%s\n", found, chain.robot,
-                   mukca_effect_table[arm.effects[0].kind].name, arm.effects[0].joint + 1,
+                   mukca_effect_table[arm.effects[0].kind]->name, arm.effects[0].joint + 1,
                    data.n_rows, verdict[HERE], verdict[ADVISED], verdict[RANDOM_TEN]);
             fflush(stdout);
         }

@@ -202,9 +202,9 @@ refuse 3 "bad.tsv:[0-9]*: column 'calibrated': is not nominal + offset" fk $a --
 row 'p'
 refuse 3 "bad.tsv:[0-9]*: column 'parameter': comes twice" fk $a --offsets bad.tsv good/hole_0.csv
 row 's/j2\tjoint_scale/j3\tjoint_coupling/; s/-$/neighbour=+1/'
-refuse 3 "bad.tsv:[0-9]*: column 'term': the joint has no such neighbour" fk $a --offsets bad.tsv good/hole_0.csv
+refuse 3 "bad.tsv:[0-9]*: column 'term': does not fit the effect at this joint" fk $a --offsets bad.tsv good/hole_0.csv
 row 's/j2\tjoint_scale/j1\tjoint_coupling/; s/-$/neighbour=-1/'
-refuse 3 "the joint has no such neighbour" fk $a --offsets bad.tsv good/hole_0.csv
+refuse 3 "does not fit the effect at this joint" fk $a --offsets bad.tsv good/hole_0.csv
 printf 'link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\nfore\t1\t1e308\t0\t0\n' >inertials.tsv
 refuse 3 "inertials.tsv:2: column 'com_x_m': 1e+308 is larger than any arm's" fk $a --inertials inertials.tsv good/hole_0.csv
 refuse 2 'gravity: 1e+200 is out of range; give m/s^2' fk $a --gravity 0,0,1e200 good/hole_0.csv

@@ -1,0 +1,105 @@
+/* What effects do to a configuration of the arm, at the equilibrium under its load. */
+#include <math.h>
+#include <string.h>
+
+#include "mukca/effect.h"
+
+void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *effect,
+                        const mukca_chain *chain, const mukca_joint_state *state)
+{
+    const int j = effect->joint;
+    double basis[MUKCA_MAX_TERMS][3], direction[MUKCA_MAX_JOINTS];
+    double *into = displacement->tip;
+    switch (mukca_effect_table[effect->kind]->site) {
+        case MUKCA_SITE_ANGLES:
+            mukca_effect_direction(direction, chain->n_joints, effect, state);
+            for (int i = 0; i < chain->n_joints; i++)
+                displacement->q[i] += effect->coefficient[0] * direction[i];
+            return;
+        case MUKCA_SITE_SOCKET:
+        case MUKCA_SITE_DISTANCE:
+            return;
+        case MUKCA_SITE_ANGLE:
+            into = &displacement->q[j];
+            break;
+        case MUKCA_SITE_ROTATION:
+            into = displacement->rotation[j];
+            displacement->any_rotation = true;
+            break;
+        case MUKCA_SITE_BASE:
+            into = displacement->base;
+            displacement->any_rotation = true;
+            break;
+        case MUKCA_SITE_TIP:
+            break;
+    }
+    static const double none[3] = {0, 0, 0};
+    const double *axis = j >= 0 ? chain->element[chain->joint_element[j]].axis : none;
+    const int width = mukca_effect_table[effect->kind]->site == MUKCA_SITE_ANGLE ? 1 : 3;
+    mukca_effect_basis(basis, effect, axis, state);
+    for (int t = 0; t < effect->terms; t++)
+        for (int i = 0; i < width; i++) into[i] += effect->coefficient[t] * basis[t][i];
+}
+
+/* The geometry as the displacement leaves it (angles aside), for the moments there. */
+static void bend_geometry(mukca_geometry *bent, const mukca_geometry *geometry,
+                          const mukca_displacement *displacement)
+{
+    mukca_frame tilt = {.p = {0, 0, 0}};
+    *bent = *geometry;
+    if (!displacement->any_rotation) return;
+    for (int k = 0; k < geometry->n_elements; k++) {
+        if (geometry->joint[k] < 0) continue;
+        double R[9];
+        mukca_rotation_exp(R, displacement->rotation[geometry->joint[k]]);
+        mukca_mat3_mul(bent->origin[k].R, geometry->origin[k].R, R);
+    }
+    mukca_rotation_exp(tilt.R, displacement->base);
+    if (geometry->n_elements > 0) mukca_frame_multiply(&bent->origin[0], &tilt, &bent->origin[0]);
+}
+
+/* Largest difference between two displacements' angles and rotations. */
+static double change(const mukca_displacement *a, const mukca_displacement *b, int n_joints)
+{
+    double largest = 0;
+    for (int j = 0; j < n_joints; j++) {
+        largest = fmax(largest, fabs(a->q[j] - b->q[j]));
+        for (int i = 0; i < 3; i++)
+            largest = fmax(largest, fabs(a->rotation[j][i] - b->rotation[j][i]));
+    }
+    for (int i = 0; i < 3; i++) largest = fmax(largest, fabs(a->base[i] - b->base[i]));
+    return largest;
+}
+
+void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
+                                int n, const mukca_chain *chain, const mukca_geometry *geometry,
+                                const double *q, const mukca_joint_state *state)
+{
+    enum { ROUNDS = 8 };
+    mukca_joint_state full = {.placement = -1};
+    double moment[MUKCA_MAX_JOINTS][3], torque[MUKCA_MAX_JOINTS], base[3];
+    int needs = 0;
+    if (state) full = *state;
+    full.q = q;
+    for (int i = 0; i < n; i++) needs |= mukca_effect_table[effects[i].kind]->needs;
+    const bool loaded = (needs & MUKCA_NEEDS_MASSES) && !full.torque;
+    if (loaded) {
+        mukca_chain_moments(moment, torque, base, chain, geometry, q, NULL, full.payload_kg);
+        full.torque = torque;
+        full.moment = (const double(*)[3])moment;
+        full.base_moment = base;
+    }
+    mukca_displacement before = {0};
+    for (int round = 0; round < ROUNDS; round++) {
+        memset(displacement, 0, sizeof *displacement);
+        for (int i = 0; i < n; i++) mukca_effect_apply(displacement, &effects[i], chain, &full);
+        if (!loaded || change(displacement, &before, chain->n_joints) < 1e-12) return;
+        /* Once more under the load of the arm where it has come to: the equilibrium. */
+        mukca_geometry bent;
+        double angle[MUKCA_MAX_JOINTS];
+        before = *displacement;
+        bend_geometry(&bent, geometry, displacement);
+        for (int j = 0; j < chain->n_joints; j++) angle[j] = q[j] + displacement->q[j];
+        mukca_chain_moments(moment, torque, base, chain, &bent, angle, NULL, full.payload_kg);
+    }
+}

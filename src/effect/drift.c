@@ -1,0 +1,70 @@
+/* Joint drift: the zero of a joint changes with time, as in a warming gear. */
+#include <math.h>
+#include <stdio.h>
+
+#include "effect/catalogue.h"
+
+static void drift_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
+                        const double axis[3], const mukca_joint_state *state)
+{
+    const double constant = effect->variant.time_constant;
+    (void)axis;
+    basis[0][0] = constant > 0 ? 1 - exp(-state->time / constant) : 1e-3 * state->time;
+}
+
+/* A session takes 10 to 60 minutes; gears and castings warm up with constants of 5 to 50 minutes.
+ */
+static bool drift_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    static const double constants[] = {0, 300, 1000, 3000};
+    (void)survey;
+    if (i >= 4) return false;
+    effect->variant.time_constant = constants[i];
+    return true;
+}
+
+static bool read_constant(mukca_effect_variant *variant, const char *text)
+{
+    return mukca_effect_read_number(&variant->time_constant, text, "s") &&
+           variant->time_constant >= 0;
+}
+
+static void write_constant(char *text, size_t size, const mukca_effect_variant *variant)
+{
+    snprintf(text, size, "%.10gs", variant->time_constant);
+}
+
+static const mukca_variant_ops time_constant = {
+    .key = "time_constant",
+    .expected = "@SECONDS, the time constant, or @0",
+    .read = read_constant,
+    .write = write_constant,
+};
+
+static void describe(char *text, size_t size, const mukca_effect *effect, const mukca_chain *chain)
+{
+    const double constant = effect->variant.time_constant;
+    (void)chain;
+    if (constant > 0)
+        snprintf(text, size, " (settles within %.0f min)", floor((constant + 30) / 60));
+    else
+        snprintf(text, size, " (per 1000 s)");
+}
+
+const mukca_effect_ops mukca_joint_drift_effect = {
+    .info = {.name = "joint_drift",
+             .title = "joint drift",
+             .site = MUKCA_SITE_ANGLE,
+             .terms = 1,
+             .unit = "rad",
+             .display_factor = 1e3,
+             .display_unit = "mrad",
+             .needs = MUKCA_NEEDS_ORDER,
+             .traits = MUKCA_TRAIT_OF_TIME,
+             .sentence = "the joint's zero wanders during the session, as a warming gear does",
+             .remedy = "warm the arm up before recording and before use"},
+    .basis = drift_basis,
+    .variant = &time_constant,
+    .describe = describe,
+    .candidate = drift_candidate,
+};

@@ -1,0 +1,69 @@
+/* Readback lag: the recorded angles are old, along the last move or behind the command. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "effect/catalogue.h"
+
+static void lag_direction(double *direction, int n_joints, const mukca_effect *effect,
+                          const mukca_joint_state *state)
+{
+    double largest = 0;
+    if (effect->variant.to_command) {
+        for (int j = 0; j < n_joints && state->command; j++)
+            direction[j] = state->command[j] - state->q[j];
+        return;
+    }
+    if (!state->move) return;
+    for (int j = 0; j < n_joints; j++) largest = fmax(largest, fabs(state->move[j]));
+    if (largest > 1e-9) /* rad; less is rounding, no move */
+        for (int j = 0; j < n_joints; j++) direction[j] = state->move[j] / largest;
+}
+
+static bool read_direction(mukca_effect_variant *variant, const char *text)
+{
+    variant->to_command = strcmp(text, "command") == 0;
+    return variant->to_command || strcmp(text, "move") == 0;
+}
+
+static void write_direction(char *text, size_t size, const mukca_effect_variant *variant)
+{
+    snprintf(text, size, "%s", variant->to_command ? "command" : "move");
+}
+
+static const mukca_variant_ops direction = {
+    .expected = "@move or @command",
+    .read = read_direction,
+    .write = write_direction,
+};
+
+static void describe(char *text, size_t size, const mukca_effect *effect, const mukca_chain *chain)
+{
+    (void)chain;
+    snprintf(text, size, "%s",
+             effect->variant.to_command ? " towards the commanded angles" : " of all joints");
+}
+
+static bool lag_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    effect->variant.to_command = !survey->moved || i == 1;
+    return i < survey->moved + survey->commanded;
+}
+
+const mukca_effect_ops mukca_readback_lag_effect = {
+    .info = {.name = "readback_lag",
+             .title = "readback lag",
+             .site = MUKCA_SITE_ANGLES,
+             .terms = 1,
+             .unit = "rad",
+             .display_factor = 1e3,
+             .display_unit = "mrad",
+             .needs = MUKCA_NEEDS_ORDER,
+             .sentence = "the recorded angles are stale: they lag along the last move",
+             .remedy = "let the arm stand still before each sample; check the time stamps of the "
+                       "joint states"},
+    .direction = lag_direction,
+    .variant = &direction,
+    .describe = describe,
+    .candidate = lag_candidate,
+};

@@ -1,0 +1,41 @@
+/* Faults of the recording, which act on sockets and not on the arm. */
+#include "effect/catalogue.h"
+
+/* No candidates: the diagnosis lists one per sample of each socket. */
+const mukca_effect_ops mukca_tool_motion_effect = {
+    .info = {.name = "tool_motion",
+             .title = "tool motion",
+             .site = MUKCA_SITE_SOCKET,
+             .terms = 3,
+             .unit = "m",
+             .display_factor = 1e3,
+             .display_unit = "mm",
+             .needs = MUKCA_NEEDS_SOCKETS,
+             .traits = MUKCA_TRAIT_RECORDING_FAULT,
+             .sentence = "the tool was pushed or crept while it was being recorded",
+             .remedy = "fasten the tool and record this placement again"},
+    .missing = "too few rows in each socket: record 20 or more",
+};
+
+/* The error of all distances, then of each placement's. */
+static bool distance_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    effect->placement = i - 1;
+    return survey->pairs && i <= survey->n_placements;
+}
+
+const mukca_effect_ops mukca_socket_distance_effect = {
+    .info = {.name = "socket_distance",
+             .title = "socket distance",
+             .site = MUKCA_SITE_DISTANCE,
+             .terms = 1,
+             .unit = "m",
+             .display_factor = 1e3,
+             .display_unit = "mm",
+             .needs = MUKCA_NEEDS_SOCKETS,
+             .traits = MUKCA_TRAIT_PER_PLACEMENT | MUKCA_TRAIT_RECORDING_FAULT,
+             .sentence = "the sockets are not as far apart as --distance says",
+             .remedy = "measure the distance between the sockets and give it as --distance"},
+    .candidate = distance_candidate,
+    .missing = "needs two pairs of sockets a known distance apart: record another placement",
+};

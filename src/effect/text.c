@@ -1,0 +1,99 @@
+/* Effects as text: variants, the offsets table's terms, descriptions and units. */
+#include <stdio.h>
+#include <string.h>
+
+#include "effect/catalogue.h"
+
+const char *mukca_effect_set_variant(mukca_effect *effect, const char *text, int n_joints)
+{
+    const mukca_variant_ops *ops = mukca_effect_catalogue[effect->kind]->variant;
+    effect->variant = (mukca_effect_variant){0};
+    if (!ops && text) return "no @";
+    if (ops && text && !ops->read(&effect->variant, text)) return ops->expected;
+    if (ops && !text && ops->usual && !ops->usual(effect, n_joints)) return ops->expected;
+    if (ops && ops->fits && !ops->fits(effect, n_joints)) return ops->expected;
+    effect->terms = mukca_effect_terms(effect);
+    return NULL;
+}
+
+void mukca_effect_variant_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *effect)
+{
+    const mukca_variant_ops *ops = mukca_effect_catalogue[effect->kind]->variant;
+    text[0] = '\0';
+    if (ops) ops->write(text, MUKCA_EFFECT_TEXT, &effect->variant);
+}
+
+void mukca_effect_term_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *effect, int term)
+{
+    const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
+    char word[MUKCA_EFFECT_TEXT], placement[24] = "";
+    const char *key = ops->variant && ops->variant->key ? ops->variant->key : "";
+    const char *name = ops->term_names ? ops->term_names(&effect->variant)[term] : "";
+    if (mukca_effect_has((int)effect->kind, MUKCA_TRAIT_PER_PLACEMENT))
+        snprintf(placement, sizeof placement, "placement=%d", effect->placement);
+    mukca_effect_variant_text(word, effect);
+    const bool any = placement[0] || word[0];
+    snprintf(text, MUKCA_EFFECT_TEXT, "%.24s%.16s%s%.20s%s%.8s", placement, key, key[0] ? "=" : "",
+             word, any && name[0] ? " " : "", any || name[0] ? name : "-");
+}
+
+/* The word at `text` up to the next space, after KEY= where a key is given; NULL: not there. */
+static const char *take_word(char word[MUKCA_EFFECT_TEXT], const char *text, const char *key)
+{
+    const size_t prefix = key ? strlen(key) : 0;
+    if (key && (strncmp(text, key, prefix) != 0 || text[prefix] != '=')) return NULL;
+    if (key) text += prefix + 1;
+    const size_t length = strcspn(text, " ");
+    if (length == 0 || length >= MUKCA_EFFECT_TEXT) return NULL;
+    memcpy(word, text, length);
+    word[length] = '\0';
+    text += length;
+    return *text == ' ' ? text + 1 : text;
+}
+
+int mukca_effect_term_parse(mukca_effect *effect, const char *text, int n_joints)
+{
+    const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
+    char word[MUKCA_EFFECT_TEXT];
+    effect->placement = -1;
+    effect->variant = (mukca_effect_variant){0};
+    const int old = ops->read_old_term ? ops->read_old_term(effect, text) : -1;
+    if (old >= 0) return old;
+    const bool placed = mukca_effect_has((int)effect->kind, MUKCA_TRAIT_PER_PLACEMENT);
+    if (placed) {
+        text = take_word(word, text, "placement");
+        if (!text || !mukca_effect_read_integer(&effect->placement, word, -1, 1000000)) return -1;
+    }
+    if (ops->variant) {
+        text = take_word(word, text, ops->variant->key);
+        if (!text || mukca_effect_set_variant(effect, word, n_joints)) return -1;
+    }
+    effect->terms = mukca_effect_terms(effect);
+    if (!ops->term_names) return strcmp(text, placed || ops->variant ? "" : "-") == 0 ? 0 : -1;
+    const char *const *names = ops->term_names(&effect->variant);
+    for (int term = 0; term < effect->terms; term++)
+        if (strcmp(text, names[term]) == 0) return term;
+    return -1;
+}
+
+void mukca_effect_describe(char *text, size_t size, const mukca_effect *effect,
+                           const mukca_chain *chain)
+{
+    const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
+    text[0] = '\0';
+    if (ops->describe) ops->describe(text, size, effect, chain);
+}
+
+const char *mukca_effect_unit(const mukca_effect *effect, const mukca_chain *chain)
+{
+    /* rotary and linear joint */
+    static const char *const pairs[][2] = {{"rad/(N*m)", "m/N"}, {"rad/rad", "m/m"}, {"rad", "m"}};
+    const mukca_effect_info *info = mukca_effect_table[effect->kind];
+    if (effect->variant.to_command) return "rad/rad";
+    if (info->site != MUKCA_SITE_ANGLE || effect->joint < 0 ||
+        chain->element[chain->joint_element[effect->joint]].type != MUKCA_PRISMATIC)
+        return info->unit;
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
+        if (strcmp(info->unit, pairs[i][0]) == 0) return pairs[i][1];
+    return info->unit;
+}

@@ -1,0 +1,152 @@
+/* Axis wobble: the axis of a joint tilts as the joint turns (bearing run-out). */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "effect/catalogue.h"
+
+static const char *const frame_name[] = {[MUKCA_WOBBLE_FIXED] = "fixed",
+                                         [MUKCA_WOBBLE_TURNING] = "turning",
+                                         [MUKCA_WOBBLE_CONE] = "cone"};
+
+/* All variants.  Orders 0 and 1 of a cone are geometry: a tilt fixed in the frame before or after
+ * the joint. */
+static const mukca_effect_variant variants[] = {
+    {.frame = MUKCA_WOBBLE_FIXED, .order = 1},   {.frame = MUKCA_WOBBLE_FIXED, .order = 2},
+    {.frame = MUKCA_WOBBLE_TURNING, .order = 1}, {.frame = MUKCA_WOBBLE_TURNING, .order = 2},
+    {.frame = MUKCA_WOBBLE_CONE, .order = -2},   {.frame = MUKCA_WOBBLE_CONE, .order = -1},
+    {.frame = MUKCA_WOBBLE_CONE, .order = 2},    {.frame = MUKCA_WOBBLE_CONE, .order = 3}};
+
+enum { VARIANTS = sizeof variants / sizeof *variants };
+
+/* sin and cos of the order times the angle about the two transverse axes u and v, in the frame
+ * before or after the turn; on a cone the two waves are one, in two phases. */
+static void wobble_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
+                         const double axis[3], const mukca_joint_state *state)
+{
+    const mukca_effect_variant *variant = &effect->variant;
+    const double q = state->q[effect->joint];
+    const double s = sin(variant->order * q), c = cos(variant->order * q);
+    double e[2][3];
+    mukca_rotation_transverse(e[0], e[1], axis);
+    if (variant->frame == MUKCA_WOBBLE_CONE) {
+        for (int i = 0; i < 3; i++) {
+            basis[0][i] = c * e[0][i] + s * e[1][i];
+            basis[1][i] = c * e[1][i] - s * e[0][i];
+        }
+        return;
+    }
+    if (variant->frame == MUKCA_WOBBLE_TURNING) {
+        double R[9], u[3];
+        mukca_rotation_about(R, axis, q);
+        for (int a = 0; a < 2; a++) {
+            memcpy(u, e[a], sizeof u);
+            mukca_mat3_vec(e[a], R, u);
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        basis[0][i] = s * e[0][i], basis[1][i] = c * e[0][i];
+        basis[2][i] = s * e[1][i], basis[3][i] = c * e[1][i];
+    }
+}
+
+static int wobble_terms(const mukca_effect_variant *variant)
+{
+    return variant->frame == MUKCA_WOBBLE_CONE ? 2 : 4;
+}
+
+static const char *const *wobble_names(const mukca_effect_variant *variant)
+{
+    static const char *const wave[] = {"sin u", "cos u", "sin v", "cos v"}, *const cone[] = {"u",
+                                                                                             "v"};
+    return variant->frame == MUKCA_WOBBLE_CONE ? cone : wave;
+}
+
+static bool is_variant(const mukca_effect_variant *wanted)
+{
+    for (int i = 0; i < VARIANTS; i++)
+        if (variants[i].frame == wanted->frame && variants[i].order == wanted->order) return true;
+    return false;
+}
+
+/* The number of older versions: the order; 10 + order in the turning frame; 100 + order of a cone.
+ */
+static bool from_number(mukca_effect_variant *variant, int number)
+{
+    variant->frame = number > 50   ? MUKCA_WOBBLE_CONE
+                     : number > 10 ? MUKCA_WOBBLE_TURNING
+                                   : MUKCA_WOBBLE_FIXED;
+    variant->order = number - (number > 50 ? 100 : number > 10 ? 10 : 0);
+    return is_variant(variant);
+}
+
+static bool read_wobble(mukca_effect_variant *variant, const char *text)
+{
+    int number;
+    if (mukca_effect_read_integer(&number, text, 1, 110)) return from_number(variant, number);
+    for (int f = 0; f < 3; f++) {
+        const size_t length = strlen(frame_name[f]);
+        if (strncmp(text, frame_name[f], length) != 0) continue;
+        text += length + (text[length] == '+');
+        variant->frame = (mukca_wobble_frame)f;
+        return mukca_effect_read_integer(&variant->order, text, -2, 3) && is_variant(variant);
+    }
+    return false;
+}
+
+static void write_wobble(char *text, size_t size, const mukca_effect_variant *variant)
+{
+    snprintf(text, size, variant->frame == MUKCA_WOBBLE_CONE ? "%s%+d" : "%s%d",
+             frame_name[variant->frame], variant->order);
+}
+
+static bool usual_wobble(mukca_effect *effect, int n_joints)
+{
+    (void)n_joints;
+    effect->variant = variants[0];
+    return true;
+}
+
+static const mukca_variant_ops motion = {
+    .key = "motion",
+    .expected = "@fixed1, fixed2, turning1, turning2, cone-2, cone-1, cone+2 or cone+3",
+    .read = read_wobble,
+    .write = write_wobble,
+    .usual = usual_wobble,
+};
+
+/* "variant=12 term=2" */
+static int read_old_term(mukca_effect *effect, const char *text)
+{
+    int number, term, end = 0;
+    if (sscanf(text, "variant=%d term=%d%n", &number, &term, &end) != 2 || text[end]) return -1;
+    if (!from_number(&effect->variant, number)) return -1;
+    effect->terms = wobble_terms(&effect->variant);
+    return term >= 0 && term < effect->terms ? term : -1;
+}
+
+static bool wobble_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    if (i >= VARIANTS || !survey->joint[effect->joint].turns) return false;
+    effect->variant = variants[i];
+    return mukca_survey_moved(effect, survey, 0);
+}
+
+const mukca_effect_ops mukca_axis_wobble_effect = {
+    .info = {.name = "axis_wobble",
+             .title = "axis wobble",
+             .site = MUKCA_SITE_ROTATION,
+             .terms = 4,
+             .unit = "rad",
+             .display_factor = 1e3,
+             .display_unit = "mrad",
+             .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_SMOOTH,
+             .sentence = "the joint's axis tumbles as it turns (bearing run-out)",
+             .remedy = "check the seat and the preload of the bearing, or compensate it"},
+    .basis = wobble_basis,
+    .variant = &motion,
+    .terms = wobble_terms,
+    .term_names = wobble_names,
+    .read_old_term = read_old_term,
+    .candidate = wobble_candidate,
+};
