@@ -6,7 +6,7 @@ answer "^Converged after" calibrate $a "$d" -o offsets.tsv
 answer "^  consistency mm, data" evaluate $a "$d" -o scores.tsv
 answer "^Cause   joint compliance at joint_4" diagnose $a "$d"
 answer "^12 postures" plan $a --place front=0.45,0,0.05 --rows 12 -o plan.tsv
-answer "^The report is in page.html" report $a "$d" -o page.html
+answer "^report: page.html" report $a "$d" -o page.html
 "$MUKCA" export $a --offsets offsets.tsv -o calibrated.urdf
 answer "agrees with the table" export $a --offsets offsets.tsv --check calibrated.urdf
 "$MUKCA" simulate $a --recipe sweeps --seed 1 --perturb 1,2 -o log.tsv
@@ -32,6 +32,6 @@ apart "consistency mm" evaluate $a "$d" --json -
 apart "^Result" recalibrate $a log.tsv --json -
 apart "postures" plan $a --place front=0.45,0,0.05 --rows 12 --json -
 apart "^1 row" compensate $a --offsets offsets.tsv row.tsv
-apart "^The report" report $a "$d"
+apart "^report: " report $a "$d"
 run diagnose $a "$d" -q
 expect "-q prints nothing" test "$code $(cat "$scratch/out" "$scratch/err")" = "0 "
