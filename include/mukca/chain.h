@@ -123,14 +123,19 @@ void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip, const mukca_geometry 
 void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geometry *geometry,
                                  const double *theta, const double *q);
 
-/* Static moments of the masses for one configuration, N m: `moment[j]` about the origin of joint j
- * in its frame (before it turns) that joint j must hold against gravity, `torque[j]` its part about
- * the axis (force along it for a prismatic joint), `base` the same about the base origin in the
- * base frame.  Any output may be NULL.  `mass_scale` (n_masses factors) may be NULL; `payload_kg`
- * sits at the tip.  Linear in elements and masses. */
-void mukca_chain_moments(double (*moment)[3], double *torque, double base[3],
-                         const mukca_chain *chain, const mukca_geometry *geometry, const double *q,
-                         const double *mass_scale, double payload_kg);
+/* What the joints hold against gravity in one configuration, N m. */
+typedef struct {
+    double moment[MUKCA_MAX_JOINTS]
+                 [3];                /* about each joint's origin, in its frame before it turns */
+    double torque[MUKCA_MAX_JOINTS]; /* its part about the axis; prismatic: force along it, N */
+    double base[3];                  /* the same about the base origin, in the base frame */
+} mukca_gravity_load;
+
+/* Static load of the masses at q[n_joints].  `mass_scale` (n_masses factors) may be NULL;
+ * `payload_kg` sits at the tip.  Linear in elements and masses. */
+void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
+                         const mukca_geometry *geometry, const double *q, const double *mass_scale,
+                         double payload_kg);
 
 #ifdef __cplusplus
 }

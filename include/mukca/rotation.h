@@ -40,6 +40,10 @@ void mukca_rotation_about(double R[9], const double axis[3], double angle);
 void mukca_rotation_to_quaternion(double q[4], const double R[9]);
 void mukca_rotation_from_quaternion(double R[9], const double q[4]);
 
+/* The rotation R that makes sum |b - R a|^2 least, from H = sum a b' (Kabsch 1976); points on one
+ * line leave R as it is. */
+void mukca_rotation_nearest(double R[9], const double H[9]);
+
 /* Two unit vectors e1, e2 with e1 x e2 = axis (unit), chosen without branches that jump near z. */
 void mukca_rotation_transverse(double e1[3], double e2[3], const double axis[3]);
 

@@ -57,7 +57,8 @@ void mukca_joint_view_project(double *g, double *mean, const mukca_joint_view *v
     memset(p->T, 0, sizeof *p->T * (size_t)(n * width));
     memset(g, 0, sizeof *g * (size_t)width);
     memset(mean, 0, sizeof *mean * (size_t)(m->recording.n_groups * 3 * width));
-    mukca_dense_xty(p->T, width, v->Z, n, n, v->F, width, width, m->recording.n_samples);
+    mukca_dense_xty(p->T, (mukca_columns){v->Z, n, n}, (mukca_columns){v->F, width, width},
+                    m->recording.n_samples);
     for (int e = 0; e < m->recording.n_groups; e++) {
         const mukca_group *group = &m->recording.groups[e];
         for (int i = group->start; i < group->start + group->count; i++) {
@@ -85,7 +86,8 @@ void mukca_joint_view_gram(double *G, const mukca_joint_view *v, const double *m
     const mukca_projector *p = v->p;
     const mukca_regression *m = p->m;
     memset(G, 0, sizeof *G * (size_t)(k * k));
-    mukca_dense_xty(G, k, v->H + at, k, width, v->F + at, k, width, m->recording.n_samples);
+    mukca_dense_xty(G, (mukca_columns){v->H + at, k, width}, (mukca_columns){v->F + at, k, width},
+                    m->recording.n_samples);
     for (int e = 0; e < m->recording.n_groups; e++) {
         if (m->recording.groups[e].socket < 0) continue;
         for (int c = 0; c < 3; c++) {

@@ -89,10 +89,12 @@ static void body_moments(mukca_recording *recording, const mukca_geometry *nomin
         element == chain->n_elements - 1 && data->payload && isfinite(data->payload[row]);
     double scale[MUKCA_MAX_MASSES];
     for (int i = 0; i < chain->n_masses; i++) scale[i] = chain->mass[i].element == element;
-    mukca_chain_moments((double(*)[3])(recording->moment + 3 * at * n_joints),
-                        recording->torque + at * n_joints, recording->base_moment + 3 * at, chain,
-                        nominal, data->q + (size_t)row * n_joints, scale,
+    mukca_gravity_load load;
+    mukca_chain_moments(&load, chain, nominal, data->q + (size_t)row * n_joints, scale,
                         loaded ? data->payload[row] : 0);
+    memcpy(recording->moment + 3 * at * n_joints, load.moment, n_joints * sizeof *load.moment);
+    memcpy(recording->torque + at * n_joints, load.torque, n_joints * sizeof *load.torque);
+    memcpy(recording->base_moment + 3 * at, load.base, sizeof load.base);
 }
 
 /* Scale n values by a factor and add them to their total. */

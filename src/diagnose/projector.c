@@ -246,7 +246,7 @@ void mukca_projector_project(double *G, double *g, mukca_projector *p, const dou
         mukca_dense_forward(p->T, 1, m->evidence.factor, n);
         for (int i = 0; i < n; i++) g[0] -= p->T[i] * p->z[i];
     } else {
-        mukca_dense_xty(p->T, k, p->Zt, n, n, E, k, k, p->rows);
+        mukca_dense_xty(p->T, (mukca_columns){p->Zt, n, n}, (mukca_columns){E, k, k}, p->rows);
         for (int r = 0; r < p->rows; r++)
             for (int t = 0; t < k; t++) g[t] += E[r * k + t] * p->u[r];
     }

@@ -77,17 +77,17 @@ void mukca_effects_displacement(mukca_displacement *displacement, const mukca_ef
 {
     enum { ROUNDS = 8 };
     mukca_joint_state full = {.placement = -1};
-    double moment[MUKCA_MAX_JOINTS][3], torque[MUKCA_MAX_JOINTS], base[3];
+    mukca_gravity_load load;
     int needs = 0;
     if (state) full = *state;
     full.q = q;
     for (int i = 0; i < n; i++) needs |= mukca_effect_table[effects[i].kind]->needs;
     const bool loaded = (needs & MUKCA_NEEDS_MASSES) && !full.torque;
     if (loaded) {
-        mukca_chain_moments(moment, torque, base, chain, geometry, q, NULL, full.payload_kg);
-        full.torque = torque;
-        full.moment = (const double(*)[3])moment;
-        full.base_moment = base;
+        mukca_chain_moments(&load, chain, geometry, q, NULL, full.payload_kg);
+        full.torque = load.torque;
+        full.moment = (const double(*)[3])load.moment;
+        full.base_moment = load.base;
     }
     mukca_displacement before = {0};
     for (int round = 0; round < ROUNDS; round++) {
@@ -100,6 +100,6 @@ void mukca_effects_displacement(mukca_displacement *displacement, const mukca_ef
         before = *displacement;
         bend_geometry(&bent, geometry, displacement);
         for (int j = 0; j < chain->n_joints; j++) angle[j] = q[j] + displacement->q[j];
-        mukca_chain_moments(moment, torque, base, chain, &bent, angle, NULL, full.payload_kg);
+        mukca_chain_moments(&load, chain, &bent, angle, NULL, full.payload_kg);
     }
 }

@@ -7,26 +7,12 @@
 
 #include "math/dense.h"
 
-/* Rotation that best turns the vectors of sum S = sum a b' from b to a (Horn 1987, unit
- * quaternion). */
-static void best_rotation(double R[9], const double S[9])
-{
-    const double xx = S[0], xy = S[1], xz = S[2], yx = S[3], yy = S[4], yz = S[5], zx = S[6],
-                 zy = S[7], zz = S[8];
-    double N[16] = {xx + yy + zz, zy - yz, xz - zx, yx - xy,     zy - yz,      xx - yy - zz,
-                    xy + yx,      zx + xz, xz - zx, xy + yx,     yy - xx - zz, yz + zy,
-                    yx - xy,      zx + xz, yz + zy, zz - xx - yy};
-    double w[4], V[16], q[4];
-    mukca_dense_eigen(w, V, N, 4);
-    for (int i = 0; i < 4; i++) q[i] = V[4 * i];
-    mukca_rotation_from_quaternion(R, q);
-}
-
 void mukca_fit_start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
                      bool free_base)
 {
     mukca_geometry geometry;
-    double mean_a[3] = {0}, mean_b[3] = {0}, S[9] = {0}, R[9], turned[3];
+    double mean_a[3] = {0}, mean_b[3] = {0}, H[9] = {0}, turned[3];
+    double R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     int n = 0;
     mukca_chain_theta(theta, chain);
     if (!free_base || !data->position) return;
@@ -41,13 +27,13 @@ void mukca_fit_start(double *theta, const mukca_chain *chain, const mukca_datase
             for (int r = 0; r < 3; r++) {
                 if (pass == 0) mean_a[r] += a[r], mean_b[r] += b[r];
                 for (int c = 0; c < 3 && pass == 1; c++)
-                    S[3 * r + c] += (a[r] - mean_a[r]) * (b[c] - mean_b[c]);
+                    H[3 * r + c] += (b[r] - mean_b[r]) * (a[c] - mean_a[c]);
             }
         }
         for (int r = 0; r < 3 && pass == 0 && n > 0; r++) mean_a[r] /= n, mean_b[r] /= n;
     }
     if (n < 3) return;
-    best_rotation(R, S);
+    mukca_rotation_nearest(R, H);
     mukca_mat3_vec(turned, R, mean_b);
     for (int r = 0; r < 3; r++) theta[r] = mean_a[r] - turned[r];
     mukca_rotation_to_rpy(theta + 3, R, NULL);

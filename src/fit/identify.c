@@ -91,49 +91,20 @@ static void project_out_turning(double *R, int n)
     }
 }
 
-/* Gauss-Jordan with full pivoting: the rows of N[k][n] become 1 in a column of their own. */
-static void reduce_rows(double *N, int k, int n)
-{
-    unsigned char used[MUKCA_MAX_FREE] = {0};
-    for (int step = 0; step < k; step++) {
-        int row = step, column = -1;
-        for (int r = step; r < k; r++)
-            for (int c = 0; c < n; c++)
-                if (!used[c] && (column < 0 || fabs(N[r * n + c]) > fabs(N[row * n + column])))
-                    row = r, column = c;
-        if (N[row * n + column] == 0) return;
-        used[column] = 1;
-        for (int c = 0; c < n; c++) {
-            const double swap = N[step * n + c];
-            N[step * n + c] = N[row * n + c];
-            N[row * n + c] = swap;
-        }
-        const double pivot = N[step * n + column];
-        for (int c = 0; c < n; c++) N[step * n + c] /= pivot;
-        for (int r = 0; r < k; r++) {
-            const double f = N[r * n + column];
-            for (int c = 0; c < n && r != step; c++) N[r * n + c] -= f * N[step * n + c];
-        }
-    }
-}
-
-/* Standard errors from the pseudo-inverse G = V S^-2 V' and B: diag(G B G). */
+/* Standard errors diag(G B G)^(1/2) with the pseudo-inverse G = V S^-2 V'; `row` [n] is scratch. */
 static void standard_errors(mukca_identification *id, const double *V, const double *s,
-                            const double *B, double *G, double *T, int n)
+                            const double *B, double *row, int n)
 {
-    memset(G, 0, (size_t)(n * n) * sizeof *G);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            double sum = 0;
-            for (int r = 0; r < id->rank; r++) sum += V[i * n + r] * V[j * n + r] / (s[r] * s[r]);
-            G[i * n + j] = sum;
-        }
-    memset(T, 0, (size_t)(n * n) * sizeof *T);
-    mukca_dense_xty(T, n, B, n, n, G, n, n, n);
     for (int i = 0; i < n; i++) {
         double hidden = 0, variance = 0;
         for (int r = id->rank; r < n; r++) hidden += V[i * n + r] * V[i * n + r];
-        for (int j = 0; j < n; j++) variance += G[i * n + j] * T[j * n + i];
+        for (int j = 0; j < n; j++) {
+            row[j] = 0;
+            for (int r = 0; r < id->rank; r++)
+                row[j] += V[i * n + r] * V[j * n + r] / (s[r] * s[r]);
+        }
+        for (int j = 0; j < n; j++)
+            for (int k = 0; k < n; k++) variance += row[j] * B[j * n + k] * row[k];
         id->identifiable[i] = hidden < MUKCA_HIDDEN_SHARE * MUKCA_HIDDEN_SHARE;
         id->sigma[i] = id->identifiable[i] ? id->noise * sqrt(fmax(variance, 0)) : HUGE_VAL;
     }
@@ -144,7 +115,7 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
 {
     const int n = cost->n;
     mukca_observations *o = &cost->observations;
-    double *B = work, *R = B + n * n, *V = R + (n + 3) * (n + 3), *G = V + n * n, *s = G + n * n;
+    double *B = work, *R = B + n * n, *V = R + (n + 3) * (n + 3), *s = V + n * n;
     double log_product = 0, squares = 0;
     memset(id, 0, sizeof *id);
     mukca_cost_normal(R, cost, x, true);
@@ -163,11 +134,11 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     id->observability = id->rank > 0 ? exp(log_product / id->rank) : 0;
     const int spare = o->n_measured - o->n_pairs + pairs - id->rank;
     id->noise = spare > 0 ? sqrt(squares / spare) : HUGE_VAL;
-    standard_errors(id, V, s, B, G, R, n);
+    standard_errors(id, V, s, B, R, n);
     if (null_space) {
         for (int r = id->rank; r < n; r++)
             for (int c = 0; c < n; c++) null_space[(r - id->rank) * n + c] = V[c * n + r];
-        reduce_rows(null_space, n - id->rank, n);
+        mukca_dense_reduce(null_space, n - id->rank, n, n);
     }
     return MUKCA_OK;
 }

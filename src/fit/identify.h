@@ -27,7 +27,7 @@ typedef struct {
 #define MUKCA_HIDDEN_SHARE 1e-3
 
 /* Doubles of `work` for n free parameters. */
-#define MUKCA_IDENTIFY_WORK(n) (4 * (size_t)((n) + 3) * (size_t)((n) + 3) + 32 * (size_t)((n) + 3))
+#define MUKCA_IDENTIFY_WORK(n) (3 * (size_t)((n) + 3) * (size_t)((n) + 3) + 32 * (size_t)((n) + 3))
 
 /* Analyse at x[n].  null_space[n][n] (may be NULL) gets n - rank rows that span the directions that
  * change nothing, reduced so that each has a parameter of its own with coefficient 1.

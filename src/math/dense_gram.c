@@ -1,10 +1,11 @@
 /* Products X'X and X'Y, and the Cholesky factorisation with its triangular solves. */
 #include <math.h>
+#include <stdbool.h>
 
 #include "math/dense.h"
 #include "math/four.h"
 
-enum { STRIP = 64 }; /* rows per pass: a strip of some 60 columns stays in the first cache */
+enum { STRIP = 64 }; /* rows per pass: 60 columns of them are 30 kB */
 
 #define ADD8(c, lo, hi)                                     \
     do {                                                    \
@@ -12,12 +13,12 @@ enum { STRIP = 64 }; /* rows per pass: a strip of some 60 columns stays in the f
         *(four *)(void *)((c) + 4) = LOAD4((c) + 4) + (hi); \
     } while (0)
 
-/* C[4][8] += A' B for A[m][4], B[m][8]: eight accumulators live in registers. */
-MUKCA_INLINE void gram4x8(double *C, int ldc, const double *A, int lda, const double *B, int ldb,
-                          int m)
+/* C[4][8] += A' B for A[m][4], B[m][8] (row strides ld): eight accumulators live in registers. */
+MUKCA_INLINE void gram4x8(double *C, int ldc, mukca_columns a, mukca_columns b, int m)
 {
+    const double *A = a.x, *B = b.x;
     four s00 = {0}, s01 = {0}, s10 = {0}, s11 = {0}, s20 = {0}, s21 = {0}, s30 = {0}, s31 = {0};
-    for (int r = 0; r < m; r++, A += lda, B += ldb) {
+    for (int r = 0; r < m; r++, A += a.ld, B += b.ld) {
         four b0 = LOAD4(B), b1 = LOAD4(B + 4);
         s00 += A[0] * b0;
         s01 += A[0] * b1;
@@ -34,62 +35,68 @@ MUKCA_INLINE void gram4x8(double *C, int ldc, const double *A, int lda, const do
     ADD8(C + 3 * (long)ldc, s30, s31);
 }
 
-/* c[8 entries, `step` apart] += a' B for the column a[m] (stride lda) and B[m][8]. */
-MUKCA_INLINE void gram1x8(double *c, int step, const double *a, int lda, const double *B, int ldb,
-                          int m)
+/* c[8 entries, `step` apart] += a' B for one column a[m] and B[m][8]. */
+MUKCA_INLINE void gram1x8(double *c, long step, mukca_columns a, mukca_columns b, int m)
 {
     four s0 = {0}, s1 = {0};
-    for (int r = 0; r < m; r++, a += lda, B += ldb) {
-        s0 += a[0] * LOAD4(B);
-        s1 += a[0] * LOAD4(B + 4);
+    for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld) {
+        s0 += a.x[0] * LOAD4(b.x);
+        s1 += a.x[0] * LOAD4(b.x + 4);
     }
-    for (int i = 0; i < 4; i++) c[(long)i * step] += s0[i];
-    for (int i = 0; i < 4; i++) c[(long)(4 + i) * step] += s1[i];
+    for (int i = 0; i < 4; i++) c[i * step] += s0[i];
+    for (int i = 0; i < 4; i++) c[(4 + i) * step] += s1[i];
 }
 
-MUKCA_INLINE double gram1x1(const double *a, int lda, const double *b, int ldb, int m)
+MUKCA_INLINE double gram1x1(mukca_columns a, mukca_columns b, int m)
 {
     double s = 0;
-    for (int r = 0; r < m; r++) s += a[(long)r * lda] * b[(long)r * ldb];
+    for (long r = 0; r < m; r++) s += a.x[r * a.ld] * b.x[r * b.ld];
     return s;
 }
 
-/* One strip of rows.  With `upper` only blocks that touch the upper triangle (X and Y the same). */
-MUKCA_INLINE void gram_strip(double *C, int ldc, const double *X, int n, int ldx, const double *Y,
-                             int k, int ldy, int m, int upper)
+MUKCA_INLINE mukca_columns from(mukca_columns X, int column)
 {
-    int n4 = n & ~3, k8 = k & ~7, n8 = n & ~7;
+    return (mukca_columns){X.x + column, X.n - column, X.ld};
+}
+
+/* C[X.n][Y.n] += X' Y of one strip of rows.  With `upper` only blocks that touch the upper triangle
+ * (X and Y the same). */
+MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m, bool upper)
+{
+    const int n = X.n, k = Y.n, n4 = n & ~3, k8 = k & ~7, n8 = n & ~7;
     for (int i = 0; i < n4; i += 4)
         for (int j = upper ? i & ~7 : 0; j < k8; j += 8)
-            gram4x8(C + (long)i * ldc + j, ldc, X + i, ldx, Y + j, ldy, m);
+            gram4x8(C + (long)i * k + j, k, from(X, i), from(Y, j), m);
     for (int i = n4; i < n; i++)
         for (int j = upper ? i & ~7 : 0; j < k8; j += 8)
-            gram1x8(C + (long)i * ldc + j, 1, X + i, ldx, Y + j, ldy, m);
+            gram1x8(C + (long)i * k + j, 1, from(X, i), from(Y, j), m);
     for (int j = k8; j < k; j++) {
-        for (int i = 0; i < n8; i += 8)
-            gram1x8(C + (long)i * ldc + j, ldc, Y + j, ldy, X + i, ldx, m);
-        for (int i = n8; i < n; i++) C[(long)i * ldc + j] += gram1x1(X + i, ldx, Y + j, ldy, m);
+        for (int i = 0; i < n8; i += 8) gram1x8(C + (long)i * k + j, k, from(Y, j), from(X, i), m);
+        for (int i = n8; i < n; i++) C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
+    }
+}
+
+/* All strips: a strip stays in the first cache while it is used. */
+MUKCA_INLINE void gram(double *C, mukca_columns X, mukca_columns Y, int m, bool upper)
+{
+    for (int r = 0; r < m; r += STRIP) {
+        gram_strip(C, X, Y, m - r < STRIP ? m - r : STRIP, upper);
+        X.x += (long)STRIP * X.ld;
+        Y.x += (long)STRIP * Y.ld;
     }
 }
 
 MUKCA_CLONES void mukca_dense_syrk(double *C, int n, const double *X, int m, int ldx)
 {
-    for (int r = 0; r < m; r += STRIP) {
-        const double *x = X + (long)r * ldx;
-        int rows = m - r < STRIP ? m - r : STRIP;
-        gram_strip(C, n, x, n, ldx, x, n, ldx, rows, 1);
-    }
+    const mukca_columns x = {X, n, ldx};
+    gram(C, x, x, m, true);
     for (int i = 1; i < n; i++)
         for (int j = 0; j < i; j++) C[(long)i * n + j] = C[(long)j * n + i];
 }
 
-MUKCA_CLONES void mukca_dense_xty(double *C, int ldc, const double *X, int n, int ldx,
-                                  const double *Y, int k, int ldy, int m)
+MUKCA_CLONES void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m)
 {
-    for (int r = 0; r < m; r += STRIP) {
-        int rows = m - r < STRIP ? m - r : STRIP;
-        gram_strip(C, ldc, X + (long)r * ldx, n, ldx, Y + (long)r * ldy, k, ldy, rows, 0);
-    }
+    gram(C, X, Y, m, false);
 }
 
 MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)

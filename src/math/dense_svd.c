@@ -1,4 +1,4 @@
-/* Jacobi methods: singular values, symmetric eigenvalues, minimum-norm least squares.
+/* Singular values by one-sided Jacobi, and readable bases of null spaces.
  *
  * One-sided Jacobi (Demmel and Veselic 1992) keeps small singular values accurate to their own size
  * where column scaling allows it, which the usual bidiagonalisation does not.
@@ -13,14 +13,13 @@
 
 enum { MAX_SWEEPS = 60 };
 
-/* cos and sin of the rotation that diagonalises [app apq; apq aqq]; returns tan. */
-static double jacobi_angle(double *c, double *s, double app, double apq, double aqq)
+/* cos and sin of the rotation that diagonalises [app apq; apq aqq]. */
+static void jacobi_angle(double *c, double *s, double app, double apq, double aqq)
 {
     double zeta = (aqq - app) / (2 * apq);
     double t = copysign(1, zeta) / (fabs(zeta) + hypot(1, zeta));
     *c = 1 / sqrt(1 + t * t);
     *s = *c * t;
-    return t;
 }
 
 MUKCA_INLINE double dot(const double *x, const double *y, long step, int n)
@@ -70,9 +69,20 @@ static double largest(const double *A, long count)
     return max;
 }
 
-/* Move the columns (and s, V) into descending order of s. */
-MUKCA_INLINE void sort_columns(double *A, long column, long step, int m, double *s, double *V,
-                               int n)
+/* Columns of a matrix: `length` entries `step` apart, the next column `next` on; x may be NULL. */
+typedef struct {
+    double *x;
+    long next, step;
+    int length;
+} columns;
+
+MUKCA_INLINE void swap_columns(columns A, int p, int q)
+{
+    if (A.x) swap(A.x + p * A.next, A.x + q * A.next, A.step, A.length);
+}
+
+/* Move s and the columns of A and V into descending order of s. */
+MUKCA_INLINE void sort_columns(double *s, columns A, columns V, int n)
 {
     for (int i = 0; i < n; i++) {
         int best = i;
@@ -80,32 +90,32 @@ MUKCA_INLINE void sort_columns(double *A, long column, long step, int m, double 
             if (s[j] > s[best]) best = j;
         if (best == i) continue;
         swap(s + i, s + best, 1, 1);
-        if (A) swap(A + i * column, A + best * column, step, m);
-        if (V) swap(V + i, V + best, n, n);
+        swap_columns(A, i, best);
+        swap_columns(V, i, best);
     }
 }
 
-/* Orthogonalise the columns (m entries `step` apart, the next column `column` on) in pairs. */
-MUKCA_INLINE bool orthogonalise(double *A, long column, long step, double *V, int m, int n)
+/* Orthogonalise the columns of A in pairs; V turns with them. */
+MUKCA_INLINE bool orthogonalise(columns A, columns V, int n)
 {
-    double tolerance = DBL_EPSILON * sqrt(m);
+    const double tolerance = DBL_EPSILON * sqrt(A.length);
     for (int sweep = 0; sweep < MAX_SWEEPS; sweep++) {
         bool done = true;
         for (int p = 0; p < n - 1; p++)
             for (int q = p + 1; q < n; q++) {
-                double *x = A + p * column, *y = A + q * column;
-                double xx = dot(x, x, step, m), xy = dot(x, y, step, m), yy = dot(y, y, step, m);
-                /* A column whose square underflows is zero beside the others. */
+                double *x = A.x + p * A.next, *y = A.x + q * A.next, c, s;
+                const double xx = dot(x, x, A.step, A.length), xy = dot(x, y, A.step, A.length),
+                             yy = dot(y, y, A.step, A.length);
+                /* A column whose square underflows counts as zero. */
                 if (fabs(xy) <= tolerance * sqrt(xx) * sqrt(yy) || !(fmin(xx, yy) > 1e-290)) {
                     if (xx >= yy) continue;
-                    swap(x, y, step, m); /* the larger one first: faster, and nearly sorted */
-                    if (V) swap(V + p, V + q, n, n);
+                    swap_columns(A, p, q); /* the larger one first: faster, and nearly sorted */
+                    swap_columns(V, p, q);
                     continue;
                 }
-                double c, s;
                 jacobi_angle(&c, &s, xx, xy, yy);
-                rotate(x, y, step, m, c, s);
-                if (V) rotate(V + p, V + q, n, n, c, s);
+                rotate(x, y, A.step, A.length, c, s);
+                if (V.x) rotate(V.x + p, V.x + q, V.step, n, c, s);
                 done = false;
             }
         if (done) return true;
@@ -124,95 +134,38 @@ MUKCA_CLONES int mukca_dense_svd(double *A, double *s, double *V, int m, int n)
     if (abs(exponent) < 300) exponent = 0; /* squares are safe */
     for (long i = 0; exponent != 0 && i < (long)m * n; i++) A[i] = ldexp(A[i], -exponent);
 
-    bool square = m == n, converged;
-    long column = square ? n : 1, step = square ? 1 : n;
-    if (square) {
-        transpose(A, n); /* columns become contiguous */
-        converged = orthogonalise(A, n, 1, V, m, n);
-    } else {
-        converged = orthogonalise(A, 1, n, V, m, n);
-    }
+    const bool square = m == n; /* transposed: its columns become contiguous */
+    const columns A_columns = {A, square ? n : 1, square ? 1 : n, m}, V_columns = {V, 1, n, n};
+    if (square) transpose(A, n);
+    const bool converged = square ? orthogonalise((columns){A, n, 1, m}, V_columns, n)
+                                  : orthogonalise((columns){A, 1, n, m}, V_columns, n);
     for (int j = 0; j < n; j++) {
-        double *x = A + j * column, norm = sqrt(dot(x, x, step, m));
+        double *x = A + j * A_columns.next, norm = sqrt(dot(x, x, A_columns.step, m));
         if (norm > 0)
-            for (long i = 0; i < m * step; i += step) x[i] /= norm;
+            for (long i = 0; i < m * A_columns.step; i += A_columns.step) x[i] /= norm;
         s[j] = ldexp(norm, exponent); /* NOLINT(*NullDereference): s is never NULL */
     }
-    sort_columns(A, column, step, m, s, V, n);
+    sort_columns(s, A_columns, V_columns, n);
     if (square) transpose(A, n);
     return converged ? 0 : 1;
 }
 
-MUKCA_CLONES int mukca_dense_eigen(double *w, double *V, double *A, int n)
+void mukca_dense_reduce(double *N, int k, int n, int ld)
 {
-    double scale = largest(A, (long)n * n);
-    if (!isfinite(scale)) return 1;
-    if (V)
-        for (int i = 0; i < n * n; i++) V[i] = i % (n + 1) == 0;
-    bool done = false;
-    for (int sweep = 0; sweep < MAX_SWEEPS && !done; sweep++) {
-        done = true;
-        for (int p = 0; p < n - 1; p++)
-            for (int q = p + 1; q < n; q++) {
-                double apq = A[(long)p * n + q], app = A[(long)p * n + p], aqq = A[(long)q * n + q];
-                if (fabs(apq) <= 0.25 * DBL_EPSILON * sqrt(fabs(app)) * sqrt(fabs(aqq)) ||
-                    fabs(apq) <= DBL_EPSILON * DBL_EPSILON * scale)
-                    continue;
-                double c, s, t = jacobi_angle(&c, &s, app, apq, aqq);
-                rotate(A + (long)p * n, A + (long)q * n, 1, n, c, s);
-                rotate(A + p, A + q, n, n, c, s);
-                A[(long)p * n + p] = app - t * apq; /* exact on paper, and free of drift */
-                A[(long)q * n + q] = aqq + t * apq;
-                A[(long)p * n + q] = A[(long)q * n + p] = 0;
-                if (V) rotate(V + p, V + q, n, n, c, s);
-                if (fabs(apq) > DBL_EPSILON * scale) done = false;
-            }
-    }
-    for (int i = 0; i < n; i++) w[i] = A[(long)i * n + i];
-    sort_columns(NULL, 0, 0, 0, w, V, n);
-    return done ? 0 : 1;
-}
-
-/* z := diag(1/s) z with the small ones dropped; returns the rank. */
-static int divide(double *z, const double *s, int n, double tolerance)
-{
-    int rank = 0;
-    while (rank < n && s[rank] > tolerance * s[0] && s[rank] > 0) rank++;
-    for (int j = 0; j < n; j++) z[j] = j < rank ? z[j] / s[j] : 0;
-    return rank;
-}
-
-int mukca_dense_lstsq(double *x, double *A, double *b, int m, int n, double tolerance, double *work)
-{
-    if (n < 1 || !work) return 0;
-    double *s = work + (long)n * n;
-    if (!(tolerance > 0)) tolerance = (m > n ? m : n) * DBL_EPSILON;
-    if (m < n) { /* A' = U diag(s) V', x = U diag(1/s) V' b; V fits where A was */
-        for (int i = 0; i < m; i++)
-            for (int j = 0; j < n; j++) work[(long)j * m + i] = A[(long)i * n + j];
-        if (mukca_dense_svd(work, s, A, n, m)) return -1;
-        for (int j = 0; j < m; j++) {
-            x[j] = 0;
-            for (int i = 0; i < m; i++) x[j] += A[(long)i * m + j] * b[i];
+    for (int step = 0; step < k; step++) {
+        double *top = N + (long)step * ld;
+        int row = step, column = 0;
+        for (int r = step; r < k; r++) /* columns that have their 1 are 0 in these rows */
+            for (int c = 0; c < n; c++)
+                if (fabs(N[(long)r * ld + c]) > fabs(N[(long)row * ld + column]))
+                    row = r, column = c;
+        swap(top, N + (long)row * ld, 1, n);
+        const double pivot = top[column];
+        if (pivot == 0) return;
+        for (int c = 0; c < n; c++) top[c] /= pivot;
+        for (int r = 0; r < k; r++) {
+            double *other = N + (long)r * ld, f = other[column];
+            for (int c = 0; c < n && r != step; c++) other[c] -= f * top[c];
         }
-        for (int j = 0; j < m; j++) b[j] = x[j];
-        int rank = divide(b, s, m, tolerance);
-        for (int i = 0; i < n; i++) {
-            x[i] = 0;
-            for (int j = 0; j < rank; j++) x[i] += work[(long)i * m + j] * b[j];
-        }
-        return rank;
     }
-    if (mukca_dense_svd(A, s, work, m, n)) return -1;
-    for (int j = 0; j < n; j++) {
-        x[j] = 0;
-        for (int i = 0; i < m; i++) x[j] += A[(long)i * n + j] * b[i];
-    }
-    for (int j = 0; j < n; j++) b[j] = x[j];
-    int rank = divide(b, s, n, tolerance);
-    for (int i = 0; i < n; i++) {
-        x[i] = 0;
-        for (int j = 0; j < rank; j++) x[i] += work[(long)i * n + j] * b[j];
-    }
-    return rank;
 }

@@ -61,13 +61,3 @@ int mukca_random_below(mukca_random *random, int n)
     while (bits >= limit);
     return (int)(bits % range);
 }
-
-double mukca_random_student(mukca_random *random, int dof)
-{
-    double z = mukca_random_normal(random), chi2 = 0;
-    for (int i = 0; i < dof; i++) {
-        double x = mukca_random_normal(random);
-        chi2 += x * x;
-    }
-    return z / sqrt(chi2 / dof);
-}

@@ -12,9 +12,8 @@ typedef struct {
 
 void mukca_random_seed(mukca_random *random, uint64_t seed);
 uint64_t mukca_random_bits(mukca_random *random);
-double mukca_random_uniform(mukca_random *random);          /* [0, 1) */
-double mukca_random_normal(mukca_random *random);           /* mean 0, sigma 1 */
-int mukca_random_below(mukca_random *random, int n);        /* 0 .. n-1, unbiased */
-double mukca_random_student(mukca_random *random, int dof); /* Student's t */
+double mukca_random_uniform(mukca_random *random);   /* [0, 1) */
+double mukca_random_normal(mukca_random *random);    /* mean 0, sigma 1 */
+int mukca_random_below(mukca_random *random, int n); /* 0 .. n-1, unbiased */
 
 #endif

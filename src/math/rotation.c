@@ -2,6 +2,9 @@
 #include "mukca/rotation.h"
 
 #include <math.h>
+#include <string.h>
+
+#include "math/dense.h"
 
 #define PI 3.14159265358979323846
 
@@ -17,30 +20,16 @@ void mukca_rotation_from_rpy(double R[9], const double rpy[3])
 
 void mukca_rotation_from_rpy_derivative(double dR[3][9], const double rpy[3])
 {
-    const double cr = cos(rpy[0]), sr = sin(rpy[0]);
-    const double cp = cos(rpy[1]), sp = sin(rpy[1]);
-    const double cy = cos(rpy[2]), sy = sin(rpy[2]);
-    const double roll[9] = {0,
-                            cy * sp * cr + sy * sr,
-                            -cy * sp * sr + sy * cr,
-                            0,
-                            sy * sp * cr - cy * sr,
-                            -sy * sp * sr - cy * cr,
-                            0,
-                            cp * cr,
-                            -cp * sr};
-    const double pitch[9] = {-cy * sp,     cy * cp * sr, cy * cp * cr, -sy * sp, sy * cp * sr,
-                             sy * cp * cr, -cp,          -sp * sr,     -sp * cr};
-    const double yaw[9] = {-sy * cp,
-                           -sy * sp * sr - cy * cr,
-                           -sy * sp * cr + cy * sr,
-                           cy * cp,
-                           cy * sp * sr - sy * cr,
-                           cy * sp * cr + sy * sr,
-                           0,
-                           0,
-                           0};
-    for (int i = 0; i < 9; i++) dR[0][i] = roll[i], dR[1][i] = pitch[i], dR[2][i] = yaw[i];
+    double R[9], turned[3], column[3];
+    mukca_rotation_from_rpy(R, rpy);
+    /* roll, pitch and yaw turn about these axes, in the outer frame */
+    const double axes[3][3] = {{R[0], R[3], R[6]}, {-sin(rpy[2]), cos(rpy[2]), 0}, {0, 0, 1}};
+    for (int i = 0; i < 3; i++)
+        for (int c = 0; c < 3; c++) {
+            for (int r = 0; r < 3; r++) column[r] = R[3 * r + c];
+            mukca_cross(turned, axes[i], column);
+            for (int r = 0; r < 3; r++) dR[i][3 * r + c] = turned[r];
+        }
 }
 
 /* `angle` shifted by whole turns to lie nearest to `near`. */
@@ -145,6 +134,20 @@ void mukca_rotation_from_quaternion(double R[9], const double q[4])
     R[0] = 1 - s * (y * y + z * z), R[1] = s * (x * y - w * z), R[2] = s * (x * z + w * y);
     R[3] = s * (x * y + w * z), R[4] = 1 - s * (x * x + z * z), R[5] = s * (y * z - w * x);
     R[6] = s * (x * z - w * y), R[7] = s * (y * z + w * x), R[8] = 1 - s * (x * x + y * y);
+}
+
+void mukca_rotation_nearest(double R[9], const double H[9])
+{
+    double U[9], s[3], V[9], u[3][3], v[3][3]; /* u, v: columns */
+    memcpy(U, H, sizeof U);
+    if (mukca_dense_svd(U, s, V, 3, 3) || !(s[1] > 1e-9 * s[0])) return;
+    for (int c = 0; c < 2; c++)
+        for (int i = 0; i < 3; i++) u[c][i] = U[3 * i + c], v[c][i] = V[3 * i + c];
+    mukca_cross(u[2], u[0], u[1]); /* so that det R = 1 */
+    mukca_cross(v[2], v[0], v[1]);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            R[3 * i + j] = v[0][i] * u[0][j] + v[1][i] * u[1][j] + v[2][i] * u[2][j];
 }
 
 void mukca_rotation_transverse(double e1[3], double e2[3], const double axis[3])

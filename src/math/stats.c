@@ -1,23 +1,9 @@
-/* Means, quantiles, the tails that evidence needs, and a one-dimensional minimiser. */
+/* Quantiles, the tails that evidence needs, and a one-dimensional minimiser. */
 #include "math/stats.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-
-double mukca_stats_mean(const double *x, int n)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++) sum += x[i];
-    return n > 0 ? sum / n : 0;
-}
-
-double mukca_stats_std(const double *x, int n)
-{
-    double mean = mukca_stats_mean(x, n), sum = 0;
-    for (int i = 0; i < n; i++) sum += (x[i] - mean) * (x[i] - mean);
-    return n > 1 ? sqrt(sum / (n - 1)) : 0;
-}
 
 static int compare(const void *a, const void *b)
 {
@@ -61,39 +47,6 @@ double mukca_stats_log_normal_cdf(double z)
     /* Phi(z) = phi(z) / -z * (1 - 1/z^2 + 3/z^4 - 15/z^6 + ...), Abramowitz and Stegun 26.2.12 */
     double u = 1 / (z * z), series = 1 - u * (1 - 3 * u * (1 - 5 * u * (1 - 7 * u * (1 - 9 * u))));
     return -0.5 * z * z - 0.5 * log(2 * M_PI) - log(-z) + log(series);
-}
-
-/* P(a, x): the series for x < a + 1, Lentz's continued fraction of Q beyond (Numerical methods:
- * Abramowitz and Stegun 6.5.29 and 6.5.31). */
-double mukca_stats_chi2_cdf(double x, double dof)
-{
-    double a = 0.5 * dof;
-    x *= 0.5;
-    if (x != x || a != a) return x + a;
-    if (x <= 0) return 0;
-    if (isinf(x)) return 1;
-    double front = exp(-x + a * log(x) - lgamma(a));
-    if (x < a + 1) {
-        double term = 1 / a, sum = term;
-        for (int n = 1; n < 100000 && term > sum * DBL_EPSILON; n++) {
-            term *= x / (a + n);
-            sum += term;
-        }
-        return sum * front;
-    }
-    double tiny = DBL_MIN / DBL_EPSILON, b = x + 1 - a, c = 1 / tiny, d = 1 / b, h = d;
-    for (int n = 1; n < 100000; n++) {
-        double an = -n * (n - a);
-        b += 2;
-        d = an * d + b;
-        if (fabs(d) < tiny) d = tiny;
-        c = b + an / c;
-        if (fabs(c) < tiny) c = tiny;
-        d = 1 / d;
-        h *= d * c;
-        if (fabs(d * c - 1) < DBL_EPSILON) break;
-    }
-    return 1 - front * h;
 }
 
 double mukca_stats_minimize(double *value, double (*f)(void *, double), void *context, double lo,

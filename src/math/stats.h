@@ -5,13 +5,10 @@
 /* Mean length of a 3-vector of independent normals of unit sigma: 2 sqrt(2 / pi). */
 #define MUKCA_MEAN_NORM3 1.5957691216057308
 
-double mukca_stats_mean(const double *x, int n);
-double mukca_stats_std(const double *x, int n);          /* 1/(n-1); 0 for n < 2 */
 double mukca_stats_median(double *x, int n);             /* reorders x; 0 for n = 0 */
 double mukca_stats_quantile(double *x, int n, double p); /* reorders x, linear interpolation */
 double mukca_stats_log_sum_exp(const double *x, int n);  /* -HUGE_VAL for n = 0 */
 double mukca_stats_log_normal_cdf(double z);             /* log Phi(z), also far in the tail */
-double mukca_stats_chi2_cdf(double x, double dof);       /* regularised lower gamma */
 
 /* Minimum of f over [lo, hi] by golden section with parabolic steps (Brent); x within `tolerance`.
  * Returns the argument; *value (may be NULL) gets f there. */

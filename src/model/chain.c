@@ -64,13 +64,13 @@ static void joint_rotation(double R[9], const mukca_geometry *geometry, int k, c
     }
 }
 
-void mukca_chain_moments(double (*moment)[3], double *torque, double base[3],
-                         const mukca_chain *chain, const mukca_geometry *geometry, const double *q,
-                         const double *mass_scale, double payload_kg)
+void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
+                         const mukca_geometry *geometry, const double *q, const double *mass_scale,
+                         double payload_kg)
 {
     const int n = chain->n_elements;
     double turn[MUKCA_MAX_ELEMENTS][9], gravity[MUKCA_MAX_ELEMENTS][3];
-    double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3]; /* of each child frame */
+    double kg[MUKCA_MAX_ELEMENTS] = {0}, first[MUKCA_MAX_ELEMENTS][3] = {{0}}; /* child frames */
     double g[3] = {chain->gravity[0], chain->gravity[1], chain->gravity[2]};
 
     /* Gravity in each joint frame, outwards. */
@@ -78,12 +78,10 @@ void mukca_chain_moments(double (*moment)[3], double *torque, double base[3],
         joint_rotation(turn[k], geometry, k, q);
         mukca_mat3_tvec(gravity[k], geometry->origin[k].R, g);
         mukca_mat3_tvec(g, turn[k], gravity[k]);
-        kg[k] = 0;
-        first[k][0] = first[k][1] = first[k][2] = 0;
     }
     for (int m = 0; m < chain->n_masses; m++) {
         const mukca_mass *mass = &chain->mass[m];
-        if (mass->element < 0 || mass->element >= n) continue;
+        if (mass->element < 0 || mass->element >= n) continue; /* fixed to the base */
         const double w = mass->kg * (mass_scale ? mass_scale[m] : 1);
         kg[mass->element] += w;
         for (int i = 0; i < 3; i++) first[mass->element][i] += w * mass->com[i];
@@ -93,24 +91,21 @@ void mukca_chain_moments(double (*moment)[3], double *torque, double base[3],
     /* Mass and first moment of all that hangs on each joint, inwards. */
     double total = 0, carried[3] = {0, 0, 0}; /* of element k + 1, in the child frame of k */
     for (int k = n - 1; k >= 0; k--) {
-        double in_child[3], in_joint[3], down[3];
+        const double *axis = geometry->axis[k], *p = geometry->origin[k].p;
+        const int j = geometry->joint[k];
+        const bool slides = geometry->type[k] == MUKCA_PRISMATIC;
+        double in_child[3], in_joint[3], in_parent[3];
         total += kg[k];
         for (int i = 0; i < 3; i++) in_child[i] = first[k][i] + carried[i];
         mukca_mat3_vec(in_joint, turn[k], in_child);
-        const int j = geometry->joint[k];
-        if (geometry->type[k] == MUKCA_PRISMATIC)
-            for (int i = 0; i < 3; i++) in_joint[i] += total * geometry->axis[k][i] * q[j];
+        for (int i = 0; i < 3 && slides; i++) in_joint[i] += total * axis[i] * q[j];
         if (j >= 0) {
-            double hold[3];
-            mukca_cross(hold, gravity[k], in_joint); /* in_joint x (-g) */
-            if (moment) memcpy(moment[j], hold, sizeof hold);
-            if (torque)
-                torque[j] = geometry->type[k] == MUKCA_PRISMATIC
-                                ? -total * mukca_dot3(geometry->axis[k], gravity[k])
-                                : mukca_dot3(geometry->axis[k], hold);
+            mukca_cross(load->moment[j], gravity[k], in_joint); /* in_joint x (-g) */
+            load->torque[j] =
+                slides ? -total * mukca_dot3(axis, gravity[k]) : mukca_dot3(axis, load->moment[j]);
         }
-        mukca_mat3_vec(down, geometry->origin[k].R, in_joint);
-        for (int i = 0; i < 3; i++) carried[i] = down[i] + total * geometry->origin[k].p[i];
+        mukca_mat3_vec(in_parent, geometry->origin[k].R, in_joint);
+        for (int i = 0; i < 3; i++) carried[i] = in_parent[i] + total * p[i];
     }
-    if (base) mukca_cross(base, chain->gravity, carried);
+    mukca_cross(load->base, chain->gravity, carried);
 }

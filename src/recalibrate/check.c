@@ -240,26 +240,6 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     return MUKCA_OK;
 }
 
-/* The rotation R that makes the sum of |b - R a|^2 least, from H = sum a b' (Kabsch 1976). */
-static void nearest_rotation(double R[9], const double H[9])
-{
-    double U[9], s[3], V[9], d[9];
-    memcpy(U, H, sizeof U);
-    if (mukca_dense_svd(U, s, V, 3, 3)) return;
-    if (!(s[1] > 1e-9 * s[0])) return; /* the points lie on a line */
-    double u[3][3], v[3][3]; /* columns; the third by the cross product, so that det R = 1 */
-    for (int c = 0; c < 2; c++)
-        for (int i = 0; i < 3; i++) u[c][i] = U[3 * i + c], v[c][i] = V[3 * i + c];
-    mukca_cross(u[2], u[0], u[1]);
-    mukca_cross(v[2], v[0], v[1]);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            d[3 * i + j] = 0;
-            for (int c = 0; c < 3; c++) d[3 * i + j] += v[c][i] * u[c][j];
-        }
-    memcpy(R, d, sizeof d);
-}
-
 /* First guesses of unknown frames, from the nominal arm. */
 static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bool free_tool)
 {
@@ -277,7 +257,7 @@ static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bo
                     (p->nominal[i].p[a] - mean[0][a]) * (p->measured[i].p[b] - mean[1][b]);
     if (free_base) {
         double turned_mean[3];
-        nearest_rotation(check->base.R, H);
+        mukca_rotation_nearest(check->base.R, H);
         mukca_mat3_vec(turned_mean, check->base.R, mean[0]);
         for (int a = 0; a < 3; a++) check->base.p[a] = mean[1][a] - turned_mean[a];
     }
@@ -291,7 +271,7 @@ static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bo
                 for (int c = 0; c < 3; c++)
                     H[3 * a + b] += p->measured[i].R[3 * c + a] * R[3 * c + b];
     }
-    if (free_tool && check->rotations) nearest_rotation(check->tool.R, H);
+    if (free_tool && check->rotations) mukca_rotation_nearest(check->tool.R, H);
 }
 
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,

@@ -191,7 +191,7 @@ static void solve_chosen(mukca_constants *out, const int *chosen, const search *
         b[i] = s->system.R[i * (n + 1) + n];
     }
     mukca_dense_syrk(C, k, A, n, k);
-    mukca_dense_xty(x, 1, A, k, k, b, 1, 1, n);
+    mukca_dense_xty(x, (mukca_columns){A, k, k}, (mukca_columns){b, 1, 1}, n);
     if (mukca_dense_cholesky(C, k)) return;
     mukca_dense_forward(x, 1, C, k);
     mukca_dense_backward(x, 1, C, k);

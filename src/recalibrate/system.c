@@ -64,41 +64,6 @@ void mukca_pose_system_move_carried(mukca_pose_system *s, const double *steps)
             s->R[i * width + width - 1] -= s->R[i * width + s->n + c] * steps[c];
 }
 
-/* Gauss-Jordan with full pivoting on the rows null[r][n]: each row gets one entry 1 that the others
- * lack, so that few entries remain and each row reads as one sentence. */
-static void reduce(double (*null)[MUKCA_MAX_UNKNOWNS], int r, int n)
-{
-    bool used[MUKCA_MAX_UNKNOWNS] = {false};
-    for (int i = 0; i < r; i++) {
-        int column = 0, best = i;
-        double largest = -1;
-        for (int k = i; k < r; k++)
-            for (int c = 0; c < n; c++)
-                if (!used[c] && fabs(null[k][c]) > largest) {
-                    largest = fabs(null[k][c]);
-                    column = c;
-                    best = k;
-                }
-        if (!(largest > 0)) return;
-        for (int c = 0; c < n; c++) {
-            const double t = null[i][c];
-            null[i][c] = null[best][c];
-            null[best][c] = t;
-        }
-        used[column] = true;
-        const double pivot = null[i][column];
-        for (int c = 0; c < n; c++) null[i][c] /= pivot;
-        for (int k = 0; k < r; k++) {
-            const double f = null[k][column];
-            if (k == i || f == 0) continue;
-            for (int c = 0; c < n; c++) null[k][c] -= f * null[i][c];
-        }
-    }
-    for (int i = 0; i < r; i++)
-        for (int c = 0; c < n; c++)
-            if (fabs(null[i][c]) < 1e-6) null[i][c] = 0;
-}
-
 bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int n, double loosest)
 {
     const int width = width_of(s);
@@ -139,7 +104,10 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
         out->sigma[i] = sqrt(out->sigma[i] * out->sigma2);
         out->identifiable[i] = lost < 1e-8;
     }
-    reduce(out->null, out->n_null, n);
+    mukca_dense_reduce(out->null[0], out->n_null, n, MUKCA_MAX_UNKNOWNS);
+    for (int k = 0; k < out->n_null; k++)
+        for (int c = 0; c < n; c++)
+            if (fabs(out->null[k][c]) < 1e-6) out->null[k][c] = 0;
     return true;
 }
 

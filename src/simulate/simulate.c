@@ -118,10 +118,11 @@ static void finish_row(recorder *r)
         displace(&ignored, q, r);
     }
     if (data->effort) {
-        mukca_chain_moments(NULL, data->effort + at, NULL, &r->arm->chain, &r->arm->geometry, q,
-                            NULL, 0);
+        mukca_gravity_load load;
+        mukca_chain_moments(&load, &r->arm->chain, &r->arm->geometry, q, NULL, 0);
         for (size_t j = 0; j < n; j++)
-            data->effort[at + j] += r->options.effort_noise * mukca_random_normal(&r->effort);
+            data->effort[at + j] =
+                load.torque[j] + r->options.effort_noise * mukca_random_normal(&r->effort);
     }
     r->row++;
 }

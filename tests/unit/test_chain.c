@@ -182,23 +182,25 @@ static void moments(void **state)
     random_chain(&chain, 7);
     mukca_geometry_set(&geometry, &chain, NULL);
     for (int trial = 0; trial < 10; trial++) {
-        double q[7], moment[7][3], torque[7], base[3];
+        double q[7];
+        mukca_gravity_load load;
         const double h = 1e-5;
         for (int j = 0; j < 7; j++) q[j] = uniform(-3, 3);
-        mukca_chain_moments(moment, torque, base, &chain, &geometry, q, NULL, 0);
+        mukca_chain_moments(&load, &chain, &geometry, q, NULL, 0);
         for (int j = 0; j < 7; j++) {
             mukca_displacement d = {.any_rotation = true};
             d.q[j] = h;
             double up = energy(&chain, &geometry, q, &d);
             d.q[j] = -h;
-            assert_close(torque[j], (up - energy(&chain, &geometry, q, &d)) / (2 * h), 1e-6);
+            assert_close(load.torque[j], (up - energy(&chain, &geometry, q, &d)) / (2 * h), 1e-6);
             for (int i = 0; i < 3; i++) {
                 memset(&d, 0, sizeof d);
                 d.any_rotation = true;
                 d.rotation[j][i] = h;
                 up = energy(&chain, &geometry, q, &d);
                 d.rotation[j][i] = -h;
-                assert_close(moment[j][i], (up - energy(&chain, &geometry, q, &d)) / (2 * h), 1e-6);
+                assert_close(load.moment[j][i], (up - energy(&chain, &geometry, q, &d)) / (2 * h),
+                             1e-6);
             }
         }
         for (int i = 0; i < 3; i++) {
@@ -206,7 +208,7 @@ static void moments(void **state)
             d.base[i] = h;
             const double up = energy(&chain, &geometry, q, &d);
             d.base[i] = -h;
-            assert_close(base[i], (up - energy(&chain, &geometry, q, &d)) / (2 * h), 1e-6);
+            assert_close(load.base[i], (up - energy(&chain, &geometry, q, &d)) / (2 * h), 1e-6);
         }
     }
 }

@@ -140,11 +140,11 @@ static void turn_jump(double *q, const mukca_dataset *data, int row, const scene
 static void turn_compliance(double *q, const mukca_dataset *data, int row, const scene *s)
 {
     (void)data, (void)row;
-    double torque[MUKCA_MAX_JOINTS];
+    mukca_gravity_load load;
     const double encoder = q[1];
     for (int round = 0; round < 20; round++) {
-        mukca_chain_moments(NULL, torque, NULL, &s->arm.chain, &s->arm.geometry, q, NULL, 0);
-        q[1] = encoder - 3e-5 * torque[1];
+        mukca_chain_moments(&load, &s->arm.chain, &s->arm.geometry, q, NULL, 0);
+        q[1] = encoder - 3e-5 * load.torque[1];
     }
 }
 
@@ -285,10 +285,11 @@ static void test_columns(void **state)
     record(&data, &s);
     for (int i = 0; i < data.n_rows; i++) {
         const double *q = data.q + i * data.n_joints;
-        double torque[MUKCA_MAX_JOINTS], largest = 0;
-        mukca_chain_moments(NULL, torque, NULL, &s.arm.chain, &s.arm.geometry, q, NULL, 0);
+        double largest = 0;
+        mukca_gravity_load load;
+        mukca_chain_moments(&load, &s.arm.chain, &s.arm.geometry, q, NULL, 0);
         for (int j = 0; j < data.n_joints; j++) {
-            assert_close(data.effort[i * data.n_joints + j], torque[j], 1e-12);
+            assert_close(data.effort[i * data.n_joints + j], load.torque[j], 1e-12);
             largest = fmax(largest, fabs(data.command[i * data.n_joints + j] - q[j]));
         }
         assert_close(largest, i ? 1e-3 : 0, 1e-12);

@@ -5,13 +5,10 @@
 #include "math/random.h"
 #include "math/stats.h"
 
-static void test_moments(void **state)
+static void test_quantiles(void **state)
 {
     (void)state;
-    double x[] = {2, 4, 4, 4, 5, 5, 7, 9}, one[] = {3};
-    assert_close(mukca_stats_mean(x, 8), 5, 1e-15);
-    assert_close(mukca_stats_std(x, 8), sqrt(32.0 / 7), 1e-15);
-    assert_close(mukca_stats_std(one, 1), 0, 0);
+    double x[] = {2, 4, 4, 4, 5, 5, 7, 9};
     assert_close(mukca_stats_median(x, 8), 4.5, 0);
     assert_close(mukca_stats_median(x, 0), 0, 0);
     double y[] = {9, 1, 5, 3};
@@ -37,14 +34,6 @@ static void test_tails(void **state)
         assert_close(mukca_stats_log_normal_cdf(phi[i][0]), phi[i][1], 1e-13 * fabs(phi[i][1]));
     assert_close(mukca_stats_log_normal_cdf(-19.999999), mukca_stats_log_normal_cdf(-20.000001),
                  1e-4);
-    /* Quantiles of the tables */
-    assert_close(mukca_stats_chi2_cdf(3.841458820694124, 1), 0.95, 1e-14);
-    assert_close(mukca_stats_chi2_cdf(2 * log(20), 2), 0.95, 1e-14);
-    assert_close(mukca_stats_chi2_cdf(18.307038053275146, 10), 0.95, 1e-13);
-    assert_close(mukca_stats_chi2_cdf(124.34211340400407, 100), 0.95, 1e-12);
-    assert_close(mukca_stats_chi2_cdf(0, 3), 0, 0);
-    assert_close(mukca_stats_chi2_cdf(1e9, 3), 1, 0);
-    assert_true(isnan(mukca_stats_chi2_cdf(NAN, 3)));
 }
 
 static double quartic(void *context, double x)
@@ -83,22 +72,20 @@ static void test_random(void **state)
     assert_true(random.state[1] == 3203168211198807973u);
 
     enum { N = 200000 };
-    double sum = 0, square = 0, fourth = 0, student = 0;
+    double sum = 0, square = 0, fourth = 0;
     int bins[3] = {0};
     for (int i = 0; i < N; i++) {
-        double z = mukca_random_normal(&random), t = mukca_random_student(&random, 8);
+        double z = mukca_random_normal(&random);
         double u = mukca_random_uniform(&random);
         assert_true(u >= 0 && u < 1);
         sum += z;
         square += z * z;
         fourth += z * z * z * z;
-        student += t * t;
         bins[mukca_random_below(&random, 3)]++;
     }
     assert_close(sum / N, 0, 5 / sqrt(N));
     assert_close(square / N, 1, 5 * sqrt(2.0 / N));
     assert_close(fourth / N, 3, 5 * sqrt(96.0 / N));
-    assert_close(student / N, 8.0 / 6, 0.03); /* variance dof / (dof - 2) */
     for (int b = 0; b < 3; b++) assert_close(bins[b], N / 3.0, 5 * sqrt(N * 2.0 / 9));
 }
 
@@ -110,9 +97,9 @@ static void test_nan_fails(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_moments), cmocka_unit_test(test_tails),
-                                       cmocka_unit_test(test_minimize),
-                                       cmocka_unit_test(test_random),
-                                       cmocka_unit_test(test_nan_fails)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_quantiles), cmocka_unit_test(test_tails),
+        cmocka_unit_test(test_minimize), cmocka_unit_test(test_random),
+        cmocka_unit_test(test_nan_fails)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
