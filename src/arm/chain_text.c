@@ -7,54 +7,36 @@
 #include "base/cells.h"
 #include "base/number.h"
 
-enum { LONGEST_LINE = 1024, MOST_CELLS = 8 };
+enum { MOST_CELLS = 8 };
 
 typedef struct {
     mukca_chain *chain;
     const char *name;
-    int line, n_cells;
+    mukca_lines lines;
+    int n_cells;
     char *cell[MOST_CELLS];
     mukca_error *error;
 } reader;
 
 static mukca_status fail(const reader *r, const char *what)
 {
-    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s", r->name, r->line, what);
-}
-
-/* n numbers of a cell; infinite ones are allowed where asked. */
-static bool numbers(double *x, int n, const char *cell, bool infinite)
-{
-    char word[64];
-    for (int i = 0; i < n; i++) {
-        cell += strspn(cell, " ");
-        const size_t length = strcspn(cell, " ");
-        if (length == 0 || length >= sizeof word) return false;
-        memcpy(word, cell, length);
-        word[length] = '\0';
-        cell += length;
-        if (infinite && strcmp(word, "inf") == 0)
-            x[i] = HUGE_VAL;
-        else if (infinite && strcmp(word, "-inf") == 0)
-            x[i] = -HUGE_VAL;
-        else if (!mukca_number_parse(&x[i], word))
-            return false;
-    }
-    return cell[strspn(cell, " ")] == '\0';
+    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s", r->name, r->lines.number, what);
 }
 
 static mukca_status read_element(reader *r)
 {
     mukca_chain *c = r->chain;
-    double limits[2];
+    double limits[2] = {-HUGE_VAL, HUGE_VAL};
     if (c->n_elements == MUKCA_MAX_ELEMENTS) return fail(r, "too many elements");
     mukca_element *e = &c->element[c->n_elements];
     int type = 0;
     if (r->n_cells != 8) return fail(r, "an element needs 7 fields");
     while (type < 4 && strcmp(mukca_joint_type_name[type], r->cell[3]) != 0) type++;
-    if (type == 4 || !numbers(e->axis, 3, r->cell[4], false) ||
-        !numbers(e->xyz, 3, r->cell[5], false) || !numbers(e->rpy, 3, r->cell[6], false) ||
-        !numbers(limits, 2, r->cell[7], true))
+    const bool limited = strcmp(r->cell[7], "-inf inf") != 0;
+    if (type == 4 || !mukca_number_parse_list(e->axis, 3, r->cell[4]) ||
+        !mukca_number_parse_list(e->xyz, 3, r->cell[5]) ||
+        !mukca_number_parse_list(e->rpy, 3, r->cell[6]) ||
+        (limited && !mukca_number_parse_list(limits, 2, r->cell[7])))
         return fail(r, "the element's numbers or its type cannot be read");
     snprintf(e->name, sizeof e->name, "%s", r->cell[1]);
     snprintf(e->child, sizeof e->child, "%s", r->cell[2]);
@@ -76,20 +58,21 @@ static mukca_status read_element(reader *r)
 static mukca_status read_mass(reader *r)
 {
     mukca_chain *c = r->chain;
-    double element, kg, com[3];
+    double element;
     if (c->n_masses == MUKCA_MAX_MASSES) return fail(r, "too many masses");
-    if (r->n_cells != 4 || !numbers(&element, 1, r->cell[1], false) ||
-        !numbers(&kg, 1, r->cell[2], false) || !numbers(com, 3, r->cell[3], false) ||
+    mukca_mass *m = &c->mass[c->n_masses++];
+    if (r->n_cells != 4 || !mukca_number_parse(&element, r->cell[1]) ||
+        !mukca_number_parse(&m->kg, r->cell[2]) ||
+        !mukca_number_parse_list(m->com, 3, r->cell[3]) ||
         !(element >= -1 && element < MUKCA_MAX_ELEMENTS))
         return fail(r, "the mass cannot be read");
-    mukca_mass *m = &c->mass[c->n_masses++];
-    *m = (mukca_mass){.element = (int)element, .kg = kg};
-    memcpy(m->com, com, sizeof com);
+    m->element = (int)element;
     return MUKCA_OK;
 }
 
-static mukca_status read_comment(reader *r, char *line)
+static mukca_status read_comment(reader *r)
 {
+    char *line = r->lines.line;
     mukca_chain *c = r->chain;
     const struct {
         const char *key;
@@ -109,7 +92,7 @@ static mukca_status read_comment(reader *r, char *line)
     if (strcmp(r->cell[0], "# element:") == 0) return read_element(r);
     if (strcmp(r->cell[0], "# mass:") == 0) return read_mass(r);
     if (strcmp(r->cell[0], "# gravity:") == 0 &&
-        (r->n_cells != 2 || !numbers(c->gravity, 3, r->cell[1], false)))
+        (r->n_cells != 2 || !mukca_number_parse_list(c->gravity, 3, r->cell[1])))
         return fail(r, "gravity cannot be read");
     return MUKCA_OK;
 }
@@ -117,23 +100,13 @@ static mukca_status read_comment(reader *r, char *line)
 mukca_status mukca_chain_parse(mukca_chain *chain, const char *text, const char *name,
                                mukca_error *error)
 {
-    reader r = {.chain = chain, .name = name, .error = error};
+    reader r = {.chain = chain, .name = name, .lines = {.text = text}, .error = error};
     memset(chain, 0, sizeof *chain);
-    while (*text) {
-        char line[LONGEST_LINE];
-        size_t length = strcspn(text, "\n"), kept = length;
-        r.line++;
-        if (kept >= sizeof line) kept = sizeof line - 1;
-        memcpy(line, text, kept);
-        while (kept > 0 && line[kept - 1] == '\r') kept--;
-        line[kept] = '\0';
-        if (line[0] == '#') {
-            const mukca_status status = read_comment(&r, line);
-            if (status != MUKCA_OK) return status;
-        }
-        text += length + (text[length] == '\n');
+    while (mukca_lines_next(&r.lines)) {
+        if (r.lines.line[0] != '#') continue;
+        const mukca_status status = read_comment(&r);
+        if (status != MUKCA_OK) return status;
     }
-    if (chain->n_elements == 0)
-        return fail(&r, "no `# element:` lines: write the table anew with this version of mukca");
-    return MUKCA_OK;
+    if (chain->n_elements > 0) return MUKCA_OK;
+    return fail(&r, "no `# element:` lines: write the table anew with this version of mukca");
 }

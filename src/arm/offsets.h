@@ -59,7 +59,7 @@ typedef struct {
     const char *name; /* in: what messages call the table */
     bool force;       /* in: take the offsets (not the calibrated values) of another URDF's table */
     bool other;       /* out: it is another URDF's, by SHA-256 */
-    int left_out;     /* out: rows of joints that are not in the chain (of another --tip) */
+    int ignored;      /* out: rows of joints that are not in the chain (of another --tip) */
 } mukca_offsets_origin;
 
 /* Read a table for the chain from its text.  Errors: MUKCA_INPUT ("name:line: column ..."). */
@@ -69,9 +69,5 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
 /* The chain from the comment lines of a table.  Errors: MUKCA_INPUT. */
 mukca_status mukca_chain_parse(mukca_chain *chain, const char *text, const char *name,
                                mukca_error *error);
-
-/* Text of a whole file (`-`: standard input), ended by a zero byte; the caller frees it.
- * Errors: MUKCA_INPUT (also where it holds a zero byte), MUKCA_MEMORY. */
-mukca_status mukca_text_load(char **text, const char *path, mukca_error *error);
 
 #endif

@@ -8,7 +8,7 @@
 #include "base/number.h"
 
 enum { JOINT, PARAMETER, NOMINAL, CALIBRATED, OFFSET, SIGMA, IDENTIFIABLE, TERM, COLUMNS };
-enum { LONGEST_LINE = 1024, MOST_CELLS = 32 };
+enum { MOST_CELLS = 32 };
 
 static const char *const column_name[COLUMNS] = {
     "joint", "parameter", "nominal", "calibrated", "offset", "sigma", "identifiable", "term"};
@@ -18,9 +18,7 @@ typedef struct {
     mukca_offsets_origin *origin;
     const mukca_chain *chain;
     mukca_error *error;
-    const char *text; /* what is still to be read */
-    int line;
-    char buffer[LONGEST_LINE];
+    mukca_lines lines;
     char delimiter;
     int n_cells; /* of the header, and so of each row; 0 before it */
     char *cell[MOST_CELLS];
@@ -32,9 +30,10 @@ typedef struct {
 static mukca_status fail(const reader *r, int column, const char *what)
 {
     if (column < 0)
-        return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s", r->origin->name, r->line, what);
-    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: column '%s': %s", r->origin->name, r->line,
-                      column_name[column], what);
+        return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s", r->origin->name, r->lines.number,
+                          what);
+    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: column '%s': %s", r->origin->name,
+                      r->lines.number, column_name[column], what);
 }
 
 static mukca_status read_number(double *value, const reader *r, int column)
@@ -42,21 +41,6 @@ static mukca_status read_number(double *value, const reader *r, int column)
     char fault[MUKCA_CELL_FAULT];
     if (mukca_cell_number(value, r->cell[r->column[column]], fault)) return MUKCA_OK;
     return fail(r, column, fault);
-}
-
-/* Copy the next line without its end to the buffer; false at the end of the text. */
-static bool next_line(reader *r, bool *whole)
-{
-    if (!*r->text) return false;
-    if (r->line++ == 0 && strncmp(r->text, "\xEF\xBB\xBF", 3) == 0) r->text += 3;
-    const size_t length = strcspn(r->text, "\n");
-    size_t kept = length < LONGEST_LINE ? length : LONGEST_LINE - 1;
-    *whole = kept == length;
-    memcpy(r->buffer, r->text, kept);
-    while (kept > 0 && r->buffer[kept - 1] == '\r') kept--;
-    r->buffer[kept] = '\0';
-    r->text += length + (r->text[length] == '\n');
-    return true;
 }
 
 /* Where the line is the comment "# key: value": the value, cut to value[size]; else false. */
@@ -71,11 +55,11 @@ static bool comment(char *value, size_t size, const char *line, const char *key)
 static void read_comment(reader *r)
 {
     mukca_offsets *o = r->offsets;
-    comment(r->robot, sizeof r->robot, r->buffer, "# robot: ");
-    comment(r->sha, sizeof r->sha, r->buffer, "# urdf_sha256: ");
+    comment(r->robot, sizeof r->robot, r->lines.line, "# robot: ");
+    comment(r->sha, sizeof r->sha, r->lines.line, "# urdf_sha256: ");
     if (o->n_placements < MUKCA_MAX_PLACEMENTS)
-        o->n_placements +=
-            comment(o->placements[o->n_placements], MUKCA_NAME_SIZE, r->buffer, "# placement: ");
+        o->n_placements += comment(o->placements[o->n_placements], MUKCA_NAME_SIZE, r->lines.line,
+                                   "# placement: ");
 }
 
 static mukca_status check_origin(reader *r)
@@ -97,10 +81,10 @@ static mukca_status check_origin(reader *r)
 static mukca_status read_header(reader *r)
 {
     char what[80];
-    r->delimiter = mukca_cells_delimiter(r->buffer);
-    r->n_cells = mukca_cells_count(r->buffer, r->delimiter);
+    r->delimiter = mukca_cells_delimiter(r->lines.line);
+    r->n_cells = mukca_cells_count(r->lines.line, r->delimiter);
     if (r->n_cells > MOST_CELLS) return fail(r, -1, "has more columns than an offsets table");
-    mukca_cells_split(r->cell, r->n_cells, r->buffer, r->delimiter);
+    mukca_cells_split(r->cell, r->n_cells, r->lines.line, r->delimiter);
     for (int i = 0; i < COLUMNS; i++) {
         r->column[i] = -1;
         for (int c = 0; c < r->n_cells; c++) {
@@ -144,7 +128,7 @@ static mukca_status read_parameter(reader *r, int parameter)
     mukca_offsets *o = r->offsets;
     const int element = mukca_chain_find_element(r->chain, r->cell[r->column[JOINT]]);
     if (element < 0) {
-        r->origin->left_out++;
+        r->origin->ignored++;
         return MUKCA_OK;
     }
     const int i = MUKCA_PARAMETERS * element + parameter;
@@ -213,29 +197,32 @@ static mukca_status read_content(reader *r)
         return status == MUKCA_OK ? read_header(r) : status;
     }
     snprintf(what, sizeof what, "%d columns, but %d in the header%s",
-             mukca_cells_count(r->buffer, r->delimiter), r->n_cells,
-             *r->text ? "" : "; the last line is cut off");
-    if (!mukca_cells_split(r->cell, r->n_cells, r->buffer, r->delimiter)) return fail(r, -1, what);
+             mukca_cells_count(r->lines.line, r->delimiter), r->n_cells,
+             *r->lines.text ? "" : "; the last line is cut off");
+    if (!mukca_cells_split(r->cell, r->n_cells, r->lines.line, r->delimiter))
+        return fail(r, -1, what);
     return read_row(r);
 }
 
 mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *origin,
                                  const mukca_chain *chain, const char *text, mukca_error *error)
 {
-    reader r = {.offsets = offsets, .origin = origin, .chain = chain, .text = text, .error = error};
-    bool whole;
-    memcpy(r.robot, "?", 2);
-    memcpy(r.sha, "?", 2);
+    reader r = {.offsets = offsets,
+                .origin = origin,
+                .chain = chain,
+                .lines = {.text = text},
+                .robot = "?",
+                .sha = "?",
+                .error = error};
     mukca_offsets_init(offsets, chain);
     origin->other = false;
-    origin->left_out = 0;
-    while (next_line(&r, &whole)) {
-        mukca_status status = MUKCA_OK;
-        const char *first = r.buffer + strspn(r.buffer, " \t");
+    origin->ignored = 0;
+    while (mukca_lines_next(&r.lines)) {
+        const char *first = r.lines.line + strspn(r.lines.line, " \t");
         if (*first == '#' && r.n_cells == 0) read_comment(&r);
         if (*first == '#' || !*first) continue;
-        status =
-            whole ? read_content(&r) : fail(&r, -1, "the line is longer than a table's may be");
+        if (!r.lines.whole) return fail(&r, -1, "the line is longer than a table's may be");
+        const mukca_status status = read_content(&r);
         if (status != MUKCA_OK) return status;
     }
     if (r.n_cells > 0) return MUKCA_OK;

@@ -1,10 +1,24 @@
-/* Cells of a line of a table. */
+/* Tables of text in memory. */
 #include "base/cells.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include "base/number.h"
+
+bool mukca_lines_next(mukca_lines *lines)
+{
+    if (!*lines->text) return false;
+    if (lines->number++ == 0 && strncmp(lines->text, "\xEF\xBB\xBF", 3) == 0) lines->text += 3;
+    const size_t length = strcspn(lines->text, "\n");
+    size_t kept = length < MUKCA_LINE_SIZE ? length : MUKCA_LINE_SIZE - 1;
+    lines->whole = kept == length;
+    memcpy(lines->line, lines->text, kept);
+    while (kept > 0 && lines->line[kept - 1] == '\r') kept--;
+    lines->line[kept] = '\0';
+    lines->text += length + (lines->text[length] == '\n');
+    return true;
+}
 
 char mukca_cells_delimiter(const char *line)
 {

@@ -1,8 +1,10 @@
-/* Status texts and the error record. */
+/* Status texts, the error record and notes. */
 #include "mukca/status.h"
 
 #include <stdarg.h>
 #include <stdio.h>
+
+#include "base/note.h"
 
 const char *mukca_status_text(mukca_status status)
 {
@@ -26,4 +28,15 @@ mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *for
         va_end(args);
     }
     return status;
+}
+
+void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
+{
+    char text[256];
+    va_list args;
+    if (!note) return;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    note(context, text);
 }

@@ -74,7 +74,7 @@ static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mu
     mukca_status status = mukca_rows_open(&rows, path, &arm->chain, &header, &call->error);
     if (status) return status;
     mukca_compensator_start(&compensator, arm, o->position_only, o->tolerance);
-    if (first) print_header(stream, &arm->chain, rows.time >= 0);
+    if (first) print_header(stream, &arm->chain, rows.column.time >= 0);
     while (!ferror(stream)) {
         bool more;
         status = mukca_rows_next(&rows, &row, &more, &call->error);
@@ -83,7 +83,7 @@ static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mu
         if (status) break;
         const mukca_row_reading reading = mukca_row_read(&row, &rows);
         mukca_compensation c = mukca_compensate_joints(row.q, &compensator, &reading);
-        if (rows.time >= 0) fprintf(stream, "%.17g\t", row.time);
+        if (rows.column.time >= 0) fprintf(stream, "%.17g\t", row.time);
         print_row(stream, row.q, arm->chain.n_joints, &c);
         count(t, &c);
     }

@@ -14,25 +14,22 @@ typedef struct {
     int capacity; /* rows allocated */
 } mukca_dataset_builder;
 
-/* All return MUKCA_MEMORY on failure.  Indices of what was added go to *index. */
-mukca_status mukca_build_file(int *index, mukca_dataset_builder *builder, const char *path);
-mukca_status mukca_build_socket(int *index, mukca_dataset_builder *builder, int placement,
-                                const char *label);
+/* All return MUKCA_MEMORY on failure; what they add is the last item of its list in the dataset. */
+mukca_status mukca_build_file(mukca_dataset_builder *builder, const char *path);
+mukca_status mukca_build_socket(mukca_dataset_builder *builder, int placement, const char *label);
 mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, double metres);
 
 /* A placement of a name that no other has: `wanted`, else `qualified`, else with a number (noted).
  */
-mukca_status mukca_build_placement(int *index, mukca_dataset_builder *builder, const char *wanted,
+mukca_status mukca_build_placement(mukca_dataset_builder *builder, const char *wanted,
                                    const char *qualified);
 
-/* Append a row; socket -1: of a pose log.  Values that are NaN allocate nothing. */
+/* Append a row of the last file; socket -1: of a pose log.  Values that are NaN allocate nothing.
+ */
 mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *row, int socket,
-                             int file, int row_in_file);
+                             int row_in_file);
 
 /* Pose of a row that is there already; pose[7]: x y z qw qx qy qz. */
 mukca_status mukca_build_pose(mukca_dataset_builder *builder, int row, const double pose[7]);
-
-void mukca_build_note(const mukca_dataset_builder *builder, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
 
 #endif

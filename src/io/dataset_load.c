@@ -1,7 +1,6 @@
 /* Datasets from files: finds out what each path is, reads it, and checks the whole. */
 #include "io/dataset_load.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,6 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/file.h"
+#include "base/note.h"
 #include "base/utf8.h"
 #include "io/dataset_build.h"
 #include "io/distances.h"
@@ -19,42 +20,34 @@
 enum { MOST_HOLES = 100, LEAST_ROWS = 2, LEAST_SOCKETS = 2, MOST_SOCKETS = 1000 };
 static const double usual_distance = 0.05; /* m, of the published artefact */
 
-/* The last part of a path without slashes at its end and, where asked, without its ending; `up`
- * parts above it included. */
-static void base_name(char name[MUKCA_NAME_SIZE], const char *path, int up, bool drop_ending)
+/* The last `parts` parts of a path, without slashes at its end; its last 63 bytes. */
+static void last_parts(char name[MUKCA_NAME_SIZE], const char *path, int parts)
 {
-    char whole[1024];
     size_t end = strlen(path);
     while (end > 1 && path[end - 1] == '/') end--;
     size_t start = end;
-    for (int parts = 0; start > 0; start--)
-        if (path[start - 1] == '/' && parts++ == up) break;
-    if (end - start >= sizeof whole) start = end - sizeof whole + 1;
-    memcpy(whole, path + start, end - start);
-    whole[end - start] = '\0';
-    char *dot = drop_ending ? strrchr(whole, '.') : NULL;
-    if (dot && dot != whole) *dot = '\0';
-    size_t length = strlen(whole);
-    char *tail = whole + (length < MUKCA_NAME_SIZE ? 0 : length - MUKCA_NAME_SIZE + 1);
-    while (tail > whole && (*tail & 0xC0) == 0x80) tail++; /* the rest of a letter that was cut */
-    mukca_utf8_mend(tail);
-    snprintf(name, MUKCA_NAME_SIZE, "%s", tail);
+    for (; start > 0; start--)
+        if (path[start - 1] == '/' && --parts == 0) break;
+    if (end - start >= MUKCA_NAME_SIZE) start = end - MUKCA_NAME_SIZE + 1;
+    while (start < end && (path[start] & 0xC0) == 0x80) start++; /* a letter that was cut */
+    snprintf(name, MUKCA_NAME_SIZE, "%.*s", (int)(end - start), path + start);
+    mukca_utf8_mend(name);
 }
 
+/* The rows of a table without header, all of one socket. */
 static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int socket)
 {
     mukca_rows rows;
     mukca_row row;
-    int file = 0;
     const mukca_rows_options plain = {
         .kind = MUKCA_NO_HEADER, .note = b->note, .context = b->context};
     mukca_status status = mukca_rows_open(&rows, path, b->chain, &plain, b->error);
     if (status != MUKCA_OK) return status;
-    status = mukca_build_file(&file, b, path);
+    status = mukca_build_file(b, path);
     for (bool more = true; status == MUKCA_OK;) {
         status = mukca_rows_next(&rows, &row, &more, b->error);
         if (status != MUKCA_OK || !more) break;
-        status = mukca_build_row(b, &row, socket, file, rows.table.row);
+        status = mukca_build_row(b, &row, socket, rows.table.row);
     }
     mukca_rows_close(&rows);
     return status;
@@ -77,29 +70,30 @@ static mukca_status count_holes(int *n, const mukca_dataset_builder *b, const ch
     return mukca_fail(b->error, MUKCA_INPUT,
                       "%s: no hole_%d.csv; a placement is a folder with hole_0.csv, hole_1.csv "
                       "and so on",
-                      mukca_table_short_path(folder), missing);
+                      mukca_file_shown(folder), missing);
 }
 
 static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
 {
-    char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100];
-    int placement, holes;
+    char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100], label[16];
+    int holes;
     char whole[PATH_MAX];
     const char *named = realpath(folder, whole) ? whole : folder; /* `.` has a name, too */
-    base_name(name, named, 0, false);
-    base_name(qualified, named, 1, false);
+    last_parts(name, named, 1);
+    last_parts(qualified, named, 2);
     mukca_status status = count_holes(&holes, b, folder);
-    if (status == MUKCA_OK) status = mukca_build_placement(&placement, b, name, qualified);
+    if (status != MUKCA_OK) return status;
+    status = mukca_build_placement(b, name, qualified);
     for (int hole = 0; hole < holes && status == MUKCA_OK; hole++) {
-        char label[16];
-        int socket, first = b->data->n_rows;
+        const mukca_dataset *d = b->data;
+        const int first = d->n_rows;
         snprintf(path, sizeof path, "%.1000s/hole_%d.csv", folder, hole);
         snprintf(label, sizeof label, "%d", hole);
-        status = mukca_build_socket(&socket, b, placement, label);
-        if (status == MUKCA_OK) status = read_hole(b, path, socket);
+        status = mukca_build_socket(b, d->n_placements - 1, label);
+        if (status == MUKCA_OK) status = read_hole(b, path, d->n_sockets - 1);
         snprintf(path, sizeof path, "%.1000s/hole_%d_pose.csv", folder, hole);
         if (status == MUKCA_OK && access(path, F_OK) == 0)
-            status = mukca_pose_file_read(b, path, first, b->data->n_rows - first);
+            status = mukca_pose_file_read(b, path, first, d->n_rows - first);
     }
     return status;
 }
@@ -109,7 +103,7 @@ typedef struct {
     mukca_rows rows;
     char stem[MUKCA_NAME_SIZE]; /* of the file's name */
     int first_placement, first_socket;
-    char (*written)[MUKCA_NAME_SIZE]; /* names as they stand in the file, from first_placement */
+    char (*written)[MUKCA_NAME_SIZE]; /* names as the file has them, from first_placement */
 } session;
 
 /* A name of 1 to 63 bytes in a cell. */
@@ -141,7 +135,8 @@ static mukca_status find_placement(int *placement, mukca_dataset_builder *b, ses
     snprintf(s->written[n], sizeof s->written[n], "%s", name);
     snprintf(qualified, sizeof qualified, "%s:%s", s->stem, name);
     qualified[mukca_utf8_fit(qualified, MUKCA_NAME_SIZE - 1)] = '\0';
-    return mukca_build_placement(placement, b, name, qualified);
+    *placement = b->data->n_placements;
+    return mukca_build_placement(b, name, qualified);
 }
 
 /* Index of the row's socket, new where it is; of this file only. */
@@ -151,8 +146,8 @@ static mukca_status find_socket(int *socket, mukca_dataset_builder *b, session *
     const mukca_dataset *d = b->data;
     const char *name = row->placement ? row->placement : s->stem;
     int placement = 0;
-    mukca_status status = check_name(b, s, name, s->rows.placement);
-    if (status == MUKCA_OK) status = check_name(b, s, row->socket, s->rows.socket);
+    mukca_status status = check_name(b, s, name, s->rows.column.placement);
+    if (status == MUKCA_OK) status = check_name(b, s, row->socket, s->rows.column.socket);
     if (status == MUKCA_OK) status = find_placement(&placement, b, s, name);
     if (status != MUKCA_OK) return status;
     for (int k = s->first_socket; k < d->n_sockets; k++)
@@ -161,59 +156,76 @@ static mukca_status find_socket(int *socket, mukca_dataset_builder *b, session *
             return MUKCA_OK;
         }
     if (d->n_sockets == MOST_SOCKETS)
-        return mukca_table_fail(b->error, &s->rows.table, s->rows.socket,
+        return mukca_table_fail(b->error, &s->rows.table, s->rows.column.socket,
                                 "there are more than %d sockets", (int)MOST_SOCKETS);
-    return mukca_build_socket(socket, b, placement, row->socket);
+    *socket = d->n_sockets;
+    return mukca_build_socket(b, placement, row->socket);
+}
+
+static mukca_status check_columns(const mukca_dataset_builder *b, const mukca_rows *rows)
+{
+    const mukca_columns *c = &rows->column;
+    if (c->socket >= 0 || (c->position[0] >= 0 && c->placement < 0)) return MUKCA_OK;
+    return mukca_table_fail(b->error, &rows->table, -1,
+                            c->placement >= 0
+                                ? "no column 'socket'; add the label of each row's socket"
+                                : "neither a session nor a pose log; the header needs columns "
+                                  "socket, or x_m, y_m, z_m");
+}
+
+static mukca_status read_rows(mukca_dataset_builder *b, session *s)
+{
+    mukca_row row;
+    bool more;
+    int unmeasured = 0;
+    const mukca_table *t = &s->rows.table;
+    const char *shown = mukca_file_shown(t->path);
+    for (;;) {
+        int socket = -1;
+        mukca_status status = mukca_rows_next(&s->rows, &row, &more, b->error);
+        if (status != MUKCA_OK) return status;
+        if (!more) break;
+        if (!row.socket && isnan(row.position[0])) { /* the tracker lost sight */
+            unmeasured++;
+            continue;
+        }
+        if (row.socket) status = find_socket(&socket, b, s, &row);
+        if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, t->row);
+        if (status != MUKCA_OK) return status;
+    }
+    if (t->row == 0)
+        return mukca_fail(b->error, MUKCA_INPUT, "%s: has a header but no rows", shown);
+    if (unmeasured == t->row)
+        return mukca_fail(b->error, MUKCA_INPUT, "%s: no row has a measured position", shown);
+    if (unmeasured)
+        mukca_note_format(b->note, b->context, "%s: %d of %d rows ignored: no measured position",
+                          shown, unmeasured, t->row);
+    return MUKCA_OK;
 }
 
 static mukca_status read_table(mukca_dataset_builder *b, const char *path)
 {
     session s = {.first_placement = b->data->n_placements, .first_socket = b->data->n_sockets};
-    mukca_row row;
-    int file = 0, blind = 0;
     const mukca_rows_options header = {
         .kind = MUKCA_HEADER, .note = b->note, .context = b->context};
     mukca_status status = mukca_rows_open(&s.rows, path, b->chain, &header, b->error);
     if (status != MUKCA_OK) return status;
-    base_name(s.stem, path, 0, true);
-    if (s.rows.socket < 0 && (s.rows.position[0] < 0 || s.rows.placement >= 0))
-        status = mukca_table_fail(b->error, &s.rows.table, -1,
-                                  s.rows.placement >= 0
-                                      ? "no column 'socket'; add the label of each row's socket"
-                                      : "neither a session nor a pose log; the header needs "
-                                        "columns socket, or x_m, y_m, z_m");
-    if (status == MUKCA_OK) status = mukca_build_file(&file, b, path);
-    while (status == MUKCA_OK) {
-        bool more;
-        int socket = -1;
-        status = mukca_rows_next(&s.rows, &row, &more, b->error);
-        if (status != MUKCA_OK || !more) break;
-        if (!row.socket && isnan(row.position[0])) { /* the tracker lost sight */
-            blind++;
-            continue;
-        }
-        if (row.socket) status = find_socket(&socket, b, &s, &row);
-        if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, file, s.rows.table.row);
-    }
-    if (status == MUKCA_OK && s.rows.table.row == 0)
-        status = mukca_fail(b->error, MUKCA_INPUT, "%s: has a header but no rows",
-                            mukca_table_short_path(path));
-    if (status == MUKCA_OK && blind == s.rows.table.row)
-        status = mukca_fail(b->error, MUKCA_INPUT, "%s: no row has a measured position",
-                            mukca_table_short_path(path));
-    if (status == MUKCA_OK && blind)
-        mukca_build_note(b, "%s: %d of %d rows left out: no measured position",
-                         mukca_table_short_path(path), blind, s.rows.table.row);
+    last_parts(s.stem, path, 1);
+    char *dot = strrchr(s.stem, '.');
+    if (dot && dot != s.stem) *dot = '\0';
+    status = check_columns(b, &s.rows);
+    if (status == MUKCA_OK) status = mukca_build_file(b, path);
+    if (status == MUKCA_OK) status = read_rows(b, &s);
     mukca_rows_close(&s.rows);
     free(s.written);
     return status;
 }
 
-/* The file of the socket's first row, so that --test data are told from the others. */
+/* The file of the socket's first row. */
 static const char *file_of(const mukca_dataset *d, int socket)
 {
     for (int i = 0; i < d->n_rows; i++)
-        if (d->socket[i] == socket) return mukca_table_short_path(d->files[d->file[i]]);
+        if (d->socket[i] == socket) return mukca_file_shown(d->files[d->file[i]]);
     return "";
 }
 
@@ -249,9 +261,7 @@ static mukca_status read_path(mukca_dataset_builder *b, const char *path)
 {
     struct stat info;
     if (strcmp(path, "-") == 0) return read_table(b, path);
-    if (stat(path, &info) != 0)
-        return mukca_fail(b->error, MUKCA_INPUT, "%s: cannot read: %s",
-                          mukca_table_short_path(path), strerror(errno));
+    if (stat(path, &info) != 0) return mukca_file_fail(b->error, path);
     return S_ISDIR(info.st_mode) ? read_folder(b, path) : read_table(b, path);
 }
 

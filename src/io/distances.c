@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+#include "base/file.h"
+#include "base/note.h"
+
 /* m; no artefact is as long, and 50 mm given as 50 is refused */
 static const double most_distance = 10;
 
@@ -26,10 +29,10 @@ mukca_status mukca_distances_set(mukca_dataset_builder *b, double distance)
                               "give --distances FILE",
                               d->placements[p].name, sockets);
         if (sockets > 2)
-            mukca_build_note(b,
-                             "placement '%s': %g m assumed between any two of its %d sockets; "
-                             "if not, give --distances FILE",
-                             d->placements[p].name, distance, sockets);
+            mukca_note_format(b->note, b->context,
+                              "placement '%s': %g m assumed between any two of its %d sockets; "
+                              "if not, give --distances FILE",
+                              d->placements[p].name, distance, sockets);
     }
     return MUKCA_OK;
 }
@@ -43,20 +46,21 @@ static int find_label(const mukca_dataset *d, int placement, const char *label)
 }
 
 /* One row of --distances, for all placements that have both sockets. */
-static mukca_status set_distance(mukca_dataset_builder *b, const mukca_table *t,
-                                 const int column[3])
+static mukca_status set_distance(void *context, const mukca_table *t, const int *column,
+                                 mukca_error *error)
 {
+    mukca_dataset_builder *b = context;
     const mukca_dataset *d = b->data;
     double distance;
-    mukca_status status = mukca_table_number(&distance, t, column[2], b->error);
+    mukca_status status = mukca_table_number(&distance, t, column[2], error);
     if (status != MUKCA_OK) return status;
     if (!(distance > 0))
-        return mukca_table_fail(b->error, t, column[2], "%g is not above 0", distance);
+        return mukca_table_fail(error, t, column[2], "%g is not above 0", distance);
     if (distance > most_distance)
-        return mukca_table_fail(b->error, t, column[2], "is %g; distances are in m", distance);
+        return mukca_table_fail(error, t, column[2], "is %g; distances are in m", distance);
     const char *label[2] = {t->cell[column[0]], t->cell[column[1]]};
     if (strcmp(label[0], label[1]) == 0)
-        return mukca_table_fail(b->error, t, column[1], "is the same socket as socket_a");
+        return mukca_table_fail(error, t, column[1], "is the same socket as socket_a");
     bool used = false;
     for (int p = 0; p < d->n_placements; p++) {
         int a = find_label(d, p, label[0]), c = find_label(d, p, label[1]);
@@ -64,33 +68,23 @@ static mukca_status set_distance(mukca_dataset_builder *b, const mukca_table *t,
         const int low = a < c ? a : c, high = a < c ? c : a;
         for (int k = 0; k < d->n_distances; k++)
             if (d->distances[k].a == low && d->distances[k].b == high)
-                return mukca_table_fail(b->error, t, -1,
+                return mukca_table_fail(error, t, -1,
                                         "this pair of sockets has a distance already");
         status = mukca_build_distance(b, low, high, distance);
         if (status != MUKCA_OK) return status;
         used = true;
     }
     if (!used)
-        mukca_build_note(b, "%s:%d: no placement has sockets '%.40s' and '%.40s'",
-                         mukca_table_short_path(t->path), t->line, label[0], label[1]);
+        mukca_note_format(b->note, b->context,
+                          "%s:%d: no placement has sockets '%.40s' and '%.40s'",
+                          mukca_file_shown(t->path), t->line, label[0], label[1]);
     return MUKCA_OK;
 }
 
 mukca_status mukca_distances_read(mukca_dataset_builder *b, const char *path)
 {
     static const char *const names[3] = {"socket_a", "socket_b", "distance_m"};
-    mukca_table t;
-    int column[3];
-    mukca_status status = mukca_table_open(&t, path, MUKCA_HEADER, b->error);
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
-        status = mukca_table_require(&column[i], &t, names[i], b->error);
-    while (status == MUKCA_OK) {
-        bool more;
-        status = mukca_table_next(&t, &more, b->error);
-        if (status != MUKCA_OK || !more) break;
-        status = set_distance(b, &t, column);
-    }
-    mukca_table_close(&t);
+    mukca_status status = mukca_table_read(path, names, 3, set_distance, b, b->error);
     const mukca_dataset *d = b->data;
     for (int p = 0; p < d->n_placements && status == MUKCA_OK; p++) {
         int known = 0;
@@ -99,7 +93,7 @@ mukca_status mukca_distances_read(mukca_dataset_builder *b, const char *path)
         if (!known)
             status = mukca_fail(b->error, MUKCA_INPUT,
                                 "%s: no pair of sockets of placement '%s'; add one",
-                                mukca_table_short_path(path), d->placements[p].name);
+                                mukca_file_shown(path), d->placements[p].name);
     }
     return status;
 }

@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/file.h"
+#include "base/file.h"
+#include "base/note.h"
 
 const mukca_exporter mukca_exporters[] = {
 #define ROW(name, endings, description) {#name, endings, description, &mukca_export_##name},
@@ -29,32 +30,18 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
                                 const mukca_export_input *input, mukca_error *error)
 {
     const mukca_export_format *format = exporter->format;
+    const mukca_offsets *o = input->offsets;
     const mukca_status status = format->write(stream, input, error);
-    if (status != MUKCA_OK || !input->note || !format->holds) return status;
-    for (int e = 0; e < input->offsets->n_effects; e++) {
-        const mukca_effect *effect = &input->offsets->effects[e];
-        const char *joint = mukca_export_joint(input, effect);
-        char text[256];
-        if (format->holds(effect)) continue;
-        snprintf(text, sizeof text, "%s of %.60s is left out: the format %s cannot represent it",
-                 mukca_effect_table[effect->kind]->name, joint ? joint : "the arm", exporter->name);
-        input->note(input->context, text);
-    }
+    if (status != MUKCA_OK || !format->holds) return status;
+    for (const mukca_effect *effect = o->effects; effect < o->effects + o->n_effects; effect++)
+        if (!format->holds(effect)) {
+            const char *joint = mukca_export_joint(input, effect);
+            mukca_note_format(input->note, input->context,
+                              "%s of %.60s is not exported: the format %s cannot represent it",
+                              mukca_effect_table[effect->kind]->name, joint ? joint : "the arm",
+                              exporter->name);
+        }
     return MUKCA_OK;
-}
-
-/* What the exporter writes, as a string; free it. */
-static mukca_status write_text(char **text, const mukca_exporter *exporter,
-                               const mukca_export_input *input, mukca_error *error)
-{
-    size_t size;
-    *text = NULL;
-    FILE *stream = open_memstream(text, &size);
-    if (!stream) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    const mukca_status status = exporter->format->write(stream, input, error);
-    if (fclose(stream) != 0 && status == MUKCA_OK)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    return status;
 }
 
 mukca_status mukca_export_check(mukca_export_difference *difference, const char *path,
@@ -62,12 +49,21 @@ mukca_status mukca_export_check(mukca_export_difference *difference, const char 
                                 mukca_error *error)
 {
     char *found = NULL, *wanted = NULL;
-    size_t length;
-    mukca_status status = mukca_file_read(&found, &length, path, MUKCA_FILE_LARGEST, error);
-    if (status == MUKCA_OK) status = write_text(&wanted, exporter, input, error);
-    const mukca_export_texts texts = {.path = path, .found = found, .wanted = wanted};
-    if (status == MUKCA_OK)
-        status = mukca_export_compare(difference, &texts, exporter->format->comment, error);
+    size_t size;
+    mukca_status status = mukca_file_read(&found, path, error);
+    if (status != MUKCA_OK) return status;
+    FILE *stream = open_memstream(&wanted, &size);
+    if (stream) status = exporter->format->write(stream, input, error);
+    if (!stream || fclose(stream) != 0) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (status == MUKCA_OK) {
+        *difference = (mukca_export_difference){.agrees = true};
+        if (exporter->format->comment[0])
+            mukca_export_compare_text(difference, found, wanted, exporter->format->comment);
+        else if (!mukca_export_compare_xml(difference, found, wanted))
+            status = mukca_fail(error, MUKCA_INPUT, "%s: not well-formed XML; export it again",
+                                mukca_file_shown(path));
+        if (difference->compared == 0) difference->agrees = false;
+    }
     free(found);
     free(wanted);
     return status;

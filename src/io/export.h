@@ -88,14 +88,13 @@ void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_inp
 /* Name of an effect's joint, NULL where it has none. */
 const char *mukca_export_joint(const mukca_export_input *input, const mukca_effect *effect);
 
-/* A file to compare (`found`, read from `path`) and what the input gives now (`wanted`). */
-typedef struct {
-    const char *path, *found, *wanted;
-} mukca_export_texts;
+/* Compare a file with what the input gives now: all numbers outside of comments and strings, in
+ * order. */
+void mukca_export_compare_text(mukca_export_difference *difference, const char *found,
+                               const char *wanted, const char *const comment[2]);
 
-/* Compare the chain of an XML file, or all numbers outside of comments and strings, in order. */
-mukca_status mukca_export_compare(mukca_export_difference *difference,
-                                  const mukca_export_texts *texts, const char *const comment[2],
-                                  mukca_error *error);
+/* Compare the elements and numbers of a chain in XML; false where one is not well-formed. */
+bool mukca_export_compare_xml(mukca_export_difference *difference, const char *found,
+                              const char *wanted);
 
 #endif

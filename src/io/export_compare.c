@@ -6,7 +6,6 @@
 
 #include "base/number.h"
 #include "io/export.h"
-#include "io/table.h"
 
 /* of m, rad and quaternions, relative for numbers above 1 (stiffness); the same bound below which
  * an offset is not exported */
@@ -18,15 +17,14 @@ static void add_missing(mukca_export_difference *d, const char *what, const char
     d->agrees = false;
 }
 
-/* Behind the comment or string (names contain digits) that starts at `c`; `c` where none does. */
-static const char *skip_words(const char *c, const char *const comment[2])
+/* Length of the comment or string (names contain digits) at `c`; 0 where none starts there. */
+static size_t words(const char *c, const char *const comment[2])
 {
-    if (!comment) return c;
     const bool string = *c == '"';
-    if (!string && strncmp(c, comment[0], strlen(comment[0])) != 0) return c;
+    if (!string && strncmp(c, comment[0], strlen(comment[0])) != 0) return 0;
     const char *mark = string ? "\"" : comment[1];
     const char *end = strstr(c + 1, mark);
-    return end ? end + strlen(mark) : c + strlen(c);
+    return end ? (size_t)(end - c) + strlen(mark) : strlen(c);
 }
 
 /* The next number, moving *text behind it; false at the end.  Where `comment` is given, comments
@@ -35,26 +33,15 @@ static bool next_number(double *value, const char **text, const char *const comm
 {
     static const char letters[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789.+-";
-    const char *c = *text;
-    while (*c) {
-        const char *behind = skip_words(c, comment);
-        const size_t word = behind == c ? strspn(c, letters) : 0;
-        char number[64];
-        if (behind != c) {
-            c = behind;
-            continue;
-        }
-        if (word > 0 && word < sizeof number) {
-            memcpy(number, c, word);
-            number[word] = '\0';
-            if (mukca_number_parse(value, number)) {
-                *text = c + word;
-                return true;
-            }
-        }
-        c += word > 0 ? word : 1;
+    char number[64];
+    while (**text) {
+        const char *start = *text;
+        const size_t skipped = comment ? words(start, comment) : 0;
+        const size_t length = skipped ? 0 : strspn(start, letters);
+        *text += skipped ? skipped : length ? length : 1;
+        snprintf(number, sizeof number, "%.*s", (int)length, start);
+        if (length < sizeof number && mukca_number_parse(value, number)) return true;
     }
-    *text = c;
     return false;
 }
 
@@ -81,17 +68,13 @@ static void compare_numbers(mukca_export_difference *d, const char *found, const
     }
 }
 
-/* Does `node` have the tag and the name of `wanted`? */
-static bool is_twin(const xmlNode *node, const xmlNode *wanted)
+void mukca_export_compare_text(mukca_export_difference *difference, const char *found,
+                               const char *wanted, const char *const comment[2])
 {
-    xmlChar *a = xmlGetProp(node, BAD_CAST "name"), *b = xmlGetProp(wanted, BAD_CAST "name");
-    const bool same = xmlStrEqual(node->name, wanted->name) && xmlStrEqual(a, b);
-    xmlFree(a);
-    xmlFree(b);
-    return same;
+    compare_numbers(difference, found, wanted, comment, NULL);
 }
 
-/* Tags that hold a chain: of a URDF, and of a MuJoCo model. */
+/* Elements that hold a chain: of a URDF, and of a MuJoCo model. */
 static bool is_of_chain(const xmlNode *node)
 {
     static const char *const tags[] = {"robot", "origin", "mujoco", "worldbody", "body", "joint"};
@@ -100,75 +83,62 @@ static bool is_of_chain(const xmlNode *node)
     return false;
 }
 
-/* The twin of `wanted` in a list of nodes and, where `deep`, below them. */
-static xmlNode *find_twin(xmlNode *node, const xmlNode *wanted, bool deep)
+/* An attribute as text, "" where absent; free it with xmlFree. */
+static char *attribute(const xmlNode *node, const char *key)
+{
+    xmlChar *value = xmlGetProp(node, BAD_CAST key);
+    return (char *)(value ? value : xmlStrdup(BAD_CAST ""));
+}
+
+/* The element of that tag, and of that name or (where it has none) below the element of that name,
+ * among the siblings of `node` and below them. */
+static xmlNode *find(xmlNode *node, const xmlChar *tag, const char *name, bool inside)
 {
     for (; node; node = node->next) {
         if (!is_of_chain(node)) continue;
-        if (is_twin(node, wanted)) return node;
-        xmlNode *below = deep ? find_twin(node->children, wanted, true) : NULL;
+        char *own = attribute(node, "name");
+        const bool named = *own ? strcmp(own, name) == 0 : inside;
+        xmlFree(own);
+        if (named && xmlStrEqual(node->name, tag)) return node;
+        xmlNode *below = find(node->children, tag, name, named);
         if (below) return below;
     }
     return NULL;
 }
 
-/* Every element and number of the chain `wanted` in the list `found`, or anywhere in `root`. */
-static void compare_nodes(mukca_export_difference *d, xmlNode *root, xmlNode *found,
-                          xmlNode *wanted, const char *parent)
+/* Every element and number of the chain `wanted`, whose parent has the name `parent`. */
+static void compare_nodes(mukca_export_difference *d, xmlNode *root, xmlNode *wanted,
+                          const char *parent)
 {
     static const char *const keys[] = {"xyz", "rpy", "pos", "quat", "axis", "stiffness"};
     for (; wanted; wanted = wanted->next) {
         if (!is_of_chain(wanted)) continue;
-        xmlChar *name = xmlGetProp(wanted, BAD_CAST "name");
-        const char *where = name ? (const char *)name : parent;
-        xmlNode *twin = find_twin(found, wanted, false);
-        if (!twin && name) twin = find_twin(root, wanted, true);
-        if (!twin) add_missing(d, (const char *)wanted->name, where);
+        char *own = attribute(wanted, "name");
+        const char *name = *own ? own : parent;
+        xmlNode *twin = find(root, wanted->name, name, !*name);
+        if (!twin) add_missing(d, (const char *)wanted->name, name);
         for (size_t i = 0; i < sizeof keys / sizeof *keys && twin; i++) {
-            xmlChar *a = xmlGetProp(twin, BAD_CAST keys[i]);
-            xmlChar *b = xmlGetProp(wanted, BAD_CAST keys[i]);
-            if (a || b)
-                compare_numbers(d, a ? (const char *)a : "", b ? (const char *)b : "", NULL, where);
+            char *a = attribute(twin, keys[i]), *b = attribute(wanted, keys[i]);
+            compare_numbers(d, a, b, NULL, name);
             xmlFree(a);
             xmlFree(b);
         }
-        if (twin) compare_nodes(d, root, twin->children, wanted->children, where);
-        xmlFree(name);
+        compare_nodes(d, root, wanted->children, name);
+        xmlFree(own);
     }
 }
 
-/* XML: the file may have more elements, and in another order, than the model. */
-static mukca_status compare_xml(mukca_export_difference *d, const mukca_export_texts *texts,
-                                mukca_error *error)
+bool mukca_export_compare_xml(mukca_export_difference *difference, const char *found,
+                              const char *wanted)
 {
     const int quiet = XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING;
-    xmlDoc *found = xmlReadMemory(texts->found, (int)strlen(texts->found), "found", NULL, quiet);
-    xmlDoc *wanted =
-        xmlReadMemory(texts->wanted, (int)strlen(texts->wanted), "wanted", NULL, quiet);
-    mukca_status status = MUKCA_OK;
-    if (found && wanted) {
-        xmlNode *root = xmlDocGetRootElement(found);
-        compare_nodes(d, root->children, root->children, xmlDocGetRootElement(wanted)->children,
-                      "");
-    } else {
-        status = mukca_fail(error, MUKCA_INPUT, "%s: not well-formed XML; export it again",
-                            mukca_table_short_path(texts->path));
-    }
-    xmlFreeDoc(found);
-    xmlFreeDoc(wanted);
-    return status;
-}
-
-mukca_status mukca_export_compare(mukca_export_difference *difference,
-                                  const mukca_export_texts *texts, const char *const comment[2],
-                                  mukca_error *error)
-{
-    mukca_status status = MUKCA_OK;
-    *difference = (mukca_export_difference){.agrees = true};
-    if (comment[0])
-        compare_numbers(difference, texts->found, texts->wanted, comment, NULL);
-    else
-        status = compare_xml(difference, texts, error);
-    if (difference->compared == 0) difference->agrees = false;
-    return status;
+    xmlDoc *a = xmlReadMemory(found, (int)strlen(found), "found", NULL, quiet);
+    xmlDoc *b = xmlReadMemory(wanted, (int)strlen(wanted), "wanted", NULL, quiet);
+    if (a && b)
+        compare_nodes(difference, xmlDocGetRootElement(a)->children,
+                      xmlDocGetRootElement(b)->children, "");
+    const bool readable = a && b;
+    xmlFreeDoc(a);
+    xmlFreeDoc(b);
+    return readable;
 }

@@ -2,9 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/number.h"
 #include "io/export.h"
-#include "io/table.h"
 #include "io/urdf_text.h"
 
 enum { VALUE_SIZE = 3 * 64 }; /* mukca_number_parse_list takes words of at most 63 letters */
@@ -118,7 +118,7 @@ static mukca_status add_edits(patch *p, const mukca_export_input *input, int ele
         return mukca_fail(error, MUKCA_INPUT,
                           "%s: joint '%s' cannot be located in this encoding; save the file as "
                           "UTF-8",
-                          mukca_table_short_path(input->urdf_path), nominal->name);
+                          mukca_file_shown(input->urdf_path), nominal->name);
     if (joint->has_origin) {
         set_attribute(p, joint, "xyz", origin.xyz, nominal->xyz);
         set_attribute(p, joint, "rpy", origin.rpy, nominal->rpy);
@@ -143,7 +143,7 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mu
     mukca_status status = mukca_urdf_text_read(&p->urdf, input->urdf_path, error);
     if (status == MUKCA_OK && strcmp(p->urdf.sha256, input->chain->urdf_sha256) != 0)
         status = mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again",
-                            mukca_table_short_path(input->urdf_path));
+                            mukca_file_shown(input->urdf_path));
     for (int k = 0; k < input->chain->n_elements && status == MUKCA_OK; k++)
         status = add_edits(p, input, k, error);
     if (status == MUKCA_OK) {
@@ -156,7 +156,7 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mu
             fputs(e->replacement, stream);
             at = e->stop;
         }
-        fwrite(p->urdf.text + at, 1, p->urdf.length - at, stream);
+        fputs(p->urdf.text + at, stream);
     }
     mukca_urdf_text_free(&p->urdf);
     free(p);

@@ -5,7 +5,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "io/table.h"
+#include "base/file.h"
+#include "base/note.h"
 #include "mukca/version.h"
 
 void mukca_offsets_time(char text[32])
@@ -107,23 +108,19 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
 mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain, const char *path,
                                 bool force, mukca_note_fn *note, void *context, mukca_error *error)
 {
-    char *text, line[256];
-    mukca_offsets_origin origin = {.name = mukca_table_short_path(path), .force = force};
-    mukca_status status = mukca_text_load(&text, path, error);
+    char *text;
+    mukca_offsets_origin origin = {.name = mukca_file_shown(path), .force = force};
+    mukca_status status = mukca_file_read(&text, path, error);
     if (status != MUKCA_OK) return status;
     status = mukca_offsets_parse(offsets, &origin, chain, text, error);
     free(text);
-    if (status != MUKCA_OK || !note) return status;
-    if (origin.other) {
-        snprintf(line, sizeof line, "%s: made for another URDF; its offsets are added to this one",
-                 origin.name);
-        note(context, line);
-    }
-    if (origin.left_out) {
-        snprintf(line, sizeof line,
-                 "%s: %d rows of joints that are not between '%s' and '%s' left out", origin.name,
-                 origin.left_out, chain->base, chain->tip);
-        note(context, line);
-    }
+    if (status != MUKCA_OK) return status;
+    if (origin.other)
+        mukca_note_format(note, context, "%s: made for another URDF; its offsets are added to this",
+                          origin.name);
+    if (origin.ignored)
+        mukca_note_format(note, context,
+                          "%s: %d rows of joints that are not between '%s' and '%s' ignored",
+                          origin.name, origin.ignored, chain->base, chain->tip);
     return MUKCA_OK;
 }

@@ -12,37 +12,29 @@ static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
         mukca_rows_open(&s->rows, s->paths[s->at], s->chain, &options, error);
     if (status != MUKCA_OK) return status;
     s->open = true;
-    if (s->rows.position[0] < 0)
-        return mukca_table_fail(error, &s->rows.table, -1,
-                                "no columns x_m, y_m, z_m; a pose log needs measured positions");
-    return MUKCA_OK;
+    if (s->rows.column.position[0] >= 0) return MUKCA_OK;
+    return mukca_table_fail(error, &s->rows.table, -1,
+                            "no columns x_m, y_m, z_m; a pose log needs measured positions");
 }
 
 static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
 {
     mukca_pose_stream *s = context;
     mukca_row read;
-    for (*more = true;;) {
+    bool found = false;
+    do {
         mukca_status status = MUKCA_OK;
-        bool found = false;
-        if (!s->open) {
-            if (s->at >= s->n_paths) {
-                *more = false;
-                s->noted = true;
-                return MUKCA_OK;
-            }
-            status = open_file(s, error);
-        }
+        *more = s->at < s->n_paths;
+        s->noted |= !*more;
+        if (!*more) return MUKCA_OK;
+        if (!s->open) status = open_file(s, error);
         if (status == MUKCA_OK) status = mukca_rows_next(&s->rows, &read, &found, error);
         if (status != MUKCA_OK) return status;
         if (!found) {
-            mukca_rows_close(&s->rows);
-            s->open = false;
+            mukca_pose_stream_close(s);
             s->at++;
-        } else if (isfinite(read.position[0])) {
-            break;
         }
-    }
+    } while (!found || !isfinite(read.position[0]));
     memcpy(row->q, read.q, sizeof row->q);
     memcpy(row->velocity, read.velocity, sizeof row->velocity);
     memcpy(row->position, read.position, sizeof row->position);

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/file.h"
+#include "base/note.h"
 #include "base/number.h"
 #include "base/suggest.h"
 
@@ -72,83 +74,59 @@ static mukca_status find_group(int *columns, const char *const *names, int n, he
                             absent, names[0], names[n - 1]);
 }
 
-static void note(const mukca_rows *rows, const char *text)
-{
-    if (rows->options.note) rows->options.note(rows->options.context, text);
-}
-
 static void note_unknown_columns(const header *h)
 {
     const mukca_table *t = &h->rows->table;
-    char list[120] = "", text[256];
+    const mukca_rows_options *o = &h->rows->options;
+    char list[120] = "";
     int unknown = 0;
     for (int c = 0; c < t->n_columns; c++) {
-        if (h->known[c]) continue;
+        const char *dot = strrchr(t->header[c], '.');
         const size_t used = strlen(list);
+        if (h->known[c] || (dot && strcmp(dot, ".spread") == 0)) continue; /* from mukca capture */
         if (used + strlen(t->header[c]) + 8 < sizeof list)
             snprintf(list + used, sizeof list - used, "%s%s", unknown ? ", " : "", t->header[c]);
         else if (used < 3 || strcmp(list + used - 3, "...") != 0)
             snprintf(list + used, sizeof list - used, ", ...");
         unknown++;
     }
-    if (!unknown) return;
-    snprintf(text, sizeof text, "%s: %d unknown column%s ignored: %s",
-             mukca_table_short_path(t->path), unknown, unknown > 1 ? "s" : "", list);
-    note(h->rows, text);
-}
-
-/* Angles that a driver corrected before it published them (`mukca capture --stream corrected`). */
-static void note_corrected(const mukca_rows *rows)
-{
-    char text[256];
-    if (!strstr(rows->table.comments, "# stream: corrected\n")) return;
-    snprintf(text, sizeof text,
-             "%s: the driver has corrected these angles already; offsets found here add to its own",
-             mukca_table_short_path(rows->table.path));
-    note(rows, text);
+    if (unknown)
+        mukca_note_format(o->note, o->context, "%s: %d unknown column%s ignored: %s",
+                          mukca_file_shown(t->path), unknown, unknown > 1 ? "s" : "", list);
 }
 
 static mukca_status map_header(mukca_rows *rows, mukca_error *error)
 {
     static const char *const position[] = {"x_m", "y_m", "z_m"};
     static const char *const quaternion[] = {"qw", "qx", "qy", "qz"};
+    mukca_columns *c = &rows->column;
     header h = {.rows = rows};
-    rows->placement = find(&h, "placement", "");
-    rows->socket = find(&h, "socket", "");
-    rows->time = find(&h, "time_s", "");
-    rows->temperature = find(&h, "temperature_c", "");
-    rows->payload = find(&h, "payload_kg", "");
+    c->placement = find(&h, "placement", "");
+    c->socket = find(&h, "socket", "");
+    c->time = find(&h, "time_s", "");
+    c->temperature = find(&h, "temperature_c", "");
+    c->payload = find(&h, "payload_kg", "");
     for (int j = 0; j < rows->chain->n_joints; j++) {
         const char *name = rows->chain->element[rows->chain->joint_element[j]].name;
-        rows->joint[j] = find(&h, name, "");
-        if (rows->joint[j] < 0) return fail_header(rows, name, error);
-        rows->effort[j] = find(&h, name, ".effort");
-        rows->command[j] = find(&h, name, ".command");
-        rows->has_command |= rows->command[j] >= 0;
-        rows->velocity[j] = find(&h, name, ".velocity");
+        c->joint[j] = find(&h, name, "");
+        if (c->joint[j] < 0) return fail_header(rows, name, error);
+        c->effort[j] = find(&h, name, ".effort");
+        c->command[j] = find(&h, name, ".command");
+        c->velocity[j] = find(&h, name, ".velocity");
+        rows->has_command |= c->command[j] >= 0;
     }
-    mukca_status status = find_group(rows->position, position, 3, &h, error);
+    mukca_status status = find_group(c->position, position, 3, &h, error);
     if (status != MUKCA_OK) return status;
-    status = find_group(rows->quaternion, quaternion, 4, &h, error);
+    status = find_group(c->quaternion, quaternion, 4, &h, error);
     if (status != MUKCA_OK) return status;
-    for (int c = 0; c < rows->table.n_columns; c++) { /* `mukca capture` writes JOINT.spread */
-        const char *dot = strrchr(rows->table.header[c], '.');
-        if (dot && strcmp(dot, ".spread") == 0) h.known[c] = true;
-    }
     note_unknown_columns(&h);
-    note_corrected(rows);
+    /* angles that a driver corrected before it published them (mukca capture --stream corrected) */
+    if (strstr(rows->table.comments, "# stream: corrected\n"))
+        mukca_note_format(rows->options.note, rows->options.context,
+                          "%s: the driver has corrected these angles already; offsets found here "
+                          "add to its own",
+                          mukca_file_shown(rows->table.path));
     return MUKCA_OK;
-}
-
-static void map_plain(mukca_rows *rows)
-{
-    rows->placement = rows->socket = rows->time = rows->temperature = rows->payload = -1;
-    for (int j = 0; j < MUKCA_MAX_JOINTS; j++) {
-        rows->joint[j] = j;
-        rows->effort[j] = rows->command[j] = rows->velocity[j] = -1;
-    }
-    for (int i = 0; i < 4; i++) rows->quaternion[i] = -1;
-    for (int i = 0; i < 3; i++) rows->position[i] = -1;
 }
 
 mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_chain *chain,
@@ -157,10 +135,9 @@ mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_cha
     *rows = (mukca_rows){.chain = chain, .options = *options};
     mukca_status status = mukca_table_open(&rows->table, path, options->kind, error);
     if (status != MUKCA_OK) return status;
-    if (rows->table.header)
-        status = map_header(rows, error);
-    else
-        map_plain(rows);
+    memset(&rows->column, -1, sizeof rows->column);
+    for (int j = 0; j < chain->n_joints; j++) rows->column.joint[j] = j;
+    if (rows->table.header) status = map_header(rows, error);
     if (status != MUKCA_OK) mukca_rows_close(rows);
     return status;
 }
@@ -186,19 +163,18 @@ static mukca_status check_joint(mukca_rows *rows, int j, double q, mukca_error *
     const mukca_element *e = &rows->chain->element[rows->chain->joint_element[j]];
     const bool linear = e->type == MUKCA_PRISMATIC;
     if (!linear && fabs(q) > most_angle)
-        return mukca_table_fail(error, &rows->table, rows->joint[j],
+        return mukca_table_fail(error, &rows->table, rows->column.joint[j],
                                 "joint '%s' is %g, more than two turns; angles are in rad", e->name,
                                 q);
     if (linear && fabs(q) > most_prismatic)
-        return mukca_table_fail(error, &rows->table, rows->joint[j],
+        return mukca_table_fail(error, &rows->table, rows->column.joint[j],
                                 "joint '%s' is %g; lengths are in m", e->name, q);
     const double beyond = q > e->upper ? q - e->upper : q < e->lower ? e->lower - q : 0;
     if (beyond > limit_tolerance && !rows->warned[j]) {
-        char text[256];
-        snprintf(text, sizeof text, "%s:%d: joint '%s' is %.3g %s beyond its limits",
-                 mukca_table_short_path(rows->table.path), rows->table.line, e->name, beyond,
-                 linear ? "m" : "rad");
-        note(rows, text);
+        mukca_note_format(rows->options.note, rows->options.context,
+                          "%s:%d: joint '%s' is %.3g %s beyond its limits",
+                          mukca_file_shown(rows->table.path), rows->table.line, e->name, beyond,
+                          linear ? "m" : "rad");
         rows->warned[j] = true;
     }
     return MUKCA_OK;
@@ -221,39 +197,44 @@ bool mukca_rows_normalise(double quaternion[4])
     return true;
 }
 
-/* Optional numbers of several columns; *missing counts those without a value. */
-static mukca_status read_list(double *values, int *missing, const mukca_rows *rows,
-                              const int *columns, int n, mukca_error *error)
+/* Optional numbers of several columns. */
+static mukca_status read_list(double *values, const mukca_rows *rows, const int *columns, int n,
+                              mukca_error *error)
 {
-    *missing = 0;
     for (int i = 0; i < n; i++) {
         const mukca_status status = read_optional(&values[i], rows, columns[i], error);
         if (status != MUKCA_OK) return status;
-        *missing += isnan(values[i]) != 0;
     }
     return MUKCA_OK;
 }
 
-static mukca_status read_pose(mukca_row *row, const mukca_rows *rows, mukca_error *error)
+static int count_missing(const double *values, int n)
 {
-    int missing;
-    mukca_status status = read_list(row->position, &missing, rows, rows->position, 3, error);
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
-        status = mukca_rows_check_length(&rows->table, rows->position[i], row->position[i], error);
-    if (status != MUKCA_OK) return status;
-    if (missing % 3 != 0)
+    int missing = 0;
+    for (int i = 0; i < n; i++) missing += isnan(values[i]) != 0;
+    return missing;
+}
+
+static mukca_status check_pose(mukca_row *row, const mukca_rows *rows, mukca_error *error)
+{
+    const mukca_columns *c = &rows->column;
+    for (int i = 0; i < 3; i++) {
+        const mukca_status status =
+            mukca_rows_check_length(&rows->table, c->position[i], row->position[i], error);
+        if (status != MUKCA_OK) return status;
+    }
+    if (count_missing(row->position, 3) % 3 != 0)
         return mukca_table_fail(error, &rows->table, -1, "a position needs x_m, y_m and z_m");
-    status = read_list(row->quaternion, &missing, rows, rows->quaternion, 4, error);
-    if (status != MUKCA_OK || missing == 4) return status;
-    if (missing || !mukca_rows_normalise(row->quaternion))
-        return mukca_table_fail(error, &rows->table, rows->quaternion[0],
-                                "the quaternion's length is not 1 (order: qw qx qy qz)");
-    return MUKCA_OK;
+    if (count_missing(row->quaternion, 4) == 4 || mukca_rows_normalise(row->quaternion))
+        return MUKCA_OK;
+    return mukca_table_fail(error, &rows->table, c->quaternion[0],
+                            "the quaternion's length is not 1 (order: qw qx qy qz)");
 }
 
 mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca_error *error)
 {
     const mukca_table *t = &rows->table;
+    const mukca_columns *c = &rows->column;
     const int n = rows->chain->n_joints;
     mukca_status status = mukca_table_next(&rows->table, more, error);
     if (status != MUKCA_OK || !*more) return status;
@@ -261,29 +242,30 @@ mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca
         return mukca_table_fail(error, t, -1,
                                 "%d columns, but the chain has %d joints; check --urdf and --tip",
                                 t->n_columns, n);
-    row->placement = rows->placement < 0 ? NULL : t->cell[rows->placement];
-    row->socket = rows->socket < 0 ? NULL : t->cell[rows->socket];
-    for (int j = 0; j < n && status == MUKCA_OK; j++) {
-        status = mukca_table_number(&row->q[j], t, rows->joint[j], error);
+    row->placement = c->placement < 0 ? NULL : t->cell[c->placement];
+    row->socket = c->socket < 0 ? NULL : t->cell[c->socket];
+    for (int j = 0; j < n; j++) {
+        status = mukca_table_number(&row->q[j], t, c->joint[j], error);
         if (status == MUKCA_OK) status = check_joint(rows, j, row->q[j], error);
+        if (status != MUKCA_OK) return status;
     }
-    if (status != MUKCA_OK) return status;
     const struct {
         double *values;
         const int *columns;
         int n;
-    } optional[] = {{row->effort, rows->effort, n},
-                    {row->command, rows->command, n},
-                    {row->velocity, rows->velocity, n},
-                    {&row->time, &rows->time, 1},
-                    {&row->temperature, &rows->temperature, 1},
-                    {&row->payload, &rows->payload, 1}};
-    for (size_t i = 0; i < sizeof optional / sizeof *optional && status == MUKCA_OK; i++) {
-        int missing;
-        status = read_list(optional[i].values, &missing, rows, optional[i].columns, optional[i].n,
-                           error);
+    } optional[] = {{row->effort, c->effort, n},
+                    {row->command, c->command, n},
+                    {row->velocity, c->velocity, n},
+                    {&row->time, &c->time, 1},
+                    {&row->temperature, &c->temperature, 1},
+                    {&row->payload, &c->payload, 1},
+                    {row->position, c->position, 3},
+                    {row->quaternion, c->quaternion, 4}};
+    for (size_t i = 0; i < sizeof optional / sizeof *optional; i++) {
+        status = read_list(optional[i].values, rows, optional[i].columns, optional[i].n, error);
+        if (status != MUKCA_OK) return status;
     }
-    return status == MUKCA_OK ? read_pose(row, rows, error) : status;
+    return check_pose(row, rows, error);
 }
 
 mukca_row_reading mukca_row_read(const mukca_row *row, const mukca_rows *rows)

@@ -14,17 +14,21 @@ typedef struct {
     void *context;
 } mukca_rows_options;
 
-/* Which columns a file has: indices into the table's cells, -1 where absent. */
+/* Indices into the table's cells, -1 where a column is absent. */
 typedef struct {
-    mukca_table table;
-    const mukca_chain *chain;
-    mukca_rows_options options;
     int placement, socket, time, temperature, payload;
     int joint[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
         velocity[MUKCA_MAX_JOINTS];
     int position[3], quaternion[4]; /* all or none; w first */
-    bool has_command;               /* for one joint at least */
-    bool warned[MUKCA_MAX_JOINTS];  /* beyond its limits */
+} mukca_columns;
+
+typedef struct {
+    mukca_table table;
+    const mukca_chain *chain;
+    mukca_rows_options options;
+    mukca_columns column;
+    bool has_command;              /* for one joint at least */
+    bool warned[MUKCA_MAX_JOINTS]; /* beyond its limits */
 } mukca_rows;
 
 /* One row; what the file lacks is NaN, texts are NULL.  Texts are valid until the next row. */

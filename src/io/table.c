@@ -7,15 +7,10 @@
 #include <string.h>
 
 #include "base/cells.h"
+#include "base/file.h"
 #include "base/number.h"
 
-enum { LONGEST_LINE = 1 << 20, MOST_COMMENTS = 1 << 16 }; /* bytes; more is another kind of file */
-
-const char *mukca_table_short_path(const char *path)
-{
-    size_t length = strlen(path);
-    return length > 100 ? path + length - 100 : path;
-}
+enum { LONGEST_LINE = 1 << 20 }; /* bytes; more is another kind of file */
 
 mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
                               const char *format, ...)
@@ -29,8 +24,8 @@ mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int 
         snprintf(where, sizeof where, " column '%.40s':", table->header[column]);
     else if (column >= 0)
         snprintf(where, sizeof where, " column %d:", column + 1);
-    return mukca_fail(error, MUKCA_INPUT, "%s:%d:%s %s", mukca_table_short_path(table->path),
-                      table->line, where, text);
+    return mukca_fail(error, MUKCA_INPUT, "%s:%d:%s %s", mukca_file_shown(table->path), table->line,
+                      where, text);
 }
 
 static mukca_status out_of_memory(mukca_error *error)
@@ -41,60 +36,23 @@ static mukca_status out_of_memory(mukca_error *error)
 /* Read one line without its end into table->buffer; *more is false at the end of the file. */
 static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
 {
-    size_t length = 0;
-    *more = false;
+    char *line = t->buffer;
     errno = 0;
-    for (;;) {
-        if (t->capacity < length + 512) {
-            size_t capacity = t->capacity ? 2 * t->capacity : 1024;
-            char *buffer = realloc(t->buffer, capacity);
-            if (!buffer) return out_of_memory(error);
-            t->buffer = buffer;
-            t->capacity = capacity;
-        }
-        if (!fgets(t->buffer + length, (int)(t->capacity - length), t->stream)) break;
-        size_t got = strlen(t->buffer + length);
-        *more = true;
-        length += got;
-        if (got == 0) break; /* the line begins with a NUL */
-        if (t->buffer[length - 1] == '\n') break;
-        if (length >= LONGEST_LINE) {
-            t->line++;
-            return mukca_table_fail(error, t, -1,
-                                    "the line is longer than 1 MiB; this is no table");
-        }
-        if (length + 1 < t->capacity && !feof(t->stream)) break; /* a NUL cut it short */
-    }
-    if (ferror(t->stream))
-        return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s",
-                          mukca_table_short_path(t->path), strerror(errno));
+    *more = fgets(line, LONGEST_LINE, t->stream) != NULL;
+    if (ferror(t->stream)) return mukca_file_fail(error, t->path);
     if (!*more) return MUKCA_OK;
+    size_t length = strlen(line);
     t->line++;
     t->cut_off = feof(t->stream) != 0;
-    if (!t->cut_off && (length == 0 || t->buffer[length - 1] != '\n'))
+    if (length == LONGEST_LINE - 1 && line[length - 1] != '\n')
+        return mukca_table_fail(error, t, -1, "the line is longer than 1 MiB; this is no table");
+    if (!t->cut_off && (length == 0 || line[length - 1] != '\n'))
         return mukca_table_fail(error, t, -1, "holds a zero byte; this is no text file");
-    while (length && (t->buffer[length - 1] == '\n' || t->buffer[length - 1] == '\r')) length--;
-    t->buffer[length] = '\0';
-    if (strchr(t->buffer, '\r'))
+    while (length && (line[length - 1] == '\n' || line[length - 1] == '\r')) line[--length] = '\0';
+    if (strchr(line, '\r'))
         return mukca_table_fail(error, t, -1,
                                 "lines end in carriage returns; save it with line feeds");
-    if (t->line == 1 && memcmp(t->buffer, "\xEF\xBB\xBF", length < 3 ? length : 3) == 0 &&
-        length >= 3)
-        memmove(t->buffer, t->buffer + 3, length - 2);
-    return MUKCA_OK;
-}
-
-static mukca_status keep_comment(mukca_table *t, mukca_error *error)
-{
-    size_t length = strlen(t->buffer);
-    if (t->comments_length + length + 2 > MOST_COMMENTS) return MUKCA_OK;
-    char *comments = realloc(t->comments, t->comments_length + length + 2);
-    if (!comments) return out_of_memory(error);
-    t->comments = comments;
-    memcpy(comments + t->comments_length, t->buffer, length);
-    comments[t->comments_length + length] = '\n';
-    comments[t->comments_length + length + 1] = '\0';
-    t->comments_length += length + 1;
+    if (t->line == 1 && strncmp(line, "\xEF\xBB\xBF", 3) == 0) memmove(line, line + 3, length - 2);
     return MUKCA_OK;
 }
 
@@ -102,11 +60,12 @@ static mukca_status keep_comment(mukca_table *t, mukca_error *error)
 static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
 {
     for (;;) {
-        mukca_status status = read_line(t, more, error);
+        const mukca_status status = read_line(t, more, error);
         if (status != MUKCA_OK || !*more) return status;
         const char *text = t->buffer + strspn(t->buffer, " \t\r");
-        if (*text == '#' && !t->cell) status = keep_comment(t, error);
-        if (status != MUKCA_OK) return status;
+        const size_t used = strlen(t->comments);
+        if (*text == '#' && !t->cell && used + strlen(t->buffer) + 2 <= sizeof t->comments)
+            snprintf(t->comments + used, sizeof t->comments - used, "%s\n", t->buffer);
         if (*text && *text != '#') return MUKCA_OK;
     }
 }
@@ -138,7 +97,7 @@ static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_err
     if (status != MUKCA_OK) return status;
     if (!more)
         return mukca_fail(error, MUKCA_INPUT, "%s: is empty; expected a header and rows",
-                          mukca_table_short_path(t->path));
+                          mukca_file_shown(t->path));
     status = set_shape(t, error);
     if (status != MUKCA_OK) return status;
     t->header = calloc((size_t)t->n_columns, sizeof *t->header);
@@ -174,11 +133,9 @@ mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind
     bool standard = strcmp(path, "-") == 0;
     snprintf(t->path, sizeof t->path, "%s", standard ? "standard input" : path);
     t->stream = standard ? stdin : fopen(path, "r");
-    if (!t->stream)
-        return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", mukca_table_short_path(path),
-                          strerror(errno));
-    t->comments = calloc(1, 1);
-    mukca_status status = t->comments ? MUKCA_OK : out_of_memory(error);
+    if (!t->stream) return mukca_file_fail(error, path);
+    t->buffer = malloc(LONGEST_LINE);
+    mukca_status status = t->buffer ? MUKCA_OK : out_of_memory(error);
     if (status == MUKCA_OK && kind != MUKCA_NO_HEADER) status = read_header(t, kind, error);
     if (status != MUKCA_OK) mukca_table_close(t);
     return status;
@@ -208,12 +165,10 @@ void mukca_table_close(mukca_table *t)
     free(t->header);
     free(t->header_buffer);
     free(t->cell);
-    free(t->comments);
     free(t->buffer);
     t->stream = NULL;
     t->header = t->cell = NULL;
-    t->header_buffer = t->comments = t->buffer = NULL;
-    t->capacity = 0;
+    t->header_buffer = t->buffer = NULL;
 }
 
 int mukca_table_find(const mukca_table *t, const char *name)
@@ -237,4 +192,24 @@ mukca_status mukca_table_number(double *value, const mukca_table *t, int column,
     if (mukca_cell_number(value, t->cell[column], fault)) return MUKCA_OK;
     return mukca_table_fail(error, t, column, "%s%s", fault,
                             t->header || t->row > 1 ? "" : "; this file has no header line");
+}
+
+mukca_status mukca_table_read(const char *path, const char *const *names, int n,
+                              mukca_table_row_fn *read, void *context, mukca_error *error)
+{
+    mukca_table table;
+    int column[MUKCA_TABLE_NAMED] = {0};
+    bool more = true;
+    mukca_status status =
+        mukca_table_open(&table, path, names ? MUKCA_HEADER : MUKCA_NO_HEADER, error);
+    if (status != MUKCA_OK) return status;
+    for (int i = 0; i < n && status == MUKCA_OK; i++)
+        status = mukca_table_require(&column[i], &table, names[i], error);
+    while (status == MUKCA_OK) {
+        status = mukca_table_next(&table, &more, error);
+        if (status != MUKCA_OK || !more) break;
+        status = read(context, &table, column, error);
+    }
+    mukca_table_close(&table);
+    return status;
 }

@@ -16,7 +16,10 @@
 extern "C" {
 #endif
 
-enum { MUKCA_TABLE_COLUMNS = 4096 }; /* at most; a session of 16 joints has about 90 */
+enum {
+    MUKCA_TABLE_COLUMNS = 4096, /* at most; a session of 16 joints has about 90 */
+    MUKCA_TABLE_NAMED = 8       /* columns that mukca_table_read can require */
+};
 
 typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
 
@@ -27,13 +30,12 @@ typedef struct {
     int row;       /* data rows read so far */
     int n_columns; /* 0 before the first row of a table without header */
     char delimiter;
-    bool cut_off;   /* the file ends without a newline */
-    bool pending;   /* the first row has been read already */
-    char **header;  /* [n_columns], or NULL */
-    char **cell;    /* [n_columns] of the current row */
-    char *comments; /* `#` lines before the header, one a line; "" where none */
+    bool cut_off;  /* the file ends without a newline */
+    bool pending;  /* the first row has been read already */
+    char **header; /* [n_columns], or NULL */
+    char **cell;   /* [n_columns] of the current row */
     char *buffer, *header_buffer;
-    size_t capacity, comments_length;
+    char comments[4096]; /* `#` lines before the header, one a line, as many as fit */
 } mukca_table;
 
 /* Open `path` (`-` is standard input) and read the header, where the table has one; EITHER: it has
@@ -62,8 +64,14 @@ mukca_status mukca_table_number(double *value, const mukca_table *table, int col
 mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
                               const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* A path short enough for an error line: its last 100 characters. */
-const char *mukca_table_short_path(const char *path);
+/* Take in the current row; column[i] is the index of the i-th required column. */
+typedef mukca_status mukca_table_row_fn(void *context, const mukca_table *table, const int *column,
+                                        mukca_error *error);
+
+/* Read the whole table `path`, whose header must have the columns names[n] (at most
+ * MUKCA_TABLE_NAMED; names NULL: a table without header). */
+mukca_status mukca_table_read(const char *path, const char *const *names, int n,
+                              mukca_table_row_fn *read, void *context, mukca_error *error);
 
 #ifdef __cplusplus
 }

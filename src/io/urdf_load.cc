@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
+#include "base/file.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/utf8.h"
 #include "io/inertials.h"
-#include "io/table.h"
 #include "io/urdf.h"
 #include "io/urdf_text.h"
 
@@ -74,7 +74,7 @@ class Loader
     Loader(mukca_chain *chain, const char *path, const mukca_urdf_options &options,
            mukca_note_fn *note, void *context, mukca_error *error)
         : chain_(chain),
-          path_(mukca_table_short_path(path)),
+          path_(mukca_file_shown(path)),
           options_(options),
           note_(note),
           context_(context),
@@ -460,9 +460,9 @@ extern "C" mukca_status mukca_urdf_load(mukca_chain *chain, const char *path,
     } catch (const std::bad_alloc &) {
         return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     } catch (const std::exception &e) {
-        return mukca_fail(error, MUKCA_INPUT, "%s: cannot be read: %s",
-                          mukca_table_short_path(path), e.what());
+        return mukca_fail(error, MUKCA_INPUT, "%s: cannot be read: %s", mukca_file_shown(path),
+                          e.what());
     } catch (...) {
-        return mukca_fail(error, MUKCA_INPUT, "%s: cannot be read", mukca_table_short_path(path));
+        return mukca_fail(error, MUKCA_INPUT, "%s: cannot be read", mukca_file_shown(path));
     }
 }

@@ -9,18 +9,17 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/file.h"
 #include "base/number.h"
-#include "io/file.h"
-#include "io/table.h"
 
 /* Far beyond any real robot.  The depth also bounds the stack of urdfdom's recursive parser. */
-enum { LARGEST_FILE = 32 << 20, DEEPEST = 64, MOST_JOINTS = 4096 };
+enum { DEEPEST = 64, MOST_JOINTS = 4096 };
 
 typedef struct {
     mukca_urdf_text *urdf;
+    size_t length; /* of its text */
     xmlParserCtxtPtr parser;
     int depth;
-    int capacity;
     mukca_urdf_joint *joint; /* open now, or NULL */
     mukca_status status;
     mukca_error *error;
@@ -56,26 +55,24 @@ static bool attribute(char *value, size_t size, const char *name, const xmlChar 
     return false;
 }
 
+/* A zeroed joint; NULL where there are too many. */
 static mukca_urdf_joint *new_joint(scan *s)
 {
-    if (s->urdf->n_joints == MOST_JOINTS) {
+    mukca_urdf_text *urdf = s->urdf;
+    if (urdf->n_joints == MOST_JOINTS) {
         stop(s, mukca_fail(s->error, MUKCA_INPUT, "%s: has more than %d joints", s->path,
                            (int)MOST_JOINTS));
         return NULL;
     }
-    if (s->urdf->n_joints == s->capacity) {
-        int capacity = s->capacity ? 2 * s->capacity : 32;
-        mukca_urdf_joint *joints =
-            realloc(s->urdf->joints, (size_t)capacity * sizeof *s->urdf->joints);
-        if (!joints) {
-            stop(s, mukca_fail(s->error, MUKCA_MEMORY, "out of memory"));
-            return NULL;
-        }
-        s->urdf->joints = joints;
-        s->capacity = capacity;
+    const size_t count = (size_t)urdf->n_joints + 1;
+    mukca_urdf_joint *joints = realloc(urdf->joints, count * sizeof *joints);
+    if (!joints) {
+        stop(s, mukca_fail(s->error, MUKCA_MEMORY, "out of memory"));
+        return NULL;
     }
-    mukca_urdf_joint *joint = &s->urdf->joints[s->urdf->n_joints++];
-    memset(joint, 0, sizeof *joint);
+    urdf->joints = joints;
+    mukca_urdf_joint *joint = &joints[urdf->n_joints++];
+    *joint = (mukca_urdf_joint){0};
     return joint;
 }
 
@@ -85,7 +82,7 @@ static void locate_tag(size_t *start, size_t *end, const scan *s, const char *na
 {
     const char *text = s->urdf->text;
     size_t at = position(s);
-    const char *close = at < s->urdf->length ? strchr(text + at, '>') : NULL;
+    const char *close = at < s->length ? strchr(text + at, '>') : NULL;
     while (close && at && text[at] != '<') at--;
     *start = at;
     *end = close ? (size_t)(close - text) + 1 : 0;
@@ -105,15 +102,9 @@ static void read_origin(scan *s, const xmlChar **attributes, int n)
         joint->bad_origin |= !mukca_number_parse_list(joint->rpy, 3, value);
 }
 
-static void start_element(void *context, const xmlChar *name, const xmlChar *prefix,
-                          const xmlChar *uri, int n_namespaces, const xmlChar **namespaces,
-                          int n_attributes, int n_defaulted, const xmlChar **attributes)
+/* Elements that no URDF for this program has. */
+static void check_element(scan *s, const char *tag, const char *prefix, int depth, int line)
 {
-    (void)uri, (void)n_namespaces, (void)namespaces, (void)n_defaulted;
-    scan *s = ((xmlParserCtxtPtr)context)->_private;
-    const char *tag = (const char *)name;
-    int line = xmlSAX2GetLineNumber(context);
-    int depth = s->depth++;
     if (depth == 0 && strcmp(tag, "robot") != 0)
         stop(s, mukca_fail(s->error, MUKCA_INPUT,
                            "%s:%d: the root element is <%.40s>, not <robot>; this is no URDF",
@@ -122,19 +113,31 @@ static void start_element(void *context, const xmlChar *name, const xmlChar *pre
         stop(s, mukca_fail(s->error, MUKCA_INPUT,
                            "%s:%d: elements nested more than %d deep; this is no URDF", s->path,
                            line, (int)DEEPEST));
-    else if (prefix && strcmp((const char *)prefix, "xacro") == 0)
+    else if (prefix && strcmp(prefix, "xacro") == 0)
         stop(s, mukca_fail(s->error, MUKCA_INPUT,
                            "%s:%d: holds xacro macros; expand them first: xacro IN > OUT.urdf",
                            s->path, line));
-    else if (depth == 1 && strcmp(tag, "joint") == 0) {
+}
+
+static void start_element(void *context, const xmlChar *name, const xmlChar *prefix,
+                          const xmlChar *uri, int n_namespaces, const xmlChar **namespaces,
+                          int n_attributes, int n_defaulted, const xmlChar **attributes)
+{
+    (void)uri, (void)n_namespaces, (void)namespaces, (void)n_defaulted;
+    scan *s = ((xmlParserCtxtPtr)context)->_private;
+    const char *tag = (const char *)name;
+    const int line = xmlSAX2GetLineNumber(context), depth = s->depth++;
+    size_t start;
+    check_element(s, tag, (const char *)prefix, depth, line);
+    if (s->status != MUKCA_OK) return;
+    if (depth == 1 && strcmp(tag, "joint") == 0) {
         s->joint = new_joint(s);
         if (!s->joint) return;
-        size_t start;
         attribute(s->joint->name, sizeof s->joint->name, "name", attributes, n_attributes);
         locate_tag(&start, &s->joint->tag_end, s, "joint");
         s->joint->line = line;
-    } else if (depth == 2 && s->joint) {
-        if (strcmp(tag, "origin") == 0) read_origin(s, attributes, n_attributes);
+    } else if (depth == 2 && s->joint && strcmp(tag, "origin") == 0) {
+        read_origin(s, attributes, n_attributes);
     }
 }
 
@@ -148,11 +151,11 @@ static void end_element(void *context, const xmlChar *name, const xmlChar *prefi
 
 static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_error *error)
 {
-    scan s = {.urdf = urdf, .path = path, .error = error};
+    scan s = {.urdf = urdf, .length = strlen(urdf->text), .path = path, .error = error};
     xmlSAXHandler handler = {.initialized = XML_SAX2_MAGIC,
                              .startElementNs = start_element,
                              .endElementNs = end_element};
-    s.parser = xmlCreateMemoryParserCtxt(urdf->text, (int)urdf->length);
+    s.parser = xmlCreateMemoryParserCtxt(urdf->text, (int)s.length);
     if (!s.parser) return mukca_fail(error, MUKCA_INPUT, "%s: empty, or no XML", path);
     xmlSAXHandlerPtr old = s.parser->sax;
     s.parser->sax = &handler;
@@ -178,18 +181,6 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
     return s.status;
 }
 
-static mukca_status read_bytes(mukca_urdf_text *urdf, const char *path, mukca_error *error)
-{
-    mukca_status status = mukca_file_read(&urdf->text, &urdf->length, path, LARGEST_FILE, error);
-    if (status != MUKCA_OK) return status;
-    path = mukca_table_short_path(path);
-    if (urdf->length == 0) return mukca_fail(error, MUKCA_INPUT, "%s: is empty", path);
-    if (strlen(urdf->text) != urdf->length)
-        return mukca_fail(error, MUKCA_INPUT, "%s: holds a zero byte; save it as UTF-8 text", path);
-    SHA256Data((const uint8_t *)urdf->text, urdf->length, urdf->sha256);
-    return MUKCA_OK;
-}
-
 /* A `${...}` outside comments is a xacro expression that nobody expanded. */
 static mukca_status check_expressions(const mukca_urdf_text *urdf, const char *path,
                                       mukca_error *error)
@@ -209,19 +200,28 @@ static mukca_status check_expressions(const mukca_urdf_text *urdf, const char *p
     return MUKCA_OK;
 }
 
-mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error)
+static mukca_status check(mukca_urdf_text *urdf, const char *path, mukca_error *error)
 {
-    memset(urdf, 0, sizeof *urdf);
-    const char *shown = mukca_table_short_path(path);
-    mukca_status status = read_bytes(urdf, path, error);
-    if (status == MUKCA_OK) status = scan_joints(urdf, shown, error);
-    if (status == MUKCA_OK) status = check_expressions(urdf, shown, error);
+    if (!*urdf->text) return mukca_fail(error, MUKCA_INPUT, "%s: is empty", path);
+    SHA256Data((const uint8_t *)urdf->text, strlen(urdf->text), urdf->sha256);
+    mukca_status status = scan_joints(urdf, path, error);
+    if (status != MUKCA_OK) return status;
+    status = check_expressions(urdf, path, error);
     for (int i = 0; status == MUKCA_OK && i < urdf->n_joints; i++)
         if (urdf->joints[i].bad_origin)
-            status = mukca_fail(error, MUKCA_INPUT,
-                                "%s:%d: joint '%s': origin xyz and rpy must be three numbers each",
-                                shown, urdf->joints[i].line, urdf->joints[i].name);
-    if (status) mukca_urdf_text_free(urdf);
+            return mukca_fail(error, MUKCA_INPUT,
+                              "%s:%d: joint '%s': origin xyz and rpy must be three numbers each",
+                              path, urdf->joints[i].line, urdf->joints[i].name);
+    return status;
+}
+
+mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error)
+{
+    *urdf = (mukca_urdf_text){0};
+    mukca_status status = mukca_file_read(&urdf->text, path, error);
+    if (status != MUKCA_OK) return status;
+    status = check(urdf, mukca_file_shown(path), error);
+    if (status != MUKCA_OK) mukca_urdf_text_free(urdf);
     return status;
 }
 

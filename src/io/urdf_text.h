@@ -24,7 +24,6 @@ typedef struct {
 
 typedef struct {
     char *text; /* the file's bytes, ended by a zero byte */
-    size_t length;
     char sha256[65];
     bool located; /* byte offsets below can be trusted (not in other encodings than UTF-8) */
     int n_joints;

@@ -87,7 +87,7 @@ static void folders_and_sessions_mix(void **state)
                      "low\tA\t12\t0.6\t0.5\t\t9\nlow\tB\t13\t0.8\t0.7\t1\tnan\n"),
         scratch_file("log.csv", "j1,j2,x_m,y_m,z_m\n1,2,0.1,0.2,0.3\n1,2,,,\n")};
     assert_int_equal(load(paths, 3, NULL), MUKCA_OK);
-    assert_non_null(strstr(notes, "log.csv: 1 of 2 rows left out: no measured position"));
+    assert_non_null(strstr(notes, "log.csv: 1 of 2 rows ignored: no measured position"));
     assert_int_equal(data.n_rows, 10);
     assert_int_equal(data.n_placements, 2);
     assert_int_equal(data.n_sockets, 4);

@@ -114,7 +114,7 @@ static void urdf_keeps_every_other_byte(void **state)
     calibrate();
     add_effects();
     char *text = export("urdf", MUKCA_OK);
-    assert_non_null(strstr(notes, "joint_scale of a is left out: the format urdf"));
+    assert_non_null(strstr(notes, "joint_scale of a is not exported: the format urdf"));
     const char *path = scratch_file("patched.urdf", text);
     mukca_chain patched;
     assert_int_equal(mukca_urdf_load(&patched, path, NULL, NULL, NULL, &error), MUKCA_OK);
@@ -206,7 +206,7 @@ static void mjcf_holds_springs_and_names_the_rest(void **state)
     calibrate();
     add_effects();
     char *text = export("mjcf", MUKCA_OK);
-    assert_non_null(strstr(notes, "joint_scale of a is left out: the format mjcf"));
+    assert_non_null(strstr(notes, "joint_scale of a is not exported: the format mjcf"));
     assert_null(strstr(notes, "joint_compliance"));
     assert_non_null(
         strstr(text, "name=\"b_flex\" type=\"hinge\" axis=\"0 1 0\" stiffness=\"10000\""));

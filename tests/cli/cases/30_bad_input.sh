@@ -131,7 +131,7 @@ for command in calibrate evaluate diagnose report; do
 done
 awk 'NR < 30' seen.tsv >bad.tsv
 tail -n 3 blind.tsv >>bad.tsv
-accept 'bad.tsv: 3 of 31 rows left out: no measured position' diagnose $a bad.tsv --free-base
+accept 'bad.tsv: 3 of 31 rows ignored: no measured position' diagnose $a bad.tsv --free-base
 
 # folders
 mkdir bad

@@ -1,0 +1,25 @@
+/* A whole text file in memory. */
+#ifndef MUKCA_BASE_FILE_H
+#define MUKCA_BASE_FILE_H
+
+#include "mukca/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Read the file (`-`: standard input) into *text, ended by a zero byte; free it.  On failure *text
+ * is NULL.  Errors: MUKCA_INPUT (cannot be read, a folder, larger than 64 MiB, holds a zero byte),
+ * MUKCA_MEMORY. */
+mukca_status mukca_file_read(char **text, const char *path, mukca_error *error);
+
+/* A path short enough for an error line: its last 100 characters. */
+const char *mukca_file_shown(const char *path);
+
+/* "PATH: cannot read: reason" by errno, with status MUKCA_INPUT. */
+mukca_status mukca_file_fail(mukca_error *error, const char *path);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
