@@ -71,9 +71,14 @@ static void watch(void *context, const double *theta, const mukca_cost_value *va
     (void)value;
     (void)evaluations;
     const mukca_model model = {.chain = &r->fit.chain, .theta = theta};
-    if (r->page.n_steps < MAX_STEPS)
-        mukca_report_step_fill(&r->steps[r->page.n_steps++], &model, &r->session->data,
-                               &r->session->test, r->scores);
+    mukca_score train = {0}, test = {.std = NAN, .distance_error = NAN};
+    if (r->page.n_steps >= MAX_STEPS) return;
+    mukca_evaluate(r->scores, &train, &model, &r->session->data);
+    if (r->session->test.n_rows > 0) mukca_evaluate(r->scores, &test, &model, &r->session->test);
+    r->steps[r->page.n_steps++] = (mukca_report_step){.train_consistency = train.std,
+                                                      .train_distortion = train.distance_error,
+                                                      .test_consistency = test.std,
+                                                      .test_distortion = test.distance_error};
 }
 
 /* Fit, or take the table of --offsets. */

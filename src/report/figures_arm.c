@@ -1,9 +1,9 @@
 /* Axonometric figure: the arm, the placements and the residual vectors. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "report/figures.h"
+#include "math/stats.h"
+#include "report/parts.h"
 
 enum {
     MOST_VECTORS = 600, /* of a long recording every n-th sample is drawn */
@@ -56,25 +56,20 @@ static void put_point(view *v, const double p[3])
     fprintf(v->script, "%.5f %.5f\n", uv[0], uv[1]);
 }
 
-/* The sample of a placement (-1: of all samples) whose joint angles are nearest to their mean; -1
- * without any. */
-static int typical_sample(const mukca_report *r, int placement)
+static bool of_placement(const mukca_dataset *data, int sample, int placement)
 {
-    const int n = r->data.n_joints;
-    double mean[MUKCA_MAX_JOINTS] = {0}, nearest = HUGE_VAL;
-    int count = 0, best = -1;
-    for (int i = 0; i < r->data.n_rows; i++) {
-        if (placement >= 0 && mukca_dataset_placement(&r->data, i) != placement) continue;
-        count++;
-        for (int j = 0; j < n; j++) mean[j] += (r->data.q[i * n + j] - mean[j]) / count;
-    }
-    for (int i = 0; i < r->data.n_rows; i++) {
-        double square = 0;
-        if (placement >= 0 && mukca_dataset_placement(&r->data, i) != placement) continue;
-        for (int j = 0; j < n; j++) square += pow(r->data.q[i * n + j] - mean[j], 2);
-        if (square < nearest) nearest = square, best = i;
-    }
-    return best;
+    return placement < 0 || mukca_dataset_placement(data, sample) == placement;
+}
+
+/* The sample in the middle of a placement's (-1: of all samples); -1 without any. */
+static int middle_sample(const mukca_dataset *data, int placement)
+{
+    int count = 0;
+    for (int i = 0; i < data->n_rows; i++) count += of_placement(data, i, placement);
+    int before = count / 2;
+    for (int i = 0; i < data->n_rows; i++)
+        if (of_placement(data, i, placement) && before-- == 0) return i;
+    return -1;
 }
 
 /* Links and joints of one posture as blocks $arm<index> and $joints<index>. */
@@ -99,10 +94,10 @@ static void put_arm(view *v, const mukca_report *r, int index, int sample)
 /* One posture for each placement, or one for a pose log; returns how many. */
 static int put_arms(view *v, const mukca_report *r)
 {
+    const int placements = r->data.n_placements;
     int n = 0;
-    for (int p = r->data.n_placements > 0 ? 0 : -1; p < r->data.n_placements && n < MOST_ARMS;
-         p++) {
-        const int sample = typical_sample(r, p);
+    for (int p = placements > 0 ? 0 : -1; p < placements && n < MOST_ARMS; p++) {
+        const int sample = middle_sample(&r->data, p);
         if (sample >= 0) put_arm(v, r, n++, sample);
     }
     return n;
@@ -150,43 +145,43 @@ static void put_axes(const view *v)
     }
 }
 
-/* Sockets, and for each placement its name and a plumb line to the base plane. */
-static void put_placements(view *v, const mukca_report *r)
+/* Where a sample's tip is in truth, or its socket's mean. */
+static void true_position(double p[3], const mukca_report *r, int sample)
+{
+    for (int k = 0; k < 3; k++) p[k] = r->calibrated[3 * sample + k] - r->residual[3 * sample + k];
+}
+
+/* Sockets as block $sockets; a plumb line from each placement to the base plane as $plumb, and its
+ * name. */
+static void put_placements(mukca_plot *plot, view *v, const mukca_report *r)
 {
     const mukca_dataset *data = &r->data;
-    double uv[2];
+    double p[3], uv[2];
+    int drawn = -1; /* sockets have their samples in order of recording */
     fputs("$sockets << EOD\n", v->script);
-    for (int k = 0; k < data->n_sockets; k++)
-        for (int i = 0; i < data->n_rows; i++) {
-            if (data->socket[i] != k) continue;
-            double seat[3];
-            for (int c = 0; c < 3; c++) seat[c] = r->calibrated[3 * i + c] - r->residual[3 * i + c];
-            put_point(v, seat);
-            break;
-        }
+    for (int i = 0; i < data->n_rows; i++) {
+        if (data->socket[i] <= drawn) continue;
+        drawn = data->socket[i];
+        true_position(p, r, i);
+        put_point(v, p);
+    }
     fputs("EOD\n$plumb << EOD\n", v->script);
-    for (int p = 0; p < data->n_placements; p++) {
-        double foot[3] = {0};
-        int n = 0;
-        for (int i = 0; i < data->n_rows; i++) {
-            if (mukca_dataset_placement(data, i) != p) continue;
-            n++;
-            for (int k = 0; k < 3; k++) foot[k] += (r->calibrated[3 * i + k] - foot[k]) / n;
-        }
-        if (n == 0) continue;
-        put_point(v, foot);
-        foot[2] = 0;
-        put_point(v, foot);
+    for (int k = 0; k < data->n_placements; k++) {
+        const int sample = middle_sample(data, k);
+        if (sample < 0) continue;
+        true_position(p, r, sample);
+        put_point(v, p);
+        p[2] = 0;
+        put_point(v, p);
         fputs("\n", v->script);
     }
     fputs("EOD\n", v->script);
-    for (int p = 0; p < data->n_placements; p++) {
-        const int sample = typical_sample(r, p);
+    for (int k = 0; k < data->n_placements; k++) {
+        const int sample = middle_sample(data, k);
         if (sample < 0) continue;
         project(uv, v, r->calibrated + 3 * sample);
-        fputs("set label ", v->script);
-        mukca_plot_quote(v->script, data->placements[p].name);
-        fprintf(v->script, " at %.5f, %.5f left offset 2.5, -1 front\n", uv[0], uv[1]);
+        mukca_plot_label(plot, data->placements[k].name, "at %.5f, %.5f left offset 2.5, -1 front",
+                         uv[0], uv[1]);
     }
 }
 
@@ -197,26 +192,16 @@ static double round_down(double x)
     return x >= 5 * power ? 5 * power : x >= 2 * power ? 2 * power : power;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* 90 % quantile of the residuals' lengths, m; 0 without any. */
 static double large_residual(const mukca_report *r)
 {
     double *length = calloc((size_t)r->data.n_rows + 1, sizeof *length), result = 0;
     int n = 0;
     for (int i = 0; length && i < r->data.n_rows; i++) {
-        const double *e = r->residual + 3 * i;
-        const double square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
-        if (isfinite(square)) length[n++] = sqrt(square);
+        length[n] = mukca_report_length(r->residual + 3 * i);
+        n += isfinite(length[n]);
     }
-    if (n > 0) {
-        qsort(length, (size_t)n, sizeof *length, by_value);
-        result = length[(int)(0.9 * (n - 1))];
-    }
+    if (n > 0) result = mukca_stats_quantile(length, n, 0.9);
     free(length);
     return result;
 }
@@ -230,11 +215,9 @@ static int put_residuals(view *v, const mukca_report *r, const char *name, const
     fprintf(v->script, "$%s << EOD\n", name);
     for (int i = 0; i < r->data.n_rows; i += every) {
         double from[3], to[3];
-        for (int k = 0; k < 3; k++) {
-            from[k] = r->calibrated[3 * i + k] - r->residual[3 * i + k];
-            to[k] = from[k] + scale * residual[3 * i + k];
-        }
-        if (!isfinite(from[0] + from[1] + from[2] + to[0] + to[1] + to[2])) continue;
+        true_position(from, r, i);
+        for (int k = 0; k < 3; k++) to[k] = from[k] + scale * residual[3 * i + k];
+        if (!isfinite(to[0] + to[1] + to[2])) continue;
         put_point(v, from);
         put_point(v, to);
         fputs("\n", v->script);
@@ -244,29 +227,24 @@ static int put_residuals(view *v, const mukca_report *r, const char *name, const
     return n;
 }
 
-int mukca_report_count_arm(const mukca_report *r)
+bool mukca_report_arm(mukca_plot *plot, const mukca_report *r, int index)
 {
-    return r->data.n_rows > 0 && large_residual(r) > 0;
-}
-
-void mukca_report_draw_arm(mukca_sheet *sheet, const mukca_report *r, int index)
-{
-    (void)index;
-    FILE *s = sheet->script;
-    mukca_sheet_begin(sheet, "arm", "Arm, placements and residual vectors", MUKCA_SHEET_HALF, 0);
+    FILE *s = plot->script;
+    const double large = large_residual(r);
+    if (index > 0 || !(large > 0)) return false;
+    mukca_plot_begin(plot, "arm", "Arm, placements and residual vectors", MUKCA_PLOT_HALF, 0);
     view v = aim(s, r);
     const double step = put_ground(&v, r);
     const int arms = put_arms(&v, r);
     put_axes(&v);
-    put_placements(&v, r);
-    const double large = large_residual(r);
+    put_placements(plot, &v, r);
     const double size = fmax(v.high[0] - v.low[0], v.high[1] - v.low[1]);
     const double scale = round_down(vector_share * size / large), bar = round_down(large);
     const int vectors = put_residuals(&v, r, "geometry", r->residual, scale);
     if (r->explained) put_residuals(&v, r, "causes", r->explained, scale);
     const double margin = 0.04 * size, width = v.high[0] - v.low[0] + 3 * margin;
     const double height = v.high[1] - v.low[1] + 4 * margin;
-    sheet->height = 40 + (int)fmin(MUKCA_SHEET_HALF * height / width, 600);
+    plot->height = 40 + (int)fmin(MUKCA_PLOT_HALF * height / width, 600);
     const double left = v.low[0], bottom = v.low[1] - 2 * margin;
     fprintf(s,
             "unset border\nunset tics\nunset grid\nset size ratio -1\nset margins 0, 0, 0, 2\n"
@@ -274,7 +252,7 @@ void mukca_report_draw_arm(mukca_sheet *sheet, const mukca_report *r, int index)
             "set arrow from %g, %g to %g, %g heads size screen 0.008, 90 lw 1.5\n"
             "set label '%g mm of residual' at %g, %g left offset 1, 0\n",
             v.low[0] - margin, v.high[0] + 2 * margin, bottom - margin, v.high[1] + margin, left,
-            bottom, left + scale * bar, bottom, bar * 1e3, left + scale * bar, bottom);
+            bottom, left + scale * bar, bottom, bar * MUKCA_REPORT_MM, left + scale * bar, bottom);
     fputs(
         "plot $ground with lines lc rgb 'gray' lw 0.5 notitle, "
         "$plumb with lines lc rgb 'black' dt 3 lw 0.8 notitle, ",
@@ -289,10 +267,11 @@ void mukca_report_draw_arm(mukca_sheet *sheet, const mukca_report *r, int index)
     if (r->explained)
         fputs("$causes with lines lc rgb " PLOT_AFTER " lw 0.8 title 'with the causes', ", s);
     fputs("$sockets with points lc rgb 'black' pt 7 ps 0.5 notitle\n", s);
-    mukca_sheet_describe(
-        sheet,
+    fprintf(
+        plot->description,
         "Axonometric view in the base frame, grid of %g m. Lines from each %s are the residuals of "
         "%d samples, enlarged %.0f times%s.",
         step, r->data.n_sockets > 0 ? "socket" : "measured position", vectors, scale,
         arms > 1 ? "; the arm is shown in one posture for each placement" : "");
+    return true;
 }

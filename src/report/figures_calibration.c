@@ -1,10 +1,9 @@
 /* Figures of the calibration: errors by placement, convergence, generalisation, offsets. */
 #include <math.h>
-#include <string.h>
 
-#include "report/figures.h"
+#include "report/parts.h"
 
-static const double mm = 1e3;
+static const double mm = MUKCA_REPORT_MM;
 
 /* A logarithmic axis has no zero: a hundredth of a micrometre takes its place. */
 static double positive(double metres)
@@ -14,37 +13,12 @@ static double positive(double metres)
 
 /* ---- errors by placement ---- */
 
-/* Entry i of the scores of training data, then of test data. */
-static const char *placement(const mukca_score **nominal, const mukca_score **calibrated,
-                             const mukca_report *r, int i)
-{
-    const bool test = i >= r->train_scores.n;
-    const mukca_report_scores *scores = test ? &r->test_scores : &r->train_scores;
-    const mukca_dataset *data = test ? r->test : r->train;
-    const int at = test ? i - r->train_scores.n : i;
-    *nominal = &scores->nominal[at];
-    *calibrated = &scores->calibrated[at];
-    const int p = scores->calibrated[at].placement;
-    return p < 0 ? "poses" : data->placements[p].name;
-}
-
 static double error_of(const mukca_score *score, int kind)
 {
     return kind == 0 ? score->mae : score->distance_error;
 }
 
-int mukca_report_count_placements(const mukca_report *r)
-{
-    const int n = r->train_scores.n + r->test_scores.n;
-    const mukca_score *a, *b;
-    for (int i = 0; i < n; i++) {
-        placement(&a, &b, r, i);
-        if (isfinite(b->distance_error)) return 2;
-    }
-    return n > 0;
-}
-
-void mukca_report_draw_placements(mukca_sheet *sheet, const mukca_report *r, int index)
+bool mukca_report_placements(mukca_plot *plot, const mukca_report *r, int index)
 {
     static const struct {
         const char *id, *title, *label;
@@ -53,27 +27,28 @@ void mukca_report_draw_placements(mukca_sheet *sheet, const mukca_report *r, int
         {"distance-error", "Distortion by placement", "distortion, mm"},
         {"position-error", "Position error", "mean distance from the measured position, mm"}};
     const int kind = r->data.n_sockets > 0 ? index : 2;
-    const int n = r->train_scores.n + r->test_scores.n;
-    const mukca_score *a, *b;
-    mukca_sheet_begin(sheet, kinds[kind].id, kinds[kind].title, MUKCA_SHEET_HALF, 120 + 24 * n);
-    FILE *s = sheet->script;
+    const int n = r->n_scores;
     double before = 0, after = 0;
     int shown = 0;
+    FILE *s = plot->script;
     fputs("$d << EOD\n", s);
-    for (int i = 0; i < n; i++) {
-        placement(&a, &b, r, i);
-        const double nominal = error_of(a, index), calibrated = error_of(b, index);
+    for (int i = 0; i < n && index < 2; i++) {
+        const double nominal = error_of(&r->scores[i].nominal, index);
+        const double calibrated = error_of(&r->scores[i].calibrated, index);
         if (!isfinite(nominal) || !isfinite(calibrated)) continue;
         fprintf(s, "%d %.6g %.6g\n", n - i, positive(nominal), positive(calibrated));
         before += nominal, after += calibrated, shown++;
     }
-    fputs("EOD\nset ytics (", s);
+    fputs("EOD\n", s);
+    if (shown == 0) return false;
+    mukca_plot_begin(plot, kinds[kind].id, kinds[kind].title, MUKCA_PLOT_HALF, 120 + 24 * n);
+    fputs("set ytics (", s);
     for (int i = 0; i < n; i++) {
         char name[MUKCA_NAME_SIZE + 16];
-        snprintf(name, sizeof name, "%s%s", placement(&a, &b, r, i),
-                 i >= r->train_scores.n ? " (test)" : "");
+        snprintf(name, sizeof name, "%s%s", r->scores[i].placement,
+                 r->scores[i].test ? " (test)" : "");
         fputs(i ? ", " : "", s);
-        mukca_plot_quote(s, name);
+        mukca_plot_quote(plot, name);
         fprintf(s, " %d", n - i);
     }
     fprintf(s,
@@ -83,23 +58,19 @@ void mukca_report_draw_placements(mukca_sheet *sheet, const mukca_report *r, int
             " pt 6 lw 2 title 'nominal', "
             "$d using 3:1 with points lc rgb " PLOT_AFTER " pt 7 title 'calibrated'\n",
             n + 0.6, kinds[kind].label);
-    mukca_sheet_describe(sheet, "Mean of the %d line%s: %#.3g mm nominal, %#.3g mm calibrated.",
-                         shown, shown == 1 ? "" : "s", before / shown * mm, after / shown * mm);
+    fprintf(plot->description, "Mean of the %d line%s: %#.3g mm nominal, %#.3g mm calibrated.",
+            shown, shown == 1 ? "" : "s", before / shown * mm, after / shown * mm);
+    return true;
 }
 
 /* ---- convergence ---- */
 
-int mukca_report_count_convergence(const mukca_report *r)
+bool mukca_report_convergence(mukca_plot *plot, const mukca_report *r, int index)
 {
-    return r->n_steps > 1;
-}
-
-void mukca_report_draw_convergence(mukca_sheet *sheet, const mukca_report *r, int index)
-{
-    (void)index;
-    mukca_sheet_begin(sheet, "training", "Consistency error and distortion during the fit",
-                      MUKCA_SHEET_HALF, 360);
-    FILE *s = sheet->script;
+    if (index > 0 || r->n_steps < 2) return false;
+    mukca_plot_begin(plot, "training", "Consistency error and distortion during the fit",
+                     MUKCA_PLOT_HALF, 360);
+    FILE *s = plot->script;
     const mukca_report_step *first = r->steps, *last = &r->steps[r->n_steps - 1];
     const struct {
         const char *title, *style;
@@ -130,32 +101,28 @@ void mukca_report_draw_convergence(mukca_sheet *sheet, const mukca_report *r, in
                 "dashtype 2\nset label sprintf('repeatability, %%g mm', rep) at graph 0.99, first "
                 "rep right offset 0, 0.5\n",
                 r->repeatability * mm);
-    mukca_sheet_describe(sheet, "Over %d iterations", r->n_steps - 1);
+    fprintf(plot->description, "Over %d iterations", r->n_steps - 1);
     for (int k = 0, shown = 0; k < 4; k++) {
         if (!isfinite(curves[k].to)) continue;
         fprintf(s, "%s $d using 1:%d with linespoints lc rgb %s ps 0.6 title '%s'",
                 shown ? "," : "plot", k + 2, curves[k].style, curves[k].title);
-        mukca_sheet_describe(sheet, "%s %s goes from %.3g to %.3g mm", shown ? ";" : "",
-                             curves[k].title, curves[k].from * mm, curves[k].to * mm);
+        fprintf(plot->description, "%s %s goes from %.3g to %.3g mm", shown ? ";" : "",
+                curves[k].title, curves[k].from * mm, curves[k].to * mm);
         shown++;
     }
     fputc('\n', s);
-    mukca_sheet_describe(sheet, ".");
+    fprintf(plot->description, ".");
+    return true;
 }
 
 /* ---- generalisation ---- */
 
-int mukca_report_count_generalisation(const mukca_report *r)
+bool mukca_report_generalisation(mukca_plot *plot, const mukca_report *r, int index)
 {
-    return r->n_bars > 0;
-}
-
-void mukca_report_draw_generalisation(mukca_sheet *sheet, const mukca_report *r, int index)
-{
-    (void)index;
-    mukca_sheet_begin(sheet, "generalisation", "Error on placements not used for training",
-                      MUKCA_SHEET_HALF, 100 + 32 * r->n_bars);
-    FILE *s = sheet->script;
+    if (index > 0 || r->n_bars == 0) return false;
+    mukca_plot_begin(plot, "generalisation", "Error on placements not used for training",
+                     MUKCA_PLOT_HALF, 100 + 32 * r->n_bars);
+    FILE *s = plot->script;
     const mukca_report_bar *best = r->bars;
     fputs("unset ytics\n$d << EOD\n", s);
     for (int i = 0; i < r->n_bars; i++) {
@@ -165,44 +132,42 @@ void mukca_report_draw_generalisation(mukca_sheet *sheet, const mukca_report *r,
     }
     fputs("EOD\n", s);
     for (int i = 0; i < r->n_bars; i++)
-        mukca_sheet_name_line(sheet, r->bars[i].trained, r->n_bars - i);
+        mukca_plot_label(plot, r->bars[i].trained, MUKCA_PLOT_ABOVE, r->n_bars - i);
     fprintf(s,
             "set yrange [0.6:%g]\nset xrange [0:*]\nset xlabel 'mean error on the other "
             "placements, mm (line: best to worst)'\nset style fill solid 0.45 border\n"
             "plot $d using ($2/2):1:($2/2):(0.15) with boxxyerror lc rgb " PLOT_AFTER
             " notitle, $d using 2:1:3:4 with xerrorbars lc rgb 'black' pt 0 notitle\n",
             r->n_bars + 0.8);
-    mukca_sheet_describe(sheet,
-                         "One bar for each set of training placements. Smallest mean error: %.3g "
-                         "mm, trained on %s.",
-                         best->mean * mm, best->trained);
+    fprintf(plot->description,
+            "One bar for each set of training placements. Smallest mean error: %.3g "
+            "mm, trained on %s.",
+            best->mean * mm, best->trained);
+    return true;
 }
 
 /* ---- offsets and their standard errors ---- */
 
-int mukca_report_count_offsets(const mukca_report *r)
-{
-    for (int i = 0; i < MUKCA_PARAMETERS * r->fitted->n_elements; i++)
-        if (r->offsets->listed[i]) return 2;
-    return 0;
-}
-
-void mukca_report_draw_offsets(mukca_sheet *sheet, const mukca_report *r, int index)
+bool mukca_report_offsets(mukca_plot *plot, const mukca_report *r, int index)
 {
     const bool angles = index == 1;
+    bool any = false;
     const mukca_offsets *table = r->offsets;
     double nominal[MUKCA_MAX_THETA];
-    int n = 0, known = 0;
+    int n = 0, known = 0, first[MUKCA_MAX_ELEMENTS] = {0}; /* place of its first offset, 0: none */
     mukca_chain_theta(nominal, r->fitted);
-    mukca_sheet_begin(
-        sheet, angles ? "offsets-angles" : "offsets-lengths",
+    if (index > 1) return false;
+    mukca_plot_begin(
+        plot, angles ? "offsets-angles" : "offsets-lengths",
         angles ? "Offsets of angles (bars: 2 sigma)" : "Offsets of lengths (bars: 2 sigma)",
-        MUKCA_SHEET_HALF, 320);
-    FILE *s = sheet->script;
+        MUKCA_PLOT_HALF, 320);
+    FILE *s = plot->script;
     fputs("set xtics () rotate by -45\n$d << EOD\n", s);
     for (int i = 0; i < MUKCA_PARAMETERS * r->fitted->n_elements; i++) {
         const double offset = (table->theta[i] - nominal[i]) * mm;
+        any |= table->listed[i];
         if (!table->listed[i] || i % MUKCA_PARAMETERS / 3 != angles) continue;
+        if (first[i / MUKCA_PARAMETERS] == 0) first[i / MUKCA_PARAMETERS] = n + 1;
         n++;
         if (table->identifiable[i] && isfinite(table->sigma[i])) {
             fprintf(s, "%d %.6g %.6g NaN\n", n, offset, 2 * table->sigma[i] * mm);
@@ -212,15 +177,12 @@ void mukca_report_draw_offsets(mukca_sheet *sheet, const mukca_report *r, int in
         }
     }
     fputs("EOD\n", s);
-    for (int i = 0, at = 0, last = -1; i < MUKCA_PARAMETERS * r->fitted->n_elements; i++) {
-        const int element = i / MUKCA_PARAMETERS;
-        if (!table->listed[i] || i % MUKCA_PARAMETERS / 3 != angles) continue;
-        at++;
-        if (element == last) continue;
-        last = element;
+    if (!any) return false;
+    for (int k = 0; k < r->fitted->n_elements; k++) {
+        if (first[k] == 0) continue;
         fputs("set xtics add (", s);
-        mukca_plot_quote(s, r->fitted->element[element].name);
-        fprintf(s, " %d)\n", at);
+        mukca_plot_quote(plot, r->fitted->element[k].name);
+        fprintf(s, " %d)\n", first[k]);
     }
     fprintf(s,
             "set xrange [0:%d]\nset ylabel '%s'\nset xzeroaxis lc rgb 'black' lw 0.6\n"
@@ -229,9 +191,9 @@ void mukca_report_draw_offsets(mukca_sheet *sheet, const mukca_report *r, int in
             ", $d using 1:4 with points lc rgb " PLOT_BEFORE
             " pt 6 ps 0.7 title 'not identifiable'\n",
             n + 1, angles ? "offset, mrad" : "offset, mm");
-    mukca_sheet_describe(
-        sheet,
-        "Offset of each %s parameter with two standard deviations, joint by joint; "
-        "%d of %d are identifiable. The table holds the same numbers.",
-        angles ? "angle" : "length", known, n);
+    fprintf(plot->description,
+            "Offset of each %s parameter with two standard deviations, joint by joint; "
+            "%d of %d are identifiable. The table holds the same numbers.",
+            angles ? "angle" : "length", known, n);
+    return true;
 }

@@ -1,15 +1,9 @@
 /* Figure of the predicted ball centres: three projections of one placement. */
 #include <math.h>
 
-#include "report/figures.h"
+#include "report/parts.h"
 
-static const double mm = 1e3;
-
-int mukca_report_count_centres(const mukca_report *r)
-{
-    return r->data.n_sockets > 0 ? r->data.n_placements : 0;
-}
-
+/* Positions in each socket of a placement about `origin`, mm, as blocks $<name><n>. */
 static void put_block(FILE *s, const char *name, const double *positions, const double *origin,
                       const mukca_dataset *data, int placement)
 {
@@ -18,9 +12,9 @@ static void put_block(FILE *s, const char *name, const double *positions, const 
         fprintf(s, "$%s%d << EOD\n", name, n++);
         for (int i = 0; i < data->n_rows; i++)
             if (data->socket[i] == k)
-                fprintf(s, "%.4f %.4f %.4f\n", (positions[3 * i] - origin[0]) * mm,
-                        (positions[3 * i + 1] - origin[1]) * mm,
-                        (positions[3 * i + 2] - origin[2]) * mm);
+                fprintf(s, "%.4f %.4f %.4f\n", (positions[3 * i] - origin[0]) * MUKCA_REPORT_MM,
+                        (positions[3 * i + 1] - origin[1]) * MUKCA_REPORT_MM,
+                        (positions[3 * i + 2] - origin[2]) * MUKCA_REPORT_MM);
         fputs("EOD\n", s);
     }
 }
@@ -46,28 +40,29 @@ static int measure(double origin[3], double *reach, const mukca_report *r, int p
     return rows;
 }
 
-void mukca_report_draw_centres(mukca_sheet *sheet, const mukca_report *r, int index)
+bool mukca_report_centres(mukca_plot *plot, const mukca_report *r, int index)
 {
     static const char axes[3][3] = {"xy", "xz", "yz"};
     static const int open_point[4] = {6, 8, 4, 12}, full_point[4] = {7, 9, 5, 13};
     const mukca_dataset *data = &r->data;
     char id[64], title[160];
     double origin[3], reach;
+    if (data->n_sockets == 0 || index >= data->n_placements) return false;
     const int rows = measure(origin, &reach, r, index);
     int sockets = 0;
     for (int k = 0; k < data->n_sockets; k++) sockets += data->sockets[k].placement == index;
     snprintf(id, sizeof id, "centres-%d", index + 1);
     snprintf(title, sizeof title, "Predicted ball centres, placement %s%s",
-             data->placements[index].name, r->held_out[index] ? " (test)" : "");
-    mukca_sheet_begin(sheet, id, title, MUKCA_SHEET_FULL, 370);
-    FILE *s = sheet->script;
+             data->placements[index].name, index < r->train->n_placements ? "" : " (test)");
+    mukca_plot_begin(plot, id, title, MUKCA_PLOT_FULL, 370);
+    FILE *s = plot->script;
     put_block(s, "b", r->nominal, origin, data, index);
     put_block(s, "a", r->calibrated, origin, data, index);
     fprintf(s,
             "set multiplot layout 1,3 margins 0.07,0.985,0.17,0.9 spacing 0.075\n"
             "reach = %g\nset size ratio -1\nset xrange [-reach:reach]\nset yrange [-reach:reach]\n"
             "set key at graph 0, 1.1\n",
-            1.05 * reach * mm);
+            1.05 * reach * MUKCA_REPORT_MM);
     for (int panel = 0; panel < 3; panel++) {
         const int u = axes[panel][0] - 'x' + 1, v = axes[panel][1] - 'x' + 1;
         fprintf(s, "set xlabel '%c, mm'\nset ylabel '%c, mm' offset 1,0\nplot ", axes[panel][0],
@@ -81,9 +76,10 @@ void mukca_report_draw_centres(mukca_sheet *sheet, const mukca_report *r, int in
                     k + 1 < sockets ? ", " : "\n");
     }
     fputs("unset multiplot\n", s);
-    mukca_sheet_describe(sheet,
-                         "Predicted ball centre of each of %d samples in %d sockets, in the base "
-                         "frame about the centre of the placement, along z, y and x, at true "
-                         "scale. Calibration gathers the samples of each socket.",
-                         rows, sockets);
+    fprintf(plot->description,
+            "Predicted ball centre of each of %d samples in %d sockets, in the base "
+            "frame about the centre of the placement, along z, y and x, at true "
+            "scale. Calibration gathers the samples of each socket.",
+            rows, sockets);
+    return true;
 }

@@ -1,11 +1,10 @@
 /* Figures of the remaining error: step by step, by joint and by sample. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "report/figures.h"
+#include "report/parts.h"
 
-static const double mm = 1e3;
+static const double mm = MUKCA_REPORT_MM;
 
 /* ---- held-out error, step by step ---- */
 
@@ -51,14 +50,9 @@ static int collect_rungs(rung rungs[MAX_RUNGS], const mukca_report *r)
     return n;
 }
 
-int mukca_report_count_ladder(const mukca_report *r)
+bool mukca_report_ladder(mukca_plot *plot, const mukca_report *r, int index)
 {
-    return isfinite(r->diagnosed.diagnosis->geometry_m);
-}
-
-void mukca_report_draw_ladder(mukca_sheet *sheet, const mukca_report *r, int index)
-{
-    (void)index;
+    if (index > 0 || !isfinite(r->diagnosed.diagnosis->geometry_m)) return false;
     rung rungs[MAX_RUNGS];
     const int n = collect_rungs(rungs, r);
     const double floor = r->diagnosed.diagnosis->noise_floor_m;
@@ -67,9 +61,9 @@ void mukca_report_draw_ladder(mukca_sheet *sheet, const mukca_report *r, int ind
     /* A nominal model that would press the others together is an arrow at the edge. */
     const double edge = 1.25 * most * mm, nominal = rungs[0].value * mm;
     const bool beyond = nominal > edge;
-    mukca_sheet_begin(sheet, "error-steps", "Held-out error, step by step", MUKCA_SHEET_HALF,
-                      90 + 42 * n);
-    FILE *s = sheet->script;
+    mukca_plot_begin(plot, "error-steps", "Held-out error, step by step", MUKCA_PLOT_HALF,
+                     90 + 42 * n);
+    FILE *s = plot->script;
     fputs("$d << EOD\n", s);
     for (int k = beyond; k < n; k++)
         fprintf(s, "%d %.6g %.6g %.6g\n", n - k, rungs[k].value * mm, rungs[k].low * mm,
@@ -79,7 +73,7 @@ void mukca_report_draw_ladder(mukca_sheet *sheet, const mukca_report *r, int ind
             "set lmargin 2\nset rmargin 3\nset tmargin 2\n"
             "set xlabel 'mean held-out error, mm'\n",
             n + 0.8, edge);
-    for (int k = 0; k < n; k++) mukca_sheet_name_line(sheet, rungs[k].name, n - k);
+    for (int k = 0; k < n; k++) mukca_plot_label(plot, rungs[k].name, MUKCA_PLOT_ABOVE, n - k);
     if (beyond)
         fprintf(s,
                 "set arrow from first 0, %d to first %g, %d linecolor rgb " PLOT_BEFORE
@@ -96,22 +90,18 @@ void mukca_report_draw_ladder(mukca_sheet *sheet, const mukca_report *r, int ind
           " pt 7 ps 0 lw 1.5 notitle, "
           "$d using 4:1:(sprintf('%#.3g', $2)) with labels left offset 1, 0 notitle\n",
           s);
-    mukca_sheet_describe(sheet, "Mean held-out error in mm:");
+    fprintf(plot->description, "Mean held-out error in mm:");
     for (int k = 0; k < n; k++)
-        mukca_sheet_describe(sheet, "%s %s %#.3g", k ? ";" : "", rungs[k].name,
-                             rungs[k].value * mm);
-    mukca_sheet_describe(sheet, ".");
+        fprintf(plot->description, "%s %s %#.3g", k ? ";" : "", rungs[k].name, rungs[k].value * mm);
+    fprintf(plot->description, ".");
+    return true;
 }
 
 /* ---- error over the angle of one joint ---- */
 
-int mukca_report_count_joints(const mukca_report *r)
+bool mukca_report_joints(mukca_plot *plot, const mukca_report *r, int index)
 {
-    return r->chain->n_joints;
-}
-
-void mukca_report_draw_joints(mukca_sheet *sheet, const mukca_report *r, int index)
-{
+    if (index >= r->chain->n_joints) return false;
     const int n = r->chain->n_joints, rows = r->data.n_rows;
     const mukca_element *e = &r->chain->element[r->chain->joint_element[index]];
     const bool turns = e->type != MUKCA_PRISMATIC;
@@ -121,8 +111,8 @@ void mukca_report_draw_joints(mukca_sheet *sheet, const mukca_report *r, int ind
     double residual = 0, left = 0;
     snprintf(id, sizeof id, "joint-%d", index + 1);
     snprintf(title, sizeof title, "Error over the %s of %s", coordinate, e->name);
-    mukca_sheet_begin(sheet, id, title, MUKCA_SHEET_HALF, 320);
-    FILE *s = sheet->script;
+    mukca_plot_begin(plot, id, title, MUKCA_PLOT_HALF, 320);
+    FILE *s = plot->script;
     fputs("$d << EOD\n", s);
     for (int k = 0; k < rows; k++) {
         const double error = r->joint_error[k * n + index] * mm;
@@ -142,55 +132,50 @@ void mukca_report_draw_joints(mukca_sheet *sheet, const mukca_report *r, int ind
               " pt 7 ps 0.4 title 'explained by the causes'",
               s);
     fputc('\n', s);
-    mukca_sheet_describe(sheet,
-                         "The part of each sample's error along which %s moves the ball, over the "
-                         "joint's %s: %.3g mm rms after geometry",
-                         e->name, coordinate, sqrt(residual));
+    fprintf(plot->description,
+            "The part of each sample's error along which %s moves the ball, over the "
+            "joint's %s: %.3g mm rms after geometry",
+            e->name, coordinate, sqrt(residual));
     if (r->joint_effect)
-        mukca_sheet_describe(sheet, ", %.3g mm with the causes modelled", sqrt(left));
-    mukca_sheet_describe(sheet, ".");
+        fprintf(plot->description, ", %.3g mm with the causes modelled", sqrt(left));
+    fprintf(plot->description, ".");
+    return true;
 }
 
 /* ---- error of each sample in recording order, faults marked ---- */
 
-int mukca_report_count_samples(const mukca_report *r)
+double mukca_report_length(const double v[3])
 {
-    return r->data.n_rows > 0;
-}
-
-static double sample_error(const mukca_report *r, int row)
-{
-    const double *e = r->residual + 3 * row;
-    return sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * mm;
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
 /* A line and a name where each placement begins. */
-static void mark_placements(FILE *s, const mukca_dataset *data)
+static void mark_placements(mukca_plot *plot, const mukca_dataset *data)
 {
     for (int k = 0; k < data->n_rows; k++) {
         const int p = mukca_dataset_placement(data, k);
         if (p < 0 || (k > 0 && p == mukca_dataset_placement(data, k - 1))) continue;
-        fprintf(s,
+        fprintf(plot->script,
                 "set arrow from first %g, graph 0 to first %g, graph 1 nohead lc rgb 'gray' "
-                "lw 0.8\nset label ",
+                "lw 0.8\n",
                 k + 0.5, k + 0.5);
-        mukca_plot_quote(s, data->placements[p].name);
-        fprintf(s, " at first %g, graph 0.99 left rotate by -90 offset 0.7, 0\n", k + 0.5);
+        mukca_plot_label(plot, data->placements[p].name,
+                         "at first %g, graph 0.99 left rotate by -90 offset 0.7, 0", k + 0.5);
     }
 }
 
-void mukca_report_draw_samples(mukca_sheet *sheet, const mukca_report *r, int index)
+bool mukca_report_samples(mukca_plot *plot, const mukca_report *r, int index)
 {
-    (void)index;
     const mukca_dataset *data = &r->data;
     const bool sockets = data->n_sockets > 0, faults = r->diagnosed.diagnosis->n_faults > 0;
     double most = 0;
-    mukca_sheet_begin(sheet, "samples", "Error of each sample, in recording order",
-                      MUKCA_SHEET_FULL, 360);
-    FILE *s = sheet->script;
+    if (index > 0) return false;
+    mukca_plot_begin(plot, "samples", "Error of each sample, in recording order", MUKCA_PLOT_FULL,
+                     360);
+    FILE *s = plot->script;
     fputs("$d << EOD\n", s);
     for (int k = 0; k < data->n_rows; k++) {
-        const double error = sample_error(r, k);
+        const double error = mukca_report_length(r->residual + 3 * k) * mm;
         if (!isfinite(error)) continue;
         fprintf(s, data->socket[k] % 2 > 0 ? "%d NaN %.5g\n" : "%d %.5g NaN\n", k + 1, error);
         most = fmax(most, error);
@@ -198,10 +183,10 @@ void mukca_report_draw_samples(mukca_sheet *sheet, const mukca_report *r, int in
     fputs("EOD\n$f << EOD\n", s);
     for (int i = 0; i < r->diagnosed.diagnosis->n_faults; i++) {
         const int row = r->diagnosed.diagnosis->faults[i].data_row;
-        fprintf(s, "%d %.5g\n", row + 1, sample_error(r, row));
+        fprintf(s, "%d %.5g\n", row + 1, mukca_report_length(r->residual + 3 * row) * mm);
     }
     fputs("EOD\n", s);
-    mark_placements(s, data);
+    mark_placements(plot, data);
     fprintf(s,
             "set xrange [0:%d]\nset yrange [0:%g]\nset xlabel 'sample'\n"
             "set ylabel '%s, mm' offset 1,0\n"
@@ -215,9 +200,10 @@ void mukca_report_draw_samples(mukca_sheet *sheet, const mukca_report *r, int in
             faults ? ", $f using 1:2 with points lc rgb " PLOT_BEFORE
                      " pt 2 ps 1.6 lw 2 title 'recording fault'"
                    : "");
-    mukca_sheet_describe(sheet,
-                         "%d samples after calibration; largest error %.3g mm; %d recording "
-                         "fault%s marked.",
-                         data->n_rows, most, r->diagnosed.diagnosis->n_faults,
-                         r->diagnosed.diagnosis->n_faults == 1 ? "" : "s");
+    fprintf(plot->description,
+            "%d samples after calibration; largest error %.3g mm; %d recording "
+            "fault%s marked.",
+            data->n_rows, most, r->diagnosed.diagnosis->n_faults,
+            r->diagnosed.diagnosis->n_faults == 1 ? "" : "s");
+    return true;
 }

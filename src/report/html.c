@@ -1,101 +1,140 @@
 /* Pieces of HTML: escaped text and tables. */
 #include "report/html.h"
 
+#include <ctype.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/utf8.h"
 
-void mukca_html_escape(FILE *out, const char *text)
+static void escape(FILE *out, const char *text, size_t length)
 {
-    while (text && *text) {
+    static const char special[] = "&<>\"";
+    static const char *const escaped[] = {"&amp;", "&lt;", "&gt;", "&quot;"};
+    for (const char *end = text + length; text < end;) {
+        const char *found = strchr(special, *text);
         size_t n = mukca_utf8_fit(text, 1);
         for (size_t k = 2; n == 0 && k <= 4; k++) n = mukca_utf8_fit(text, k);
         if (n == 0) /* a byte outside UTF-8 would make the page invalid */
             fputc('?', out);
-        else if (*text == '&')
-            fputs("&amp;", out);
-        else if (*text == '<')
-            fputs("&lt;", out);
-        else if (*text == '>')
-            fputs("&gt;", out);
-        else if (*text == '"')
-            fputs("&quot;", out);
+        else if (found)
+            fputs(escaped[found - special], out);
         else
             fwrite(text, 1, n, out);
         text += n ? n : 1;
     }
 }
 
-/* Write a heading without its mark; return the next one. */
-static const char *heading(FILE *out, const char *column)
+void mukca_html_escape(FILE *out, const char *text)
 {
-    char text[128];
-    const size_t n = strcspn(column, "|"), mark = *column == '#';
-    snprintf(text, sizeof text, "%.*s", (int)(n - mark), column + mark);
-    mukca_html_escape(out, text);
-    return column + n + (column[n] == '|');
+    escape(out, text, strlen(text));
 }
 
-void mukca_html_table_begin(mukca_html_table *table, const char *caption)
+void mukca_html_element(FILE *out, const char *name, const char *text)
+{
+    fprintf(out, "<%s>", name);
+    mukca_html_escape(out, text);
+    fprintf(out, "</%s>", name);
+}
+
+void mukca_html_sentence(FILE *out, const char *text)
+{
+    bool code = false;
+    if (islower((unsigned char)*text)) fputc(toupper((unsigned char)*text++), out);
+    while (*text) {
+        const size_t length = strcspn(text, "`");
+        escape(out, text, length);
+        text += length;
+        if (*text == '\0') break;
+        code = !code;
+        fputs(code ? "<code>" : "</code>", out);
+        text++;
+    }
+}
+
+/* Write a heading without its mark; return the next one. */
+static const char *put_heading(FILE *out, const char *column)
+{
+    const size_t length = strcspn(column, "|"), mark = *column == '#';
+    escape(out, column + mark, length - mark);
+    return column + length + (column[length] == '|');
+}
+
+static void begin_table(mukca_html_table *table)
 {
     FILE *out = table->out;
-    table->open = false;
-    fprintf(out, "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"");
-    mukca_html_escape(out, caption);
-    fprintf(out, "\">\n<table%s>\n<caption>", table->cards ? " class=\"cards\"" : "");
-    mukca_html_escape(out, caption);
-    fputs("</caption>\n<thead><tr>", out);
+    fputs("<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"", out);
+    mukca_html_escape(out, table->caption);
+    fprintf(out, "\">\n<table class=\"%s\">\n", table->style ? table->style : "");
+    mukca_html_element(out, "caption", table->caption);
+    fputs("\n<thead><tr>", out);
     for (const char *column = table->columns; *column;) {
         fprintf(out, "<th scope=\"col\"%s>", *column == '#' ? " class=\"n\"" : "");
-        column = heading(out, column);
+        column = put_heading(out, column);
         fputs("</th>", out);
     }
     fputs("</tr></thead>\n<tbody>\n", out);
 }
 
-void mukca_html_table_row(mukca_html_table *table)
+static void put_cell(mukca_html_table *table, const char *text)
 {
-    fputs(table->open ? "</tr>\n<tr>" : "<tr>", table->out);
-    table->open = true;
-    table->at = table->columns;
-}
-
-static void begin_cell(mukca_html_table *table)
-{
-    const char *label = table->at;
-    const size_t n = strcspn(label, "|");
-    fputs(*label == '#' ? "<td class=\"n\"" : "<td", table->out);
-    if (table->cards) {
-        fputs(" data-label=\"", table->out);
-        heading(table->out, label);
-        fputc('"', table->out);
+    FILE *out = table->out;
+    const bool cards = table->style && strcmp(table->style, "cards") == 0;
+    const bool matrix = table->style && strcmp(table->style, "matrix") == 0;
+    const bool number = *table->at == '#', name = matrix && !number;
+    const double value = number ? strtod(text, NULL) : 0;
+    fputs(number ? "<td class=\"n\"" : name ? "<th scope=\"row\"" : "<td", out);
+    /* at 45 % of the colour the number stays readable */
+    if (number && matrix && isfinite(value)) fprintf(out, " style=\"--share:%.0f%%\"", 45 * value);
+    if (cards) {
+        fputs(" data-label=\"", out);
+        put_heading(out, table->at);
+        fputc('"', out);
     }
-    fputc('>', table->out);
-    table->at = label + n + (label[n] == '|');
-}
-
-void mukca_html_table_text(mukca_html_table *table, const char *text)
-{
-    begin_cell(table);
-    mukca_html_escape(table->out, text);
-    fputs("</td>", table->out);
-}
-
-void mukca_html_table_number(mukca_html_table *table, double value, int decimals)
-{
-    begin_cell(table);
-    if (decimals >= 0 && fabs(value) < 0.5 * pow(10, -decimals)) value = 0; /* no "-0.00" */
+    fputc('>', out);
     if (!isfinite(value))
-        fputs("&ndash;", table->out);
-    else if (decimals < 0)
-        fprintf(table->out, "%.*g", -decimals, value);
+        fputs("&ndash;", out);
     else
-        fprintf(table->out, "%.*f", decimals, value);
-    fputs("</td>", table->out);
+        mukca_html_escape(out, text + (number && value == 0 && *text == '-')); /* no "-0.00" */
+    fputs(name ? "</th>" : "</td>", out);
+    table->at += strcspn(table->at, "|");
+    table->at += *table->at == '|';
+}
+
+static void put_cells(mukca_html_table *table, const char *format, va_list values)
+{
+    char text[8192], *cell = text;
+    vsnprintf(text, sizeof text, format, values);
+    for (char *tab; (tab = strchr(cell, '\t')); cell = tab + 1) {
+        *tab = '\0';
+        put_cell(table, cell);
+    }
+    put_cell(table, cell);
+}
+
+void mukca_html_row(mukca_html_table *table, const char *format, ...)
+{
+    va_list values;
+    if (!table->at) begin_table(table);
+    fputs(table->at ? "</tr>\n<tr>" : "<tr>", table->out);
+    table->at = table->columns;
+    va_start(values, format);
+    put_cells(table, format, values);
+    va_end(values);
+}
+
+void mukca_html_cells(mukca_html_table *table, const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    put_cells(table, format, values);
+    va_end(values);
 }
 
 void mukca_html_table_end(mukca_html_table *table)
 {
-    fprintf(table->out, "%s</tbody>\n</table>\n</div>\n", table->open ? "</tr>\n" : "");
+    if (table->at) fputs("</tr>\n</tbody>\n</table>\n</div>\n", table->out);
 }

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <signal.h>
 #include <spawn.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +15,40 @@
 
 extern char **environ;
 
-void mukca_plot_quote(FILE *script, const char *text)
+/* ---- the script ---- */
+
+mukca_status mukca_plot_open(mukca_plot *plot, mukca_error *error)
+{
+    *plot = (mukca_plot){.width = 0};
+    plot->script = open_memstream(&plot->text, &plot->sizes[0]);
+    plot->description = open_memstream(&plot->words, &plot->sizes[1]);
+    if (plot->script && plot->description) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+}
+
+void mukca_plot_free(mukca_plot *plot)
+{
+    if (plot->script) fclose(plot->script);
+    if (plot->description) fclose(plot->description);
+    free(plot->text);
+    free(plot->words);
+}
+
+void mukca_plot_begin(mukca_plot *plot, const char *id, const char *title, int width, int height)
+{
+    snprintf(plot->id, sizeof plot->id, "%s", id);
+    snprintf(plot->title, sizeof plot->title, "%s", title);
+    plot->width = width;
+    plot->height = height;
+    fputs(
+        "set border 3 linewidth 0.8\n"
+        "set tics nomirror out scale 0.6\n"
+        "set grid linecolor 'gray' linewidth 0.4 dashtype 3\n"
+        "set key above left horizontal Left reverse samplen 2\n",
+        plot->script);
+}
+
+static void quote(FILE *script, const char *text)
 {
     /* Nothing is special within single quotes but the quote. */
     fputc('\'', script);
@@ -25,6 +59,25 @@ void mukca_plot_quote(FILE *script, const char *text)
     fputc('\'', script);
 }
 
+void mukca_plot_quote(mukca_plot *plot, const char *text)
+{
+    quote(plot->script, text);
+}
+
+void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ...)
+{
+    va_list values;
+    fputs("set label ", plot->script);
+    quote(plot->script, text);
+    fputc(' ', plot->script);
+    va_start(values, format);
+    vfprintf(plot->script, format, values);
+    va_end(values);
+    fputc('\n', plot->script);
+}
+
+/* ---- gnuplot ---- */
+
 /* All of a stream as text that ends in 0; NULL out of memory. */
 static char *slurp(FILE *in)
 {
@@ -34,36 +87,15 @@ static char *slurp(FILE *in)
     if (!out) return NULL;
     rewind(in);
     while ((n = fread(block, 1, sizeof block, in)) > 0) fwrite(block, 1, n, out);
-    if (fclose(out) != 0) {
-        free(text);
-        return NULL;
-    }
-    return text;
+    if (fclose(out) == 0) return text;
+    free(text);
+    return NULL;
 }
 
-/* Run gnuplot on terminal line + script; what it prints goes to `output`, complaints to
- * `complaints`. */
-static mukca_status run(FILE *output, FILE *complaints, FILE *script, mukca_error *error)
+/* Wait for gnuplot; MUKCA_NEGATIVE where it complained. */
+static mukca_status wait_for(pid_t pid, mukca_error *error)
 {
-    char *const argv[] = {(char[]){"gnuplot"}, NULL};
-    posix_spawn_file_actions_t actions;
-    pid_t pid;
     int status = 0;
-    if (fflush(script) != 0 || lseek(fileno(script), 0, SEEK_SET) != 0)
-        return mukca_fail(error, MUKCA_INPUT, "cannot write a script for gnuplot: %s",
-                          strerror(errno));
-    if (posix_spawn_file_actions_init(&actions) != 0)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    posix_spawn_file_actions_adddup2(&actions, fileno(script), STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, fileno(output), STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, fileno(complaints), STDERR_FILENO);
-    const int failure = posix_spawnp(&pid, "gnuplot", &actions, NULL, argv, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failure != 0)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "cannot run gnuplot, which draws the figures: %s; install the package "
-                          "gnuplot-nox",
-                          strerror(failure));
     bool interrupted = false;
     while (waitpid(pid, &status, 0) < 0) {
         if (errno != EINTR)
@@ -76,132 +108,157 @@ static mukca_status run(FILE *output, FILE *complaints, FILE *script, mukca_erro
         interrupted = true;
     if (interrupted)
         return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return MUKCA_OK;
-    char *said = slurp(complaints);
-    mukca_fail(error, MUKCA_INPUT, "gnuplot failed on a figure: %.180s", said ? said : "");
-    free(said);
-    for (char *c = error ? error->text : NULL; c && *c; c++)
-        if ((unsigned char)*c < ' ') *c = ' ';
-    return MUKCA_INPUT;
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
-/* gnuplot's output for `terminal` as text; the caller frees it. */
-static mukca_status render(char **text, const char *terminal, const char *path, const char *script,
+/* Run gnuplot on streams[0]; its output goes to streams[1], its complaints to streams[2]. */
+static mukca_status run(FILE *const streams[3], mukca_error *error)
+{
+    char *const arguments[] = {(char[]){"gnuplot"}, NULL};
+    posix_spawn_file_actions_t actions;
+    pid_t pid;
+    if (fflush(streams[0]) != 0 || lseek(fileno(streams[0]), 0, SEEK_SET) != 0)
+        return mukca_fail(error, MUKCA_INPUT, "cannot write a script for gnuplot: %s",
+                          strerror(errno));
+    if (posix_spawn_file_actions_init(&actions) != 0)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    for (int k = 0; k < 3; k++)
+        posix_spawn_file_actions_adddup2(&actions, fileno(streams[k]), STDIN_FILENO + k);
+    const int failure = posix_spawnp(&pid, "gnuplot", &actions, NULL, arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (failure != 0)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "cannot run gnuplot, which draws the figures: %s; install the package "
+                          "gnuplot-nox",
+                          strerror(failure));
+    const mukca_status status = wait_for(pid, error);
+    if (status != MUKCA_NEGATIVE) return status;
+    char complaint[181] = "";
+    rewind(streams[2]);
+    complaint[fread(complaint, 1, sizeof complaint - 1, streams[2])] = '\0';
+    for (char *c = complaint; *c; c++)
+        if ((unsigned char)*c < ' ') *c = ' ';
+    return mukca_fail(error, MUKCA_INPUT, "gnuplot failed on a figure: %s", complaint);
+}
+
+/* gnuplot's output for `terminal` as text, which the caller frees; or into the file `path`. */
+static mukca_status render(char **text, const char *terminal, const char *path, mukca_plot *plot,
                            mukca_error *error)
 {
-    FILE *in = tmpfile(), *out = tmpfile(), *complaints = tmpfile();
+    FILE *streams[3] = {tmpfile(), tmpfile(), tmpfile()};
     mukca_status status;
-    *text = NULL;
-    if (!in || !out || !complaints) {
+    if (fflush(plot->script) != 0 || fflush(plot->description) != 0) {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+        goto out;
+    }
+    if (!streams[0] || !streams[1] || !streams[2]) {
         status =
             mukca_fail(error, MUKCA_INPUT, "cannot make a temporary file: %s", strerror(errno));
         goto out;
     }
-    fprintf(in, "set encoding utf8\nset terminal %s\n", terminal);
+    fprintf(streams[0], "set encoding utf8\nset terminal %s\n", terminal);
     if (path) {
-        fputs("set output ", in);
-        mukca_plot_quote(in, path);
+        fputs("set output ", streams[0]);
+        quote(streams[0], path);
     }
-    fprintf(in, "\n%s\n", script);
-    status = run(out, complaints, in, error);
-    if (status == MUKCA_OK && !(*text = slurp(out)))
+    fprintf(streams[0], "\n%s\n", plot->text);
+    status = run(streams, error);
+    if (status == MUKCA_OK && text && !(*text = slurp(streams[1])))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
 out:
-    if (in) fclose(in);
-    if (out) fclose(out);
-    if (complaints) fclose(complaints);
+    for (int k = 0; k < 3; k++)
+        if (streams[k]) fclose(streams[k]);
     return status;
 }
 
-static const char *starts(const char *text, const char *with)
+mukca_status mukca_plot_file(const char *path, const char *format, mukca_plot *plot,
+                             mukca_error *error)
 {
-    const size_t n = strlen(with);
-    return strncmp(text, with, n) == 0 ? text + n : NULL;
+    const int width = plot->width, height = plot->height;
+    char terminal[160];
+    if (strcmp(format, "pdf") == 0)
+        snprintf(terminal, sizeof terminal,
+                 "pdfcairo size %g,%g noenhanced linewidth 1.2 font 'sans,10'", width / 96.0,
+                 height / 96.0); /* 96 px per inch */
+    else if (strcmp(format, "png") == 0)
+        snprintf(terminal, sizeof terminal,
+                 "pngcairo size %d,%d noenhanced linewidth 2.4 font 'sans,20'", 2 * width,
+                 2 * height);
+    else
+        snprintf(
+            terminal, sizeof terminal,
+            "svg size %d,%d noenhanced linewidth 1.2 background '#ffffff' font 'sans-serif,13'",
+            width, height);
+    const mukca_status status = render(NULL, terminal, path, plot, error);
+    if (status == MUKCA_INTERRUPTED) unlink(path); /* half of a figure */
+    return status;
 }
 
-/* The elements within gnuplot's <svg>, with ids prefixed and empty groups left out. */
+/* ---- SVG for the page ---- */
+
+/* What changes in gnuplot's SVG: each `from` becomes `to` and, where `prefix`, the figure's id; the
+ * text up to the end of `until` (NULL: nothing) goes. */
+static const struct {
+    const char *from, *until, *to;
+    bool prefix;
+} edits[] = {
+    {"<title>Gnuplot", "\n", "", false}, /* its title is the file's name */
+    {"<desc>", "\n", "", false},
+    {" id=\"gnuplot_", "\"", "", false},
+    {"xlink:href='#", NULL, "href='#", true},
+    {"xlink:href=\"#", NULL, "href=\"#", true},
+    {" id='", NULL, " id='", true},
+    {" id=\"", NULL, " id=\"", true},
+    {"url(#", NULL, "url(#", true},
+};
+
+/* The elements within gnuplot's <svg>; its ids are the same in every figure. */
 static void put_body(FILE *out, const char *body, const char *id)
 {
-    static const char *const references[] = {" id='", " id=\"", "href='#", "href=\"#", "url(#"};
+    enum { EDITS = sizeof edits / sizeof *edits };
     const char *end = strstr(body, "</svg>");
     while (*body && body != end) {
-        const char *rest, *close;
-        /* gnuplot's own title is the file's name, its ids are the same in every figure */
-        if ((rest = starts(body, "<title>Gnuplot")) || (rest = starts(body, "<desc>"))) {
-            close = strchr(rest, '\n');
-            body = close ? close : rest;
+        const char *tag = strncmp(body, "<g ", 3) == 0 ? strchr(body, '>') : NULL;
+        if (tag && strncmp(tag, ">\n</g>\n", 7) == 0) { /* an empty group */
+            body = tag + 7;
             continue;
         }
-        if ((rest = starts(body, "<g ")) && (close = strchr(rest, '>')) &&
-            (rest = starts(close + 1, "\n</g>\n"))) {
-            body = rest;
-            continue;
-        }
-        if ((rest = starts(body, " id=\"gnuplot_")) && (close = strchr(rest, '"'))) {
-            body = close + 1;
-            continue;
-        }
-        if ((rest = starts(body, "xlink:href"))) body += strlen("xlink:");
         size_t k = 0;
-        for (; k < sizeof references / sizeof *references; k++)
-            if ((rest = starts(body, references[k]))) break;
-        if (k < sizeof references / sizeof *references) {
-            fputs(references[k], out);
-            fprintf(out, "%s-", id);
-            body = rest;
-        } else {
+        while (k < EDITS && strncmp(body, edits[k].from, strlen(edits[k].from)) != 0) k++;
+        if (k == EDITS) {
             fputc(*body++, out);
+            continue;
         }
+        fprintf(out, "%s%s%s", edits[k].to, edits[k].prefix ? id : "", edits[k].prefix ? "-" : "");
+        body += strlen(edits[k].from);
+        const char *close = edits[k].until ? strstr(body, edits[k].until) : NULL;
+        if (close) body = close + strlen(edits[k].until);
     }
 }
 
-mukca_status mukca_plot_svg(FILE *out, const mukca_figure *figure, const char *script,
-                            mukca_error *error)
+mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error)
 {
-    char terminal[160], *text;
+    char terminal[160], *text = NULL;
     snprintf(terminal, sizeof terminal,
-             "svg size %d,%d dynamic noenhanced linewidth 1.2 font 'sans-serif,13'", figure->width,
-             figure->height);
-    mukca_status status = render(&text, terminal, NULL, script, error);
-    if (!text) return status;
+             "svg size %d,%d dynamic noenhanced linewidth 1.2 font 'sans-serif,13'", plot->width,
+             plot->height);
+    mukca_status status = render(&text, terminal, NULL, plot, error);
+    if (status != MUKCA_OK) return status;
     const char *svg = strstr(text, "<svg"), *body = svg ? strchr(svg, '>') : NULL;
     if (body) {
         fprintf(out,
                 "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-labelledby=\"%s-t "
                 "%s-d\">\n<title id=\"%s-t\">",
-                figure->width, figure->height, figure->id, figure->id, figure->id);
-        mukca_html_escape(out, figure->title);
-        fprintf(out, "</title>\n<desc id=\"%s-d\">", figure->id);
-        mukca_html_escape(out, figure->description);
+                plot->width, plot->height, plot->id, plot->id, plot->id);
+        mukca_html_escape(out, plot->title);
+        fprintf(out, "</title>\n<desc id=\"%s-d\">", plot->id);
+        mukca_html_escape(out, plot->words);
         fputs("</desc>", out);
-        put_body(out, body + 1, figure->id);
+        put_body(out, body + 1, plot->id);
         fputs("</svg>\n", out);
     } else {
         status = mukca_fail(error, MUKCA_INPUT, "gnuplot drew nothing; is its svg terminal there?");
     }
-    free(text);
-    return status;
-}
-
-mukca_status mukca_plot_file(const char *path, const char *format, const mukca_figure *figure,
-                             const char *script, mukca_error *error)
-{
-    char terminal[160], *text;
-    if (strcmp(format, "pdf") == 0)
-        snprintf(terminal, sizeof terminal,
-                 "pdfcairo size %g,%g noenhanced linewidth 1.2 font 'sans,10'",
-                 figure->width / 96.0, figure->height / 96.0);
-    else if (strcmp(format, "png") == 0)
-        snprintf(terminal, sizeof terminal,
-                 "pngcairo size %d,%d noenhanced linewidth 2.4 font 'sans,20'", 2 * figure->width,
-                 2 * figure->height);
-    else
-        snprintf(
-            terminal, sizeof terminal,
-            "svg size %d,%d noenhanced linewidth 1.2 background '#ffffff' font 'sans-serif,13'",
-            figure->width, figure->height);
-    mukca_status status = render(&text, terminal, path, script, error);
-    if (status == MUKCA_INTERRUPTED) unlink(path); /* half of a figure */
     free(text);
     return status;
 }

@@ -16,12 +16,10 @@ static mukca_status join(mukca_report *r, mukca_error *error)
         mukca_dataset_create(all, train->n_rows + test->n_rows, n, sockets + test->n_sockets,
                              placements + test->n_placements, error);
     if (status != MUKCA_OK) return status;
-    unsigned char *held_out = MUKCA_TAKE(&r->pool, unsigned char, all->n_placements + 1);
-    if (train->position || test->position)
+    if (train->position || test->position) {
         all->position = calloc((size_t)all->n_rows, 3 * sizeof *all->position);
-    if (!held_out || ((train->position || test->position) && !all->position))
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    r->held_out = held_out;
+        if (!all->position) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    }
     for (int i = 0; i < all->n_rows; i++) {
         const bool second = i >= train->n_rows;
         const mukca_dataset *from = second ? test : train;
@@ -32,16 +30,14 @@ static mukca_status join(mukca_report *r, mukca_error *error)
         for (int k = 0; all->position && k < 3; k++)
             all->position[3 * i + k] = from->position ? from->position[3 * at + k] : (double)NAN;
     }
-    for (int k = 0; k < sockets; k++) all->sockets[k] = train->sockets[k];
-    for (int p = 0; p < placements; p++) all->placements[p] = train->placements[p];
+    memcpy(all->sockets, train->sockets, (size_t)sockets * sizeof *all->sockets);
+    memcpy(all->placements, train->placements, (size_t)placements * sizeof *all->placements);
     for (int k = 0; k < test->n_sockets; k++) {
         all->sockets[sockets + k] = test->sockets[k];
         all->sockets[sockets + k].placement += placements;
     }
-    for (int p = 0; p < test->n_placements; p++) {
+    for (int p = 0; p < test->n_placements; p++)
         all->placements[placements + p] = test->placements[p];
-        held_out[placements + p] = 1;
-    }
     return MUKCA_OK;
 }
 
@@ -159,38 +155,33 @@ static mukca_status predict(mukca_report *r, mukca_error *error)
     return r->pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
 }
 
-static mukca_status score(mukca_report_scores *scores, mukca_report *r, const mukca_dataset *data,
-                          mukca_error *error)
+/* Append the scores of a dataset; its means become those of the page. */
+static mukca_status score(mukca_report *r, const mukca_dataset *data, mukca_error *error)
 {
     const int room = data->n_placements + 1;
     mukca_effect effects[MUKCA_MAX_EFFECTS];
+    mukca_score mean[2];
     mukca_offsets_place_effects(effects, r->offsets, data);
     const mukca_model nominal = {.chain = r->fitted},
                       calibrated = {.chain = r->fitted,
                                     .theta = r->offsets->theta,
                                     .effects = effects,
                                     .n_effects = r->offsets->n_effects};
-    scores->nominal = MUKCA_TAKE(&r->pool, mukca_score, room);
-    scores->calibrated = MUKCA_TAKE(&r->pool, mukca_score, room);
-    if (!r->pool.failed &&
-        mukca_evaluate(scores->nominal, &scores->nominal_mean, &nominal, data) >= 0)
-        scores->n = mukca_evaluate(scores->calibrated, &scores->calibrated_mean, &calibrated, data);
-    else
-        scores->n = -1;
-    return scores->n < 0 ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
-}
-
-void mukca_report_step_fill(mukca_report_step *step, const mukca_model *model,
-                            const mukca_dataset *train, const mukca_dataset *test,
-                            mukca_score *scores)
-{
-    mukca_score a = {0}, b = {.std = NAN, .distance_error = NAN};
-    mukca_evaluate(scores, &a, model, train);
-    if (test->n_rows > 0) mukca_evaluate(scores, &b, model, test);
-    *step = (mukca_report_step){.train_consistency = a.std,
-                                .train_distortion = a.distance_error,
-                                .test_consistency = b.std,
-                                .test_distortion = b.distance_error};
+    mukca_score *scores = MUKCA_TAKE(&r->pool, mukca_score, 2 * room);
+    int n = scores ? mukca_evaluate(scores, &mean[0], &nominal, data) : -1;
+    if (n >= 0) n = mukca_evaluate(scores + room, &mean[1], &calibrated, data);
+    if (n < 0) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    for (int i = 0; i < n; i++) {
+        const int p = scores[room + i].placement;
+        r->scores[r->n_scores++] =
+            (mukca_report_score){.placement = p < 0 ? "poses" : data->placements[p].name,
+                                 .test = data == r->test,
+                                 .nominal = scores[i],
+                                 .calibrated = scores[room + i]};
+    }
+    r->nominal_m = mean[0].mae;
+    r->calibrated_m = mean[1].mae;
+    return MUKCA_OK;
 }
 
 /* Take one test placement into a bar's mean and range. */
@@ -232,11 +223,6 @@ static mukca_status add_bar(mukca_report *r, const unsigned char *marked, mukca_
     return MUKCA_OK;
 }
 
-static bool report_progress(const mukca_report *r, double share)
-{
-    return !r->progress || r->progress(r->progress_context, share, "training and testing");
-}
-
 /* Train on each placement, on each pair, and on all where those are more; test on the rest and on
  * the test data. */
 static mukca_status cross_train(mukca_report *r, mukca_error *error)
@@ -250,7 +236,8 @@ static mukca_status cross_train(mukca_report *r, mukca_error *error)
         for (int a = 0; a < n; a++)
             for (int b = size == 2 ? a + 1 : a; b < (size == 2 ? n : a + 1); b++) {
                 if (size == 3 && (a > 0 || n < 3)) continue; /* all: once */
-                if (!report_progress(r, (double)r->n_bars / most))
+                if (r->progress && !r->progress(r->progress_context, 1.0 * r->n_bars / most,
+                                                "training and testing"))
                     return mukca_fail(error, MUKCA_INTERRUPTED,
                                       "interrupted; the page was not written");
                 memset(marked, size == 3, (size_t)n);
@@ -264,8 +251,11 @@ static mukca_status cross_train(mukca_report *r, mukca_error *error)
 mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
 {
     mukca_status status = join(r, error);
-    if (status == MUKCA_OK) status = score(&r->train_scores, r, r->train, error);
-    if (status == MUKCA_OK) status = score(&r->test_scores, r, r->test, error);
+    if (status != MUKCA_OK) return status;
+    r->scores = MUKCA_TAKE(&r->pool, mukca_report_score, r->data.n_placements + 2);
+    if (!r->scores) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    status = score(r, r->train, error);
+    if (status == MUKCA_OK && r->test->n_rows > 0) status = score(r, r->test, error);
     if (status == MUKCA_OK) status = predict(r, error);
     if (status == MUKCA_OK) status = cross_train(r, error);
     return status;

@@ -1,83 +1,102 @@
 /* The report's page: its head, its sections in the order of reading, and where the figures go. */
 #include "report/report.h"
 
+#include <stdlib.h>
+
 #include "mukca/version.h"
-#include "report/figures.h"
 #include "report/html.h"
+#include "report/parts.h"
 #include "report/style.h"
-#include "report/tables.h"
 
-static void put_explanation(FILE *out, const mukca_report *r)
-{
-    (void)r;
-    fputs(
-        "<p>Consistency error: distance of the predicted ball centres of one socket from their "
-        "mean. Distortion: error of the predicted distance between two sockets.</p>\n",
-        out);
-}
-
-/* In the order of reading; `after` follows the figures, may be NULL. */
+/* In the order of reading.  A section without any of its figures is omitted. */
 static const struct {
-    mukca_report_section section;
     const char *id, *heading;
-    void (*after)(FILE *out, const mukca_report *r);
+    mukca_report_figure *figures[2];
+    mukca_report_text *text; /* after the figures, may be NULL */
 } sections[] = {
-    {MUKCA_SECTION_CAUSES, "causes", "Remaining error and its causes", mukca_report_put_causes},
-    {MUKCA_SECTION_PLACEMENTS, "placements", "Errors by placement", mukca_report_put_placements},
-    {MUKCA_SECTION_JOINTS, "joints", "Errors by joint", NULL},
-    {MUKCA_SECTION_LIMITS, "limits", "Detection limits", mukca_report_put_limits},
-    {MUKCA_SECTION_SAMPLES, "samples", "Samples and recording faults", mukca_report_put_faults},
-    {MUKCA_SECTION_CENTRES, "centres", "Predicted ball centres", NULL},
-    {MUKCA_SECTION_CONVERGENCE, "convergence", "Convergence", put_explanation},
-    {MUKCA_SECTION_GENERALISATION, "generalisation", "Generalisation to other placements", NULL},
-    {MUKCA_SECTION_OFFSETS, "offsets", "Offsets", mukca_report_put_offsets},
+    {"causes",
+     "Remaining error and its causes",
+     {mukca_report_ladder, mukca_report_arm},
+     mukca_report_put_causes},
+    {"placements", "Errors by placement", {mukca_report_placements}, mukca_report_put_placements},
+    {"joints", "Errors by joint", {mukca_report_joints}, NULL},
+    {"limits", "Detection limits", {NULL}, mukca_report_put_limits},
+    {"samples", "Samples and recording faults", {mukca_report_samples}, mukca_report_put_faults},
+    {"centres", "Predicted ball centres", {mukca_report_centres}, NULL},
+    {"convergence", "Convergence", {mukca_report_convergence}, mukca_report_put_terms},
+    {"generalisation", "Generalisation to other placements", {mukca_report_generalisation}, NULL},
+    {"offsets", "Offsets", {mukca_report_offsets}, mukca_report_put_offsets},
+    {"provenance", "Provenance", {NULL}, mukca_report_put_provenance},
 };
 enum { SECTIONS = sizeof sections / sizeof *sections };
 
-/* Is there anything to show? */
-static bool shown(int section, const mukca_report *r)
+/* Where figures go: into the page, or into files. */
+typedef struct {
+    FILE *page;                     /* NULL: files */
+    const char *directory, *format; /* of files */
+} destination;
+
+static mukca_status put_figure(const destination *to, mukca_plot *plot, mukca_error *error)
 {
-    if (sections[section].section == MUKCA_SECTION_LIMITS) return r->diagnosed.diagnosis->n_tested;
-    for (const mukca_report_figure *f = mukca_report_figures; f->draw; f++)
-        if (f->section == sections[section].section && f->count(r) > 0) return true;
-    return false;
+    char path[4096];
+    if (!to->page) {
+        snprintf(path, sizeof path, "%s/%s.%s", to->directory, plot->id, to->format);
+        return mukca_plot_file(path, to->format, plot, error);
+    }
+    fprintf(to->page, "<figure%s>\n", plot->width > MUKCA_PLOT_HALF ? " class=\"broad\"" : "");
+    const mukca_status status = mukca_plot_svg(to->page, plot, error);
+    if (status != MUKCA_OK) return status;
+    fputs("<figcaption>", to->page);
+    mukca_html_element(to->page, "strong", plot->title);
+    fputc(' ', to->page);
+    mukca_html_escape(to->page, plot->words);
+    fputs("</figcaption>\n</figure>\n", to->page);
+    return MUKCA_OK;
 }
 
-static mukca_status put_figure(FILE *out, const mukca_report_figure *kind, int index,
-                               const mukca_report *r, mukca_error *error)
+/* All figures of a section. */
+static mukca_status put_figures(const destination *to, int section, const mukca_report *r,
+                                mukca_error *error)
 {
-    mukca_sheet sheet;
-    mukca_figure figure;
-    mukca_status status = mukca_report_draw(&figure, &sheet, kind, index, r, error);
-    if (status != MUKCA_OK) goto out;
-    fputs(figure.width > MUKCA_SHEET_HALF ? "<figure class=\"broad\">\n" : "<figure>\n", out);
-    status = mukca_plot_svg(out, &figure, sheet.text, error);
-    fputs("<figcaption><strong>", out);
-    mukca_html_escape(out, figure.title);
-    fputs("</strong> ", out);
-    mukca_html_escape(out, figure.description);
-    fputs("</figcaption>\n</figure>\n", out);
-out:
-    mukca_sheet_free(&sheet);
+    mukca_status status = MUKCA_OK;
+    for (int k = 0; k < 2 && sections[section].figures[k]; k++) {
+        bool more = true;
+        for (int i = 0; more && status == MUKCA_OK; i++) {
+            mukca_plot plot;
+            if (r->progress &&
+                !r->progress(r->progress_context, 1.0 * section / SECTIONS, "drawing"))
+                return mukca_fail(error, MUKCA_INTERRUPTED,
+                                  "interrupted; the page was not written");
+            status = mukca_plot_open(&plot, error);
+            more = status == MUKCA_OK && sections[section].figures[k](&plot, r, i);
+            if (more) status = put_figure(to, &plot, error);
+            mukca_plot_free(&plot);
+        }
+    }
     return status;
 }
 
-static mukca_status put_section(FILE *out, int section, const mukca_report *r, mukca_error *error)
+/* Write a section, and its entry of the list of sections into `list`. */
+static mukca_status put_section(FILE *out, FILE *list, int section, const mukca_report *r,
+                                mukca_error *error)
 {
-    fprintf(out,
-            "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n<div class=\"figures\">\n",
-            sections[section].id, sections[section].id, sections[section].heading);
-    for (const mukca_report_figure *f = mukca_report_figures; f->draw; f++) {
-        if (f->section != sections[section].section) continue;
-        for (int i = 0, n = f->count(r); i < n; i++) {
-            const mukca_status status = put_figure(out, f, i, r, error);
-            if (status != MUKCA_OK) return status;
-        }
+    const char *id = sections[section].id, *heading = sections[section].heading;
+    char *figures = NULL;
+    size_t size = 0;
+    const destination page = {.page = open_memstream(&figures, &size)};
+    if (!page.page) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+    mukca_status status = put_figures(&page, section, r, error);
+    if (fclose(page.page) != 0 && status == MUKCA_OK)
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+    if (status == MUKCA_OK && (size > 0 || !sections[section].figures[0])) {
+        fprintf(list, "<li><a href=\"#%s\">%s</a></li>\n", id, heading);
+        fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", id, id, heading);
+        if (size > 0) fprintf(out, "<div class=\"figures\">\n%s</div>\n", figures);
+        if (sections[section].text) sections[section].text(out, r);
+        fputs("</section>\n", out);
     }
-    fputs("</div>\n", out);
-    if (sections[section].after) sections[section].after(out, r);
-    fputs("</section>\n", out);
-    return MUKCA_OK;
+    free(figures);
+    return status;
 }
 
 static void put_head(FILE *out, const mukca_report *r)
@@ -92,48 +111,39 @@ static void put_head(FILE *out, const mukca_report *r)
             ": calibration report</title>\n<style>\n%s</style>\n</head>\n<body>\n<header>\n<h1>",
             mukca_report_style);
     mukca_html_escape(out, r->chain->robot);
-    fputs(": calibration report</h1>\n<p>From <code>", out);
-    mukca_html_escape(out, r->chain->base);
-    fputs("</code> to <code>", out);
-    mukca_html_escape(out, r->chain->tip);
-    fprintf(out, "</code>, mukca %s, %s</p>\n</header>\n<main>\n", MUKCA_VERSION, r->when);
+    fputs(": calibration report</h1>\n<p>From ", out);
+    mukca_html_element(out, "code", r->chain->base);
+    fputs(" to ", out);
+    mukca_html_element(out, "code", r->chain->tip);
+    fprintf(out, ", mukca %s, %s</p>\n</header>\n<main>\n", MUKCA_VERSION, r->when);
 }
 
 mukca_status mukca_report_write(FILE *out, const mukca_report *r, mukca_error *error)
 {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *body = open_memstream(&text, &size); /* the list of sections comes before them */
+    mukca_status status = MUKCA_OK;
+    if (!body) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
     put_head(out, r);
     mukca_report_put_verdict(out, r);
     mukca_report_put_key_figures(out, r);
     fputs("<nav aria-label=\"Sections\"><ul>\n", out);
-    for (int k = 0; k < SECTIONS; k++)
-        if (shown(k, r))
-            fprintf(out, "<li><a href=\"#%s\">%s</a></li>\n", sections[k].id, sections[k].heading);
-    fputs("<li><a href=\"#provenance\">Provenance</a></li>\n</ul></nav>\n", out);
-    for (int k = 0; k < SECTIONS; k++) {
-        const mukca_status status = shown(k, r) ? put_section(out, k, r, error) : MUKCA_OK;
-        if (status != MUKCA_OK) return status;
-    }
-    fputs("<section aria-labelledby=\"provenance\">\n<h2 id=\"provenance\">Provenance</h2>\n", out);
-    mukca_report_put_provenance(out, r);
-    fputs("</section>\n</main>\n</body>\n</html>\n", out);
-    return MUKCA_OK;
+    for (int k = 0; k < SECTIONS && status == MUKCA_OK; k++)
+        status = put_section(body, out, k, r, error);
+    if (fclose(body) != 0 && status == MUKCA_OK)
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
+    if (status == MUKCA_OK) fprintf(out, "</ul></nav>\n%s</main>\n</body>\n</html>\n", text);
+    free(text);
+    return status;
 }
 
 mukca_status mukca_report_write_figures(const char *directory, const char *format,
                                         const mukca_report *r, mukca_error *error)
 {
-    for (const mukca_report_figure *f = mukca_report_figures; f->draw; f++)
-        for (int i = 0, n = f->count(r); i < n; i++) {
-            mukca_sheet sheet;
-            mukca_figure figure;
-            char path[4096];
-            mukca_status status = mukca_report_draw(&figure, &sheet, f, i, r, error);
-            if (status == MUKCA_OK) {
-                snprintf(path, sizeof path, "%s/%s.%s", directory, figure.id, format);
-                status = mukca_plot_file(path, format, &figure, sheet.text, error);
-            }
-            mukca_sheet_free(&sheet);
-            if (status != MUKCA_OK) return status;
-        }
-    return MUKCA_OK;
+    const destination files = {.directory = directory, .format = format};
+    mukca_status status = MUKCA_OK;
+    for (int k = 0; k < SECTIONS && status == MUKCA_OK; k++)
+        status = put_figures(&files, k, r, error);
+    return status;
 }

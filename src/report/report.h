@@ -13,6 +13,13 @@ typedef struct {
     double test_consistency, test_distortion; /* NaN without test data */
 } mukca_report_step;
 
+/* Errors of one placement, nominal and calibrated. */
+typedef struct {
+    const char *placement; /* "poses" for all rows of a pose log */
+    bool test;
+    mukca_score nominal, calibrated;
+} mukca_report_score;
+
 /* One calibration of the comparison "trained on some placements, tested on the others". */
 typedef struct {
     char trained[128];      /* names of its placements */
@@ -22,13 +29,6 @@ typedef struct {
 typedef struct {
     const char *path, *sha256;
 } mukca_report_file;
-
-/* Scores by placement, nominal and calibrated, and their means over the placements. */
-typedef struct {
-    int n;
-    mukca_score *nominal, *calibrated; /* [n] */
-    mukca_score nominal_mean, calibrated_mean;
-} mukca_report_scores;
 
 /* All that the page shows. */
 typedef struct {
@@ -50,18 +50,19 @@ typedef struct {
     mukca_progress_fn *progress; /* NULL: none; returning false interrupts */
     void *progress_context;
     /* Filled by mukca_report_prepare. */
-    mukca_dataset data;            /* samples of `train`, then of `test` */
-    const unsigned char *held_out; /* [data.n_placements] 1: of `test` */
-    const double *nominal;         /* [n_rows][3] predicted tip, m */
-    const double *calibrated;      /* [n_rows][3] */
-    const double *residual;        /* [n_rows][3] calibrated tip minus its socket's mean, or minus
-                                      the measured position; NaN where that is unknown */
-    const double *explained;       /* [n_rows][3] residual with the causes modelled; NULL: none */
-    const double *joint_error;     /* [n_rows][n_joints] part of the residual along which the ball
-                                      moves with the joint, m */
-    const double *joint_effect;    /* part of it that the causes explain; NULL without causes */
-    mukca_report_scores train_scores, test_scores;
-    mukca_report_bar *bars; /* [n_bars] */
+    mukca_dataset data;         /* samples of `train`, then of `test` */
+    const double *nominal;      /* [n_rows][3] predicted tip, m */
+    const double *calibrated;   /* [n_rows][3] */
+    const double *residual;     /* [n_rows][3] calibrated tip minus its socket's mean, or minus
+                                   the measured position; NaN where that is unknown */
+    const double *explained;    /* [n_rows][3] residual with the causes modelled; NULL: none */
+    const double *joint_error;  /* [n_rows][n_joints] part of the residual along which the ball
+                                   moves with the joint, m */
+    const double *joint_effect; /* part of it that the causes explain; NULL without causes */
+    mukca_report_score *scores; /* [n_scores] of `train`, then of `test` */
+    int n_scores;
+    double nominal_m, calibrated_m; /* mean MAE over the placements of `test`, else of `train` */
+    mukca_report_bar *bars;         /* [n_bars] */
     int n_bars;
     mukca_pool pool;
 } mukca_report;
@@ -70,12 +71,6 @@ typedef struct {
  * Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED, those of mukca_fit_run. */
 mukca_status mukca_report_prepare(mukca_report *report, mukca_error *error);
 void mukca_report_free(mukca_report *report); /* harmless on a zeroed one */
-
-/* Consistency error and distortion of a model.  scores[n_placements + 1 of the larger dataset] is
- * scratch. */
-void mukca_report_step_fill(mukca_report_step *step, const mukca_model *model,
-                            const mukca_dataset *train, const mukca_dataset *test,
-                            mukca_score *scores);
 
 /* Write the page.  Errors: MUKCA_INTERRUPTED, those of mukca_plot_svg. */
 mukca_status mukca_report_write(FILE *out, const mukca_report *report, mukca_error *error);

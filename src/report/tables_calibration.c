@@ -2,17 +2,13 @@
 #include <math.h>
 
 #include "report/html.h"
-#include "report/tables.h"
-
-static const double mm = 1e3;
-
-/* ---- key figures ---- */
+#include "report/parts.h"
 
 static void put_length(FILE *out, const char *label, double metres)
 {
     if (isfinite(metres))
         fprintf(out, "<div><dt>%s</dt><dd>%#.3g <small>mm</small></dd></div>\n", label,
-                metres * mm);
+                metres * MUKCA_REPORT_MM);
 }
 
 static void put_count(FILE *out, const char *label, int count)
@@ -23,13 +19,10 @@ static void put_count(FILE *out, const char *label, int count)
 void mukca_report_put_key_figures(FILE *out, const mukca_report *r)
 {
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    const bool test = r->test_scores.n > 0;
-    const mukca_report_scores *scores = test ? &r->test_scores : &r->train_scores;
+    const bool test = r->test->n_rows > 0;
     fputs("<dl class=\"tiles\">\n", out);
-    put_length(out, test ? "nominal, test data" : "nominal, training data",
-               scores->nominal_mean.mae);
-    put_length(out, test ? "calibrated, test data" : "calibrated, training data",
-               scores->calibrated_mean.mae);
+    put_length(out, test ? "nominal, test data" : "nominal, training data", r->nominal_m);
+    put_length(out, test ? "calibrated, test data" : "calibrated, training data", r->calibrated_m);
     put_length(out, "held out, geometry", d->geometry_m);
     if (d->n_causes > 0) put_length(out, "held out, with the causes", d->explained_m);
     put_length(out, "noise floor", d->noise_floor_m);
@@ -42,37 +35,33 @@ void mukca_report_put_key_figures(FILE *out, const mukca_report *r)
     fputs("</dl>\n", out);
 }
 
-/* ---- errors by placement ---- */
-
 void mukca_report_put_placements(FILE *out, const mukca_report *r)
 {
-    const mukca_report_scores *lists[2] = {&r->train_scores, &r->test_scores};
-    const mukca_dataset *data[2] = {r->train, r->test};
     mukca_html_table table = {
         .out = out,
+        .caption = "Errors by placement, mm",
         .columns =
             "placement|used for|#samples|#mean error, nominal|#mean error, calibrated|#rms, "
             "nominal|#rms, calibrated|#distortion, nominal|#distortion, calibrated"};
-    mukca_html_table_begin(&table, "Errors by placement, mm");
-    for (int k = 0; k < 2; k++)
-        for (int i = 0; i < lists[k]->n; i++) {
-            const mukca_score *a = &lists[k]->nominal[i], *b = &lists[k]->calibrated[i];
-            mukca_html_table_row(&table);
-            mukca_html_table_text(
-                &table, b->placement < 0 ? "poses" : data[k]->placements[b->placement].name);
-            mukca_html_table_text(&table, k ? "test" : "training");
-            mukca_html_table_number(&table, b->rows, 0);
-            mukca_html_table_number(&table, a->mae * mm, 3);
-            mukca_html_table_number(&table, b->mae * mm, 3);
-            mukca_html_table_number(&table, a->std * mm, 3);
-            mukca_html_table_number(&table, b->std * mm, 3);
-            mukca_html_table_number(&table, a->distance_error * mm, 3);
-            mukca_html_table_number(&table, b->distance_error * mm, 3);
-        }
+    const double mm = MUKCA_REPORT_MM;
+    for (int i = 0; i < r->n_scores; i++) {
+        const mukca_score *a = &r->scores[i].nominal, *b = &r->scores[i].calibrated;
+        mukca_html_row(&table, "%s\t%s\t%d\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f",
+                       r->scores[i].placement, r->scores[i].test ? "test" : "training", b->rows,
+                       a->mae * mm, b->mae * mm, a->std * mm, b->std * mm, a->distance_error * mm,
+                       b->distance_error * mm);
+    }
     mukca_html_table_end(&table);
 }
 
-/* ---- offsets ---- */
+void mukca_report_put_terms(FILE *out, const mukca_report *r)
+{
+    (void)r;
+    fputs(
+        "<p>Consistency error: distance of the predicted ball centres of one socket from their "
+        "mean. Distortion: error of the predicted distance between two sockets.</p>\n",
+        out);
+}
 
 void mukca_report_put_offsets(FILE *out, const mukca_report *r)
 {
@@ -80,42 +69,30 @@ void mukca_report_put_offsets(FILE *out, const mukca_report *r)
     const int n = mukca_offsets_rows(rows, r->offsets, r->fitted);
     mukca_html_table table = {
         .out = out,
+        .caption =
+            "Offsets: calibrated = nominal + offset, in the URDF's origins; sigma only where the "
+            "data alone determine the parameter",
         .columns = "joint|parameter|unit|#nominal|#calibrated|#offset|#sigma|identifiable"};
-    mukca_html_table_begin(&table,
-                           "Offsets: calibrated = nominal + offset, in the URDF's origins; "
-                           "sigma only where the data alone determine the parameter");
     for (int i = 0; i < n; i++) {
         const mukca_offset_row *row = &rows[i];
-        mukca_html_table_row(&table);
-        mukca_html_table_text(&table, row->joint);
-        mukca_html_table_text(&table, row->parameter);
-        mukca_html_table_text(&table, row->unit);
-        mukca_html_table_number(&table, row->nominal, 6);
-        mukca_html_table_number(&table, row->calibrated, 6);
-        mukca_html_table_number(&table, row->offset, 6);
-        mukca_html_table_number(&table, row->sigma, 6);
-        mukca_html_table_text(&table, row->identifiable ? "yes" : "no");
+        mukca_html_row(&table, "%s\t%s\t%s\t%.6f\t%.6f\t%.6f\t%.6f\t%s", row->joint, row->parameter,
+                       row->unit, row->nominal, row->calibrated, row->offset, row->sigma,
+                       row->identifiable ? "yes" : "no");
     }
     mukca_html_table_end(&table);
 }
 
-/* ---- provenance ---- */
-
 void mukca_report_put_provenance(FILE *out, const mukca_report *r)
 {
-    fputs("<p>Made by <code>", out);
-    mukca_html_escape(out, r->command);
-    fprintf(out, "</code> at %s.", r->when);
+    fputs("<p>Made by ", out);
+    mukca_html_element(out, "code", r->command);
+    fprintf(out, " at %s.", r->when);
     if (r->fit)
         fprintf(out, " Solver %s: %d evaluations, %d iterations.", r->solver,
                 r->fit->outcome.evaluations, r->fit->outcome.iterations);
     fputs("</p>\n", out);
-    mukca_html_table table = {.out = out, .columns = "file|SHA-256"};
-    mukca_html_table_begin(&table, "Files read");
-    for (int i = 0; i < r->n_files; i++) {
-        mukca_html_table_row(&table);
-        mukca_html_table_text(&table, r->files[i].path);
-        mukca_html_table_text(&table, r->files[i].sha256);
-    }
+    mukca_html_table table = {.out = out, .caption = "Files read", .columns = "file|SHA-256"};
+    for (int i = 0; i < r->n_files; i++)
+        mukca_html_row(&table, "%s\t%s", r->files[i].path, r->files[i].sha256);
     mukca_html_table_end(&table);
 }

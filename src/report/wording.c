@@ -58,6 +58,7 @@ void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
     if (placement >= 0) put(text, " in placement %s", r->data->placements[placement].name);
     if (placement >= 0 && cause->socket >= 0)
         put(text, ", socket %s", r->data->sockets[cause->socket].label);
+    if (cause->row > 0) put(text, ", row %d", cause->row);
 }
 
 void mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
