@@ -43,19 +43,20 @@ static void report(void *context, const char *line)
 
 static void press(session *s, char key)
 {
-    char line[MUKCA_RECORDER_LINE] = "";
+    mukca_recorder *r = &s->recorder;
+    mukca_error answer;
     switch (key) {
         case 'a':
-            mukca_recorder_sample(&s->recorder, 0, NULL, NULL, line);
+            mukca_recorder_sample(r, 0, NULL, NULL, &answer);
             break;
         case 'd':
-            mukca_recorder_undo(&s->recorder, line);
+            mukca_recorder_undo(r, &answer);
             break;
         case 's':
-            mukca_recorder_next_socket(&s->recorder, line);
+            mukca_recorder_next_socket(r, &answer);
             break;
         case 'n':
-            mukca_recorder_next_placement(&s->recorder, line);
+            mukca_recorder_next_placement(r, &answer);
             break;
         case 'q':
             s->finished = true;
@@ -63,7 +64,7 @@ static void press(session *s, char key)
         default:
             return;
     }
-    mukca_recorder_report(&s->recorder, "%s", line);
+    mukca_recorder_report(r, "%s", answer.text);
 }
 
 static void read_keys(session *s)

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/text.h"
 #include "lcm/wire.h"
 
 #define PRIMITIVE_NAME(name, text, size) text,
@@ -107,18 +108,17 @@ static int find_field(const mukca_lcm_types *types, int t, const char *name, siz
     return -1;
 }
 
-/* The fields of a type as one line of text, for messages. */
-static void list_fields(char *text, size_t size, const mukca_lcm_types *types, int t)
+/* No such field; the error lists those there are. */
+static mukca_status no_field(const mukca_lcm_types *types, int t, const char *name,
+                             mukca_error *error)
 {
-    size_t used = 0;
-    text[0] = '\0';
-    for (int i = 0; i < types->type[t].n_fields; i++) {
-        const char *name = types->field[types->type[t].first_field + i].name;
-        if (used + strlen(name) + 2 > size) return;
-        if (i) text[used++] = ' ';
-        memcpy(text + used, name, strlen(name) + 1);
-        used += strlen(name);
-    }
+    char fields[120] = "";
+    mukca_text list = MUKCA_TEXT(fields);
+    const mukca_lcm_type *type = &types->type[t];
+    for (int i = 0; i < type->n_fields; i++)
+        mukca_text_put(&list, " %s", types->field[type->first_field + i].name);
+    return mukca_fail(error, MUKCA_INPUT, "%s has no field \"%.*s\"; its fields:%s", type->name,
+                      (int)strcspn(name, "."), name, fields);
 }
 
 mukca_status mukca_lcm_type_set_role(mukca_lcm_types *types, int type, mukca_lcm_role role,
@@ -129,12 +129,7 @@ mukca_status mukca_lcm_type_set_role(mukca_lcm_types *types, int type, mukca_lcm
     for (int depth = 0; depth < MUKCA_LCM_MAX_DEPTH; depth++) {
         size_t length = strcspn(path, ".");
         int i = find_field(types, t, path, length);
-        if (i < 0) {
-            char names[120];
-            list_fields(names, sizeof names, types, t);
-            return mukca_fail(error, MUKCA_INPUT, "%s has no field \"%.*s\"; its fields: %s",
-                              types->type[t].name, (int)(length < 60 ? length : 60), path, names);
-        }
+        if (i < 0) return no_field(types, t, path, error);
         const mukca_lcm_field *field = &types->field[types->type[t].first_field + i];
         found[depth] = (signed char)i;
         if (path[length] == '.' && field->primitive == MUKCA_LCM_NESTED) {

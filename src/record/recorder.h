@@ -92,7 +92,6 @@ typedef struct {
     int n_placements, n_sockets;
     const char *placements[MUKCA_RECORDER_MAX_LABELS], *sockets[MUKCA_RECORDER_MAX_LABELS];
     char last_line[MUKCA_RECORDER_LINE];
-    mukca_message_status status; /* scratch */
     unsigned char outgoing[8192];
 } mukca_recorder;
 
@@ -126,19 +125,17 @@ mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resu
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                  mukca_error *error);
 
-/* Record a sample now; placement and socket as labels, NULL or "" for the current ones.  It is on
- * disk when this returns; a sample message is sent either way.  `line` gets the answer for people.
- * Returns MUKCA_NEGATIVE when refused, MUKCA_INPUT when the disk failed. */
+/* Requests of people; answer->text gets a line for them, also on success.  A sample is on disk when
+ * this returns, and a sample message is sent either way; labels NULL or "" are the current ones.
+ * The others delete the last row, select the current socket, go to the next one, or to the first of
+ * a new placement.  Return MUKCA_NEGATIVE when refused, MUKCA_INPUT when the disk failed. */
 mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
-                                   const char *socket, char line[MUKCA_RECORDER_LINE]);
-
-/* Other requests of people, answered in the same way: delete the last row, select the current
- * socket (NULL: as it is), go to the next one. */
-mukca_status mukca_recorder_undo(mukca_recorder *r, char line[MUKCA_RECORDER_LINE]);
+                                   const char *socket, mukca_error *answer);
+mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer);
 mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, const char *socket,
-                                   char line[MUKCA_RECORDER_LINE]);
-mukca_status mukca_recorder_next_socket(mukca_recorder *r, char line[MUKCA_RECORDER_LINE]);
-mukca_status mukca_recorder_next_placement(mukca_recorder *r, char line[MUKCA_RECORDER_LINE]);
+                                   mukca_error *answer);
+mukca_status mukca_recorder_next_socket(mukca_recorder *r, mukca_error *answer);
+mukca_status mukca_recorder_next_placement(mukca_recorder *r, mukca_error *answer);
 
 /* "no_stream", "moving" or "still"; and send a status message, `state` NULL for that one. */
 const char *mukca_recorder_state(const mukca_recorder *r);

@@ -11,10 +11,10 @@
 
 /* ---- commands ---- */
 
-/* Answer in `line`; empty: answered later, or already. */
+/* The answer's text is sent, unless it is empty: the result comes later, or has been sent. */
 #define VERB(name)                                                                       \
     static mukca_status do_##name(mukca_server *s, const mukca_message_command *command, \
-                                  char line[MUKCA_RECORDER_LINE])
+                                  mukca_error *answer)
 
 static const char *argument(const mukca_message_command *command, int i)
 {
@@ -24,55 +24,54 @@ static const char *argument(const mukca_message_command *command, int i)
 /* Keep the current placement and socket for a restart. */
 static void keep_place(mukca_server *s)
 {
+    mukca_server_state *state = &s->state;
     const mukca_recorder *r = &s->recorder;
     if (!r->session.fd) return;
-    snprintf(s->state.placement, sizeof s->state.placement, "%s",
-             mukca_capture_placement(&r->capture));
-    snprintf(s->state.socket, sizeof s->state.socket, "%s", mukca_capture_socket(&r->capture));
-    snprintf(s->state.rows, sizeof s->state.rows, "%d", r->session.n_rows);
+    snprintf(state->placement, sizeof state->placement, "%s", mukca_capture_placement(&r->capture));
+    snprintf(state->socket, sizeof state->socket, "%s", mukca_capture_socket(&r->capture));
+    snprintf(state->rows, sizeof state->rows, "%d", r->session.n_rows);
 }
 
-/* Begin or resume the session that the state names, once the stream is known. */
-static mukca_status begin(mukca_server *s, mukca_error *error)
+/* Begin or resume the session that the state names, once the stream is known; reports itself. */
+static mukca_status begin(mukca_server *s, mukca_error *answer)
 {
-    char path[MUKCA_SERVER_PATH], line[MUKCA_RECORDER_LINE];
+    char path[MUKCA_SERVER_PATH];
     mukca_recorder *r = &s->recorder;
     if (s->session_begun || !s->state.session[0] || !r->connected) return MUKCA_OK;
     mukca_server_path(path, s, s->state.session, ".tsv");
     s->session_begun = true;
-    mukca_status status = mukca_recorder_begin(r, path, true, false, error);
-    if (status) {
-        mukca_recorder_report(r, "%s", error->text);
-        return status;
+    mukca_status status = mukca_recorder_begin(r, path, true, false, answer);
+    if (status == MUKCA_OK) {
+        /* a row that was recorded after the last save is more recent than it */
+        if (s->state.placement[0] && strtol(s->state.rows, NULL, 10) == r->session.n_rows)
+            mukca_recorder_select(r, s->state.placement, s->state.socket, answer);
+        keep_place(s);
+        mukca_fail(answer, MUKCA_OK, "session %s: %d rows", path, r->session.n_rows);
     }
-    /* a row that was recorded after the last save is more recent than it */
-    if (s->state.placement[0] && strtol(s->state.rows, NULL, 10) == r->session.n_rows)
-        mukca_recorder_select(r, s->state.placement, s->state.socket, line);
-    keep_place(s);
-    mukca_recorder_report(r, "session %s: %d rows", path, r->session.n_rows);
-    return MUKCA_OK;
+    mukca_recorder_report(r, "%s", answer->text);
+    return status;
 }
 
 VERB(start)
 {
     mukca_recorder *r = &s->recorder;
+    mukca_error ignored;
+    const mukca_server_state before = s->state;
     const char *name = argument(command, 0) ? argument(command, 0) : "session";
-    snprintf(line, MUKCA_RECORDER_LINE, "a session's name: at most 40 letters, digits, _ - and .");
-    if (!mukca_server_name_ok(name)) return MUKCA_USAGE;
-    snprintf(line, MUKCA_RECORDER_LINE, "no joint states yet: %.200s",
-             r->problem.status ? r->problem.text : "is the robot's driver running?");
-    if (!r->connected) return MUKCA_TRANSPORT;
-    mukca_server_state before = s->state;
+    if (!mukca_server_name_ok(name))
+        return mukca_fail(answer, MUKCA_USAGE,
+                          "a session's name: at most 40 letters, digits, _ - and .");
+    if (!r->connected)
+        return mukca_fail(answer, MUKCA_TRANSPORT, "no joint states yet: %.200s",
+                          r->problem.status ? r->problem.text : "is the robot's driver running?");
     memset(&s->state, 0, offsetof(mukca_server_state, model));
     snprintf(s->state.session, sizeof s->state.session, "%s", name);
     s->session_begun = false;
-    mukca_error error;
-    mukca_status status = begin(s, &error);
-    snprintf(line, MUKCA_RECORDER_LINE, "%s", status ? error.text : r->last_line);
-    if (status) {
+    mukca_status status = begin(s, answer);
+    if (status != MUKCA_OK) { /* resume the old one */
         s->state = before;
-        s->session_begun = false; /* resume the old one */
-        (void)begin(s, &error);
+        s->session_begun = false;
+        (void)begin(s, &ignored);
     }
     return status;
 }
@@ -80,77 +79,64 @@ VERB(start)
 VERB(add)
 {
     return mukca_recorder_sample(&s->recorder, command->id, argument(command, 0),
-                                 argument(command, 1), line);
+                                 argument(command, 1), answer);
 }
 
 VERB(delete)
 {
     (void)command;
-    return mukca_recorder_undo(&s->recorder, line);
+    return mukca_recorder_undo(&s->recorder, answer);
 }
 
 VERB(socket)
 {
-    if (!argument(command, 0)) return mukca_recorder_next_socket(&s->recorder, line);
-    return mukca_recorder_select(&s->recorder, NULL, argument(command, 0), line);
+    if (!argument(command, 0)) return mukca_recorder_next_socket(&s->recorder, answer);
+    return mukca_recorder_select(&s->recorder, NULL, argument(command, 0), answer);
 }
 
 VERB(placement)
 {
-    if (!argument(command, 0)) return mukca_recorder_next_placement(&s->recorder, line);
+    if (!argument(command, 0)) return mukca_recorder_next_placement(&s->recorder, answer);
     return mukca_recorder_select(&s->recorder, argument(command, 0),
-                                 s->recorder.capture.settings.labels[0], line);
+                                 s->recorder.capture.settings.labels[0], answer);
 }
 
 VERB(finish)
 {
     (void)command;
-    mukca_recorder *r = &s->recorder;
-    if (!r->session.fd) {
-        snprintf(line, MUKCA_RECORDER_LINE, "no session is being recorded");
-        return MUKCA_NEGATIVE;
-    }
-    snprintf(line, MUKCA_RECORDER_LINE, "%d rows in %.250s", r->session.n_rows, r->session.path);
-    mukca_session_close(&r->session);
+    mukca_session *session = &s->recorder.session;
+    if (!session->fd) return mukca_fail(answer, MUKCA_NEGATIVE, "no session is being recorded");
+    mukca_fail(answer, MUKCA_OK, "%d rows in %s", session->n_rows, session->path);
+    mukca_session_close(session);
     return MUKCA_OK;
 }
 
-static mukca_status start_job(mukca_server *s, bool diagnosis, const mukca_message_command *command,
-                              char line[MUKCA_RECORDER_LINE])
+static mukca_status start_job(mukca_server *s, bool diagnosis, int64_t id, mukca_error *answer)
 {
-    mukca_error error;
-    mukca_status status = mukca_server_start_job(s, diagnosis, command->id, &error);
-    if (status) {
-        snprintf(line, MUKCA_RECORDER_LINE, "%s", error.text);
-        return status;
-    }
-    line[0] = '\0'; /* answered when it ends */
-    if (mukca_lcm_link_replays(s->recorder.link)) mukca_server_finish_job(s, true);
-    return MUKCA_OK;
+    mukca_status status = mukca_server_start_job(s, diagnosis, id, answer);
+    if (status == MUKCA_OK && mukca_lcm_link_replays(s->recorder.link))
+        mukca_server_finish_job(s, true);
+    return status;
 }
 
 VERB(calibrate)
 {
-    return start_job(s, false, command, line);
+    return start_job(s, false, command->id, answer);
 }
 
 VERB(diagnose)
 {
-    return start_job(s, true, command, line);
+    return start_job(s, true, command->id, answer);
 }
 
 VERB(result)
 {
-    if (!s->pose.ready) {
-        snprintf(line, MUKCA_RECORDER_LINE, "there is no calibration yet");
-        return MUKCA_NEGATIVE;
-    }
     char text[MUKCA_RECORDER_LINE];
+    if (!s->pose.ready) return mukca_fail(answer, MUKCA_NEGATIVE, "there is no calibration yet");
     snprintf(text, sizeof text, "the table in use: %s", s->state.model);
-    mukca_server_answer answer = {
+    const mukca_server_answer table = {
         .id = command->id, .verb = "result", .text = text, .table = &s->pose.offsets};
-    mukca_server_send_answer(s, &answer);
-    line[0] = '\0';
+    mukca_server_send_answer(s, &table);
     return MUKCA_OK;
 }
 
@@ -159,8 +145,7 @@ const char *const mukca_server_verbs[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) NULL
 
 static const struct {
     int arguments;
-    mukca_status (*run)(mukca_server *s, const mukca_message_command *command,
-                        char line[MUKCA_RECORDER_LINE]);
+    mukca_status (*run)(mukca_server *s, const mukca_message_command *command, mukca_error *answer);
 } verbs[] = {
 #define VERB_ROW(name, usage, arguments, sentence) {arguments, do_##name},
     MUKCA_SERVER_VERB_LIST(VERB_ROW)
@@ -172,28 +157,30 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
     mukca_server *s = context;
     mukca_recorder *r = &s->recorder;
     mukca_message_command command;
-    mukca_error error;
-    char line[MUKCA_RECORDER_LINE] = "";
+    mukca_error line, error;
     if (mukca_message_decode(&command, MUKCA_MESSAGE_COMMAND, packet->data, packet->size, &error)) {
         mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel,
                               error.text);
         return;
     }
-    mukca_status status = MUKCA_USAGE;
-    snprintf(line, sizeof line, "unknown verb or too many arguments: \"%.40s\"", command.verb);
-    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++)
-        if (strcmp(command.verb, mukca_server_verbs[i]) == 0 && command.n <= verbs[i].arguments)
-            status = verbs[i].run(s, &command, line);
-    keep_place(s);
-    if (mukca_server_save_state(s, &error) && !status) {
-        status = error.status;
-        snprintf(line, sizeof line, "%s", error.text);
+    mukca_status status = mukca_fail(&line, MUKCA_USAGE,
+                                     "unknown verb or too many arguments: \"%.40s\"", command.verb);
+    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
+        if (strcmp(command.verb, mukca_server_verbs[i]) != 0 || command.n > verbs[i].arguments)
+            continue;
+        line.text[0] = '\0';
+        status = verbs[i].run(s, &command, &line);
     }
-    if (!line[0]) return;
-    mukca_server_answer answer = {
-        .id = command.id, .verb = command.verb, .text = line, .code = status};
+    keep_place(s);
+    if (mukca_server_save_state(s, &error) != MUKCA_OK && status == MUKCA_OK) {
+        status = error.status;
+        line = error;
+    }
+    if (!line.text[0]) return;
+    const mukca_server_answer answer = {
+        .id = command.id, .verb = command.verb, .text = line.text, .code = status};
     mukca_server_send_answer(s, &answer);
-    mukca_recorder_report(r, "%.40s: %s", command.verb, line);
+    mukca_recorder_report(r, "%.40s: %s", command.verb, line.text);
 }
 
 /* ---- the daemon ---- */

@@ -122,16 +122,26 @@ mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resu
     return status;
 }
 
-/* ---- samples ---- */
+/* ---- requests ---- */
 
 static void name_joints(const mukca_recorder *r, const char **names)
 {
     for (int j = 0; j < r->chain->n_joints; j++) names[j] = mukca_recorder_joint(r, j);
 }
 
-static const char *given(const char *label, const char *otherwise)
+/* Current labels for those that are NULL or "".  Errors: MUKCA_NEGATIVE (no session, or a label
+ * that a file cannot hold). */
+static mukca_status complete_labels(const mukca_recorder *r, const char **placement,
+                                    const char **socket, mukca_error *error)
 {
-    return label && *label ? label : otherwise;
+    if (!*placement || !**placement) *placement = mukca_capture_placement(&r->capture);
+    if (!*socket || !**socket) *socket = mukca_capture_socket(&r->capture);
+    if (!r->session.fd) return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded");
+    if (mukca_session_label_ok(*placement) && mukca_session_label_ok(*socket)) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_NEGATIVE,
+                      "\"%.40s\" or \"%.40s\" cannot be a name (1 to 63 characters, no comma, tab, "
+                      "quote or leading #)",
+                      *placement, *socket);
 }
 
 /* Add a sample to the file and the capture; `remark` gets what is unusual about it. */
@@ -139,128 +149,99 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
                           const char *placement, const char *socket,
                           char remark[MUKCA_CAPTURE_TEXT], mukca_error *error)
 {
-    remark[0] = '\0';
-    if (!mukca_session_label_ok(placement) || !mukca_session_label_ok(socket))
-        return mukca_fail(
-            error, MUKCA_NEGATIVE,
-            "a placement or socket may not be named so (1 to 63 characters, no comma, "
-            "tab, quote or leading #)");
-    if (mukca_capture_repeats(&r->capture, sample->q))
+    mukca_capture *c = &r->capture;
+    const int socket_before = c->socket;
+    const mukca_session_row row = {.placement = placement,
+                                   .socket = socket,
+                                   .time = sample->time,
+                                   .q = sample->q,
+                                   .spread = sample->spread,
+                                   .effort = sample->effort,
+                                   .command = sample->command};
+    if (mukca_capture_repeats(c, sample->q))
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "the joints read exactly as in row %d: has the arm moved, and does its "
                           "driver still update?",
-                          r->capture.rows.n_rows);
-    if (r->capture.rows.n_rows == MUKCA_CAPTURE_MAX_ROWS)
+                          c->rows.n_rows);
+    if (c->rows.n_rows == MUKCA_CAPTURE_MAX_ROWS)
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
-    int socket_before = r->capture.socket;
-    mukca_status status = mukca_capture_select(&r->capture, placement, socket, error);
+    mukca_status status = mukca_capture_select(c, placement, socket, error);
     if (status != MUKCA_OK) return status;
-    mukca_session_row row = {.placement = placement,
-                             .socket = socket,
-                             .time = sample->time,
-                             .q = sample->q,
-                             .spread = sample->spread,
-                             .effort = sample->effort,
-                             .command = sample->command};
     status = mukca_session_add(&r->session, &row, error);
-    if (status) {
-        r->capture.socket = socket_before;
-        return status;
-    }
-    return mukca_capture_keep(remark, &r->capture, sample->q, error);
+    if (status == MUKCA_OK) return mukca_capture_keep(remark, c, sample->q, error);
+    c->socket = socket_before;
+    return status;
 }
 
 mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
-                                   const char *socket, char line[MUKCA_RECORDER_LINE])
+                                   const char *socket, mukca_error *answer)
 {
-    mukca_capture_sample sample;
-    mukca_error error = {.text = ""};
-    char remark[MUKCA_CAPTURE_TEXT] = "", place[MUKCA_NAME_SIZE], seat[MUKCA_NAME_SIZE];
-    mukca_status status = MUKCA_OK;
-    memset(&sample, 0, sizeof sample);
-    snprintf(place, sizeof place, "%s", given(placement, mukca_capture_placement(&r->capture)));
-    snprintf(seat, sizeof seat, "%s", given(socket, mukca_capture_socket(&r->capture)));
-    if (!r->session.fd) status = mukca_fail(&error, MUKCA_NEGATIVE, "no session is being recorded");
+    mukca_capture_sample sample = {.time = 0};
+    mukca_error error;
+    char remark[MUKCA_CAPTURE_TEXT] = "";
+    mukca_status status = complete_labels(r, &placement, &socket, &error);
     if (status == MUKCA_OK)
         status = mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &error);
-    if (status == MUKCA_OK) status = store(r, &sample, place, seat, remark, &error);
-    int row = status ? 0 : r->session.n_rows;
-    if (status)
-        snprintf(line, MUKCA_RECORDER_LINE, "not recorded: %s", error.text);
-    else
-        snprintf(line, MUKCA_RECORDER_LINE, "row %d: placement %s, socket %s%s%s", row, place, seat,
-                 remark[0] ? ": " : "", remark);
+    if (status == MUKCA_OK) status = store(r, &sample, placement, socket, remark, &error);
     mukca_message_sample message = {.utime = (int64_t)llround(1e6 * sample.time),
                                     .id = id,
                                     .accepted = !status,
                                     .text = status ? error.text : remark,
-                                    .placement = place,
-                                    .socket = seat,
-                                    .row = row,
+                                    .placement = placement,
+                                    .socket = socket,
+                                    .row = status ? 0 : r->session.n_rows,
                                     .n = r->chain->n_joints};
     name_joints(r, message.joint);
     memcpy(message.position, sample.q, sizeof message.position);
     memcpy(message.spread, sample.spread, sizeof message.spread);
     mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
-    if (!status && mukca_capture_advise(&r->advice, &r->capture, &error))
+    if (status != MUKCA_OK) return mukca_fail(answer, status, "not recorded: %s", error.text);
+    mukca_fail(answer, MUKCA_OK, "row %d: placement %s, socket %s%s%s", message.row, placement,
+               socket, remark[0] ? ": " : "", remark);
+    if (mukca_capture_advise(&r->advice, &r->capture, &error) != MUKCA_OK)
         mukca_recorder_report(r, "%s", error.text); /* the row is safe all the same */
-    return status;
+    return MUKCA_OK;
 }
 
-mukca_status mukca_recorder_undo(mukca_recorder *r, char line[MUKCA_RECORDER_LINE])
+mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer)
 {
-    mukca_error error = {.text = "no session is being recorded"};
+    mukca_error error;
     const mukca_dataset *rows = &r->capture.rows;
-    mukca_status status = MUKCA_NEGATIVE;
-    if (r->session.fd && !rows->n_rows)
-        snprintf(error.text, sizeof error.text, "there is no row to delete");
-    if (r->session.fd && rows->n_rows) {
-        const mukca_socket *s = &rows->sockets[rows->socket[rows->n_rows - 1]];
-        const char *placement = rows->placements[s->placement].name;
-        status = mukca_session_undo(&r->session, placement, s->label, &error);
-        if (status == MUKCA_OK) {
-            snprintf(line, MUKCA_RECORDER_LINE, "row %d deleted (placement %s, socket %s)",
-                     rows->n_rows, placement, s->label);
-            (void)mukca_capture_drop(&r->capture, &error); /* has a row, as said */
-            (void)mukca_capture_advise(&r->advice, &r->capture, &error);
-        }
-    }
-    if (status) snprintf(line, MUKCA_RECORDER_LINE, "not deleted: %s", error.text);
-    return status;
+    if (!r->session.fd || !rows->n_rows)
+        return mukca_fail(answer, MUKCA_NEGATIVE, "not deleted: %s",
+                          r->session.fd ? "there is no row" : "no session is being recorded");
+    const mukca_socket *s = &rows->sockets[rows->socket[rows->n_rows - 1]];
+    const char *placement = rows->placements[s->placement].name;
+    mukca_status status = mukca_session_undo(&r->session, placement, s->label, &error);
+    if (status != MUKCA_OK) return mukca_fail(answer, status, "not deleted: %s", error.text);
+    mukca_fail(answer, MUKCA_OK, "row %d deleted (placement %s, socket %s)", rows->n_rows,
+               placement, s->label);
+    (void)mukca_capture_drop(&r->capture, &error); /* has a row, as said */
+    (void)mukca_capture_advise(&r->advice, &r->capture, &error);
+    return MUKCA_OK;
 }
 
 mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, const char *socket,
-                                   char line[MUKCA_RECORDER_LINE])
+                                   mukca_error *answer)
 {
-    mukca_error error = {.text = ""};
-    char place[MUKCA_NAME_SIZE], seat[MUKCA_NAME_SIZE];
-    snprintf(place, sizeof place, "%s", given(placement, mukca_capture_placement(&r->capture)));
-    snprintf(seat, sizeof seat, "%s", given(socket, mukca_capture_socket(&r->capture)));
-    mukca_status status = MUKCA_OK;
-    if (!r->session.fd)
-        status = mukca_fail(&error, MUKCA_NEGATIVE, "no session is being recorded");
-    else if (!mukca_session_label_ok(place) || !mukca_session_label_ok(seat))
-        status =
-            mukca_fail(&error, MUKCA_NEGATIVE, "\"%s\" or \"%s\" cannot be a name", place, seat);
-    if (status == MUKCA_OK) status = mukca_capture_select(&r->capture, place, seat, &error);
-    if (status)
-        snprintf(line, MUKCA_RECORDER_LINE, "not changed: %s", error.text);
-    else
-        snprintf(line, MUKCA_RECORDER_LINE, "now placement %s, socket %s (%d rows)", place, seat,
-                 mukca_capture_count(&r->capture, r->capture.socket));
-    return status;
+    mukca_error error;
+    mukca_status status = complete_labels(r, &placement, &socket, &error);
+    if (status == MUKCA_OK) status = mukca_capture_select(&r->capture, placement, socket, &error);
+    if (status != MUKCA_OK) return mukca_fail(answer, status, "not changed: %s", error.text);
+    return mukca_fail(answer, MUKCA_OK, "now placement %s, socket %s (%d rows)", placement, socket,
+                      mukca_capture_count(&r->capture, r->capture.socket));
 }
 
-mukca_status mukca_recorder_next_socket(mukca_recorder *r, char line[MUKCA_RECORDER_LINE])
+mukca_status mukca_recorder_next_socket(mukca_recorder *r, mukca_error *answer)
 {
-    return mukca_recorder_select(r, NULL, mukca_capture_next_label(&r->capture), line);
+    return mukca_recorder_select(r, NULL, mukca_capture_next_label(&r->capture), answer);
 }
 
-mukca_status mukca_recorder_next_placement(mukca_recorder *r, char line[MUKCA_RECORDER_LINE])
+mukca_status mukca_recorder_next_placement(mukca_recorder *r, mukca_error *answer)
 {
     char name[MUKCA_NAME_SIZE];
     new_placement(r, name);
-    return mukca_recorder_select(r, name, r->capture.settings.labels[0], line);
+    return mukca_recorder_select(r, name, r->capture.settings.labels[0], answer);
 }
 
 /* ---- status ---- */
@@ -276,32 +257,33 @@ const char *mukca_recorder_state(const mukca_recorder *r)
 
 void mukca_recorder_publish_status(mukca_recorder *r, const char *state)
 {
+    const mukca_capture *c = &r->capture;
     const char *stream = mukca_recorder_state(r);
-    mukca_message_status *m = &r->status;
-    double age = mukca_recorder_age(r);
-    memset(m, 0, sizeof *m);
-    m->utime = mukca_lcm_link_clock(r->link);
-    m->state = state ? state : stream;
-    m->text = r->last_line;
-    m->session = r->session.fd ? r->session.path : "";
-    m->placement = mukca_capture_placement(&r->capture);
-    m->socket = mukca_capture_socket(&r->capture);
-    m->rows = r->session.n_rows;
-    m->rows_here = r->capture.socket < 0 ? 0 : mukca_capture_count(&r->capture, r->capture.socket);
-    m->channel = r->channel;
-    m->type = r->type < 0 ? "" : r->types.type[r->type].name;
-    m->stream = mukca_recorder_stream(r);
-    m->rate_hz = age > 1 ? 0 : r->rate;
-    m->age_s = age;
-    m->received = r->received;
-    m->refused = r->refused;
-    m->still = strcmp(stream, "still") == 0;
-    mukca_capture_spread(&m->spread_m, NULL, &r->capture, r->capture.socket);
-    m->expected_m = r->advice.expected;
-    m->more_rows_help = r->advice.more_rows_help;
-    m->n = r->chain->n_joints;
-    name_joints(r, m->joint);
-    memcpy(m->position, r->q, sizeof m->position);
-    mukca_capture_coverage(m->coverage, &r->capture);
-    mukca_recorder_publish(r, MUKCA_MESSAGE_STATUS, m);
+    const double age = mukca_recorder_age(r);
+    mukca_message_status m = {
+        .utime = mukca_lcm_link_clock(r->link),
+        .state = state ? state : stream,
+        .text = r->last_line,
+        .session = r->session.fd ? r->session.path : "",
+        .placement = mukca_capture_placement(c),
+        .socket = mukca_capture_socket(c),
+        .rows = r->session.n_rows,
+        .rows_here = c->socket < 0 ? 0 : mukca_capture_count(c, c->socket),
+        .channel = r->channel,
+        .type = r->type < 0 ? "" : r->types.type[r->type].name,
+        .stream = mukca_recorder_stream(r),
+        .rate_hz = age > 1 ? 0 : r->rate,
+        .age_s = age,
+        .received = r->received,
+        .refused = r->refused,
+        .still = strcmp(stream, "still") == 0,
+        .expected_m = r->advice.expected,
+        .more_rows_help = r->advice.more_rows_help,
+        .n = r->chain->n_joints,
+    };
+    mukca_capture_spread(&m.spread_m, NULL, c, c->socket);
+    name_joints(r, m.joint);
+    memcpy(m.position, r->q, sizeof m.position);
+    mukca_capture_coverage(m.coverage, c);
+    mukca_recorder_publish(r, MUKCA_MESSAGE_STATUS, &m);
 }

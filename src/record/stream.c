@@ -59,13 +59,15 @@ static void feed(mukca_recorder *r, int64_t time)
     if (found & MUKCA_CAPTURE_PAUSE && mukca_lcm_link_replays(r->link))
         mukca_recorder_report(r, "%s paused for %.1f s", r->channel, r->capture.pause);
     if (!r->options->still || !r->session.fd) return;
-    char text[MUKCA_RECORDER_LINE];
+    char text[MUKCA_CAPTURE_TEXT];
+    mukca_error answer;
     int socket;
     if (mukca_capture_due(&socket, text, &r->capture)) {
-        const mukca_socket *s = &r->capture.rows.sockets[socket];
-        mukca_recorder_sample(r, 0, NULL, s->label, text);
+        mukca_recorder_sample(r, 0, NULL, r->capture.rows.sockets[socket].label, &answer);
+        mukca_recorder_report(r, "%s", answer.text);
+    } else if (text[0]) {
+        mukca_recorder_report(r, "%s", text);
     }
-    if (text[0]) mukca_recorder_report(r, "%s", text);
 }
 
 /* A message without joint states of a known type. */
@@ -164,14 +166,13 @@ static void on_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
 {
     mukca_message_trigger trigger;
     mukca_error error;
-    char line[MUKCA_RECORDER_LINE];
     if (mukca_message_decode(&trigger, MUKCA_MESSAGE_TRIGGER, packet->data, packet->size, &error)) {
         mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel,
                               error.text);
         return;
     }
-    mukca_recorder_sample(r, trigger.id, trigger.placement, trigger.socket, line);
-    mukca_recorder_report(r, "%s", line);
+    mukca_recorder_sample(r, trigger.id, trigger.placement, trigger.socket, &error);
+    mukca_recorder_report(r, "%s", error.text);
 }
 
 /* Note what other channels there are. */
