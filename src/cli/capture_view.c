@@ -7,6 +7,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "base/text.h"
+
 void cli_capture_enter(cli_capture_view *v)
 {
     if (tcgetattr(STDIN_FILENO, &v->saved)) return;
@@ -48,20 +50,18 @@ static void draw(cli_capture_view *v, int width, const char *format, ...)
 /* Samples by placement and socket, the latest first. */
 static void draw_counts(cli_capture_view *v, int width, const mukca_capture *c)
 {
-    char text[512] = "";
-    size_t used = 0;
+    char line[512] = "";
+    mukca_text text = MUKCA_TEXT(line);
     int placement = -1;
     for (int k = c->rows.n_sockets - 1; k >= 0; k--) {
         int n = mukca_capture_count(c, k), p = c->rows.sockets[k].placement;
-        if (used + 100 > sizeof text || (!n && k != c->socket)) continue;
+        if (!n && k != c->socket) continue;
         if (p != placement)
-            used += (size_t)snprintf(text + used, sizeof text - used, "%s%.40s:", used ? " | " : "",
-                                     c->rows.placements[p].name);
+            mukca_text_put(&text, "%s%.40s:", text.used ? " | " : "", c->rows.placements[p].name);
         placement = p;
-        used += (size_t)snprintf(text + used, sizeof text - used, " %.16s=%d",
-                                 c->rows.sockets[k].label, n);
+        mukca_text_put(&text, " %.16s=%d", c->rows.sockets[k].label, n);
     }
-    draw(v, width, "samples      %s", text);
+    draw(v, width, "samples      %s", line);
 }
 
 static void draw_accuracy(cli_capture_view *v, int width, const mukca_recorder *r)
@@ -85,12 +85,11 @@ static void draw_accuracy(cli_capture_view *v, int width, const mukca_recorder *
 static void draw_coverage(cli_capture_view *v, int width, const mukca_recorder *r)
 {
     double coverage[MUKCA_MAX_JOINTS];
-    char text[128] = "";
-    size_t used = 0;
+    char line[128] = "";
+    mukca_text text = MUKCA_TEXT(line);
     mukca_capture_coverage(coverage, &r->capture);
-    for (int j = 0; j < r->chain->n_joints && used < sizeof text; j++)
-        used += (size_t)snprintf(text + used, sizeof text - used, "%.0f ", 100 * coverage[j]);
-    draw(v, width, "coverage     %s%% of the joint ranges, base to tip", text);
+    for (int j = 0; j < r->chain->n_joints; j++) mukca_text_put(&text, "%.0f ", 100 * coverage[j]);
+    draw(v, width, "coverage     %s%% of the joint ranges, base to tip", line);
 }
 
 void cli_capture_draw(cli_capture_view *v, const mukca_recorder *r)

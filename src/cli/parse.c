@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/suggest.h"
+#include "base/text.h"
 
 const cli_option cli_common_options[] = {CLI_MODEL_OPTIONS,    CLI_OFFSETS_OPTION, CLI_TEST_OPTION,
                                          CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,    CLI_FORCE_OPTION,
@@ -73,10 +74,9 @@ static mukca_status out_of_memory(cli_call *call)
 static mukca_status wrong_choice(cli_call *call, const cli_option *option, const char *text)
 {
     char list[160] = "";
-    size_t used = 0;
-    for (int i = 0; option->choices[i] && used < sizeof list; i++)
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "",
-                                 option->choices[i]);
+    mukca_text names = MUKCA_TEXT(list);
+    for (int i = 0; option->choices[i]; i++)
+        mukca_text_put(&names, "%s%s", i ? ", " : "", option->choices[i]);
     return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be one of %s", option->name,
                       text, list);
 }

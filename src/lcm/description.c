@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/file.h"
+#include "base/file.h"
 
-enum { TOKEN_SIZE = 96, MAX_FILE = 1 << 20 };
+enum { TOKEN_SIZE = 96 };
 
 /* After a failure the token is empty and nothing more is read. */
 typedef struct {
@@ -248,9 +248,8 @@ mukca_status mukca_lcm_types_parse(mukca_lcm_types *types, const char *text, siz
 mukca_status mukca_lcm_types_read(mukca_lcm_types *types, const char *path, mukca_error *error)
 {
     char *text;
-    size_t length;
-    mukca_status status = mukca_file_read(&text, &length, path, MAX_FILE, error);
-    if (status == MUKCA_OK) status = mukca_lcm_types_parse(types, text, length, path, error);
+    mukca_status status = mukca_file_read(&text, path, error);
+    if (status == MUKCA_OK) status = mukca_lcm_types_parse(types, text, strlen(text), path, error);
     free(text);
     return status;
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "record/recorder.h"
 
 /* --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
@@ -94,13 +95,12 @@ bool mukca_recorder_needs_confirmation(const mukca_recorder *r)
     return r->mapped && !r->by_name && !r->options->map;
 }
 
-void mukca_recorder_describe_map(const mukca_recorder *r, char *text, size_t size)
+void mukca_recorder_describe_map(const mukca_recorder *r, char *lines, size_t size)
 {
-    size_t used =
-        (size_t)snprintf(text, size, "%s (%s), %d readings, mapped by %s:\n", r->channel,
-                         r->types.type[r->type].name, r->n_readings, r->by_name ? "name" : "order");
-    for (int j = 0; j < r->chain->n_joints && used < size; j++)
-        used +=
-            (size_t)snprintf(text + used, size - used, "  reading %2d  ->  %-24s now %9.4f rad\n",
-                             r->map[j] + 1, mukca_recorder_joint(r, j), r->q[j]);
+    mukca_text text = {.at = lines, .size = size};
+    mukca_text_put(&text, "%s (%s), %d readings, mapped by %s:\n", r->channel,
+                   r->types.type[r->type].name, r->n_readings, r->by_name ? "name" : "order");
+    for (int j = 0; j < r->chain->n_joints; j++)
+        mukca_text_put(&text, "  reading %2d  ->  %-24s now %9.4f rad\n", r->map[j] + 1,
+                       mukca_recorder_joint(r, j), r->q[j]);
 }

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "lcm/description.h"
 #include "lcm/state.h"
 
@@ -14,20 +15,23 @@ enum {                       /* us, of our choice */
        PROBLEM_US = 1000000  /* for a good message after a bad one */
 };
 
-/* "PANDA_STATUS (drake.lcmt_panda_status, 7 joints), CAMERA (unknown type)" */
-static void describe_heard(const mukca_recorder *r, char *text, size_t size)
+/* "no joint state on X"; text[LINE] gets it with "PANDA_STATUS (drake.lcmt_panda_status, 7 joints),
+ * CAMERA (unknown type)". */
+static void describe_silence(const mukca_recorder *r, char line[MUKCA_RECORDER_LINE],
+                             const char *since)
 {
-    size_t used = 0;
-    snprintf(text, size,
-             "nothing at all (is the sender on this network, and the multicast route?)");
-    for (int i = 0; i < r->n_heard && used < size; i++) {
+    mukca_text text = {.at = line, .size = MUKCA_RECORDER_LINE};
+    mukca_text_put(&text, "no joint state%s%s%s; heard instead: ", r->channel[0] ? " on " : "",
+                   r->channel, since);
+    for (int i = 0; i < r->n_heard; i++) {
         const mukca_recorder_heard *h = &r->heard[i];
-        used += (size_t)snprintf(text + used, size - used, "%s%s (%s", used ? ", " : "", h->channel,
-                                 h->type < 0 ? "unknown type" : r->types.type[h->type].name);
-        if (h->joints && used < size)
-            used += (size_t)snprintf(text + used, size - used, ", %d joints", h->joints);
-        if (used < size) used += (size_t)snprintf(text + used, size - used, ")");
+        mukca_text_put(&text, "%s%s (%s", i ? ", " : "", h->channel,
+                       h->type < 0 ? "unknown type" : r->types.type[h->type].name);
+        if (h->joints) mukca_text_put(&text, ", %d joints", h->joints);
+        mukca_text_put(&text, ")");
     }
+    if (!r->n_heard)
+        mukca_text_put(&text, "nothing (is the sender on this network, and the multicast route?)");
 }
 
 /* The one channel heard whose messages fit the arm. */
@@ -149,10 +153,9 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
         return r->problem.status;
     }
     if (status == MUKCA_NEGATIVE) {
-        char heard[MUKCA_RECORDER_LINE - 100];
-        describe_heard(r, heard, sizeof heard);
-        return mukca_fail(error, MUKCA_TRANSPORT, "no joint state%s%s; heard: %s",
-                          r->channel[0] ? " on " : "", r->channel, heard);
+        char line[MUKCA_RECORDER_LINE];
+        describe_silence(r, line, "");
+        return mukca_fail(error, MUKCA_TRANSPORT, "%s", line);
     }
     r->connected = true;
     /* what was read ahead of a log is to be recorded, too */
@@ -171,11 +174,11 @@ static void watch(mukca_recorder *r, int64_t age)
         r->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
     }
     if (r->silent || age < SILENCE_US) return;
-    char heard[MUKCA_RECORDER_LINE - 100];
+    char line[MUKCA_RECORDER_LINE], since[40];
     r->silent = true;
-    describe_heard(r, heard, sizeof heard);
-    mukca_recorder_report(r, "no joint state%s%s for %.1f s; heard instead: %s",
-                          r->channel[0] ? " on " : "", r->channel, 1e-6 * (double)age, heard);
+    snprintf(since, sizeof since, " for %.1f s", 1e-6 * (double)age);
+    describe_silence(r, line, since);
+    mukca_recorder_report(r, "%s", line);
 }
 
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,

@@ -11,11 +11,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "record/server.h"
 
 extern char **environ;
-
-enum { MAX_JSON = 1 << 24 /* bytes; that of seven joints takes some 100 kB */ };
 
 static const char *verb_of(const mukca_server_job *job)
 {
@@ -64,18 +63,6 @@ mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
     return spawn(s, arguments, error);
 }
 
-/* A whole text file; NULL where there is none.  Free it. */
-static char *read_text(const char *path)
-{
-    FILE *file = fopen(path, "r");
-    if (!file) return NULL;
-    char *text = malloc(MAX_JSON + 1);
-    size_t n = text ? fread(text, 1, MAX_JSON, file) : 0;
-    fclose(file);
-    if (text) text[n] = '\0';
-    return text;
-}
-
 static double mean_error(const json_t *train, const char *key)
 {
     double sum = 0;
@@ -108,15 +95,12 @@ static void summarise(char line[MUKCA_RECORDER_LINE], const mukca_server *s, con
 /* The last line of the command's standard error. */
 static void read_error(char line[MUKCA_RECORDER_LINE], const mukca_server *s)
 {
-    char *text = read_text(s->job.errors);
+    char *text;
+    mukca_error error;
+    (void)mukca_file_read(&text, s->job.errors, &error);
     snprintf(line, MUKCA_RECORDER_LINE, "the calculation failed without a message");
-    for (char *at = text; at && *at;) {
-        char *end = at + strcspn(at, "\n");
-        bool last = *end == '\0' || end[1] == '\0';
-        *end = '\0';
-        if (*at) snprintf(line, MUKCA_RECORDER_LINE, "%.300s", at);
-        at = last ? NULL : end + 1;
-    }
+    for (char *at = text ? strtok(text, "\n") : NULL; at; at = strtok(NULL, "\n"))
+        snprintf(line, MUKCA_RECORDER_LINE, "%.300s", at);
     free(text);
     unlink(s->job.errors);
 }
@@ -126,63 +110,66 @@ void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer
     mukca_message_result *m = &s->result;
     const mukca_chain *chain = s->recorder.chain;
     int n = answer->table ? mukca_offsets_rows(s->rows, answer->table, chain) : 0;
-    memset(m, 0, sizeof *m);
-    m->utime = mukca_lcm_link_clock(s->recorder.link);
-    m->id = answer->id;
-    m->verb = answer->verb;
-    m->code = (int)answer->code;
-    m->text = answer->text;
-    m->robot = chain->robot;
-    m->urdf_sha256 = chain->urdf_sha256;
-    m->base = chain->base;
-    m->tip = chain->tip;
-    m->stream = answer->table ? s->state.model_stream : mukca_recorder_stream(&s->recorder);
-    m->n = n < MUKCA_MESSAGE_ROWS ? n : MUKCA_MESSAGE_ROWS;
+    *m = (mukca_message_result){
+        .utime = mukca_lcm_link_clock(s->recorder.link),
+        .id = answer->id,
+        .verb = answer->verb,
+        .code = (int)answer->code,
+        .text = answer->text,
+        .robot = chain->robot,
+        .urdf_sha256 = chain->urdf_sha256,
+        .base = chain->base,
+        .tip = chain->tip,
+        .stream = answer->table ? s->state.model_stream : mukca_recorder_stream(&s->recorder),
+        .n = n < MUKCA_MESSAGE_ROWS ? n : MUKCA_MESSAGE_ROWS,
+        .json = answer->json};
     for (int i = 0; i < m->n; i++) {
-        m->joint[i] = s->rows[i].joint;
-        m->parameter[i] = s->rows[i].parameter;
-        m->unit[i] = s->rows[i].unit;
-        m->nominal[i] = s->rows[i].nominal;
-        m->calibrated[i] = s->rows[i].calibrated;
-        m->offset[i] = s->rows[i].offset;
-        m->sigma[i] = s->rows[i].sigma;
-        m->identifiable[i] = s->rows[i].identifiable;
+        const mukca_offset_row *row = &s->rows[i];
+        m->joint[i] = row->joint;
+        m->parameter[i] = row->parameter;
+        m->unit[i] = row->unit;
+        m->nominal[i] = row->nominal;
+        m->calibrated[i] = row->calibrated;
+        m->offset[i] = row->offset;
+        m->sigma[i] = row->sigma;
+        m->identifiable[i] = row->identifiable;
     }
-    m->json = answer->json;
     (void)mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_RESULT, m);
+}
+
+/* Use the table that the job has written. */
+static mukca_status use_table(mukca_server *s, mukca_error *error)
+{
+    mukca_server_state *state = &s->state;
+    const mukca_server_state before = *state;
+    snprintf(state->model, sizeof state->model, "%s", strrchr(s->job.offsets, '/') + 1);
+    snprintf(state->model_stream, sizeof state->model_stream, "%s",
+             mukca_recorder_stream(&s->recorder));
+    mukca_status status = mukca_server_load_model(s, error);
+    if (status == MUKCA_OK) status = mukca_server_save_state(s, error);
+    if (status != MUKCA_OK) *state = before;
+    return status;
 }
 
 static void report(mukca_server *s, mukca_status code)
 {
-    char line[MUKCA_RECORDER_LINE];
+    char line[MUKCA_RECORDER_LINE], *json = NULL;
     mukca_error error;
-    mukca_offsets *table = NULL;
-    bool done = code == MUKCA_OK || code == MUKCA_NEGATIVE;
-    char *json = done ? read_text(s->job.json) : NULL;
+    mukca_server_answer answer = {
+        .id = s->job.id, .verb = verb_of(&s->job), .text = line, .code = code};
     read_error(line, s);
-    if (json) summarise(line, s, json);
-    if (done) {
-        const char *name = strrchr(s->job.offsets, '/') + 1;
-        mukca_server_state before = s->state;
-        snprintf(s->state.model, sizeof s->state.model, "%s", name);
-        snprintf(s->state.model_stream, sizeof s->state.model_stream, "%s",
-                 mukca_recorder_stream(&s->recorder));
-        mukca_status status = mukca_server_load_model(s, &error);
-        if (status == MUKCA_OK) status = mukca_server_save_state(s, &error);
-        if (status) {
-            s->state = before;
-            snprintf(line, sizeof line, "%s", error.text);
-            code = status;
+    if (code == MUKCA_OK || code == MUKCA_NEGATIVE) {
+        (void)mukca_file_read(&json, s->job.json, &error);
+        if (json) summarise(line, s, json);
+        mukca_status status = use_table(s, &error);
+        if (status == MUKCA_OK) {
+            answer.table = &s->pose.offsets;
         } else {
-            table = &s->pose.offsets;
+            snprintf(line, sizeof line, "%s", error.text);
+            answer.code = status;
         }
+        answer.json = json;
     }
-    mukca_server_answer answer = {.id = s->job.id,
-                                  .verb = verb_of(&s->job),
-                                  .text = line,
-                                  .json = json,
-                                  .code = code,
-                                  .table = table};
     mukca_server_send_answer(s, &answer);
     mukca_recorder_report(&s->recorder, "%s: %s", answer.verb, line);
     free(json);
