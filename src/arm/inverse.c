@@ -1,4 +1,5 @@
-/* Damped least squares with an active set of joint limits and a pull within the null space.
+/* Damped least squares with an active set of joint limits and a preferred posture in the null
+ * space.
  *
  * Each step solves (J J' + mu I) y = e for the task error e (at most 6 numbers) and moves by
  * dq = J' y + (I - J'(J J' + mu I)^-1 J) g, where g leads to the preferred posture.  A joint that
@@ -66,16 +67,16 @@ static void step(double *dq, const point *at, const bool *fixed, const double *p
 {
     const int n = p->chain->n_joints, m = p->rows;
     const double *J = at->J;
-    const double gain = p->options->posture_gain > 0 ? p->options->posture_gain : 0.2;
-    double A[TASK * TASK], y[TASK], pull[MUKCA_MAX_JOINTS] = {0}, trace = 0, largest = 0;
+    const double gain = 0.2; /* share of the way to the posture per step */
+    double A[TASK * TASK], y[TASK], toward[MUKCA_MAX_JOINTS] = {0}, trace = 0, largest = 0;
     for (int j = 0; j < n; j++)
-        if (posture && !fixed[j]) pull[j] = gain * (posture[j] - at->q[j]);
+        if (posture && !fixed[j]) toward[j] = gain * (posture[j] - at->q[j]);
     for (int a = 0; a < m; a++) {
         y[a] = at->error[a];
         for (int b = 0; b < m; b++) A[a * m + b] = 0;
         for (int j = 0; j < n; j++) {
             if (fixed[j]) continue;
-            y[a] -= J[a * n + j] * pull[j];
+            y[a] -= J[a * n + j] * toward[j];
             for (int b = 0; b <= a; b++) A[a * m + b] += J[a * n + j] * J[b * n + j];
         }
         trace += A[a * m + a];
@@ -88,7 +89,7 @@ static void step(double *dq, const point *at, const bool *fixed, const double *p
         memset(y, 0, sizeof y);
     }
     for (int j = 0; j < n; j++) {
-        dq[j] = pull[j];
+        dq[j] = toward[j];
         for (int a = 0; a < m; a++) dq[j] += fixed[j] ? 0 : J[a * n + j] * y[a];
         largest = fmax(largest, fabs(dq[j]));
     }
@@ -99,7 +100,7 @@ static void step(double *dq, const point *at, const bool *fixed, const double *p
 static bool within(double q, int joint, const problem *p)
 {
     const mukca_element *e = &p->chain->element[p->chain->joint_element[joint]];
-    return p->options->ignore_limits || (q > e->lower && q < e->upper);
+    return q > e->lower && q < e->upper;
 }
 
 /* next = q + dq; joints that would leave their range stop at the limit and are marked in fixed.

@@ -10,20 +10,18 @@
 /* What effects add at q (mukca_effects_displacement and the like). */
 typedef void mukca_displace_fn(mukca_displacement *displacement, const double *q, void *context);
 
-/* Zeroed: 100 steps, 1e-9 m and rad, limits kept, no posture preferred, no effects. */
+/* Zeroed: 100 steps, 1e-9 m and rad, no posture preferred, no effects. */
 typedef struct {
     int max_steps;
     double tolerance;            /* m, and rad where a rotation is wanted */
-    const double *posture;       /* [n_joints] drawn to in the null space, or NULL */
-    double posture_gain;         /* share of the way per step; 0: 0.2 */
-    bool ignore_limits;          /* of the joints */
+    const double *posture;       /* [n_joints] preferred in the null space, or NULL */
     mukca_displace_fn *displace; /* or NULL */
     void *context;               /* of displace */
 } mukca_inverse_options;
 
 typedef struct {
     bool reached; /* within the tolerance */
-    bool limited; /* a joint stands at its limit */
+    bool limited; /* a joint is at its limit */
     int steps;
     double position_error; /* m, |target - reached| */
     double rotation_error; /* rad; 0 where only a position was wanted */

@@ -76,7 +76,7 @@ static void gather(writer *w)
         if (sum)
             *sum += o->effects[e].coefficient[0];
         else
-            fprintf(w->stream, "     Left out, no spring or stop behaves like it: %s of %s\n",
+            fprintf(w->stream, "     Not represented by a spring or stop: %s of %s\n",
                     mukca_effect_table[o->effects[e].kind]->name, joint ? joint : "the arm");
     }
 }
@@ -85,23 +85,22 @@ static void gather(writer *w)
  * which matters for the time to come to rest only.  MuJoCo refuses moving bodies without mass. */
 static void print_inertial(const writer *w, int k, bool moves)
 {
+    const double ball = 0.4 * 0.05 * 0.05; /* 2/5 r^2, a solid ball */
     double kg = 0, com[3] = {0, 0, 0}, inertia = 0;
-    for (int m = 0; m < w->chain->n_masses; m++) {
+    for (int m = 0; m < w->chain->n_masses; m++) { /* centre and inertia: parallel axes */
         const mukca_mass *mass = &w->chain->mass[m];
-        if (mass->element != k) continue;
+        if (mass->element != k || !(mass->kg > 0)) continue;
+        const double share = mass->kg / (kg + mass->kg);
+        double d[3];
+        for (int i = 0; i < 3; i++) {
+            d[i] = mass->com[i] - com[i];
+            com[i] += share * d[i];
+        }
+        inertia += mass->kg * ball + kg * share * mukca_dot3(d, d);
         kg += mass->kg;
-        for (int i = 0; i < 3; i++) com[i] += mass->kg * mass->com[i];
     }
-    for (int i = 0; i < 3 && kg > 0; i++) com[i] /= kg;
-    for (int m = 0; m < w->chain->n_masses; m++) {
-        const mukca_mass *mass = &w->chain->mass[m];
-        if (mass->element != k) continue;
-        double square = 0.4 * 0.05 * 0.05; /* 2/5 r^2, a solid ball */
-        for (int i = 0; i < 3; i++) square += (mass->com[i] - com[i]) * (mass->com[i] - com[i]);
-        inertia += mass->kg * square;
-    }
+    if (!(kg > 0) && !moves) return;
     if (!(kg > 0)) {
-        if (!moves) return;
         kg = 1e-6;
         inertia = 1e-9;
     }
@@ -114,17 +113,22 @@ static void print_inertial(const writer *w, int k, bool moves)
     fputs("/>\n", w->stream);
 }
 
-/* A spring of that compliance.  Damping / stiffness is the time constant of its creep, 20 ms: the
- * arm comes to rest within a second, and no link oscillates. */
-static void print_spring(const writer *w, const char *joint, const char *suffix, const char *type,
-                         const double axis[3], double compliance)
+/* The beginning of a joint: its name, type and axis (may be NULL). */
+static void open_joint(const writer *w, const char *joint, const char *suffix, const char *type,
+                       const double *axis)
 {
-    const double stiffness = 1 / compliance, damping = 2e-2 * stiffness;
     indent(w);
     fputs("<joint", w->stream);
     name(w, "name", joint, suffix);
     fprintf(w->stream, " type=\"%s\"", type);
     if (axis) numbers(w, "axis", axis, 3);
+}
+
+/* A spring of that compliance.  Damping / stiffness is the time constant of its creep, 20 ms: the
+ * arm comes to rest within a second, and no link oscillates. */
+static void print_spring(const writer *w, double compliance)
+{
+    const double stiffness = 1 / compliance, damping = 2e-2 * stiffness;
     numbers(w, "stiffness", &stiffness, 1);
     numbers(w, "damping", &damping, 1);
     fputs("/>\n", w->stream);
@@ -135,33 +139,24 @@ static void print_joints(const writer *w, const mukca_element *e)
 {
     const elasticity *g = &w->joint[e->joint];
     const char *type = e->type == MUKCA_PRISMATIC ? "slide" : "hinge";
-    double e1[3], e2[3];
-    if (g->bending > 0) {
-        mukca_rotation_transverse(e1, e2, e->axis);
-        print_spring(w, e->name, "_bend_1", "hinge", e1, g->bending);
-        print_spring(w, e->name, "_bend_2", "hinge", e2, g->bending);
+    const double range[2] = {e->lower, e->upper}, play[2] = {-0.5 * g->play, 0.5 * g->play};
+    double across[2][3];
+    mukca_rotation_transverse(across[0], across[1], e->axis);
+    for (int i = 0; i < 2 && g->bending > 0; i++) {
+        open_joint(w, e->name, i ? "_bend_2" : "_bend_1", "hinge", across[i]);
+        print_spring(w, g->bending);
     }
-    indent(w);
-    fputs("<joint", w->stream);
-    name(w, "name", e->name, "");
-    fprintf(w->stream, " type=\"%s\"", type);
-    numbers(w, "axis", e->axis, 3);
-    if (isfinite(e->lower) && isfinite(e->upper)) {
-        const double range[2] = {e->lower, e->upper};
-        numbers(w, "range", range, 2);
-    }
-    /* the rotor's inertia, kg m^2 (rough): separates the motor's side of a spring from the link's
-     */
+    open_joint(w, e->name, "", type, e->axis);
+    if (isfinite(e->lower) && isfinite(e->upper)) numbers(w, "range", range, 2);
+    /* the rotor's inertia, kg m^2 (rough): separates motor and link of a spring */
     fputs(g->angle > 0 || g->play > 0 ? " armature=\"0.1\"/>\n" : "/>\n", w->stream);
-    if (g->angle > 0) print_spring(w, e->name, "_flex", type, e->axis, g->angle);
+    if (g->angle > 0) {
+        open_joint(w, e->name, "_flex", type, e->axis);
+        print_spring(w, g->angle);
+    }
     if (g->play > 0) {
-        const double range[2] = {-0.5 * g->play, 0.5 * g->play};
-        indent(w);
-        fputs("<joint", w->stream);
-        name(w, "name", e->name, "_play");
-        fprintf(w->stream, " type=\"%s\"", type);
-        numbers(w, "axis", e->axis, 3);
-        numbers(w, "range", range, 2);
+        open_joint(w, e->name, "_play", type, e->axis);
+        numbers(w, "range", play, 2);
         fputs(
             " armature=\"0.1\" damping=\"1\" solreflimit=\"0.005 1\" solimplimit=\"0.99 0.999 "
             "1e-4\"/>\n",
@@ -201,7 +196,8 @@ static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input, mu
     open_body(&w, chain->base, NULL, NULL);
     if (w.base > 0) {
         open_body(&w, "base_flex", NULL, NULL);
-        print_spring(&w, "base_flex", "", "ball", NULL, w.base);
+        open_joint(&w, "base_flex", "", "ball", NULL);
+        print_spring(&w, w.base);
         print_inertial(&w, -2, true);
     }
     for (int k = 0; k < chain->n_elements; k++) {

@@ -1,5 +1,4 @@
 /* The user's URDF with the origins of the chain patched in place; every other byte stays. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -9,18 +8,11 @@
 
 enum { VALUE_SIZE = 3 * 64 }; /* mukca_number_parse_list takes words of at most 63 letters */
 
-/* text[start, stop) of the URDF becomes `replacement`, after a copy of `copied` bytes from `start`.
- */
+/* tag[start, stop) becomes `replacement`. */
 typedef struct {
-    size_t start, stop, copied;
-    char replacement[2 * VALUE_SIZE + 32];
+    size_t start, stop;
+    char replacement[VALUE_SIZE + 8];
 } edit;
-
-typedef struct {
-    mukca_urdf_text urdf;
-    edit edits[2 * MUKCA_MAX_ELEMENTS];
-    int n;
-} patch;
 
 /* Bytes of the value of an attribute inside tag[length], without its quotes; false where absent. */
 static bool find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
@@ -66,100 +58,108 @@ static void format_vector(char value[VALUE_SIZE], const double v[3], const doubl
     }
 }
 
-/* Set attribute `name` of an origin's tag to v, where it was `nominal`. */
-static void set_attribute(patch *p, const mukca_urdf_joint *joint, const char *name,
-                          const double v[3], const double nominal[3])
+/* Attribute `name` of the origin tag[length] becomes v, where it was `nominal`. */
+static void edit_attribute(edit *e, const char *tag, size_t length, const char *name,
+                           const double v[3], const double nominal[3])
 {
-    const char *tag = p->urdf.text + joint->origin_start;
-    const size_t length = joint->origin_stop - joint->origin_start;
-    size_t start, stop;
     char value[VALUE_SIZE];
-    edit *e = &p->edits[p->n];
-    if (memcmp(v, nominal, 3 * sizeof *v) == 0) return;
-    p->n++;
-    if (find_attribute(&start, &stop, tag, length, name)) {
-        format_vector(e->replacement, v, nominal, tag + start, stop - start);
-    } else {
-        start = length - (length >= 2 && tag[length - 2] == '/' ? 2 : 1);
-        while (start && strchr(" \t\r\n", tag[start - 1])) start--;
-        stop = start;
-        format_vector(value, v, nominal, "", 0);
-        snprintf(e->replacement, sizeof e->replacement, " %s=\"%s\"", name, value);
+    if (find_attribute(&e->start, &e->stop, tag, length, name)) {
+        format_vector(e->replacement, v, nominal, tag + e->start, e->stop - e->start);
+        return;
     }
-    e->start = joint->origin_start + start;
-    e->stop = joint->origin_start + stop;
+    e->start = length - (length >= 2 && tag[length - 2] == '/' ? 2 : 1);
+    while (e->start && strchr(" \t\r\n", tag[e->start - 1])) e->start--;
+    e->stop = e->start;
+    format_vector(value, v, nominal, "", 0);
+    snprintf(e->replacement, sizeof e->replacement, " %s=\"%s\"", name, value);
 }
 
-/* A new origin behind the joint's tag, after the white space that follows the tag. */
-static void insert_origin(patch *p, const mukca_urdf_joint *joint,
-                          const mukca_export_origin *origin)
+/* The origin's tag with the attributes that changed. */
+static void write_tag(FILE *stream, const char *tag, size_t length,
+                      const mukca_export_origin *origin, const mukca_element *nominal)
 {
-    static const double none[3] = {0, 0, 0};
-    char xyz[VALUE_SIZE], rpy[VALUE_SIZE];
-    edit *e = &p->edits[p->n++];
-    format_vector(xyz, origin->xyz, none, "", 0);
-    format_vector(rpy, origin->rpy, none, "", 0);
-    e->start = e->stop = joint->tag_end;
-    e->copied = strspn(p->urdf.text + joint->tag_end, " \t\r\n");
-    snprintf(e->replacement, sizeof e->replacement, "<origin xyz=\"%s\" rpy=\"%s\"/>", xyz, rpy);
+    edit edits[2];
+    int n = 0;
+    size_t at = 0;
+    if (memcmp(origin->xyz, nominal->xyz, sizeof origin->xyz) != 0)
+        edit_attribute(&edits[n++], tag, length, "xyz", origin->xyz, nominal->xyz);
+    if (memcmp(origin->rpy, nominal->rpy, sizeof origin->rpy) != 0)
+        edit_attribute(&edits[n++], tag, length, "rpy", origin->rpy, nominal->rpy);
+    const int first = n == 2 && edits[1].start < edits[0].start;
+    for (int i = 0; i < n; i++) {
+        const edit *e = &edits[i ^ first];
+        fwrite(tag + at, 1, e->start - at, stream);
+        fputs(e->replacement, stream);
+        at = e->stop;
+    }
+    fwrite(tag + at, 1, length - at, stream);
 }
 
-static mukca_status add_edits(patch *p, const mukca_export_input *input, int element,
-                              mukca_error *error)
+/* A new origin, which goes behind the white space that follows the joint's tag. */
+static void write_new_tag(FILE *stream, const mukca_export_origin *origin)
+{
+    fputs("<origin xyz=\"", stream);
+    mukca_export_numbers(stream, origin->xyz, 3, " ");
+    fputs("\" rpy=\"", stream);
+    mukca_export_numbers(stream, origin->rpy, 3, " ");
+    fputs("\"/>", stream);
+}
+
+/* The origin of an element; false where it is the URDF's own. */
+static bool get_changed(mukca_export_origin *origin, const mukca_export_input *input, int element)
 {
     const mukca_element *nominal = &input->chain->element[element];
-    const mukca_urdf_joint *joint = mukca_urdf_text_joint(&p->urdf, nominal->name);
+    mukca_export_get_origin(origin, input, element);
+    return memcmp(origin->xyz, nominal->xyz, sizeof origin->xyz) != 0 ||
+           memcmp(origin->rpy, nominal->rpy, sizeof origin->rpy) != 0;
+}
+
+static mukca_status check(const mukca_urdf_text *urdf, const mukca_export_input *input,
+                          mukca_error *error)
+{
     mukca_export_origin origin;
-    mukca_export_get_origin(&origin, input, element);
-    if (memcmp(origin.xyz, nominal->xyz, sizeof origin.xyz) == 0 &&
-        memcmp(origin.rpy, nominal->rpy, sizeof origin.rpy) == 0)
-        return MUKCA_OK;
-    if (!joint || !p->urdf.located)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s: joint '%s' cannot be located in this encoding; save the file as "
-                          "UTF-8",
-                          mukca_file_shown(input->urdf_path), nominal->name);
-    if (joint->has_origin) {
-        set_attribute(p, joint, "xyz", origin.xyz, nominal->xyz);
-        set_attribute(p, joint, "rpy", origin.rpy, nominal->rpy);
-    } else {
-        insert_origin(p, joint, &origin);
+    const char *shown = mukca_file_shown(input->urdf_path);
+    if (strcmp(urdf->sha256, input->chain->urdf_sha256) != 0)
+        return mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again", shown);
+    for (int k = 0; k < input->chain->n_elements; k++) {
+        const char *name = input->chain->element[k].name;
+        if (get_changed(&origin, input, k) &&
+            (!urdf->located || !mukca_urdf_text_joint(urdf, name)))
+            return mukca_fail(error, MUKCA_INPUT,
+                              "%s: joint '%s' cannot be located in this encoding; save the file as "
+                              "UTF-8",
+                              shown, name);
     }
     return MUKCA_OK;
 }
 
-/* By place; of two new attributes at the same place, xyz before rpy. */
-static int compare_edits(const void *a, const void *b)
-{
-    const edit *x = a, *y = b;
-    if (x->start != y->start) return x->start > y->start ? 1 : -1;
-    return strcmp(y->replacement, x->replacement);
-}
-
 static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
-    patch *p = calloc(1, sizeof *p);
-    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_status status = mukca_urdf_text_read(&p->urdf, input->urdf_path, error);
-    if (status == MUKCA_OK && strcmp(p->urdf.sha256, input->chain->urdf_sha256) != 0)
-        status = mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again",
-                            mukca_file_shown(input->urdf_path));
-    for (int k = 0; k < input->chain->n_elements && status == MUKCA_OK; k++)
-        status = add_edits(p, input, k, error);
-    if (status == MUKCA_OK) {
-        size_t at = 0;
-        qsort(p->edits, (size_t)p->n, sizeof *p->edits, compare_edits);
-        for (int i = 0; i < p->n; i++) {
-            const edit *e = &p->edits[i];
-            fwrite(p->urdf.text + at, 1, e->start - at, stream);
-            fwrite(p->urdf.text + e->start, 1, e->copied, stream);
-            fputs(e->replacement, stream);
-            at = e->stop;
+    mukca_urdf_text urdf;
+    mukca_status status = mukca_urdf_text_read(&urdf, input->urdf_path, error);
+    if (status != MUKCA_OK) return status;
+    status = check(&urdf, input, error);
+    const char *at = urdf.text; /* joints follow each other as in the text */
+    for (int i = 0; i < urdf.n_joints && status == MUKCA_OK; i++) {
+        const mukca_urdf_joint *joint = &urdf.joints[i];
+        const int k = mukca_chain_find_element(input->chain, joint->name);
+        mukca_export_origin origin;
+        if (k < 0 || !get_changed(&origin, input, k)) continue;
+        const char *start = urdf.text + joint->origin_start, *stop = urdf.text + joint->origin_stop;
+        if (!joint->has_origin) {
+            start = urdf.text + joint->tag_end;
+            start += strspn(start, " \t\r\n");
+            stop = urdf.text + joint->tag_end;
         }
-        fputs(p->urdf.text + at, stream);
+        fwrite(at, 1, (size_t)(start - at), stream);
+        if (joint->has_origin)
+            write_tag(stream, start, (size_t)(stop - start), &origin, &input->chain->element[k]);
+        else
+            write_new_tag(stream, &origin);
+        at = stop;
     }
-    mukca_urdf_text_free(&p->urdf);
-    free(p);
+    if (status == MUKCA_OK) fputs(at, stream);
+    mukca_urdf_text_free(&urdf);
     return status;
 }
 

@@ -18,6 +18,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/note.h"
+
 enum { LINE_SIZE = 8192, MAX_SESSION = 1 << 27 };
 
 /* A line under construction. */
@@ -72,8 +74,7 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
         return MUKCA_OK;
     }
     mukca_status status = fail(session, "not recorded", error);
-    if (ftruncate(fd, session->length)) { /* no newline follows: resume removes it */
-    }
+    (void)!ftruncate(fd, session->length); /* else no newline follows, and resume removes it */
     return status;
 }
 
@@ -119,8 +120,7 @@ mukca_status mukca_session_undo(mukca_session *session, const char *placement, c
     append(&l, "# undone: row %d, placement %s, socket %s (the line that now begins with #)\n",
            session->n_rows, placement, socket);
     session->n_rows--;
-    mukca_error none; /* without this note the row is undone all the same */
-    (void)commit(session, l.text, l.length, &none);
+    (void)commit(session, l.text, l.length, NULL); /* without it the row is undone all the same */
     return MUKCA_OK;
 }
 
@@ -145,33 +145,45 @@ static void format_columns(line *l, const mukca_session *session, const mukca_se
 }
 
 /* "# key: value" lines whose values must be the same on resume. */
-static const char *head_value(const mukca_session_head *head, int key)
+typedef struct {
+    const char *key, *value, *refusal;
+} origin;
+
+enum { ORIGINS = 2 };
+
+static void list_origins(origin list[ORIGINS], const mukca_session_head *head)
 {
-    return key == 0 ? head->chain->urdf_sha256 : head->stream;
+    list[0] = (origin){"# urdf_sha256: ", head->chain->urdf_sha256,
+                       "recorded with another URDF; use that one: SHA-256"};
+    list[1] = (origin){"# stream: ", head->stream, "do not mix streams; recorded with --stream"};
 }
-static const char *const head_key[] = {"urdf_sha256", "stream"};
+
 static const char first_line[] = "# mukca session\n";
 
-static mukca_status write_head(mukca_session *session, const mukca_session_head *head,
-                               mukca_error *error)
+/* Empty the file and write the header. */
+static mukca_status begin(mukca_session *session, const mukca_session_head *head,
+                          mukca_error *error)
 {
     line l = {.length = 0};
+    origin list[ORIGINS];
+    if (ftruncate(session->fd - 1, 0)) return fail(session, "cannot be overwritten", error);
+    session->length = 0;
     append(&l, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, head->chain->robot,
            head->chain->base, head->chain->tip);
-    for (int k = 0; k < 2; k++) append(&l, "# %s: %s\n", head_key[k], head_value(head, k));
+    list_origins(list, head);
+    for (int k = 0; k < ORIGINS; k++) append(&l, "%s%s\n", list[k].key, list[k].value);
     append(&l, "# channel: %s (%s)\n", head->channel, head->type);
     append(&l,
            "# a row is the mean of a still window; .spread is the standard deviation within it\n");
     format_columns(&l, session, head);
     mukca_status status = commit(session, l.text, l.length, error);
     if (status != MUKCA_OK) return status;
-    /* the file's name must survive a power cut too */
+    /* the file's name must survive a power cut too, where the file system can */
     char folder[sizeof session->path];
     memcpy(folder, session->path, sizeof folder);
     int fd = open(dirname(folder), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd >= 0) {
-        if (fsync(fd)) { /* not every file system can */
-        }
+        (void)!fsync(fd);
         close(fd);
     }
     return MUKCA_OK;
@@ -208,21 +220,32 @@ mukca_status mukca_session_create(mukca_session *session, const char *path, bool
                                   const mukca_session_head *head, mukca_error *error)
 {
     mukca_status status = open_file(session, path, force ? 0 : O_EXCL, head, error);
-    if (!status && session->length && ftruncate(session->fd - 1, 0))
-        status = fail(session, "cannot be overwritten", error);
     if (status == MUKCA_OK) {
-        session->length = 0;
-        status = write_head(session, head, error);
-        if (status && !force) unlink(path);
+        status = begin(session, head, error);
+        if (status != MUKCA_OK && !force) unlink(path);
     }
-    if (status) mukca_session_close(session);
+    if (status != MUKCA_OK) mukca_session_close(session);
     return status;
 }
 
 /* ---- resuming ---- */
 
-/* Check "# key: value" lines and the column line (is there one?), and find the rows.
- * text[session->length] ends in a newline and is NUL-terminated; it is cut up. */
+static mukca_status check_comment(const mukca_session *session, const char *comment,
+                                  const mukca_session_head *head, mukca_error *error)
+{
+    origin list[ORIGINS];
+    list_origins(list, head);
+    for (int k = 0; k < ORIGINS; k++) {
+        const size_t n = strlen(list[k].key);
+        if (strncmp(comment, list[k].key, n) == 0 && strcmp(comment + n, list[k].value) != 0)
+            return mukca_fail(error, MUKCA_INPUT, "%s: %s %.16s", session->path, list[k].refusal,
+                              comment + n);
+    }
+    return MUKCA_OK;
+}
+
+/* Check the comments and the column line (is there one?), and find the rows.  text, which is cut
+ * up, is empty or ends in a newline. */
 static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
                          const mukca_session_head *head, mukca_error *error)
 {
@@ -236,24 +259,14 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
         *end = '\0';
         if (end > at && end[-1] == '\r') end[-1] = '\0';
         if (at[0] == '#') {
-            for (int k = 0; k < 2; k++) {
-                size_t n = strlen(head_key[k]);
-                if (strncmp(at, "# ", 2) != 0 || strncmp(at + 2, head_key[k], n) != 0 ||
-                    strncmp(at + 2 + n, ": ", 2) != 0 ||
-                    strcmp(at + 4 + n, head_value(head, k)) == 0)
-                    continue;
-                return mukca_fail(error, MUKCA_INPUT,
-                                  k == 0 ? "%s: recorded with another URDF (SHA-256 "
-                                           "%.16s...); use that one"
-                                         : "%s: recorded with --stream %s; do not mix",
-                                  session->path, at + 4 + n);
-            }
+            mukca_status status = check_comment(session, at, head, error);
+            if (status != MUKCA_OK) return status;
         } else if (at[0] && !*has_columns) {
             if (strcmp(at, columns.text) != 0)
-                return mukca_fail(error, MUKCA_INPUT,
-                                  "%s: other columns than those of this stream; begin "
-                                  "another session",
-                                  session->path);
+                return mukca_fail(
+                    error, MUKCA_INPUT,
+                    "%s: other columns than those of this stream; begin another session",
+                    session->path);
             *has_columns = true;
         } else if (at[0]) {
             if (!grow(session)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
@@ -263,57 +276,48 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
     return MUKCA_OK;
 }
 
+/* The whole lines of the file as *text; session->length becomes theirs.  `rest`: bytes after them;
+ * `ours`: it begins as a session does. */
+static mukca_status load(char **text, int64_t *rest, bool *ours, mukca_session *session,
+                         mukca_error *error)
+{
+    const int64_t length = session->length;
+    if (length > MAX_SESSION)
+        return mukca_fail(error, MUKCA_INPUT, "%s: too large for a session", session->path);
+    *text = malloc((size_t)length + 1);
+    if (!*text) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (pread(session->fd - 1, *text, (size_t)length, 0) != length)
+        return fail(session, "cannot be read", error);
+    const size_t head = strlen(first_line);
+    *ours = strncmp(*text, first_line, (size_t)length < head ? (size_t)length : head) == 0;
+    while (session->length > 0 && (*text)[session->length - 1] != '\n') session->length--;
+    (*text)[session->length] = '\0';
+    *rest = length - session->length;
+    return MUKCA_OK;
+}
+
 mukca_status mukca_session_resume(mukca_session *session, const char *path,
                                   const mukca_session_head *head, mukca_note_fn *note,
                                   void *note_context, mukca_error *error)
 {
     char *text = NULL;
+    int64_t rest = 0;
+    bool ours = true, begun = false;
     mukca_status status = open_file(session, path, 0, head, error);
-    if (status != MUKCA_OK) goto out;
-    if (session->length > MAX_SESSION) {
-        status = mukca_fail(error, MUKCA_INPUT, "%s: too large for a session", path);
-        goto out;
+    if (status == MUKCA_OK) status = load(&text, &rest, &ours, session, error);
+    if (status == MUKCA_OK) status = scan(session, &begun, text, head, error);
+    if (status == MUKCA_OK && !begun) /* empty, or a header that a power cut left unfinished */
+        status = ours ? begin(session, head, error)
+                      : mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);
+    else if (status == MUKCA_OK && rest) {
+        if (ftruncate(session->fd - 1, session->length))
+            status = fail(session, "cannot be mended", error);
+        else
+            mukca_note_format(note, note_context, "%s: %lld bytes of an unfinished row removed",
+                              path, (long long)rest);
     }
-    text = malloc((size_t)session->length + 1);
-    if (!text) {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-        goto out;
-    }
-    ssize_t got = pread(session->fd - 1, text, (size_t)session->length, 0);
-    if (got != session->length) {
-        status = fail(session, "cannot be read", error);
-        goto out;
-    }
-    const int64_t length = session->length;
-    int64_t whole = length;
-    while (whole > 0 && text[whole - 1] != '\n') whole--;
-    session->length = whole;
-    const size_t head_length = strlen(first_line);
-    const bool ours =
-        strncmp(text, first_line, (size_t)length < head_length ? (size_t)length : head_length) == 0;
-    text[whole] = '\0';
-    bool begun = whole > 0;
-    if (begun) status = scan(session, &begun, text, head, error);
-    if (status != MUKCA_OK) goto out;
-    if (begun && whole < length) { /* by now it is known to be a session */
-        char removed[1200];
-        snprintf(removed, sizeof removed, "%s: %lld bytes of an unfinished row removed", path,
-                 (long long)(length - whole));
-        if (ftruncate(session->fd - 1, whole)) status = fail(session, "cannot be mended", error);
-        if (!status && note) note(note_context, removed);
-    }
-    if (status || begun) goto out;
-    if (!ours) {
-        status = mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);
-    } else if (ftruncate(session->fd - 1, 0)) { /* a header that a power cut left unfinished */
-        status = fail(session, "cannot be mended", error);
-    } else {
-        session->length = 0;
-        status = write_head(session, head, error);
-    }
-out:
     free(text);
-    if (status) mukca_session_close(session);
+    if (status != MUKCA_OK) mukca_session_close(session);
     return status;
 }
 
