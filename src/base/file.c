@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* No URDF, table or type description comes near 64 MiB. */
-enum { FIRST = 1 << 14, LARGEST = 1 << 26 };
+/* No URDF, table or type description comes near 32 MiB. */
+enum { FIRST = 1 << 14, LARGEST = 1 << 25 };
 
 const char *mukca_file_shown(const char *path)
 {

@@ -9,7 +9,7 @@ extern "C" {
 #endif
 
 /* Read the file (`-`: standard input) into *text, ended by a zero byte; free it.  On failure *text
- * is NULL.  Errors: MUKCA_INPUT (cannot be read, a folder, larger than 64 MiB, holds a zero byte),
+ * is NULL.  Errors: MUKCA_INPUT (cannot be read, a folder, larger than 32 MiB, holds a zero byte),
  * MUKCA_MEMORY. */
 mukca_status mukca_file_read(char **text, const char *path, mukca_error *error);
 

@@ -46,7 +46,7 @@ static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
     t->cut_off = feof(t->stream) != 0;
     if (length == LONGEST_LINE - 1 && line[length - 1] != '\n')
         return mukca_table_fail(error, t, -1, "the line is longer than 1 MiB; this is no table");
-    if (!t->cut_off && (length == 0 || line[length - 1] != '\n'))
+    if (length == 0 || (!t->cut_off && line[length - 1] != '\n'))
         return mukca_table_fail(error, t, -1, "holds a zero byte; this is no text file");
     while (length && (line[length - 1] == '\n' || line[length - 1] == '\r')) line[--length] = '\0';
     if (strchr(line, '\r'))
