@@ -158,6 +158,8 @@ struct cli_call {
     const cli_command *command;
     void *options;        /* the command's options struct */
     cli_common *common;   /* the same memory */
+    int argc;             /* as given, after the command's name */
+    char **argv;          /* [argc] */
     cli_list arguments;   /* positionals */
     cli_session *session; /* zeroed, filled by cli_load; freed after the run */
     void *work;           /* zeroed memory of the command, freed after the run */

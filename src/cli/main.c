@@ -66,7 +66,7 @@ static mukca_status run_with_memory(cli_call *call)
 
 static mukca_status run_command(const cli_command *command, int argc, char **argv)
 {
-    cli_call call = {.command = command};
+    cli_call call = {.command = command, .argc = argc, .argv = argv};
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     call.started = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
