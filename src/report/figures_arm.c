@@ -72,7 +72,7 @@ static int middle_sample(const mukca_dataset *data, int placement)
     return -1;
 }
 
-/* Links and joints of one posture as blocks $arm<index> and $joints<index>. */
+/* Links and joints of one posture as block $arm<index>. */
 static void put_arm(view *v, const mukca_report *r, int index, int sample)
 {
     mukca_geometry geometry;
@@ -86,21 +86,30 @@ static void put_arm(view *v, const mukca_report *r, int index, int sample)
     if (chain->n_elements == r->chain->n_elements) put_point(v, origin);
     for (int k = 0; k < chain->n_elements; k++) put_point(v, before[k].p);
     put_point(v, tip.p);
-    fprintf(v->script, "EOD\n$joints%d << EOD\n", index);
-    for (int j = 0; j < chain->n_joints; j++) put_point(v, before[chain->joint_element[j]].p);
     fputs("EOD\n", v->script);
 }
 
-/* One posture for each placement, or one for a pose log; returns how many. */
-static int put_arms(view *v, const mukca_report *r)
+/* Each placement with its name, a plumb line to the base plane and a posture of the arm; one
+ * posture for a pose log.  Returns the number of postures. */
+static int put_placements(mukca_plot *plot, view *v, const mukca_report *r)
 {
     const int placements = r->data.n_placements;
-    int n = 0;
-    for (int p = placements > 0 ? 0 : -1; p < placements && n < MOST_ARMS; p++) {
+    int arms = 0;
+    for (int p = placements > 0 ? 0 : -1; p < placements; p++) {
         const int sample = middle_sample(&r->data, p);
-        if (sample >= 0) put_arm(v, r, n++, sample);
+        if (sample < 0) continue;
+        if (arms < MOST_ARMS) put_arm(v, r, arms++, sample);
+        if (p < 0) continue;
+        const double *tip = r->calibrated + 3 * sample, foot[3] = {tip[0], tip[1], 0};
+        double from[2], to[2];
+        project(from, v, tip);
+        project(to, v, foot);
+        fprintf(v->script, "set arrow from %.5f, %.5f to %.5f, %.5f nohead back dt 3 lw 0.8\n",
+                from[0], from[1], to[0], to[1]);
+        mukca_plot_label(plot, r->data.placements[p].name,
+                         "at %.5f, %.5f left offset 2.5, -1 front", from[0], from[1]);
     }
-    return n;
+    return arms;
 }
 
 /* Grid of the base plane under the base and all samples; returns its step, m. */
@@ -145,46 +154,6 @@ static void put_axes(const view *v)
     }
 }
 
-/* Where a sample's tip is in truth, or its socket's mean. */
-static void true_position(double p[3], const mukca_report *r, int sample)
-{
-    for (int k = 0; k < 3; k++) p[k] = r->calibrated[3 * sample + k] - r->residual[3 * sample + k];
-}
-
-/* Sockets as block $sockets; a plumb line from each placement to the base plane as $plumb, and its
- * name. */
-static void put_placements(mukca_plot *plot, view *v, const mukca_report *r)
-{
-    const mukca_dataset *data = &r->data;
-    double p[3], uv[2];
-    int drawn = -1; /* sockets have their samples in order of recording */
-    fputs("$sockets << EOD\n", v->script);
-    for (int i = 0; i < data->n_rows; i++) {
-        if (data->socket[i] <= drawn) continue;
-        drawn = data->socket[i];
-        true_position(p, r, i);
-        put_point(v, p);
-    }
-    fputs("EOD\n$plumb << EOD\n", v->script);
-    for (int k = 0; k < data->n_placements; k++) {
-        const int sample = middle_sample(data, k);
-        if (sample < 0) continue;
-        true_position(p, r, sample);
-        put_point(v, p);
-        p[2] = 0;
-        put_point(v, p);
-        fputs("\n", v->script);
-    }
-    fputs("EOD\n", v->script);
-    for (int k = 0; k < data->n_placements; k++) {
-        const int sample = middle_sample(data, k);
-        if (sample < 0) continue;
-        project(uv, v, r->calibrated + 3 * sample);
-        mukca_plot_label(plot, data->placements[k].name, "at %.5f, %.5f left offset 2.5, -1 front",
-                         uv[0], uv[1]);
-    }
-}
-
 /* The largest of 1, 2, 5, 10, 20, ... that is not above x. */
 static double round_down(double x)
 {
@@ -215,8 +184,10 @@ static int put_residuals(view *v, const mukca_report *r, const char *name, const
     fprintf(v->script, "$%s << EOD\n", name);
     for (int i = 0; i < r->data.n_rows; i += every) {
         double from[3], to[3];
-        true_position(from, r, i);
-        for (int k = 0; k < 3; k++) to[k] = from[k] + scale * residual[3 * i + k];
+        for (int k = 0; k < 3; k++) {
+            from[k] = r->calibrated[3 * i + k] - r->residual[3 * i + k];
+            to[k] = from[k] + scale * residual[3 * i + k];
+        }
         if (!isfinite(to[0] + to[1] + to[2])) continue;
         put_point(v, from);
         put_point(v, to);
@@ -235,9 +206,8 @@ bool mukca_report_arm(mukca_plot *plot, const mukca_report *r, int index)
     mukca_plot_begin(plot, "arm", "Arm, placements and residual vectors", MUKCA_PLOT_HALF, 0);
     view v = aim(s, r);
     const double step = put_ground(&v, r);
-    const int arms = put_arms(&v, r);
+    const int arms = put_placements(plot, &v, r);
     put_axes(&v);
-    put_placements(plot, &v, r);
     const double size = fmax(v.high[0] - v.low[0], v.high[1] - v.low[1]);
     const double scale = round_down(vector_share * size / large), bar = round_down(large);
     const int vectors = put_residuals(&v, r, "geometry", r->residual, scale);
@@ -253,20 +223,16 @@ bool mukca_report_arm(mukca_plot *plot, const mukca_report *r, int index)
             "set label '%g mm of residual' at %g, %g left offset 1, 0\n",
             v.low[0] - margin, v.high[0] + 2 * margin, bottom - margin, v.high[1] + margin, left,
             bottom, left + scale * bar, bottom, bar * MUKCA_REPORT_MM, left + scale * bar, bottom);
-    fputs(
-        "plot $ground with lines lc rgb 'gray' lw 0.5 notitle, "
-        "$plumb with lines lc rgb 'black' dt 3 lw 0.8 notitle, ",
-        s);
+    fputs("plot $ground with lines lc rgb 'gray' lw 0.5 notitle, ", s);
     for (int k = arms - 1; k >= 0; k--)
-        fprintf(s,
-                "$arm%d with lines lc rgb %s lw %g notitle, "
-                "$joints%d with points lc rgb %s pt 7 ps %g notitle, ",
-                k, k ? "'gray'" : "'black'", k ? 1.2 : 3.0, k, k ? "'gray'" : "'black'",
-                k ? 0.4 : 0.8);
+        fprintf(s, "$arm%d with linespoints pt 7 lc rgb %s notitle, ", k,
+                k ? "'gray' lw 1.2 ps 0.4" : "'black' lw 3 ps 0.8");
     fputs("$geometry with lines lc rgb " PLOT_BEFORE " lw 0.8 title 'after geometry', ", s);
     if (r->explained)
         fputs("$causes with lines lc rgb " PLOT_AFTER " lw 0.8 title 'with the causes', ", s);
-    fputs("$sockets with points lc rgb 'black' pt 7 ps 0.5 notitle\n", s);
+    /* the first point of each vector is its socket */
+    fprintf(s, "$geometry every ::0::0 with points lc rgb 'black' pt 7 ps %g notitle\n",
+            r->data.n_sockets > 0 ? 0.5 : 0.1);
     fprintf(
         plot->description,
         "Axonometric view in the base frame, grid of %g m. Lines from each %s are the residuals of "

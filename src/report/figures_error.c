@@ -36,7 +36,7 @@ static int collect_rungs(rung rungs[MAX_RUNGS], const mukca_report *r)
     add_rung(rungs, &n, "nominal model", d->nominal_m, NULL);
     add_rung(rungs, &n, "calibrated geometry", d->geometry_m, NULL);
     if (d->n_faults > 0)
-        add_rung(rungs, &n, "geometry, faulty samples left out", d->faults_excused_m, NULL);
+        add_rung(rungs, &n, "geometry, faulty samples excluded", d->faults_excused_m, NULL);
     for (int i = 0; i < d->n_causes; i++) {
         char name[MUKCA_WORDING + 16], cause[MUKCA_WORDING];
         const mukca_shrink *held_out = &d->causes[i].held_out;

@@ -5,39 +5,39 @@
 
 #include "report/report.h"
 
-/* Training and test samples as one dataset; placements and sockets of `test` follow those of
- * `train`. */
+/* Append the samples of `from`, its sockets and placements to r->data, which has room for them. */
+static void append(mukca_dataset *all, const mukca_dataset *from, int row, int socket,
+                   int placement)
+{
+    const size_t values = (size_t)(from->n_rows * from->n_joints);
+    memcpy(all->q + row * all->n_joints, from->q, values * sizeof *all->q);
+    for (int i = 0; i < from->n_rows; i++)
+        all->socket[row + i] = from->socket[i] < 0 ? -1 : socket + from->socket[i];
+    for (int i = 0; all->position && i < 3 * from->n_rows; i++)
+        all->position[3 * row + i] = from->position ? from->position[i] : (double)NAN;
+    for (int k = 0; k < from->n_sockets; k++) {
+        all->sockets[socket + k] = from->sockets[k];
+        all->sockets[socket + k].placement += placement;
+    }
+    for (int p = 0; p < from->n_placements; p++)
+        all->placements[placement + p] = from->placements[p];
+}
+
+/* Training and test samples as one dataset. */
 static mukca_status join(mukca_report *r, mukca_error *error)
 {
     mukca_dataset *all = &r->data;
     const mukca_dataset *train = r->train, *test = r->test;
-    const int n = train->n_joints, sockets = train->n_sockets, placements = train->n_placements;
-    mukca_status status =
-        mukca_dataset_create(all, train->n_rows + test->n_rows, n, sockets + test->n_sockets,
-                             placements + test->n_placements, error);
+    mukca_status status = mukca_dataset_create(all, train->n_rows + test->n_rows, train->n_joints,
+                                               train->n_sockets + test->n_sockets,
+                                               train->n_placements + test->n_placements, error);
     if (status != MUKCA_OK) return status;
     if (train->position || test->position) {
         all->position = calloc((size_t)all->n_rows, 3 * sizeof *all->position);
         if (!all->position) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     }
-    for (int i = 0; i < all->n_rows; i++) {
-        const bool second = i >= train->n_rows;
-        const mukca_dataset *from = second ? test : train;
-        const int at = second ? i - train->n_rows : i, socket = from->socket[at];
-        memcpy(all->q + i * n, from->q + at * n, (size_t)n * sizeof *all->q);
-        all->socket[i] = socket < 0 ? -1 : socket + (second ? sockets : 0);
-        all->row[i] = from->row[at];
-        for (int k = 0; all->position && k < 3; k++)
-            all->position[3 * i + k] = from->position ? from->position[3 * at + k] : (double)NAN;
-    }
-    memcpy(all->sockets, train->sockets, (size_t)sockets * sizeof *all->sockets);
-    memcpy(all->placements, train->placements, (size_t)placements * sizeof *all->placements);
-    for (int k = 0; k < test->n_sockets; k++) {
-        all->sockets[sockets + k] = test->sockets[k];
-        all->sockets[sockets + k].placement += placements;
-    }
-    for (int p = 0; p < test->n_placements; p++)
-        all->placements[placements + p] = test->placements[p];
+    append(all, train, 0, 0, 0);
+    append(all, test, train->n_rows, train->n_sockets, train->n_placements);
     return MUKCA_OK;
 }
 
@@ -125,20 +125,12 @@ static double *explain(mukca_report *r)
     return joint_errors(r, r->chain, theta, r->explained);
 }
 
-/* Positions, residuals and their parts by joint. */
-static mukca_status predict(mukca_report *r, mukca_error *error)
+/* Positions, residuals and their parts by joint; models[0] for the training data, models[1] for the
+ * test data. */
+static mukca_status predict(mukca_report *r, const mukca_model models[2], mukca_error *error)
 {
     const mukca_applied *applied = &r->diagnosed.diagnosis->applied;
     const mukca_model nominal = {.chain = r->fitted};
-    mukca_effect effects[2][MUKCA_MAX_EFFECTS];
-    mukca_model models[2];
-    for (int k = 0; k < 2; k++) {
-        mukca_offsets_place_effects(effects[k], r->offsets, k ? r->test : r->train);
-        models[k] = (mukca_model){.chain = r->fitted,
-                                  .theta = r->offsets->theta,
-                                  .effects = effects[k],
-                                  .n_effects = r->offsets->n_effects};
-    }
     r->nominal = positions(r, (const mukca_model[2]){nominal, nominal});
     r->calibrated = positions(r, models);
     r->residual = residuals(r, r->calibrated);
@@ -156,23 +148,17 @@ static mukca_status predict(mukca_report *r, mukca_error *error)
 }
 
 /* Append the scores of a dataset; its means become those of the page. */
-static mukca_status score(mukca_report *r, const mukca_dataset *data, mukca_error *error)
+static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukca_model *calibrated,
+                          mukca_error *error)
 {
+    const mukca_model nominal = {.chain = r->fitted};
     const int room = data->n_placements + 1;
-    mukca_effect effects[MUKCA_MAX_EFFECTS];
-    mukca_score mean[2];
-    mukca_offsets_place_effects(effects, r->offsets, data);
-    const mukca_model nominal = {.chain = r->fitted},
-                      calibrated = {.chain = r->fitted,
-                                    .theta = r->offsets->theta,
-                                    .effects = effects,
-                                    .n_effects = r->offsets->n_effects};
-    mukca_score *scores = MUKCA_TAKE(&r->pool, mukca_score, 2 * room);
+    mukca_score *scores = MUKCA_TAKE(&r->pool, mukca_score, 2 * room), mean[2];
     int n = scores ? mukca_evaluate(scores, &mean[0], &nominal, data) : -1;
-    if (n >= 0) n = mukca_evaluate(scores + room, &mean[1], &calibrated, data);
+    if (n >= 0) n = mukca_evaluate(scores + room, &mean[1], calibrated, data);
     if (n < 0) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < n; i++) {
-        const int p = scores[room + i].placement;
+        const int p = scores[i].placement;
         r->scores[r->n_scores++] =
             (mukca_report_score){.placement = p < 0 ? "poses" : data->placements[p].name,
                                  .test = data == r->test,
@@ -197,16 +183,20 @@ static mukca_status add_bar(mukca_report *r, const unsigned char *marked, mukca_
                             mukca_error *error)
 {
     const mukca_dataset *train = r->train, *test = r->test;
-    mukca_score *others = scores + train->n_placements + 1;
+    const int n = train->n_placements, most = n * (n + 1) / 2 + 1;
+    mukca_score *others = scores + n + 1;
     mukca_report_bar *bar = &r->bars[r->n_bars];
     int count = 0, named = 0;
+    if (r->progress &&
+        !r->progress(r->progress_context, 1.0 * r->n_bars / most, "training and testing"))
+        return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
     memset(others, 0, (size_t)(test->n_placements + 2) * sizeof *others);
     const mukca_split split = {
         .data = train, .train = marked, .extra = test->n_rows > 0 ? test : NULL};
     mukca_status status = mukca_evaluate_trained(scores, others, r->chain, &split, error);
     if (status != MUKCA_OK) return status;
     *bar = (mukca_report_bar){.low = HUGE_VAL};
-    for (int p = 0, i = 0; p < train->n_placements; p++) {
+    for (int p = 0, i = 0; p < n; p++) {
         const size_t used = strlen(bar->trained);
         named += marked[p];
         if (marked[p])
@@ -227,36 +217,41 @@ static mukca_status add_bar(mukca_report *r, const unsigned char *marked, mukca_
  * the test data. */
 static mukca_status cross_train(mukca_report *r, mukca_error *error)
 {
-    const int n = r->train->n_placements, most = n + n * (n - 1) / 2 + 1;
-    r->bars = MUKCA_TAKE(&r->pool, mukca_report_bar, most);
+    const int n = r->train->n_placements;
+    mukca_status status = MUKCA_OK;
+    r->bars = MUKCA_TAKE(&r->pool, mukca_report_bar, n * (n + 1) / 2 + 1);
     unsigned char *marked = MUKCA_TAKE(&r->pool, unsigned char, n + 1);
     mukca_score *scores = MUKCA_TAKE(&r->pool, mukca_score, n + r->test->n_placements + 4);
     if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    for (int size = 1; size <= 3 && n > 0; size++)
-        for (int a = 0; a < n; a++)
-            for (int b = size == 2 ? a + 1 : a; b < (size == 2 ? n : a + 1); b++) {
-                if (size == 3 && (a > 0 || n < 3)) continue; /* all: once */
-                if (r->progress && !r->progress(r->progress_context, 1.0 * r->n_bars / most,
-                                                "training and testing"))
-                    return mukca_fail(error, MUKCA_INTERRUPTED,
-                                      "interrupted; the page was not written");
-                memset(marked, size == 3, (size_t)n);
-                marked[a] = marked[b] = 1;
-                const mukca_status status = add_bar(r, marked, scores, error);
-                if (status != MUKCA_OK) return status;
-            }
-    return MUKCA_OK;
+    for (int apart = 0; apart < n; apart++)
+        for (int a = 0; a + apart < n && status == MUKCA_OK; a++) {
+            memset(marked, 0, (size_t)n);
+            marked[a] = marked[a + apart] = 1;
+            status = add_bar(r, marked, scores, error);
+        }
+    if (status != MUKCA_OK || n < 3) return status;
+    memset(marked, 1, (size_t)n);
+    return add_bar(r, marked, scores, error);
 }
 
 mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
 {
+    const mukca_dataset *data[2] = {r->train, r->test};
+    mukca_effect effects[2][MUKCA_MAX_EFFECTS];
+    mukca_model models[2];
     mukca_status status = join(r, error);
     if (status != MUKCA_OK) return status;
     r->scores = MUKCA_TAKE(&r->pool, mukca_report_score, r->data.n_placements + 2);
     if (!r->scores) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    status = score(r, r->train, error);
-    if (status == MUKCA_OK && r->test->n_rows > 0) status = score(r, r->test, error);
-    if (status == MUKCA_OK) status = predict(r, error);
+    for (int k = 0; k < 2 && status == MUKCA_OK; k++) {
+        mukca_offsets_place_effects(effects[k], r->offsets, data[k]);
+        models[k] = (mukca_model){.chain = r->fitted,
+                                  .theta = r->offsets->theta,
+                                  .effects = effects[k],
+                                  .n_effects = r->offsets->n_effects};
+        if (data[k]->n_rows > 0) status = score(r, data[k], &models[k], error);
+    }
+    if (status == MUKCA_OK) status = predict(r, models, error);
     if (status == MUKCA_OK) status = cross_train(r, error);
     return status;
 }
