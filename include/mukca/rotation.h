@@ -3,6 +3,8 @@
 #ifndef MUKCA_ROTATION_H
 #define MUKCA_ROTATION_H
 
+#include <math.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -69,6 +71,14 @@ static inline void mukca_mat3_tvec(double y[3], const double A[9], const double 
     for (int i = 0; i < 3; i++) y[i] = A[i] * x[0] + A[3 + i] * x[1] + A[6 + i] * x[2];
 }
 
+/* C = A' B */
+static inline void mukca_mat3_tmul(double C[9], const double A[9], const double B[9])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            C[3 * i + j] = A[i] * B[j] + A[3 + i] * B[3 + j] + A[6 + i] * B[6 + j];
+}
+
 static inline void mukca_cross(double c[3], const double a[3], const double b[3])
 {
     c[0] = a[1] * b[2] - a[2] * b[1];
@@ -79,6 +89,17 @@ static inline void mukca_cross(double c[3], const double a[3], const double b[3]
 static inline double mukca_dot3(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline double mukca_norm3(const double a[3])
+{
+    return sqrt(mukca_dot3(a, a));
+}
+
+static inline double mukca_distance3(const double a[3], const double b[3])
+{
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return mukca_norm3(d);
 }
 
 #ifdef __cplusplus

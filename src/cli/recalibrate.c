@@ -2,7 +2,6 @@
 #include "cli/recalibrate.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -85,16 +84,6 @@ static void close_input(pose_input *in)
     mukca_dataset_free(&in->data);
 }
 
-__attribute__((format(printf, 2, 3))) static void note(cli_call *call, const char *format, ...)
-{
-    char text[4 * MUKCA_NAME_SIZE];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    cli_note(call, text);
-}
-
 /* Note what the first rows show, and end the arm at the link that the poses are of. */
 static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_options *o,
                       const mukca_chain *chain)
@@ -105,10 +94,11 @@ static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_opt
     const char *link = chain->element[c->position_element].child;
     snprintf(r->arm.tip, sizeof r->arm.tip, "%s", link);
     if (c->position_element != chain->n_elements - 1)
-        note(call, "the poses are those of link '%s', not of the tip '%s'", link, chain->tip);
+        cli_log(call, "mukca: note: the poses are those of link '%s', not of the tip '%s'\n", link,
+                chain->tip);
     if (c->rotations && c->rotation_element != c->position_element)
-        note(call, "positions are those of '%s', orientations those of '%s'", link,
-             chain->element[c->rotation_element].child);
+        cli_log(call, "mukca: note: positions are those of '%s', orientations those of '%s'\n",
+                link, chain->element[c->rotation_element].child);
     if (c->order == MUKCA_QUATERNION_W_LAST)
         cli_note(call, "the quaternions agree with the arm only as x y z w, and are read so");
     o->order = c->order;
@@ -174,7 +164,8 @@ static mukca_status fit_models(cli_call *call, recalibrate_work *w)
         if (status == MUKCA_OK) status = mukca_recalibrate(&r->fit[1], &task, &call->error);
     }
     for (int m = 0; m < r->n_models && r->test && status == MUKCA_OK; m++)
-        status = mukca_recalibrate_test(r->test[m], &r->fit[m], &test, &call->error);
+        status =
+            mukca_recalibrate_test(r->test[m], r->fit[m].stage, MUKCA_STAGES, &test, &call->error);
     return status;
 }
 

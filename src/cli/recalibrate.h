@@ -28,9 +28,6 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
 /* By how much `after` is below `before`, percent; 0 where that is 0. */
 double cli_removed_percent(double before, double after);
 
-/* Is the unknown an angle (rad) rather than a length (m)? */
-bool cli_unknown_turns(mukca_unknown_kind kind);
-
 /* Did joint j never move in the log? */
 bool cli_never_moved(const mukca_recalibration *fit, int j);
 

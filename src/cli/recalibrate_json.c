@@ -21,12 +21,6 @@ void cli_constant_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_constants *con
         mukca_unknown_text(text, u, chain);
 }
 
-bool cli_unknown_turns(mukca_unknown_kind kind)
-{
-    return kind == MUKCA_UNKNOWN_ZERO || kind == MUKCA_UNKNOWN_TILT ||
-           kind == MUKCA_UNKNOWN_BASE_TURN || kind == MUKCA_UNKNOWN_TOOL_TURN;
-}
-
 /* Less than 1 mrad (or mm) is the noise of an encoder at rest. */
 bool cli_never_moved(const mukca_recalibration *f, int j)
 {
@@ -102,7 +96,7 @@ static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *ar
             array, json_pack("{s:s, s:o, s:o, s:s, s:o, s:b}", "name", text, "joint",
                              cli_json_text(k < 0 ? NULL : arm->element[k].name), "value",
                              cli_json_real(f->value[u]), "unit",
-                             cli_unknown_turns(f->unknown[u].kind) ? "rad" : "m", "sigma",
+                             mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m", "sigma",
                              cli_json_real(f->sigma[u]), "identifiable",
                              (int)(f->identifiable[u] && !(zero && cli_never_moved(f, j)))));
     }
@@ -136,7 +130,7 @@ static json_t *constants_json(const cli_recalibrated *r)
             array, json_pack("{s:s, s:o, s:o, s:s}", "name", text, "value",
                              cli_json_real(r->constants.value[c]), "sigma",
                              cli_json_real(r->constants.sigma[c]), "unit",
-                             cli_unknown_turns(r->constants.unknown[c].kind) ? "rad" : "m"));
+                             mukca_unknown_is_angle(r->constants.unknown[c].kind) ? "rad" : "m"));
     }
     return json_pack(
         "{s:o, s:o, s:o}", "list", array, "left_median_m",

@@ -47,7 +47,7 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
     for (int u = 0; u < f->n; u++) {
         mukca_unknown_text(text, &f->unknown[u], arm);
         cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
-                   1e3 * f->sigma[u], cli_unknown_turns(f->unknown[u].kind) ? "mrad" : "mm",
+                   1e3 * f->sigma[u], mukca_unknown_is_angle(f->unknown[u].kind) ? "mrad" : "mm",
                    f->identifiable[u] ? "" : " *");
     }
     if (f->n_null > 0)
@@ -103,7 +103,7 @@ static void print_findings(cli_call *call, const cli_recalibrated *r)
         used += snprintf(line + used, sizeof line - (size_t)used, "%s %s %+.4f +- %.4f %s",
                          c > 0 ? "," : "", text, 1e3 * r->constants.value[c],
                          1e3 * r->constants.sigma[c],
-                         cli_unknown_turns(r->constants.unknown[c].kind) ? "mrad" : "mm");
+                         mukca_unknown_is_angle(r->constants.unknown[c].kind) ? "mrad" : "mm");
     }
     cli_answer_wrapped(call, "%s; with these alone %.4f mm (median), %.4f mm (mean) remain", line,
                        1e3 * mukca_histogram_median(&r->constants.errors.position_histogram),

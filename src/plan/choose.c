@@ -1,4 +1,4 @@
-/* Choose among candidates: greedily the one that tells most, then exchanges. */
+/* Choose among candidates: greedily the one that adds most, then exchanges. */
 #include "plan/choose.h"
 
 #include <math.h>
@@ -6,14 +6,15 @@
 
 enum { DRAWS = 40, EXCHANGES = 2, SHIFTS = 40 };
 
-bool mukca_plan_stopped(const mukca_plan_options *options)
+bool mukca_plan_stopped(const mukca_planner *p)
 {
+    const mukca_plan_options *options = p->state.options;
     return options->stop && options->stop(options->context);
 }
 
 /* ---- candidates ---- */
 
-/* Whether no recorded row is nearly this pose. */
+/* Whether no recorded sample is nearly this pose. */
 static bool is_new(const mukca_planner *p, const double *q)
 {
     const int n = p->state.at.chain->n_joints;
@@ -22,18 +23,17 @@ static bool is_new(const mukca_planner *p, const double *q)
     return true;
 }
 
-int mukca_plan_draw_candidates(mukca_planner *p, mukca_plan_pose *poses, int room, int k,
-                               mukca_random *random)
+int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
 {
     mukca_plan_state *s = &p->state;
+    mukca_plan_pose *poses = p->poses + p->n_poses;
     const int n = s->at.chain->n_joints;
     int found = 0, draws = 0;
     while (found < room && draws < DRAWS * room && (found > 0 || draws < 10 * DRAWS)) {
         mukca_plan_pose *pose = &poses[found];
-        bool fresh;
         draws++;
-        if (!mukca_plan_draw_pose(pose->q, p->sockets[k].centre, &p->rules, random)) continue;
-        fresh = is_new(p, pose->q);
+        if (!mukca_plan_draw_pose(pose->q, p->sockets[k].centre, &p->rules, &p->random)) continue;
+        bool fresh = is_new(p, pose->q);
         for (int i = 0; i < found && fresh; i++)
             fresh = mukca_plan_differs(pose->q, poses[i].q, n, p->rules.separation);
         if (!fresh) continue;
@@ -46,10 +46,11 @@ int mukca_plan_draw_candidates(mukca_planner *p, mukca_plan_pose *poses, int roo
         found++;
     }
     p->tried += draws;
+    p->n_poses += found;
     return found;
 }
 
-/* ---- what is there already ---- */
+/* ---- what is recorded already ---- */
 
 /* The socket of the plan that a row of the dataset belongs to, -1 where none. */
 static int socket_of_row(const mukca_planner *p, int row)
@@ -64,39 +65,58 @@ static int socket_of_row(const mukca_planner *p, int row)
     return -1;
 }
 
-int mukca_plan_take_recorded(mukca_planner *p, double *H, int *count)
+/* Take in the recorded samples, and the distances between the plan's sockets. */
+static void take_recorded(mukca_planner *p)
 {
-    int rows = 0;
     const double *before = NULL;
     for (int r = 0; p->data && r < p->data->n_rows; r++) {
         const double *q = p->data->q + r * p->state.at.chain->n_joints;
         const int k = socket_of_row(p, r);
         if (k < 0) continue;
-        mukca_plan_design(H, &p->state, q, p->sockets[k].place, before);
-        mukca_plan_state_row(&p->state, H, k, 1);
+        mukca_plan_design(p->spare, &p->state, q, p->sockets[k].place, before);
+        mukca_plan_state_row(&p->state, p->spare, k, 1);
         before = q;
-        count[k]++;
-        rows++;
+        p->recorded[k]++;
+        p->n_recorded++;
     }
     for (int a = 0; a < p->n_sockets; a++)
         for (int b = a + 1; b < p->n_sockets; b++)
             if (p->sockets[a].place == p->sockets[b].place)
                 mukca_plan_state_distance(&p->state, a, b, p->sockets[a].centre,
                                           p->sockets[b].centre);
-    return rows;
+}
+
+mukca_status mukca_planner_create(mukca_planner *p, const mukca_planner_room *room,
+                                  const mukca_plan_task *task, const mukca_plan_options *options,
+                                  mukca_error *error)
+{
+    mukca_plan_state *s = &p->state;
+    mukca_status status = mukca_plan_state_create(s, task, room->sockets, options, error);
+    if (status != MUKCA_OK) return status;
+    p->data = task->data;
+    p->poses = MUKCA_TAKE(&s->pool, mukca_plan_pose, room->candidates);
+    p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
+    p->chosen = MUKCA_TAKE(&s->pool, int, room->rows + room->sockets);
+    mukca_plan_rules_set(&p->rules, s->at.chain, &s->at.geometry, options, p->data);
+    mukca_plan_look_elsewhere(s, &p->rules, options->seed);
+    if (s->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
+    take_recorded(p);
+    mukca_random_seed(&p->random, options->seed);
+    return MUKCA_OK;
 }
 
 /* ---- choosing ---- */
 
 /* Whether a pose repeats one of those chosen, number `except` apart. */
-static bool too_near(const mukca_planner *p, const mukca_plan_pose *pose, const int *chosen,
-                     int n_chosen, int except)
+static bool too_near(const mukca_planner *p, const mukca_plan_pose *pose, int except)
 {
     const int n = p->state.at.chain->n_joints;
-    for (int i = 0; i < n_chosen; i++)
-        if (i != except && p->poses[chosen[i]].socket == pose->socket &&
-            !mukca_plan_differs(p->poses[chosen[i]].q, pose->q, n, p->rules.separation))
+    for (int i = 0; i < p->n_chosen; i++) {
+        const mukca_plan_pose *other = &p->poses[p->chosen[i]];
+        if (i != except && other->socket == pose->socket &&
+            !mukca_plan_differs(other->q, pose->q, n, p->rules.separation))
             return true;
+    }
     return false;
 }
 
@@ -107,7 +127,7 @@ static double renew(mukca_planner *p, mukca_plan_pose *pose, const double *befor
     return mukca_plan_gain(&p->state, pose->H, pose->socket);
 }
 
-/* The most telling candidate that is free, of one socket or (-1) of all that have room; -1: none.
+/* The best candidate that is free, of one socket or (-1) of all that have room; -1: none.
  * Gains only fall as rows are added, so that a stale one is a bound (not so for causes). */
 static int best_pose(mukca_planner *p, int socket, const int *count, int room, const double *before)
 {
@@ -143,7 +163,8 @@ static int best_pose(mukca_planner *p, int socket, const int *count, int room, c
     }
 }
 
-/* The pose of a socket nearest to the mean of its candidates: a first row tells nothing by itself.
+/* The pose of a socket nearest to the mean of its candidates: a first sample adds nothing by
+ * itself.
  */
 static int middle_pose(const mukca_planner *p, int socket)
 {
@@ -167,72 +188,72 @@ static int middle_pose(const mukca_planner *p, int socket)
     return best;
 }
 
-static void take(mukca_planner *p, int pose, int *chosen, int *n_chosen, int *count)
+static void take(mukca_planner *p, int pose, int *count)
 {
     mukca_plan_state_row(&p->state, p->poses[pose].H, p->poses[pose].socket, 1);
     p->poses[pose].used = true;
     count[p->poses[pose].socket]++;
-    chosen[(*n_chosen)++] = pose;
+    p->chosen[p->n_chosen++] = pose;
 }
 
-/* Try a pose near chosen[i], whose row is forgotten at the moment, and keep it if it tells more. */
-static void shift(mukca_planner *p, const int *chosen, int n_chosen, int i, double spread,
-                  mukca_random *random)
+/* Try a pose near choice i, whose row is forgotten at the moment, and keep it if it is worth more.
+ */
+static void shift(mukca_planner *p, int i, double spread)
 {
     mukca_plan_state *s = &p->state;
-    mukca_plan_pose *pose = &p->poses[chosen[i]], trial = *pose;
+    mukca_plan_pose *pose = &p->poses[p->chosen[i]], trial = *pose;
+    const mukca_plan_socket *socket = &p->sockets[pose->socket];
     trial.H = p->spare;
-    if (!mukca_plan_draw_near(trial.q, spread, p->sockets[pose->socket].centre, &p->rules,
-                              random) ||
-        too_near(p, &trial, chosen, n_chosen, i) || !is_new(p, trial.q))
+    if (!mukca_plan_draw_near(trial.q, spread, socket->centre, &p->rules, &p->random) ||
+        too_near(p, &trial, i) || !is_new(p, trial.q))
         return;
-    mukca_plan_design(trial.H, s, trial.q, p->sockets[pose->socket].place, NULL);
+    mukca_plan_design(trial.H, s, trial.q, socket->place, NULL);
     if (mukca_plan_gain(s, trial.H, trial.socket) > mukca_plan_gain(s, pose->H, pose->socket)) {
         p->spare = pose->H;
         *pose = trial;
     }
 }
 
-int mukca_plan_choose(mukca_planner *p, int *chosen, int rows, const int *recorded)
+void mukca_plan_choose(mukca_planner *p, int rows)
 {
-    int count[MUKCA_PLAN_MAX_SOCKETS] = {0}, n = 0, fresh = 0;
+    int count[MUKCA_PLAN_MAX_SOCKETS] = {0}, fresh = 0;
     const mukca_plan_options *o = p->state.options;
-    for (int k = 0; k < p->n_sockets; k++) fresh += recorded[k] == 0;
-    /* A session from nothing fills its sockets evenly; more rows go where they tell most. */
+    p->n_chosen = 0;
+    for (int k = 0; k < p->n_sockets; k++) fresh += p->recorded[k] == 0;
+    /* A session from nothing fills its sockets evenly; more samples go where they add most. */
     const int room = fresh > 0 && fresh == p->n_sockets ? (rows + fresh - 1) / fresh : rows;
-    for (int k = 0; k < p->n_sockets && n < rows; k++) {
-        const int first = recorded[k] == 0 ? middle_pose(p, k) : -1;
-        if (first >= 0) take(p, first, chosen, &n, count);
+    for (int k = 0; k < p->n_sockets && p->n_chosen < rows; k++) {
+        const int first = p->recorded[k] == 0 ? middle_pose(p, k) : -1;
+        if (first >= 0) take(p, first, count);
     }
-    while (n < rows && !mukca_plan_stopped(o)) {
-        const double *before = n > 0 ? p->poses[chosen[n - 1]].q : NULL;
+    while (p->n_chosen < rows && !mukca_plan_stopped(p)) {
+        const double *before = p->n_chosen > 0 ? p->poses[p->chosen[p->n_chosen - 1]].q : NULL;
         const int best = best_pose(p, -1, count, room, before);
         if (best < 0) break;
-        if (too_near(p, &p->poses[best], chosen, n, -1)) {
+        if (too_near(p, &p->poses[best], -1)) {
             p->poses[best].used = true; /* as good as taken */
             continue;
         }
         renew(p, &p->poses[best], before);
-        take(p, best, chosen, &n, count);
-        if (o->progress) o->progress(o->context, 0.3 + 0.5 * n / rows);
+        take(p, best, count);
+        if (o->progress) o->progress(o->context, 0.3 + 0.5 * p->n_chosen / rows);
     }
-    return n;
 }
 
-void mukca_plan_exchange(mukca_planner *p, int *chosen, int n, mukca_random *random)
+void mukca_plan_exchange(mukca_planner *p)
 {
     static const double spread = 0.4; /* rad */
     for (int pass = 0; pass < EXCHANGES && !p->ordered; pass++) {
         if (p->state.n_effects == 0) mukca_plan_state_weigh(&p->state);
-        for (int i = 0; i < n && !mukca_plan_stopped(p->state.options); i++) {
-            mukca_plan_pose *pose = &p->poses[chosen[i]];
+        for (int i = 0; i < p->n_chosen && !mukca_plan_stopped(p); i++) {
+            mukca_plan_pose *pose = &p->poses[p->chosen[i]];
             mukca_plan_state_row(&p->state, pose->H, pose->socket, -1);
             pose->used = false;
             const int best = best_pose(p, pose->socket, NULL, 0, NULL);
-            if (best >= 0 && !too_near(p, &p->poses[best], chosen, n, i)) chosen[i] = best;
-            pose = &p->poses[chosen[i]];
+            if (best >= 0 && !too_near(p, &p->poses[best], i)) p->chosen[i] = best;
+            pose = &p->poses[p->chosen[i]];
             pose->used = true;
-            for (int t = 0; t < SHIFTS; t++) shift(p, chosen, n, i, spread / (1 + pass), random);
+            for (int t = 0; t < SHIFTS; t++) shift(p, i, spread / (1 + pass));
             mukca_plan_state_row(&p->state, pose->H, pose->socket, 1);
         }
     }

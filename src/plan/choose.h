@@ -9,37 +9,40 @@ typedef struct {
     mukca_plan_state state;
     mukca_plan_rules rules;
     const mukca_dataset *data;
-    const mukca_plan_socket *sockets;
-    int n_sockets, n_poses;
+    mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
+    int recorded[MUKCA_PLAN_MAX_SOCKETS]; /* samples of each socket */
+    int n_sockets, n_recorded, n_poses, n_chosen, tried;
     mukca_plan_pose *poses; /* [n_poses] candidates, by socket */
-    int tried;
-    double *spare; /* an H */
-    bool ordered;  /* a cause depends on where the arm comes from */
+    int *chosen;            /* [n_chosen] of them */
+    double *spare;          /* an H */
+    bool ordered;           /* a cause depends on where the arm comes from */
+    mukca_random random;
 } mukca_planner;
 
-bool mukca_plan_stopped(const mukca_plan_options *options);
+/* Room of a planner: sockets, candidates, choices. */
+typedef struct {
+    int sockets, candidates, rows;
+} mukca_planner_room;
 
-/* Fill poses[room] with candidates for socket k; returns how many were found. */
-int mukca_plan_draw_candidates(mukca_planner *p, mukca_plan_pose *poses, int room, int k,
-                               mukca_random *random);
+/* Prepare a planner, zeroed but for its n_sockets sockets, and take in the recorded samples.  Free
+ * its state with mukca_plan_state_free, also after errors: MUKCA_MEMORY, MUKCA_USAGE. */
+mukca_status mukca_planner_create(mukca_planner *planner, const mukca_planner_room *room,
+                                  const mukca_plan_task *task, const mukca_plan_options *options,
+                                  mukca_error *error);
 
-/* Take what the recorded rows tell, and the distances between the plan's sockets; count[n_sockets]
- * gets the rows of each; H[3][n_known] is scratch.  Returns the number of rows. */
-int mukca_plan_take_recorded(mukca_planner *p, double *H, int *count);
+bool mukca_plan_stopped(const mukca_planner *planner);
 
-/* Choose `rows` candidates one by one, chosen[rows]; recorded[n_sockets] rows are there already.
- * Returns how many were found. */
-int mukca_plan_choose(mukca_planner *p, int *chosen, int rows, const int *recorded);
+/* Fill state->elsewhere: spots all over what the arm reaches by the rules, and poses at each. */
+void mukca_plan_look_elsewhere(mukca_plan_state *state, const mukca_plan_rules *rules,
+                               uint64_t seed);
+
+/* Append up to `room` candidates for socket k; returns how many were found. */
+int mukca_plan_draw_candidates(mukca_planner *planner, int room, int k);
+
+/* Choose `rows` candidates one by one. */
+void mukca_plan_choose(mukca_planner *planner, int rows);
 
 /* Exchange chosen poses for better ones, from the candidates and from their own surroundings. */
-void mukca_plan_exchange(mukca_planner *p, int *chosen, int n_chosen, mukca_random *random);
-
-/* The grid of places around the arm: the middle of cell 0 .. PLAN_CELLS - 1, and the direction from
- * its first socket to the other. */
-enum { PLAN_AZIMUTHS = 8, PLAN_CELLS = 3 * 3 * PLAN_AZIMUTHS };
-void mukca_plan_grid_place(double centre[3], double *yaw, int cell, const mukca_plan_state *s);
-
-/* Fill s->elsewhere: spots all over what the arm reaches by the rules, and poses at each. */
-void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rules, uint64_t seed);
+void mukca_plan_exchange(mukca_planner *planner);
 
 #endif

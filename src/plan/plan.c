@@ -69,72 +69,70 @@ static int rows_to_name(double before, double after, int rows)
     return needed > 1000 ? 0 : (int)fmax(needed, 1);
 }
 
+/* Candidates of all sockets. */
+static mukca_status find_candidates(mukca_planner *p, int per_socket, mukca_error *error)
+{
+    const mukca_plan_options *o = p->state.options;
+    for (int k = 0; k < p->n_sockets && !mukca_plan_stopped(p); k++) {
+        const int found = mukca_plan_draw_candidates(p, per_socket, k);
+        if (o->progress) o->progress(o->context, 0.3 * (k + 1) / p->n_sockets);
+        if (found > 0 || p->recorded[k] > 0) continue;
+        const mukca_plan_socket *socket = &p->sockets[k];
+        return mukca_fail(error, MUKCA_INPUT,
+                          "placement %s: no pose was found that reaches socket %s at "
+                          "%.3f %.3f %.3f m; move it, or allow more --tilt",
+                          socket->placement, socket->label, socket->centre[0], socket->centre[1],
+                          socket->centre[2]);
+    }
+    if (p->state.pool.failed)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
+    return MUKCA_OK;
+}
+
 mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
                             const mukca_plan_options *options, mukca_error *error)
 {
-    const mukca_chain *chain = task->chain;
-    const int n_sockets = task->n_sockets;
-    mukca_planner p = {.data = task->data, .sockets = task->sockets, .n_sockets = n_sockets};
+    mukca_planner p = {.n_sockets = task->n_sockets};
+    mukca_plan_state *s = &p.state;
     const int rows = options->rows > 0 ? options->rows : DEFAULT_ROWS;
     const int candidates = options->candidates > 0 ? options->candidates : DEFAULT_CANDIDATES;
-    int recorded[MUKCA_PLAN_MAX_SOCKETS] = {0};
+    const mukca_planner_room room = {
+        .sockets = p.n_sockets, .candidates = p.n_sockets * candidates, .rows = rows};
     memset(plan, 0, sizeof *plan);
-    mukca_status status = check(chain, n_sockets, options, error);
+    mukca_status status = check(task->chain, p.n_sockets, options, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_plan_state_create(&p.state, task, n_sockets, options, error);
-    if (status != MUKCA_OK) return status;
-    mukca_plan_state *s = &p.state;
-    mukca_plan_rules_set(&p.rules, chain, &s->at.geometry, options, task->data);
-    p.poses = MUKCA_TAKE(&s->pool, mukca_plan_pose, n_sockets * candidates);
-    double *H = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
-    p.spare = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
-    int *chosen = MUKCA_TAKE(&s->pool, int, rows + n_sockets);
-    plan->rows = calloc((size_t)rows, sizeof *plan->rows);
-    if (s->pool.failed || !plan->rows) goto memory;
+    memcpy(p.sockets, task->sockets, (size_t)p.n_sockets * sizeof *p.sockets);
+    status = mukca_planner_create(&p, &room, task, options, error);
+    if (status != MUKCA_OK) goto out;
     for (int e = 0; e < s->n_effects; e++)
         p.ordered |= (mukca_effect_table[s->effect[e].kind]->needs & MUKCA_NEEDS_ORDER) != 0;
-    mukca_plan_look_elsewhere(s, &p.rules, options->seed);
-    plan->n_recorded = mukca_plan_take_recorded(&p, H, recorded);
-    plan->expected_before = mukca_plan_expected(s);
     const double weak = mukca_plan_strength(s);
-    plan->evidence_before = mukca_plan_evidence(weak);
-    mukca_random random;
-    mukca_random_seed(&random, options->seed);
-    for (int k = 0; k < n_sockets && !mukca_plan_stopped(options); k++) {
-        const int found =
-            mukca_plan_draw_candidates(&p, p.poses + p.n_poses, candidates, k, &random);
-        p.n_poses += found;
-        if (options->progress) options->progress(options->context, 0.3 * (k + 1) / n_sockets);
-        if (found == 0 && recorded[k] == 0) {
-            const mukca_plan_socket *socket = &task->sockets[k];
-            const double *c = socket->centre;
-            status = mukca_fail(error, MUKCA_INPUT,
-                                "placement %s: no pose was found that reaches socket %s at "
-                                "%.3f %.3f %.3f m; move it, or allow more --tilt",
-                                socket->placement, socket->label, c[0], c[1], c[2]);
-            goto out;
-        }
-    }
-    if (s->pool.failed) goto memory;
-    plan->tried = p.tried;
-    plan->reached = p.n_poses;
-    plan->n_rows = mukca_plan_choose(&p, chosen, rows, recorded);
-    mukca_plan_exchange(&p, chosen, plan->n_rows, &random);
-    if (mukca_plan_stopped(options)) {
+    *plan = (mukca_plan){.n_recorded = p.n_recorded,
+                         .rows = calloc((size_t)rows, sizeof *plan->rows),
+                         .expected_before = mukca_plan_expected(s),
+                         .evidence_before = mukca_plan_evidence(weak)};
+    status = plan->rows ? find_candidates(&p, candidates, error)
+                        : mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
+    if (status != MUKCA_OK) goto out;
+    mukca_plan_choose(&p, rows);
+    mukca_plan_exchange(&p);
+    if (mukca_plan_stopped(&p)) {
         status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         goto out;
     }
+    plan->tried = p.tried;
+    plan->reached = p.n_poses;
+    plan->n_rows = p.n_chosen;
     for (int i = 0; i < plan->n_rows; i++) {
-        plan->rows[i].socket = p.poses[chosen[i]].socket;
-        memcpy(plan->rows[i].q, p.poses[chosen[i]].q, sizeof plan->rows[i].q);
+        const mukca_plan_pose *pose = &p.poses[p.chosen[i]];
+        plan->rows[i].socket = pose->socket;
+        memcpy(plan->rows[i].q, pose->q, sizeof pose->q);
     }
-    if (!p.ordered) put_in_order(plan->rows, plan->n_rows, chain->n_joints);
+    if (!p.ordered) put_in_order(plan->rows, plan->n_rows, task->chain->n_joints);
+    const double strong = mukca_plan_strength(s);
     plan->expected_after = mukca_plan_expected(s);
-    plan->evidence_after = mukca_plan_evidence(mukca_plan_strength(s));
-    plan->rows_to_name = rows_to_name(weak, mukca_plan_strength(s), plan->n_rows);
-    goto out;
-memory:
-    status = mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
+    plan->evidence_after = mukca_plan_evidence(strong);
+    plan->rows_to_name = rows_to_name(weak, strong, plan->n_rows);
 out:
     mukca_plan_state_free(s);
     if (status != MUKCA_OK) mukca_plan_free(plan);

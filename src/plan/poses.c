@@ -19,7 +19,7 @@ static standing stand(const double *q, const mukca_plan_rules *rules)
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
     double up[3], stem[3];
     standing s = {.lean = 0, .clear = HUGE_VAL};
-    const double weight = sqrt(mukca_dot3(chain->gravity, chain->gravity));
+    const double weight = mukca_norm3(chain->gravity);
     if (!(weight > 0)) return s;
     mukca_fk_frames(before, &tip, rules->geometry, q, NULL);
     const mukca_frame *last = &before[chain->joint_element[chain->n_joints - 1]];
@@ -27,7 +27,7 @@ static standing stand(const double *q, const mukca_plan_rules *rules)
         up[i] = -chain->gravity[i] / weight;
         stem[i] = last->p[i] - tip.p[i];
     }
-    const double length = sqrt(mukca_dot3(stem, stem));
+    const double length = mukca_norm3(stem);
     if (length > 1e-3) s.lean = acos(fmax(-1, fmin(1, mukca_dot3(stem, up) / length)));
     const double floor = fmin(0, mukca_dot3(tip.p, up));
     for (int j = 2; j < chain->n_joints; j++)

@@ -101,8 +101,8 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
     }
 }
 
-/* G = C [H, -I at the socket]' for rows [0, n) of C, and S = [H, -I] G (3 x 3). */
-static void project(double S[9], mukca_plan_state *s, int n, const double *H, int socket)
+/* G = C [H, -I at the socket]' for rows [0, n) of C, and S = sign [H, -I] G + noise^2 (3 x 3). */
+static void project(double S[9], mukca_plan_state *s, int n, const double *H, int socket, int sign)
 {
     const int k = s->n_known, mean = k + 3 * socket;
     for (int r = 0; r < s->n; r++) {
@@ -118,7 +118,7 @@ static void project(double S[9], mukca_plan_state *s, int n, const double *H, in
         for (int j = 0; j < 3; j++) {
             double sum = -s->G[3 * (mean + i) + j];
             for (int c = 0; c < k; c++) sum += H[i * k + c] * s->G[3 * c + j];
-            S[3 * i + j] = sum;
+            S[3 * i + j] = sign * sum + (i == j ? s->noise * s->noise : 0);
         }
 }
 
@@ -132,18 +132,21 @@ static double factor(double *A, int m)
     return sum;
 }
 
+/* g = S^-1 G_r, where S holds its factor. */
+static void solve(double g[3], const double S[9], const double *G_r)
+{
+    memcpy(g, G_r, 3 * sizeof *g);
+    mukca_dense_forward(g, 1, S, 3);
+    mukca_dense_backward(g, 1, S, 3);
+}
+
 void mukca_plan_state_row(mukca_plan_state *s, const double *H, int socket, int sign)
 {
     double S[9], g[3];
-    project(S, s, s->n, H, socket);
-    /* Forgetting is a row of negative variance. */
-    for (int i = 0; i < 9; i++) S[i] = sign * S[i];
-    for (int i = 0; i < 3; i++) S[4 * i] += s->noise * s->noise;
+    project(S, s, s->n, H, socket, sign); /* forgetting is a row of negative variance */
     if (!(factor(S, 3) > -HUGE_VAL)) return;
     for (int r = 0; r < s->n; r++) {
-        memcpy(g, s->G + 3 * r, sizeof g);
-        mukca_dense_forward(g, 1, S, 3);
-        mukca_dense_backward(g, 1, S, 3);
+        solve(g, S, s->G + 3 * r);
         double *row = s->C + r * s->n;
         for (int c = 0; c < s->n; c++) row[c] -= sign * mukca_dot3(g, s->G + 3 * c);
     }
@@ -152,11 +155,10 @@ void mukca_plan_state_row(mukca_plan_state *s, const double *H, int socket, int 
 void mukca_plan_state_distance(mukca_plan_state *s, int a, int b, const double *centre_a,
                                const double *centre_b)
 {
-    double u[3], length = 0, S = distance_sigma * distance_sigma;
-    for (int i = 0; i < 3; i++) u[i] = centre_a[i] - centre_b[i];
-    length = sqrt(mukca_dot3(u, u));
+    double u[3], S = distance_sigma * distance_sigma;
+    const double length = mukca_distance3(centre_a, centre_b);
     if (!(length > 0)) return;
-    for (int i = 0; i < 3; i++) u[i] /= length;
+    for (int i = 0; i < 3; i++) u[i] = (centre_a[i] - centre_b[i]) / length;
     const int at = s->n_known + 3 * a, to = s->n_known + 3 * b;
     for (int r = 0; r < s->n; r++)
         s->G[r] = mukca_dot3(s->C + r * s->n + at, u) - mukca_dot3(s->C + r * s->n + to, u);
@@ -173,53 +175,65 @@ void mukca_plan_state_refresh(mukca_plan_state *s)
     mukca_dense_cholesky(s->P, p);
 }
 
-double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
+/* Fall of the mean square error elsewhere, tr(W G S^-1 G'). */
+static double accuracy_gain(const mukca_plan_state *s, const double S[9])
 {
-    double S[9], gain = 0;
     const int p = s->n_geometry;
-    project(S, s, s->n_known, H, socket);
-    for (int i = 0; i < 3; i++) S[4 * i] += s->noise * s->noise;
-    if (s->accuracy) {
-        /* tr(W G S^-1 G') */
-        if (!(factor(S, 3) > -HUGE_VAL)) return 0;
-        for (int r = 0; r < p; r++) {
-            double g[3], wg[3] = {0};
-            for (int c = 0; c < p; c++)
-                for (int i = 0; i < 3; i++) wg[i] += s->W[r * p + c] * s->G[3 * c + i];
-            memcpy(g, s->G + 3 * r, sizeof g);
-            mukca_dense_forward(g, 1, S, 3);
-            mukca_dense_backward(g, 1, S, 3);
-            gain += mukca_dot3(g, wg);
-        }
-        return gain;
+    double gain = 0;
+    for (int r = 0; r < p; r++) {
+        double g[3], wg[3] = {0};
+        for (int c = 0; c < p; c++)
+            for (int i = 0; i < 3; i++) wg[i] += s->W[r * p + c] * s->G[3 * c + i];
+        solve(g, S, s->G + 3 * r);
+        gain += mukca_dot3(g, wg);
     }
-    if (s->n_effects == 0) {
-        /* |C_gg - G S^-1 G'| = |C_gg| |S - G' C_gg^-1 G| / |S|; P holds the factor of C_gg. */
-        double rest[9];
-        mukca_dense_forward(s->G, 3, s->P, p);
-        memcpy(rest, S, sizeof rest);
-        for (int r = 0; r < p; r++)
-            for (int i = 0; i < 3; i++)
-                for (int j = 0; j < 3; j++) rest[3 * i + j] -= s->G[3 * r + i] * s->G[3 * r + j];
-        return factor(S, 3) - factor(rest, 3);
-    }
-    if (!(factor(S, 3) > -HUGE_VAL)) return 0;
+    return gain;
+}
+
+/* The covariance of cause e, [terms][terms]; returns the number of terms. */
+static int covariance_of(double *C, const mukca_plan_state *s, int e)
+{
+    const int m = s->effect[e].terms, first = s->n_geometry + s->first_term[e];
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < m; j++) C[i * m + j] = s->C[(first + i) * s->n + first + j];
+    return m;
+}
+
+/* Fall of the log determinants of the causes' covariances. */
+static double cause_gain(const mukca_plan_state *s, const double S[9])
+{
+    double gain = 0;
     for (int e = 0; e < s->n_effects; e++) {
-        const int m = s->effect[e].terms, first = p + s->first_term[e];
         double before[MUKCA_MAX_TERMS * MUKCA_MAX_TERMS], after[MUKCA_MAX_TERMS * MUKCA_MAX_TERMS];
+        const double *G = s->G + 3 * (s->n_geometry + s->first_term[e]);
+        const int m = covariance_of(before, s, e);
         for (int i = 0; i < m; i++) {
             double g[3];
-            memcpy(g, s->G + 3 * (first + i), sizeof g);
-            mukca_dense_forward(g, 1, S, 3);
-            mukca_dense_backward(g, 1, S, 3);
-            for (int j = 0; j < m; j++) {
-                before[i * m + j] = s->C[(first + i) * s->n + first + j];
-                after[i * m + j] = before[i * m + j] - mukca_dot3(g, s->G + 3 * (first + j));
-            }
+            solve(g, S, G + 3 * i);
+            for (int j = 0; j < m; j++)
+                after[i * m + j] = before[i * m + j] - mukca_dot3(g, G + 3 * j);
         }
         gain += factor(before, m) - factor(after, m);
     }
     return gain;
+}
+
+double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
+{
+    double S[9], rest[9];
+    const int p = s->n_geometry;
+    project(S, s, s->n_known, H, socket, 1);
+    memcpy(rest, S, sizeof rest);
+    const double log_det = factor(S, 3);
+    if ((s->accuracy || s->n_effects > 0) && !(log_det > -HUGE_VAL)) return 0;
+    if (s->accuracy) return accuracy_gain(s, S);
+    if (s->n_effects > 0) return cause_gain(s, S);
+    /* |C_gg - G S^-1 G'| = |C_gg| |S - G' C_gg^-1 G| / |S|; P holds the factor of C_gg. */
+    mukca_dense_forward(s->G, 3, s->P, p);
+    for (int r = 0; r < p; r++)
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) rest[3 * i + j] -= s->G[3 * r + i] * s->G[3 * r + j];
+    return log_det - factor(rest, 3);
 }
 
 /* Mean square of one move elsewhere, m^2. */
@@ -264,12 +278,9 @@ double mukca_plan_strength(const mukca_plan_state *s)
 {
     double least = NAN;
     for (int e = 0; e < s->n_effects; e++) {
-        const int m = s->effect[e].terms, first = s->n_geometry + s->first_term[e];
         double L[MUKCA_MAX_TERMS * MUKCA_MAX_TERMS], c[MUKCA_MAX_TERMS], strength = 0;
-        for (int i = 0; i < m; i++) {
-            c[i] = s->effect[e].coefficient[i];
-            for (int j = 0; j < m; j++) L[i * m + j] = s->C[(first + i) * s->n + first + j];
-        }
+        const int m = covariance_of(L, s, e);
+        memcpy(c, s->effect[e].coefficient, (size_t)m * sizeof *c);
         if (!(factor(L, m) > -HUGE_VAL)) return NAN;
         mukca_dense_forward(c, 1, L, m);
         for (int i = 0; i < m; i++) strength += c[i] * c[i];

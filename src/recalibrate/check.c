@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "math/dense.h"
 #include "math/stats.h"
 
 enum { PREVIEW = 1000 };
@@ -19,17 +18,13 @@ typedef struct {
     int n;
 } preview;
 
-static mukca_status load(preview *p, const mukca_pose_log *logs, int n_logs, mukca_error *error)
+static mukca_status load(preview *p, const mukca_recalibrate_task *task, mukca_error *error)
 {
-    for (int l = 0; l < n_logs && p->n < PREVIEW; l++) {
-        bool more = true;
-        mukca_status status = logs[l].rewind(logs[l].context, error);
-        while (status == MUKCA_OK && p->n < PREVIEW) {
-            status = logs[l].next(logs[l].context, &p->row[p->n], &more, error);
-            if (status != MUKCA_OK || !more) break;
-            p->n++;
-        }
-        if (status != MUKCA_OK) return status;
+    mukca_pose_reader reader = mukca_recalibrate_reader(task);
+    while (p->n < PREVIEW) {
+        const mukca_status status = mukca_pose_reader_next(&reader, error);
+        if (status != MUKCA_OK || !reader.now) return status;
+        p->row[p->n++] = *reader.now;
     }
     return MUKCA_OK;
 }
@@ -42,11 +37,8 @@ static bool turned(const preview *p, int row)
 static void measure(preview *p, mukca_quaternion_order order)
 {
     for (int i = 0; i < p->n; i++) {
-        const double *q = p->row[i].quaternion, last[4] = {q[3], q[0], q[1], q[2]};
         memcpy(p->measured[i].p, p->row[i].position, sizeof p->measured[i].p);
-        if (turned(p, i))
-            mukca_rotation_from_quaternion(p->measured[i].R,
-                                           order == MUKCA_QUATERNION_W_LAST ? last : q);
+        mukca_pose_measured(p->measured[i].R, &p->row[i], order);
     }
 }
 
@@ -64,15 +56,9 @@ static void predict(preview *p, int element, double scale)
     }
 }
 
-static double distance(const double a[3], const double b[3])
-{
-    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
-                (a[2] - b[2]) * (a[2] - b[2]));
-}
-
 static double position_median(preview *p)
 {
-    for (int i = 0; i < p->n; i++) p->work[i] = distance(p->nominal[i].p, p->measured[i].p);
+    for (int i = 0; i < p->n; i++) p->work[i] = mukca_distance3(p->nominal[i].p, p->measured[i].p);
     return mukca_stats_median(p->work, p->n);
 }
 
@@ -95,27 +81,25 @@ static double step_median(preview *p, bool rotations)
             p->work[n++] =
                 fabs(mukca_rotation_between(a->R, b->R) - mukca_rotation_between(c->R, d->R));
         else if (!rotations)
-            p->work[n++] = fabs(distance(a->p, b->p) - distance(c->p, d->p));
+            p->work[n++] = fabs(mukca_distance3(a->p, b->p) - mukca_distance3(c->p, d->p));
     }
     return mukca_stats_median(p->work, n);
 }
 
-static double path(const preview *p, bool nominal)
+/* Length of the way from row to row, m. */
+static double path(const mukca_frame *poses, int n)
 {
     double sum = 0;
-    for (int i = 1; i < p->n; i++)
-        sum += nominal ? distance(p->nominal[i].p, p->nominal[i - 1].p)
-                       : distance(p->measured[i].p, p->measured[i - 1].p);
+    for (int i = 1; i < n; i++) sum += mukca_distance3(poses[i].p, poses[i - 1].p);
     return sum;
 }
 
 static mukca_status check_units(preview *p, mukca_error *error)
 {
     const int last = p->chain->n_elements - 1;
-    const double degree = acos(-1.0) / 180;
     predict(p, last, 1);
-    const double nominal = path(p, true), measured = path(p, false),
-                 radians = step_median(p, false);
+    const double nominal = path(p->nominal, p->n), measured = path(p->measured, p->n);
+    const double radians = step_median(p, false);
     if (nominal > 0.01 && measured > 200 * nominal && measured < 5000 * nominal)
         return mukca_fail(error, MUKCA_INPUT,
                           "the positions move %.0f times as far as the arm does: they look like "
@@ -125,7 +109,7 @@ static mukca_status check_units(preview *p, mukca_error *error)
         return mukca_fail(error, MUKCA_INPUT,
                           "all positions are the same while the joints move: the tracker's stream "
                           "had stopped, record them again");
-    predict(p, last, degree);
+    predict(p, last, M_PI / 180);
     if (radians > 0.005 && step_median(p, false) < 0.2 * radians)
         return mukca_fail(error, MUKCA_INPUT,
                           "the joint angles fit the poses when read as degrees; they must be "
@@ -151,19 +135,6 @@ static void check_order(mukca_pose_check *check, preview *p, bool frames_known)
     measure(p, check->order);
 }
 
-static void check_lengths(mukca_pose_check *check, const preview *p)
-{
-    check->shortest = HUGE_VAL;
-    for (int i = 0; i < p->n; i++) {
-        const double *q = p->row[i].quaternion;
-        if (!turned(p, i)) continue;
-        const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-        check->longest = fmax(check->longest, length);
-        check->shortest = fmin(check->shortest, length);
-        check->rotations++;
-    }
-}
-
 /* The poses fit as well as they can when paired with another row's angles. */
 static bool shuffled(preview *p, double median)
 {
@@ -172,10 +143,10 @@ static bool shuffled(preview *p, double median)
     for (int i = 0; i < p->n; i++) {
         int best = 0;
         for (int k = 1; k < p->n; k++)
-            if (distance(p->nominal[i].p, p->measured[k].p) <
-                distance(p->nominal[i].p, p->measured[best].p))
+            if (mukca_distance3(p->nominal[i].p, p->measured[k].p) <
+                mukca_distance3(p->nominal[i].p, p->measured[best].p))
                 best = k;
-        nearest[i] = distance(p->nominal[i].p, p->measured[best].p);
+        nearest[i] = mukca_distance3(p->nominal[i].p, p->measured[best].p);
         moved += best != i;
     }
     return moved > p->n / 2 && mukca_stats_median(nearest, p->n) < 0.1 * median;
@@ -219,17 +190,10 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
                           c->element[check->position_element].child, c->element[joint].name);
     if (check->rotation_element != check->position_element && best_turn < 0.1) {
         /* Orientations of one link, positions of another: a turned tool that is known. */
-        mukca_frame of_rotation;
         predict(p, check->rotation_element, 1);
-        of_rotation = p->nominal[0];
+        const mukca_frame of_rotation = p->nominal[0];
         predict(p, check->position_element, 1);
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) {
-                check->tool.R[3 * i + j] = 0;
-                for (int m = 0; m < 3; m++)
-                    check->tool.R[3 * i + j] +=
-                        p->nominal[0].R[3 * m + i] * of_rotation.R[3 * m + j];
-            }
+        mukca_mat3_tmul(check->tool.R, p->nominal[0].R, of_rotation.R);
     }
     if (check->rotations && best_turn > 0.1)
         return mukca_fail(error, MUKCA_INPUT,
@@ -240,73 +204,63 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     return MUKCA_OK;
 }
 
-/* First guesses of unknown frames, from the nominal arm. */
+/* First guesses of unknown frames, from the nominal arm: measured = base nominal tool. */
 static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bool free_tool)
 {
-    double mean[2][3] = {{0}}, H[9] = {0};
+    double mean[2][3] = {{0}}, base[9] = {0}, tool[9] = {0};
     predict(p, p->chain->n_elements - 1, 1);
     for (int i = 0; i < p->n; i++)
         for (int a = 0; a < 3; a++) {
             mean[0][a] += p->nominal[i].p[a] / p->n;
             mean[1][a] += p->measured[i].p[a] / p->n;
         }
-    for (int i = 0; i < p->n && free_base; i++)
-        for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++)
-                H[3 * a + b] +=
-                    (p->nominal[i].p[a] - mean[0][a]) * (p->measured[i].p[b] - mean[1][b]);
+    for (int i = 0; i < p->n; i++)
+        for (int a = 0; a < 9; a++)
+            base[a] += (p->nominal[i].p[a / 3] - mean[0][a / 3]) *
+                       (p->measured[i].p[a % 3] - mean[1][a % 3]);
     if (free_base) {
         double turned_mean[3];
-        mukca_rotation_nearest(check->base.R, H);
+        mukca_rotation_nearest(check->base.R, base);
         mukca_mat3_vec(turned_mean, check->base.R, mean[0]);
         for (int a = 0; a < 3; a++) check->base.p[a] = mean[1][a] - turned_mean[a];
     }
-    memset(H, 0, sizeof H);
-    for (int i = 0; i < p->n && free_tool; i++) { /* measured = base nominal tool */
-        double R[9];
+    for (int i = 0; i < p->n; i++) {
+        double R[9], off[9];
         if (!turned(p, i)) continue;
         mukca_mat3_mul(R, check->base.R, p->nominal[i].R);
-        for (int a = 0; a < 3; a++) /* sum of measured' (base nominal): tool is its transpose */
-            for (int b = 0; b < 3; b++)
-                for (int c = 0; c < 3; c++)
-                    H[3 * a + b] += p->measured[i].R[3 * c + a] * R[3 * c + b];
+        mukca_mat3_tmul(off, p->measured[i].R, R);
+        for (int a = 0; a < 9; a++) tool[a] += off[a];
     }
-    if (free_tool && check->rotations) mukca_rotation_nearest(check->tool.R, H);
+    if (free_tool && check->rotations) mukca_rotation_nearest(check->tool.R, tool);
 }
 
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
                                   mukca_error *error)
 {
-    const mukca_chain *chain = task->chain;
-    const bool free_base = task->options && task->options->free_base,
-               free_tool = task->options && task->options->free_tool;
+    static const mukca_frame identity = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const int last = task->chain->n_elements - 1;
+    const bool free_base = task->options->free_base, free_tool = task->options->free_tool;
     preview *p = calloc(1, sizeof *p);
-    static const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    *check = (mukca_pose_check){.position_element = chain->n_elements - 1,
-                                .rotation_element = chain->n_elements - 1,
-                                .base = identity,
-                                .tool = identity};
     if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    p->chain = chain;
-    mukca_geometry_set(&p->geometry, chain, NULL);
-    mukca_status status = load(p, task->logs, task->n_logs, error);
-    check->rows = p->n;
+    *check = (mukca_pose_check){
+        .position_element = last, .rotation_element = last, .base = identity, .tool = identity};
+    p->chain = task->chain;
+    mukca_geometry_set(&p->geometry, p->chain, NULL);
+    mukca_status status = load(p, task, error);
     if (status == MUKCA_OK && p->n == 0)
         status = mukca_fail(error, MUKCA_INPUT,
                             "no row has a measured position: need columns x_m y_m z_m, or "
                             "hole_*_pose.csv beside the joint files");
     if (status == MUKCA_OK) {
-        check_lengths(check, p);
+        for (int i = 0; i < p->n; i++) check->rotations += turned(p, i);
         measure(p, MUKCA_QUATERNION_W_FIRST);
         status = check_units(p, error);
     }
-    if (status == MUKCA_OK) {
-        if (check->rotations) check_order(check, p, !free_base && !free_tool);
-        if (!free_base && !free_tool)
-            status = check_frames(check, p, error);
-        else
-            guess_frames(check, p, free_base, free_tool);
-    }
+    if (status == MUKCA_OK && check->rotations) check_order(check, p, !free_base && !free_tool);
+    if (status == MUKCA_OK && (free_base || free_tool))
+        guess_frames(check, p, free_base, free_tool);
+    else if (status == MUKCA_OK)
+        status = check_frames(check, p, error);
     free(p);
     return status;
 }

@@ -6,12 +6,11 @@
 #include "recalibrate/recalibrate.h"
 
 typedef struct {
-    int rows, rotations;                     /* looked at; of these with a quaternion */
+    int rotations;                           /* samples with a quaternion */
     int position_element, rotation_element;  /* whose child link the poses belong to */
     double position_median, rotation_median; /* m, rad: measured to that link, nominal */
     mukca_quaternion_order order;
-    double longest, shortest; /* quaternion */
-    mukca_frame base, tool;   /* first guess: of the arm in the poses' frame, of these in the tip */
+    mukca_frame base, tool; /* first guess: of the arm in the poses' frame, of these in the tip */
 } mukca_pose_check;
 
 /* Decide on these.  With the task's free_base or free_tool the frames are unknown (then the last

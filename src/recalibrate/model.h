@@ -1,4 +1,4 @@
-/* What re-calibration fits: an arm's constants, the frames of its poses, and a time lag; one row's
+/* What re-calibration fits: an arm's constants, the frames of its poses, and a time lag; one pose's
  * residual and its derivatives by them. */
 #ifndef MUKCA_RECALIBRATE_MODEL_H
 #define MUKCA_RECALIBRATE_MODEL_H
@@ -6,19 +6,19 @@
 #include "mukca/chain.h"
 #include "recalibrate/pose_log.h"
 
-/* kind, text */
-#define MUKCA_UNKNOWN_LIST(X)                                                               \
-    X(ZERO, "zero")           /* rad, added to the encoder's angle of a turning joint */    \
-    X(SHIFT, "")              /* m, of an element's origin along x, y or z of its parent */ \
-    X(TILT, "tilt")           /* rad, of a turning joint's axis about a transverse one */   \
-    X(BASE_SHIFT, "base")     /* m, of the arm's base in the poses' frame */                \
-    X(BASE_TURN, "base turn") /* rad, the same about x, y, z of the poses' frame */         \
-    X(TOOL_SHIFT, "tool")     /* m, of the measured point in the last link */               \
-    X(TOOL_TURN, "tool turn") /* rad, of the measured frame about its own axes */           \
-    X(LAG, "lag")             /* s (or rows): angles are this much older than poses */
+/* kind, name, one letter per axis, angle (rad)? */
+#define MUKCA_UNKNOWN_LIST(X)                                                                     \
+    X(ZERO, "zero", "", true)              /* added to the encoder's angle of a turning joint */  \
+    X(SHIFT, "", "xyz", false)             /* of an element's origin in its parent frame */       \
+    X(TILT, "tilt", "12", true)            /* of a turning joint's axis about a transverse one */ \
+    X(BASE_SHIFT, "base", "xyz", false)    /* of the arm's base in the poses' frame */            \
+    X(BASE_TURN, "base turn", "xyz", true) /* the same about the axes of the poses' frame */      \
+    X(TOOL_SHIFT, "tool", "xyz", false)    /* of the measured point in the last link */           \
+    X(TOOL_TURN, "tool turn", "xyz", true) /* of the measured frame about its own axes */         \
+    X(LAG, "lag", "", false)               /* s (or samples): angles are this much older */
 
 typedef enum {
-#define MUKCA_UNKNOWN_ENUM(name, text) MUKCA_UNKNOWN_##name,
+#define MUKCA_UNKNOWN_ENUM(kind, name, axes, angle) MUKCA_UNKNOWN_##kind,
     MUKCA_UNKNOWN_LIST(MUKCA_UNKNOWN_ENUM)
 #undef MUKCA_UNKNOWN_ENUM
 } mukca_unknown_kind;
@@ -35,7 +35,10 @@ enum { MUKCA_MAX_UNKNOWNS = MUKCA_MAX_JOINTS * 6 + 3 + 12 + 1, MUKCA_UNKNOWN_TEX
 void mukca_unknown_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_unknown *unknown,
                         const mukca_chain *chain);
 
-/* Predicted pose of a row = base * arm(q + zero + lag * velocity) * tool. */
+/* Whether it is an angle (rad), not a length (m). */
+bool mukca_unknown_is_angle(mukca_unknown_kind kind);
+
+/* Predicted pose = base * arm(q + zero + lag * velocity) * tool. */
 typedef struct {
     mukca_geometry geometry;
     double zero[MUKCA_MAX_JOINTS];
@@ -48,15 +51,14 @@ void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain);
 /* value of `unknown` += by. */
 void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown, double by);
 
-/* theta[6 * n_elements] with the zeros turned into origins; base, tool and lag are left out. */
+/* theta[6 * n_elements] with the zeros turned into origins; base, tool and lag are ignored. */
 void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const mukca_chain *chain);
 
-/* Frames of one row, for residual and derivatives. */
+/* Frames of one pose, for residual and derivatives. */
 typedef struct {
     const mukca_pose_model *model; /* the caller's, as is the row */
     const mukca_pose_row *row;
     mukca_frame before[MUKCA_MAX_ELEMENTS]; /* each element before its joint turns */
-    double parent[MUKCA_MAX_ELEMENTS][9];   /* rotation of its parent frame */
     mukca_frame flange, tip;                /* last element; the same with the tool */
     double position[3];                     /* measured minus predicted, m; NaN: not measured */
     double rotation[3];                     /* log of predicted' measured, rad; NaN likewise */
@@ -65,6 +67,9 @@ typedef struct {
 
 /* Quaternion order of the log. */
 typedef enum { MUKCA_QUATERNION_W_FIRST, MUKCA_QUATERNION_W_LAST } mukca_quaternion_order;
+
+/* The measured orientation; false where there is none. */
+bool mukca_pose_measured(double R[9], const mukca_pose_row *row, mukca_quaternion_order order);
 
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
                         const mukca_pose_row *row, mukca_quaternion_order order);

@@ -27,66 +27,53 @@ void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r
                          oracle->rotation_systematic > fmax(oracle->rotation_left, dust);
 }
 
+enum { MAX_CANDIDATES = MUKCA_MAX_UNKNOWNS + MUKCA_MAX_JOINTS };
+
+/* One constant that may explain the difference: a combination of the system's unknowns. */
+typedef struct {
+    double column[MUKCA_MAX_UNKNOWNS]; /* in Q's frame */
+    mukca_unknown unknown;
+    double direction[3]; /* of a shift, parent's frame */
+    bool along_axis;
+} candidate;
+
 typedef struct {
     mukca_pose_system system; /* all constants together */
-    /* candidates: combinations of the system's unknowns */
+    mukca_pose_model model;   /* nominal, with the lag and the frames of the full fit */
     int n;
-    double column[MUKCA_MAX_UNKNOWNS + MUKCA_MAX_JOINTS][MUKCA_MAX_UNKNOWNS]; /* in Q's frame */
-    mukca_unknown unknown[MUKCA_MAX_UNKNOWNS + MUKCA_MAX_JOINTS];
-    double direction[MUKCA_MAX_UNKNOWNS + MUKCA_MAX_JOINTS][3]; /* of a shift, parent's frame */
-    bool along_axis[MUKCA_MAX_UNKNOWNS + MUKCA_MAX_JOINTS];
+    candidate list[MAX_CANDIDATES];
 } search;
-
-/* Weight of a residual of that length; 2.5 sigma is 1.6 times the median. */
-static double huber(double length, double median)
-{
-    return length > 1.6 * median && median > 0 ? 1.6 * median / length : 1;
-}
 
 /* Rows at the nominal model, weighted by how well the full fit explains each. */
 static mukca_status gather(search *s, const mukca_recalibration *r,
                            const mukca_recalibrate_task *task, mukca_error *error)
 {
-    const double p_scale = mukca_histogram_median(&r->errors[MUKCA_WITH_BOTH].position_histogram);
-    const double w_scale = mukca_histogram_median(&r->errors[MUKCA_WITH_BOTH].rotation_histogram);
-    mukca_pose_model model = r->stage[MUKCA_BEFORE];
-    mukca_pose_reader reader;
+    const mukca_pose_errors *errors = &r->errors[MUKCA_WITH_BOTH];
+    const double p_scale = mukca_histogram_median(&errors->position_histogram);
+    const double w_scale = mukca_histogram_median(&errors->rotation_histogram);
+    mukca_pose_reader reader = mukca_recalibrate_reader(task);
     mukca_pose_look look;
-    model.lag = r->lag;
-    model.base = r->stage[MUKCA_WITH_BOTH].base;
-    model.tool = r->stage[MUKCA_WITH_BOTH].tool;
-    mukca_status status =
-        mukca_pose_reader_start(&reader, task->logs, task->n_logs, task->chain->n_joints, error);
-    while (status == MUKCA_OK) {
-        const mukca_pose_row *row;
-        double weight;
-        bool more;
-        status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
-        if (status != MUKCA_OK || !more) break;
-        mukca_pose_look_at(&look, &r->stage[MUKCA_WITH_BOTH], row, task->options->order);
-        const double p = sqrt(mukca_dot3(look.position, look.position));
-        const double w = sqrt(mukca_dot3(look.rotation, look.rotation));
-        mukca_pose_look_at(&look, &model, row, task->options->order);
-        mukca_pose_system_add(&s->system, &look, sqrt(weight * huber(p, p_scale)),
-                              sqrt(weight * huber(w, w_scale)));
+    for (;;) {
+        const mukca_status status = mukca_pose_reader_next(&reader, error);
+        if (status != MUKCA_OK || !reader.now) return status;
+        mukca_pose_look_at(&look, &r->stage[MUKCA_WITH_BOTH], reader.now, task->options->order);
+        const double p = mukca_pose_huber(mukca_norm3(look.position), p_scale);
+        const double w = mukca_pose_huber(mukca_norm3(look.rotation), w_scale);
+        mukca_pose_look_at(&look, &s->model, reader.now, task->options->order);
+        mukca_pose_system_add(&s->system, &look, sqrt(reader.weight * p), sqrt(reader.weight * w));
     }
-    return status;
 }
 
-/* Column of `direction` over the unknowns u, u + 1, ... (three for a shift, one else). */
+/* Add `direction` over the unknowns u, u + 1, ... (three for a shift, one else). */
 static void add_candidate(search *s, int u, int width, const double *direction, bool along_axis)
 {
-    const int n = s->system.n, to = s->n++;
-    for (int i = 0; i < n; i++) {
-        s->column[to][i] = 0;
-        for (int a = 0; a < width; a++)
-            s->column[to][i] += direction[a] * s->system.R[i * (n + 1) + u + a];
-    }
-    s->unknown[to] = s->system.unknown[u];
-    s->along_axis[to] = along_axis;
-    for (int a = 0; a < 3; a++) {
-        s->direction[to][a] = width == 3 ? direction[a] : 0;
-        if (width == 3 && fabs(direction[a]) > 0.999) s->unknown[to].axis = a;
+    const int n = s->system.n;
+    candidate *c = &s->list[s->n++];
+    *c = (candidate){.unknown = s->system.unknown[u], .along_axis = along_axis};
+    for (int a = 0; a < width; a++) {
+        for (int i = 0; i < n; i++) c->column[i] += direction[a] * s->system.R[i * (n + 1) + u + a];
+        if (width == 3) c->direction[a] = direction[a];
+        if (width == 3 && fabs(direction[a]) > 0.999) c->unknown.axis = a;
     }
 }
 
@@ -116,38 +103,34 @@ static void list_candidates(search *s, const mukca_chain *chain)
     }
 }
 
-static double inner(const double *a, const double *b, int n)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++) sum += a[i] * b[i];
-    return sum;
-}
-
-/* Share of what can be explained that the chosen candidates explain; skip: one that is left out. */
+/* Share of what can be explained that the chosen candidates explain; skip: one to ignore. */
 static double explained(const search *s, const int *chosen, int count, int skip)
 {
     const int n = s->system.n;
-    double left[MUKCA_MAX_UNKNOWNS], basis[MUKCA_MAX_CONSTANTS][MUKCA_MAX_UNKNOWNS];
+    double A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_CONSTANTS], b[MUKCA_MAX_UNKNOWNS];
+    double singular[MUKCA_MAX_CONSTANTS], total = 0, gained = 0;
+    const int width = count - (skip >= 0);
     int k = 0;
-    for (int i = 0; i < n; i++) left[i] = s->system.R[i * (n + 1) + n];
-    const double total = inner(left, left, n);
     for (int c = 0; c < count; c++) {
         if (c == skip) continue;
-        double *v = basis[k];
-        memcpy(v, s->column[chosen[c]], (size_t)n * sizeof *v);
-        const double whole = inner(v, v, n);
-        for (int b = 0; b < k; b++) {
-            const double f = inner(basis[b], v, n);
-            for (int i = 0; i < n; i++) v[i] -= f * basis[b][i];
-        }
-        const double norm2 = inner(v, v, n);
-        if (!(norm2 > 1e-6 * whole)) continue; /* tells nothing new */
-        for (int i = 0; i < n; i++) v[i] /= sqrt(norm2);
-        const double f = inner(v, left, n);
-        for (int i = 0; i < n; i++) left[i] -= f * v[i];
+        const double *column = s->list[chosen[c]].column;
+        double size = 0;
+        for (int i = 0; i < n; i++) size = hypot(size, column[i]);
+        for (int i = 0; i < n; i++) A[i * width + k] = size > 0 ? column[i] / size : 0;
         k++;
     }
-    return total > 0 ? 1 - inner(left, left, n) / total : 0;
+    for (int i = 0; i < n; i++) {
+        b[i] = s->system.R[i * (n + 1) + n];
+        total += b[i] * b[i];
+    }
+    if (mukca_dense_svd(A, singular, NULL, n, width)) return 0;
+    /* A direction counts where more than 1e-3 of a column is independent of the others. */
+    for (int c = 0; c < width && singular[c] > 1e-3 * singular[0]; c++) {
+        double part = 0;
+        for (int i = 0; i < n; i++) part += A[i * width + c] * b[i];
+        gained += part * part;
+    }
+    return total > 0 ? gained / total : 0;
 }
 
 /* Greedy choice (orthogonal matching pursuit) until all but 2 % is explained, then those out again
@@ -182,89 +165,78 @@ static int choose(int chosen[MUKCA_MAX_CONSTANTS], double *share, search *s)
 static void solve_chosen(mukca_constants *out, const int *chosen, const search *s)
 {
     const int n = s->system.n, k = out->n;
-    double A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_CONSTANTS], b[MUKCA_MAX_UNKNOWNS],
-        noise = s->system.rss[0];
-    double C[MUKCA_MAX_CONSTANTS * MUKCA_MAX_CONSTANTS] = {0}, x[MUKCA_MAX_CONSTANTS] = {0};
+    double A[MUKCA_MAX_UNKNOWNS * (MUKCA_MAX_CONSTANTS + 1)];
+    double R[MUKCA_MAX_CONSTANTS * (MUKCA_MAX_CONSTANTS + 1)] = {0}, rest = 0;
+    double L[MUKCA_MAX_CONSTANTS * MUKCA_MAX_CONSTANTS];
     double inverse[MUKCA_MAX_CONSTANTS * MUKCA_MAX_CONSTANTS] = {0};
     for (int i = 0; i < n; i++) {
-        for (int c = 0; c < k; c++) A[i * k + c] = s->column[chosen[c]][i];
-        b[i] = s->system.R[i * (n + 1) + n];
+        for (int c = 0; c < k; c++) A[i * (k + 1) + c] = s->list[chosen[c]].column[i];
+        A[i * (k + 1) + k] = s->system.R[i * (n + 1) + n];
     }
-    mukca_dense_syrk(C, k, A, n, k);
-    mukca_dense_xty(x, (mukca_columns){A, k, k}, (mukca_columns){b, 1, 1}, n);
-    if (mukca_dense_cholesky(C, k)) return;
-    mukca_dense_forward(x, 1, C, k);
-    mukca_dense_backward(x, 1, C, k);
-    for (int c = 0; c < k; c++) inverse[c * k + c] = 1;
-    mukca_dense_forward(inverse, k, C, k);
-    mukca_dense_backward(inverse, k, C, k);
-    for (int i = 0; i < n; i++) {
-        const double rest = b[i] - inner(A + i * k, x, k);
-        noise += rest * rest;
-    }
-    noise /= (double)s->system.equations;
+    mukca_dense_qr_absorb(R, &rest, A, n, k, 1);
     for (int c = 0; c < k; c++) {
-        out->value[c] = x[c];
-        out->sigma[c] = sqrt(noise * inverse[c * k + c]);
+        for (int d = 0; d <= c; d++) L[c * k + d] = R[d * (k + 1) + c];
+        out->value[c] = R[c * (k + 1) + k];
+        inverse[c * k + c] = 1;
+    }
+    mukca_dense_backward(out->value, 1, L, k);
+    mukca_dense_backward(inverse, k, L, k);
+    const double noise = (s->system.rss[0] + rest) / (double)s->system.equations;
+    for (int c = 0; c < k; c++) {
+        double sum = 0;
+        for (int d = 0; d < k; d++) sum += inverse[c * k + d] * inverse[c * k + d];
+        out->sigma[c] = sqrt(noise * sum);
     }
 }
 
-static mukca_status measure(mukca_constants *out, const int *chosen, const search *s,
-                            const mukca_recalibration *r, const mukca_recalibrate_task *task,
-                            mukca_error *error)
+/* What the chosen constants alone leave. */
+static mukca_status measure(mukca_constants *out, const int *chosen, search *s,
+                            const mukca_recalibrate_task *task, mukca_error *error)
 {
-    mukca_recalibration *alone = calloc(1, sizeof *alone);
-    mukca_pose_errors *errors = calloc(MUKCA_STAGES, sizeof *errors);
-    mukca_status status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    if (alone && errors) {
-        mukca_pose_model model = r->stage[MUKCA_BEFORE];
-        model.lag = r->lag;
-        model.base = r->stage[MUKCA_WITH_BOTH].base;
-        model.tool = r->stage[MUKCA_WITH_BOTH].tool;
-        for (int c = 0; c < out->n; c++) {
-            mukca_unknown u = s->unknown[chosen[c]];
-            if (u.kind != MUKCA_UNKNOWN_SHIFT) mukca_pose_model_add(&model, &u, out->value[c]);
-            for (u.axis = 0; u.kind == MUKCA_UNKNOWN_SHIFT && u.axis < 3; u.axis++)
-                mukca_pose_model_add(&model, &u, out->value[c] * s->direction[chosen[c]][u.axis]);
-        }
-        for (int i = 0; i < MUKCA_STAGES; i++) alone->stage[i] = model;
-        status = mukca_recalibrate_test(errors, alone, task, error);
-        out->errors = errors[0];
+    for (int c = 0; c < out->n; c++) {
+        const candidate *from = &s->list[chosen[c]];
+        mukca_unknown u = from->unknown;
+        if (u.kind != MUKCA_UNKNOWN_SHIFT) mukca_pose_model_add(&s->model, &u, out->value[c]);
+        for (u.axis = 0; u.kind == MUKCA_UNKNOWN_SHIFT && u.axis < 3; u.axis++)
+            mukca_pose_model_add(&s->model, &u, out->value[c] * from->direction[u.axis]);
     }
-    free(alone);
-    free(errors);
-    return status;
+    return mukca_recalibrate_test(&out->errors, &s->model, 1, task, error);
 }
 
 mukca_status mukca_recalibrate_constants(mukca_constants *constants, const mukca_recalibration *r,
                                          const mukca_recalibrate_task *task, mukca_error *error)
 {
+    const mukca_pose_model *fitted = &r->stage[MUKCA_WITH_BOTH];
     int chosen[MUKCA_MAX_CONSTANTS] = {0};
     search *s = calloc(1, sizeof *s);
     memset(constants, 0, sizeof *constants);
     if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    const double p = mukca_histogram_median(&r->errors[MUKCA_WITH_BOTH].position_histogram);
-    const double w = mukca_histogram_median(&r->errors[MUKCA_WITH_BOTH].rotation_histogram);
+    s->model = r->stage[MUKCA_BEFORE];
+    s->model.lag = r->lag;
+    s->model.base = fitted->base;
+    s->model.tool = fitted->tool;
     s->system.positions = true;
     s->system.rotations = r->rotations > 0;
-    s->system.metres_per_radian = p > 1e-9 && w > 1e-9 ? fmin(fmax(p / w, 0.01), 10) : 1;
+    s->system.metres_per_radian = mukca_metres_per_radian(&r->errors[MUKCA_WITH_BOTH]);
     for (int u = 0; u < r->n; u++)
         if (r->unknown[u].kind == MUKCA_UNKNOWN_ZERO || r->unknown[u].kind == MUKCA_UNKNOWN_SHIFT ||
             r->unknown[u].kind == MUKCA_UNKNOWN_TOOL_SHIFT)
             s->system.unknown[s->system.n++] = r->unknown[u];
     mukca_status status = gather(s, r, task, error);
     if (status == MUKCA_OK) {
-        mukca_pose_solution *x = calloc(1, sizeof *x); /* flushes the last rows */
-        if (x) mukca_pose_system_solve(x, &s->system, s->system.n, 1);
-        free(x);
+        mukca_pose_system_flush(&s->system);
         list_candidates(s, task->chain);
         constants->n = choose(chosen, &constants->share, s);
         solve_chosen(constants, chosen, s);
         for (int c = 0; c < constants->n; c++) {
-            constants->unknown[c] = s->unknown[chosen[c]];
-            constants->along_axis[c] = s->along_axis[chosen[c]];
+            constants->unknown[c] = s->list[chosen[c]].unknown;
+            constants->along_axis[c] = s->list[chosen[c]].along_axis;
         }
-        if (constants->n > 0) status = measure(constants, chosen, s, r, task, error);
+        if (constants->n > 0) status = measure(constants, chosen, s, task, error);
+        /* Tilts and frames, which are no candidates, may carry most of the difference. */
+        const double left = mukca_histogram_median(&constants->errors.position_histogram);
+        if (left > 0.5 * mukca_histogram_median(&r->errors[MUKCA_BEFORE].position_histogram))
+            constants->n = 0;
     }
     free(s);
     return status;

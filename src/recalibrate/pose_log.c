@@ -49,30 +49,16 @@ static mukca_status advance(mukca_pose_reader *r, mukca_error *error)
     r->state[0] = r->state[1];
     r->state[1] = r->state[2];
     r->state[2] = 0;
-    while (r->log < r->n_logs) {
+    for (; r->log < r->n_logs; r->log++, r->started = false) {
         const mukca_pose_log *log = &r->logs[r->log];
-        bool more;
-        mukca_status status = log->next(log->context, &r->row[2], &more, error);
-        if (status != MUKCA_OK) return status;
-        if (more) {
-            r->state[2] = 1 + r->log;
-            return MUKCA_OK;
-        }
-        if (++r->log < r->n_logs) {
-            status = r->logs[r->log].rewind(r->logs[r->log].context, error);
-            if (status != MUKCA_OK) return status;
-        }
+        mukca_status status = r->started ? MUKCA_OK : log->rewind(log->context, error);
+        bool more = false;
+        r->started = true;
+        if (status == MUKCA_OK) status = log->next(log->context, &r->row[2], &more, error);
+        if (more) r->state[2] = 1 + r->log;
+        if (status != MUKCA_OK || more) return status;
     }
     return MUKCA_OK;
-}
-
-mukca_status mukca_pose_reader_start(mukca_pose_reader *reader, const mukca_pose_log *logs,
-                                     int n_logs, int n_joints, mukca_error *error)
-{
-    *reader = (mukca_pose_reader){.logs = logs, .n_logs = n_logs, .n_joints = n_joints};
-    if (n_logs < 1) return MUKCA_OK;
-    mukca_status status = logs[0].rewind(logs[0].context, error);
-    return status ? status : advance(reader, error);
 }
 
 /* Rows a and b of the window follow each other closely. */
@@ -96,15 +82,15 @@ static void fill_velocity(mukca_pose_reader *r)
         now->velocity[j] = from == to ? 0 : (r->row[to].q[j] - r->row[from].q[j]) / span;
 }
 
-mukca_status mukca_pose_reader_next(mukca_pose_reader *reader, const mukca_pose_row **row,
-                                    double *weight, bool *more, mukca_error *error)
+mukca_status mukca_pose_reader_next(mukca_pose_reader *r, mukca_error *error)
 {
-    mukca_status status = advance(reader, error);
-    *more = reader->state[1] != 0;
-    if (status || !*more) return status;
-    fill_velocity(reader);
-    *row = &reader->row[1];
-    *weight = reader->logs[reader->state[1] - 1].weight;
-    if (!(*weight > 0)) *weight = 1;
+    const bool first = !r->started && r->log == 0;
+    mukca_status status = first ? advance(r, error) : MUKCA_OK;
+    if (status == MUKCA_OK) status = advance(r, error);
+    r->now = r->state[1] ? &r->row[1] : NULL;
+    if (status != MUKCA_OK || !r->now) return status;
+    fill_velocity(r);
+    r->weight = r->logs[r->state[1] - 1].weight;
+    if (!(r->weight > 0)) r->weight = 1;
     return MUKCA_OK;
 }

@@ -35,21 +35,20 @@ void mukca_pose_log_from_dataset(mukca_pose_log *log, mukca_pose_cursor *cursor,
                                  const mukca_dataset *data);
 
 /* Several logs read as one, each row with velocities: as recorded, else by differences to the
- * neighbours in time (in rows where there is no time).  Neighbours that are further than 0.2 rad or
- * m apart tell no velocity: 0. */
+ * neighbours in time (in rows where there is no time); 0 where neighbours are further than 0.2 rad
+ * or m apart.  Begin with the three inputs and zeros. */
 typedef struct {
     const mukca_pose_log *logs;
-    int n_logs, n_joints, log; /* log: which one is being read */
-    mukca_pose_row row[3];     /* before, now, after */
-    int state[3];              /* of row: 0 empty, else 1 + log */
-    bool ended;
+    int n_logs, n_joints;
+    const mukca_pose_row *now; /* NULL after the last row */
+    double weight;             /* of its log */
+    bool started;
+    int log;               /* which one is being read */
+    mukca_pose_row row[3]; /* before, now, after */
+    int state[3];          /* of row: 0 empty, else 1 + log */
 } mukca_pose_reader;
 
-mukca_status mukca_pose_reader_start(mukca_pose_reader *reader, const mukca_pose_log *logs,
-                                     int n_logs, int n_joints, mukca_error *error);
-
-/* *row points into the reader until the next call; *weight is that of its log. */
-mukca_status mukca_pose_reader_next(mukca_pose_reader *reader, const mukca_pose_row **row,
-                                    double *weight, bool *more, mukca_error *error);
+/* Move to the next row.  Errors: the logs' own. */
+mukca_status mukca_pose_reader_next(mukca_pose_reader *reader, mukca_error *error);
 
 #endif

@@ -15,11 +15,15 @@ enum { MOST_PASSES = 10, LAG_SCORE = 8 };
 /* A lag must lower the median by 5 %, or outliers alone would explain it. */
 static const double lag_gain = 0.95;
 
+mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task)
+{
+    return (mukca_pose_reader){
+        .logs = task->logs, .n_logs = task->n_logs, .n_joints = task->chain->n_joints};
+}
+
 typedef struct {
     mukca_recalibration *out;
-    const mukca_chain *chain;
     const mukca_recalibrate_task *task;
-    const mukca_recalibrate_options *options;
     mukca_pose_model model;
     mukca_pose_system angles, offsets; /* joint: all in `offsets` */
     mukca_pose_solution solution;
@@ -60,18 +64,19 @@ static void choose_unknowns(mukca_pose_system *a, mukca_pose_system *p, const mu
         add_three(a, MUKCA_UNKNOWN_BASE_TURN, -1);
     }
     if (o->free_tool && oriented) add_three(a, MUKCA_UNKNOWN_TOOL_TURN, -1);
-    add_unknown(a, MUKCA_UNKNOWN_LAG, -1, 0);
 }
 
-static double huber(double length, double median)
+double mukca_pose_huber(double length, double median)
 {
     const double bend = 1.6 * median; /* 2.5 sigma: the median of three normals' length is 1.54 */
-    return length > bend && bend > 0 ? sqrt(bend / length) : 1;
+    return length > bend && bend > 0 ? bend / length : 1;
 }
 
-static double length3(const double v[3])
+double mukca_metres_per_radian(const mukca_pose_errors *errors)
 {
-    return sqrt(mukca_dot3(v, v));
+    const double p = mukca_histogram_median(&errors->position_histogram);
+    const double w = mukca_histogram_median(&errors->rotation_histogram);
+    return p > 1e-9 && w > 1e-9 ? fmin(fmax(p / w, 0.01), 10) : 0;
 }
 
 static void note_range(mukca_recalibration *out, const mukca_pose_row *row, int n)
@@ -85,33 +90,30 @@ static void note_range(mukca_recalibration *out, const mukca_pose_row *row, int 
     out->rows++;
 }
 
-/* Read the log once at the present model: errors, and the rows of both systems (NULL: not). */
+/* Read the log once at the present model: errors, and the equations of both systems (NULL: not). */
 static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b, mukca_error *error)
 {
     const double position_scale = mukca_histogram_median(&s->errors.position_histogram);
     const double rotation_scale = mukca_histogram_median(&s->errors.rotation_histogram);
-    const bool robust = s->options->robust && s->measured, first = s->out->passes == 0;
-    mukca_pose_reader reader;
+    const mukca_recalibrate_options *options = s->task->options;
+    const bool robust = options->robust && s->measured, first = s->out->passes == 0;
+    mukca_pose_reader reader = mukca_recalibrate_reader(s->task);
     mukca_pose_look look;
-    mukca_status status =
-        mukca_pose_reader_start(&reader, s->task->logs, s->task->n_logs, s->chain->n_joints, error);
+    mukca_status status;
     if (a) mukca_pose_system_clear(a);
     if (b) mukca_pose_system_clear(b);
     memset(&s->errors, 0, sizeof s->errors);
-    for (long i = 0; status == MUKCA_OK; i++) {
-        const mukca_pose_row *row;
-        double weight;
-        bool more;
-        status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
-        if (status != MUKCA_OK || !more) break;
-        if (i % 1024 == 0 && s->options->stop && s->options->stop())
+    for (long i = 0;; i++) {
+        status = mukca_pose_reader_next(&reader, error);
+        if (status != MUKCA_OK || !reader.now) break;
+        if (i % 1024 == 0 && options->stop && options->stop())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        if (first) note_range(s->out, row, s->chain->n_joints);
-        mukca_pose_look_at(&look, &s->model, row, s->options->order);
+        if (first) note_range(s->out, reader.now, reader.n_joints);
+        mukca_pose_look_at(&look, &s->model, reader.now, options->order);
         mukca_pose_errors_add(&s->errors, &look);
-        double p = sqrt(weight), w = p;
-        if (robust) p *= huber(length3(look.position), position_scale);
-        if (robust) w *= huber(length3(look.rotation), rotation_scale);
+        double p = sqrt(reader.weight), w = p;
+        if (robust) p *= sqrt(mukca_pose_huber(mukca_norm3(look.position), position_scale));
+        if (robust) w *= sqrt(mukca_pose_huber(mukca_norm3(look.rotation), rotation_scale));
         if (a) mukca_pose_system_add(a, &look, p, w);
         if (b) mukca_pose_system_add(b, &look, p, w);
     }
@@ -174,29 +176,41 @@ static double lag_median(const session *s, const mukca_pose_system *system)
                                                     : &s->errors.position_histogram);
 }
 
-static mukca_status two_steps(session *s, mukca_error *error)
+/* Repeat pass and step for one system, its lag included, until it converges.  `later` (may be NULL)
+ * is filled from the second pass on, which is then made in any case. */
+static mukca_status converge(session *s, mukca_pose_system *system, mukca_pose_system *later,
+                             mukca_error *error)
 {
-    const bool repeat = s->options->iterate || s->options->robust;
-    double size, median = 0;
+    const mukca_recalibrate_options *o = s->task->options;
+    const bool repeat = o->iterate || o->robust || (!later && !system->rotations);
+    const int first = later ? 1 : 0; /* pass that may be the last */
     mukca_pose_model without = s->model;
-    mukca_status status = pass(s, &s->angles, NULL, error);
-    s->out->errors[MUKCA_BEFORE] = s->errors;
-    if (status == MUKCA_OK) status = step(&size, s, &s->angles, false, error);
-    for (int i = 0; status == MUKCA_OK; i++) {
-        status = pass(s, &s->angles, &s->offsets, error);
-        if (status != MUKCA_OK) break;
-        if (s->model.lag != 0 && without.lag == 0 &&
-            lag_median(s, &s->angles) > lag_gain * median) { /* take it back, and once more */
-            s->model = without;
+    double size, median = 0;
+    for (int i = 0;; i++) {
+        mukca_status status = pass(s, system, i >= first ? later : NULL, error);
+        if (status != MUKCA_OK) return status;
+        if (i == 0) s->out->errors[MUKCA_BEFORE] = s->errors;
+        if (s->model.lag != 0 && without.lag == 0 && lag_median(s, system) > lag_gain * median) {
+            s->model = without; /* take the lag back, and once more */
             s->lag_denied = true;
             continue;
         }
-        const bool lag = i < MOST_PASSES && lag_shows(s, &s->angles);
-        median = lag_median(s, &s->angles);
+        const bool lag = i > 0 && i < MOST_PASSES + first && lag_shows(s, system);
+        median = lag_median(s, system);
         without = s->model;
-        status = step(&size, s, &s->angles, lag, error);
-        if (size < 1e-10 || i >= MOST_PASSES || (!lag && !repeat)) break;
+        status = step(&size, s, system, lag, error);
+        if (status != MUKCA_OK) return status;
+        const double scale = mukca_metres_per_radian(&s->errors);
+        if (system->positions && scale > 0) system->metres_per_radian = scale;
+        const bool enough = size < 1e-10 || i >= MOST_PASSES + first || (!lag && !repeat);
+        if (i >= first && enough) return MUKCA_OK;
     }
+}
+
+static mukca_status two_steps(session *s, mukca_error *error)
+{
+    double size = 0;
+    mukca_status status = converge(s, &s->angles, &s->offsets, error);
     if (status != MUKCA_OK) return status;
     /* The last pass measured offsets at angles that have moved by the last step. */
     mukca_pose_system_move_carried(&s->offsets, s->solution.x);
@@ -204,7 +218,7 @@ static mukca_status two_steps(session *s, mukca_error *error)
     s->out->stage[MUKCA_WITH_ANGLES] = s->model;
     keep(s, &s->angles);
     status = step(&size, s, &s->offsets, false, error);
-    for (int i = 0; status == MUKCA_OK && s->options->robust && i < MOST_PASSES; i++) {
+    for (int i = 0; status == MUKCA_OK && s->task->options->robust && i < MOST_PASSES; i++) {
         status = pass(s, NULL, &s->offsets, error);
         if (status == MUKCA_OK) status = step(&size, s, &s->offsets, false, error);
         if (size < 1e-9) break;
@@ -214,67 +228,33 @@ static mukca_status two_steps(session *s, mukca_error *error)
     return status;
 }
 
-static mukca_status one_step(session *s, mukca_error *error)
+/* Has the log orientations?  One row is read. */
+static mukca_status look_ahead(bool *oriented, session *s, mukca_error *error)
 {
-    const bool repeat = s->options->iterate || s->options->robust || !s->offsets.rotations;
-    mukca_pose_system *all = &s->offsets;
-    mukca_status status = MUKCA_OK;
-    double size, median = 0;
-    mukca_pose_model without = s->model;
-    for (int i = 0; status == MUKCA_OK; i++) {
-        status = pass(s, all, NULL, error);
-        if (status != MUKCA_OK) break;
-        if (i == 0) s->out->errors[MUKCA_BEFORE] = s->errors;
-        if (s->model.lag != 0 && without.lag == 0 && lag_median(s, all) > lag_gain * median) {
-            s->model = without;
-            s->lag_denied = true;
-            continue;
-        }
-        median = lag_median(s, all);
-        without = s->model;
-        status = step(&size, s, all, i > 0 && lag_shows(s, all), error);
-        const double p = mukca_histogram_median(&s->errors.position_histogram);
-        const double w = mukca_histogram_median(&s->errors.rotation_histogram);
-        if (p > 1e-9 && w > 1e-9) all->metres_per_radian = fmin(fmax(p / w, 0.01), 10);
-        if (!repeat || size < 1e-10 || i >= MOST_PASSES) break;
-    }
-    if (status == MUKCA_OK) keep(s, all);
-    return status;
+    mukca_pose_reader reader = mukca_recalibrate_reader(s->task);
+    mukca_status status = mukca_pose_reader_next(&reader, error);
+    if (status != MUKCA_OK) return status;
+    if (!reader.now) return mukca_fail(error, MUKCA_INPUT, "no row has a measured position");
+    *oriented = isfinite(reader.now->quaternion[0]);
+    return MUKCA_OK;
 }
 
-/* Has the log orientations?  One row is read. */
-static mukca_status look_ahead(bool *oriented, int *unknowns, session *s, mukca_error *error)
+/* Divide the unknowns among the systems; the lag comes last in its own. */
+static void set_systems(session *s, bool together, bool oriented)
 {
-    mukca_pose_reader reader;
-    const mukca_pose_row *row;
-    double weight;
-    bool more = false;
-    mukca_status status =
-        mukca_pose_reader_start(&reader, s->task->logs, s->task->n_logs, s->chain->n_joints, error);
-    if (status == MUKCA_OK) status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
-    if (status != MUKCA_OK) return status;
-    if (!more) return mukca_fail(error, MUKCA_INPUT, "no row has a measured position");
-    *oriented = isfinite(row->quaternion[0]);
-    const bool joint = s->options->joint || !*oriented;
-    choose_unknowns(joint ? &s->offsets : &s->angles, &s->offsets, s->chain, s->options, *oriented);
-    if (joint) { /* the lag comes last */
-        const int n = s->offsets.n;
-        for (int u = 0; u < n - 1; u++)
-            if (s->offsets.unknown[u].kind == MUKCA_UNKNOWN_LAG) {
-                const mukca_unknown lag = s->offsets.unknown[u];
-                s->offsets.unknown[u] = s->offsets.unknown[n - 1];
-                s->offsets.unknown[n - 1] = lag;
-            }
+    mukca_pose_system *angles = &s->angles, *offsets = &s->offsets;
+    choose_unknowns(together ? offsets : angles, offsets, s->task->chain, s->task->options,
+                    oriented);
+    angles->rotations = offsets->positions = true;
+    offsets->rotations = together && oriented;
+    if (together) {
+        add_unknown(offsets, MUKCA_UNKNOWN_LAG, -1, 0);
+        return;
     }
-    if (!joint) {
-        memcpy(s->offsets.unknown + s->offsets.n, s->angles.unknown,
-               (size_t)s->angles.n * sizeof *s->angles.unknown);
-        s->offsets.carried = s->angles.n;
-    }
-    s->angles.rotations = s->offsets.positions = true;
-    s->offsets.rotations = joint && *oriented;
-    *unknowns = s->offsets.n > s->angles.n ? s->offsets.n : s->angles.n;
-    return MUKCA_OK;
+    add_unknown(angles, MUKCA_UNKNOWN_LAG, -1, 0);
+    memcpy(offsets->unknown + offsets->n, angles->unknown,
+           (size_t)angles->n * sizeof *angles->unknown);
+    offsets->carried = angles->n;
 }
 
 static void start_model(mukca_pose_model *model, const mukca_chain *chain,
@@ -296,28 +276,32 @@ static double tail(const mukca_moments *m, const mukca_histogram *histogram)
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error)
 {
-    static const mukca_recalibrate_options none;
+    bool oriented = false;
     session *s = calloc(1, sizeof *s);
     if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     memset(result, 0, sizeof *result);
     s->out = result;
-    s->chain = task->chain;
     s->task = task;
-    s->options = task->options ? task->options : &none;
-    start_model(&s->model, s->chain, s->options);
+    start_model(&s->model, task->chain, task->options);
     for (int i = 0; i < MUKCA_STAGES; i++) result->stage[i] = s->model;
 
-    bool oriented = false;
-    int unknowns = 0;
-    mukca_status status = look_ahead(&oriented, &unknowns, s, error);
-    const bool joint = s->options->joint || !oriented;
-    if (status == MUKCA_OK) status = joint ? one_step(s, error) : two_steps(s, error);
-    const long equations = result->rows * (joint && oriented ? 6 : 3);
-    if (status == MUKCA_OK && equations < unknowns - !joint)
+    mukca_status status = look_ahead(&oriented, s, error);
+    const bool together = task->options->joint || !oriented;
+    set_systems(s, together, oriented);
+    if (status == MUKCA_OK && together) {
+        status = converge(s, &s->offsets, NULL, error);
+        if (status == MUKCA_OK) keep(s, &s->offsets);
+    } else if (status == MUKCA_OK) {
+        status = two_steps(s, error);
+    }
+    const int per_pose = together && oriented ? 6 : 3;
+    const int unknowns = (s->offsets.n > s->angles.n ? s->offsets.n : s->angles.n) - !together;
+    const long equations = result->rows * per_pose;
+    if (status == MUKCA_OK && equations < unknowns)
         status = mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                             "%ld poses give %ld equations for %d unknowns; record at least %d",
-                            result->rows, equations, unknowns - !joint,
-                            (unknowns + 2) / (joint && oriented ? 6 : 3) + 1);
+                            result->rows, equations, unknowns,
+                            (unknowns + !together + 2) / per_pose + 1);
     result->stage[MUKCA_WITH_BOTH] = s->model;
     if (!result->has_angles) result->stage[MUKCA_WITH_ANGLES] = s->model;
     result->lag = s->model.lag;
@@ -330,27 +314,18 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
     return status;
 }
 
-mukca_status mukca_recalibrate_test(mukca_pose_errors errors[MUKCA_STAGES],
-                                    const mukca_recalibration *result,
-                                    const mukca_recalibrate_task *task, mukca_error *error)
+mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
+                                    int n, const mukca_recalibrate_task *task, mukca_error *error)
 {
-    const mukca_quaternion_order order =
-        task->options ? task->options->order : MUKCA_QUATERNION_W_FIRST;
-    mukca_pose_reader reader;
+    mukca_pose_reader reader = mukca_recalibrate_reader(task);
     mukca_pose_look look;
-    memset(errors, 0, MUKCA_STAGES * sizeof *errors);
-    mukca_status status =
-        mukca_pose_reader_start(&reader, task->logs, task->n_logs, task->chain->n_joints, error);
-    while (status == MUKCA_OK) {
-        const mukca_pose_row *row;
-        double weight;
-        bool more;
-        status = mukca_pose_reader_next(&reader, &row, &weight, &more, error);
-        if (status != MUKCA_OK || !more) break;
-        for (int i = 0; i < MUKCA_STAGES; i++) {
-            mukca_pose_look_at(&look, &result->stage[i], row, order);
+    memset(errors, 0, (size_t)n * sizeof *errors);
+    for (;;) {
+        const mukca_status status = mukca_pose_reader_next(&reader, error);
+        if (status != MUKCA_OK || !reader.now) return status;
+        for (int i = 0; i < n; i++) {
+            mukca_pose_look_at(&look, &models[i], reader.now, task->options->order);
             mukca_pose_errors_add(&errors[i], &look);
         }
     }
-    return status;
 }

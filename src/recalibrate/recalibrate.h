@@ -48,7 +48,7 @@ typedef struct {
     const mukca_chain *chain;
     const mukca_pose_log *logs;
     int n_logs;
-    const mukca_recalibrate_options *options; /* NULL: the defaults */
+    const mukca_recalibrate_options *options;
 } mukca_recalibrate_task;
 
 /* Fit the log.  Errors: MUKCA_UNIDENTIFIABLE (fewer equations than unknowns), MUKCA_INTERRUPTED,
@@ -56,10 +56,18 @@ typedef struct {
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error);
 
-/* Errors of the stages on other logs. */
-mukca_status mukca_recalibrate_test(mukca_pose_errors errors[MUKCA_STAGES],
-                                    const mukca_recalibration *result,
-                                    const mukca_recalibrate_task *task, mukca_error *error);
+/* Errors of models[n] on the task's logs. */
+mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
+                                    int n, const mukca_recalibrate_task *task, mukca_error *error);
+
+/* A reader of the task's logs. */
+mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task);
+
+/* Huber's weight of a residual of that length, where `median` is that of all. */
+double mukca_pose_huber(double length, double median);
+
+/* Position error over rotation error (medians, 0.01 to 10 m); 0 where one of them vanishes. */
+double mukca_metres_per_radian(const mukca_pose_errors *errors);
 
 /* Do the poses contain a calibration?  Only where the part of the error that the fit removes is
  * larger than what is left (medians), in position or in orientation. */

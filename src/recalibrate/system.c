@@ -21,7 +21,7 @@ void mukca_pose_system_clear(mukca_pose_system *s)
     memset(s->R, 0, sizeof *s->R * (size_t)(s->n * width_of(s)));
 }
 
-static void flush(mukca_pose_system *s)
+void mukca_pose_system_flush(mukca_pose_system *s)
 {
     mukca_dense_qr_absorb(s->R, s->rss, s->block, s->filled, s->n, s->carried + 1);
     s->filled = 0;
@@ -47,7 +47,7 @@ void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look, do
     const int width = width_of(s);
     const bool rotations = s->rotations && isfinite(look->rotation[0]);
     const double lever = s->metres_per_radian > 0 ? s->metres_per_radian : 1;
-    if (s->filled + 6 > MUKCA_SYSTEM_BLOCK) flush(s);
+    if (s->filled + 6 > MUKCA_SYSTEM_BLOCK) mukca_pose_system_flush(s);
     double *p = s->positions ? s->block + s->filled * width : NULL;
     double *w = rotations ? s->block + (s->filled + (p ? 3 : 0)) * width : NULL;
     mukca_pose_derivatives(p, w, width, look, s->unknown, s->n + s->carried);
@@ -58,7 +58,7 @@ void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look, do
 void mukca_pose_system_move_carried(mukca_pose_system *s, const double *steps)
 {
     const int width = width_of(s);
-    flush(s);
+    mukca_pose_system_flush(s);
     for (int i = 0; i < s->n; i++)
         for (int c = 0; c < s->carried; c++)
             s->R[i * width + width - 1] -= s->R[i * width + s->n + c] * steps[c];
@@ -69,7 +69,7 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
     const int width = width_of(s);
     double d[MUKCA_MAX_UNKNOWNS], singular[MUKCA_MAX_UNKNOWNS];
     double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
-    flush(s);
+    mukca_pose_system_flush(s);
     memset(out, 0, sizeof *out);
     double left = s->rss[s->carried]; /* what the unknowns from n on would have explained stays */
     for (int i = n; i < s->n; i++)
@@ -97,7 +97,9 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
                 out->null[k - out->rank][i] = V[i * n + k];
             }
         }
+        if (k >= out->rank) left += z * z;
     }
+    out->sigma2 = left / (double)(freedom > 0 ? freedom + out->n_null : 1);
     for (int i = 0; i < n; i++) {
         double lost = 0;
         for (int k = 0; k < out->n_null; k++) lost += out->null[k][i] * out->null[k][i];

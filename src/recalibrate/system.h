@@ -39,6 +39,9 @@ void mukca_pose_system_clear(mukca_pose_system *system);
 void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *look, double weight,
                            double turn_weight);
 
+/* Bring R, rss up to date with all rows. */
+void mukca_pose_system_flush(mukca_pose_system *system);
+
 /* Unknowns that the system carries take these steps: its right-hand side follows. */
 void mukca_pose_system_move_carried(mukca_pose_system *system, const double *steps);
 

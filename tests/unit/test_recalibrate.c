@@ -87,7 +87,7 @@ static mukca_status run(const mukca_recalibrate_options *options, mukca_error *e
                                  held_out = {&nominal, &check, 1, options};
     mukca_status status = mukca_recalibrate(&result, &fit, error);
     if (status == MUKCA_OK && test.n > 0)
-        status = mukca_recalibrate_test(errors, &result, &held_out, error);
+        status = mukca_recalibrate_test(errors, result.stage, MUKCA_STAGES, &held_out, error);
     return status;
 }
 
