@@ -14,14 +14,10 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     mukca_arena arena = {.base = memory};
     if (!options) options = &none;
     mukca_chain_theta(nominal, chain);
-    const mukca_observe_options observe = {
-        .displacements = options->displacements,
-        .metres_per_radian = options->metres_per_radian,
-        .pull_theta = options->nominal_means ? nominal : NULL,
-    };
+    const double *fixed = options->nominal_means ? nominal : NULL;
     const int n = parameters->n, all = MUKCA_PARAMETERS * chain->n_elements;
     memset(cost, 0, sizeof *cost);
-    const size_t inner = mukca_observe_setup(&cost->observations, NULL, chain, data, &observe, n);
+    const size_t inner = mukca_observe_setup(&cost->observations, NULL, chain, data, fixed, n);
     void *block = MUKCA_CARVE(&arena, char, inner);
     const int m = cost->observations.n_residuals;
     cost->theta = MUKCA_CARVE(&arena, double, all);
@@ -32,7 +28,7 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     cost->scratch = MUKCA_CARVE(&arena, double, 3 * n * n + 6 * n);
     if (!memory) return arena.used;
 
-    mukca_observe_setup(&cost->observations, block, chain, data, &observe, n);
+    mukca_observe_setup(&cost->observations, block, chain, data, fixed, n);
     cost->chain = chain;
     cost->parameters = parameters;
     cost->gradient = options->gradient;

@@ -18,9 +18,7 @@ typedef struct {
     bool nominal_means;      /* sockets pulled to their nominal means (older closed-chain method) */
     bool no_distortion;      /* distances between sockets left out */
     mukca_gradient gradient; /* how an element's derivative is taken */
-    const mukca_displacement *displacements; /* as in observe.h */
-    double metres_per_radian;
-    const double *theta; /* [6 * n_elements] values of frozen parameters; NULL: nominal */
+    const double *theta;     /* [6 * n_elements] values of frozen parameters; NULL: nominal */
 } mukca_cost_options;
 
 typedef struct {

@@ -100,7 +100,6 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
             continue;
         }
         damping = damping > 1e-8 * largest_diagonal(H, n) ? damping / 10 : 0;
-        outcome->last_step = sqrt((value - next) / next);
         outcome->iterations++;
         memcpy(x, trial, (size_t)n * sizeof *x);
         memcpy(g, g_trial, (size_t)n * sizeof *g);

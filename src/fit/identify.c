@@ -125,7 +125,7 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     for (int i = 0; i < o->n_residuals - o->n_pairs + pairs; i++)
         squares += cost->weight[i] > 0 ? cost->r[i] * cost->r[i] : 0;
     factorise(R, s, cost);
-    if (!o->target && !o->pull) project_out_turning(R, n); /* those do see it */
+    if (!o->target && !o->fixed_mean) project_out_turning(R, n); /* those do see it */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
     if (mukca_dense_svd(R, s, V, n, n) != 0)
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");

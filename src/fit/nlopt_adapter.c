@@ -65,10 +65,7 @@ static double objective(unsigned n_unsigned, const double *y, double *gradient, 
         return HUGE_VAL;
     }
     if (value < a->best_value) {
-        if (isfinite(a->best_value)) {
-            a->outcome->iterations++;
-            a->outcome->last_step = sqrt((a->best_value - value) / value);
-        }
+        a->outcome->iterations += isfinite(a->best_value);
         a->best_value = value;
         memcpy(a->best, a->x, (size_t)n * sizeof *a->x);
         if (a->options->progress)

@@ -1,5 +1,4 @@
-/* Observations to residuals and their Jacobian: one interface for sockets and for measured poses.
- */
+/* Observations to residuals and their Jacobian. */
 #include "fit/observe.h"
 
 #include <math.h>
@@ -15,19 +14,6 @@ static bool has_orientation(const mukca_dataset *data, int row)
     return data->socket[row] < 0 && data->quaternion && isfinite(data->quaternion[4 * row]);
 }
 
-/* Rows of each socket, and of the group that a row belongs to (n_placements: the poses). */
-static int rows_of_group(const mukca_dataset *data, int group)
-{
-    int n = 0;
-    for (int i = 0; i < data->n_rows; i++) {
-        const int placement = mukca_dataset_placement(data, i);
-        if (placement == group) n++;
-        if (placement < 0 && group == data->n_placements)
-            n += has_position(data, i) || has_orientation(data, i);
-    }
-    return n;
-}
-
 static int rows_of_socket(const mukca_dataset *data, int socket)
 {
     int n = 0;
@@ -41,34 +27,22 @@ static bool pair_usable(const mukca_dataset *data, int pair)
            rows_of_socket(data, data->distances[pair].b) > 0;
 }
 
-static void load_rows(mukca_observations *o, const mukca_dataset *data)
+static int rows_of_placement(const mukca_observations *o, const mukca_dataset *data, int placement)
 {
-    const int n = data->n_rows;
-    o->n_groups = o->n_measured = 0;
-    for (int i = 0; i < n; i++) o->socket[i] = data->socket[i];
-    for (int group = 0; group <= data->n_placements; group++) {
-        const int rows = rows_of_group(data, group);
-        o->n_groups += rows > 0;
-        for (int i = 0; i < n && rows > 0; i++) {
-            const int placement = mukca_dataset_placement(data, i);
-            if ((placement < 0 ? data->n_placements : placement) != group) continue;
-            const bool position = placement >= 0 || has_position(data, i);
-            const bool orientation = has_orientation(data, i);
-            o->share[i] = position ? 1.0 / rows : 0;
-            if (o->oriented) o->turn_share[i] = orientation ? 1.0 / rows : 0;
-            o->n_measured += 3 * (position + orientation);
-            if (o->target)
-                for (int a = 0; a < 3; a++)
-                    o->target[3 * i + a] = has_position(data, i) ? data->position[3 * i + a] : 0;
-            if (orientation)
-                mukca_rotation_from_quaternion(o->aim + 9 * i, data->quaternion + 4 * i);
-        }
-    }
+    double n = 0;
+    for (int s = 0; s < o->n_sockets; s++)
+        n += data->sockets[s].placement == placement ? o->count[s] : 0;
+    return (int)n;
+}
+
+static void load_counts(mukca_observations *o, const mukca_dataset *data)
+{
+    o->n_measured = o->n_pairs;
     for (int s = 0; s < o->n_sockets; s++) {
         o->count[s] = rows_of_socket(data, s);
-        o->n_measured -= o->count[s] > 0 ? 3 : 0;
+        if (o->count[s] > 0) o->n_measured -= 3;
     }
-    o->n_measured += o->n_pairs;
+    for (int p = 0; p < data->n_placements; p++) o->n_groups += rows_of_placement(o, data, p) > 0;
     for (int p = 0, to = 0; p < data->n_distances; p++) {
         if (!pair_usable(data, p)) continue;
         o->pair[2 * to] = data->distances[p].a;
@@ -77,34 +51,48 @@ static void load_rows(mukca_observations *o, const mukca_dataset *data)
     }
 }
 
+static void load_rows(mukca_observations *o, const mukca_dataset *data)
+{
+    int poses = 0;
+    for (int i = 0; i < o->n_rows; i++) poses += has_position(data, i) || has_orientation(data, i);
+    o->n_groups += poses > 0;
+    for (int i = 0; i < o->n_rows; i++) {
+        const int placement = mukca_dataset_placement(data, i);
+        const int rows = placement < 0 ? poses : rows_of_placement(o, data, placement);
+        const bool position = placement >= 0 || has_position(data, i);
+        const bool orientation = has_orientation(data, i);
+        o->socket[i] = data->socket[i];
+        o->n_measured += 3 * (position + orientation);
+        if (position) o->share[i] = 1.0 / rows;
+        if (has_position(data, i))
+            memcpy(o->target + 3 * i, data->position + 3 * i, 3 * sizeof *o->target);
+        if (!orientation) continue;
+        o->turn_share[i] = 1.0 / rows;
+        mukca_rotation_from_quaternion(o->aim + 9 * i, data->quaternion + 4 * i);
+    }
+}
+
 size_t mukca_observe_setup(mukca_observations *o, void *memory, const mukca_chain *chain,
-                           const mukca_dataset *data, const mukca_observe_options *options,
-                           int max_free)
+                           const mukca_dataset *data, const double *fixed, int max_free)
 {
     mukca_arena arena = {.base = memory};
-    const mukca_observe_options none = {0};
-    const int n = data->n_rows;
+    const int n = data->n_rows, sockets = data->n_sockets;
     bool posed = false;
-    if (!options) options = &none;
-    memset(o, 0, sizeof *o);
+    *o = (mukca_observations){.n_rows = n, .n_sockets = sockets, .max_free = max_free};
     for (int i = 0; i < n; i++) {
         posed |= data->socket[i] < 0;
         o->oriented |= has_orientation(data, i);
     }
     for (int p = 0; p < data->n_distances; p++) o->n_pairs += pair_usable(data, p);
-    o->n_rows = n;
-    o->n_sockets = data->n_sockets;
     o->n_residuals = (o->oriented ? 6 : 3) * n + o->n_pairs;
-    o->max_free = max_free;
-    o->metres_per_radian = options->metres_per_radian > 0 ? options->metres_per_radian : 0.1;
 
-    mukca_sweep_carve(&o->sweep, &arena, chain, n, options->displacements != NULL);
+    mukca_sweep_carve(&o->sweep, &arena, chain, n);
     const int padded = o->sweep.padded;
     o->socket = MUKCA_CARVE(&arena, int, n);
     o->share = MUKCA_CARVE(&arena, double, n);
-    o->count = MUKCA_CARVE(&arena, double, o->n_sockets);
-    o->mean = MUKCA_CARVE(&arena, double, 3 * o->n_sockets);
-    o->mean_rows = MUKCA_CARVE(&arena, double, 3 * o->n_sockets * max_free);
+    o->count = MUKCA_CARVE(&arena, double, sockets);
+    o->mean = MUKCA_CARVE(&arena, double, 3 * sockets);
+    o->mean_rows = MUKCA_CARVE(&arena, double, 3 * sockets * max_free);
     o->pair = MUKCA_CARVE(&arena, int, 2 * o->n_pairs);
     o->pair_distance = MUKCA_CARVE(&arena, double, o->n_pairs);
     o->pair_residual = MUKCA_CARVE(&arena, double, o->n_pairs);
@@ -117,16 +105,17 @@ size_t mukca_observe_setup(mukca_observations *o, void *memory, const mukca_chai
         o->aim = MUKCA_CARVE(&arena, double, 9 * n);
         o->turn_residual = MUKCA_CARVE(&arena, double, 3 * padded);
     }
-    double *pull = options->pull_theta ? MUKCA_CARVE(&arena, double, 3 * o->n_sockets) : NULL;
+    double *fixed_mean = fixed ? MUKCA_CARVE(&arena, double, 3 * sockets) : NULL;
     if (!memory) return arena.used;
 
     memset(memory, 0, arena.used);
+    load_counts(o, data);
     load_rows(o, data);
-    mukca_sweep_load(&o->sweep, chain, data->q, options->displacements);
-    if (options->pull_theta) {
-        mukca_observe_predict(o, options->pull_theta);
-        memcpy(pull, o->mean, 3 * (size_t)o->n_sockets * sizeof *pull);
-        o->pull = pull;
+    mukca_sweep_load(&o->sweep, chain, data->q);
+    if (fixed) {
+        mukca_observe_predict(o, fixed);
+        memcpy(fixed_mean, o->mean, 3 * (size_t)sockets * sizeof *fixed_mean);
+        o->fixed_mean = fixed_mean;
     }
     return arena.used;
 }
@@ -149,18 +138,13 @@ static void predict_orientations(mukca_observations *o)
     mukca_sweep_orientations(&o->sweep);
     for (int i = 0; i < o->n_rows; i++) {
         double R[9], off[9], w[3] = {0, 0, 0};
-        if (o->turn_share[i] > 0) {
-            for (int r = 0; r < 3; r++)
-                for (int c = 0; c < 3; c++) {
-                    off[3 * r + c] = 0;
-                    for (int m = 0; m < 3; m++) /* predicted times measured transposed */
-                        off[3 * r + c] +=
-                            o->sweep.Q[(3 * r + m) * padded + i] * o->aim[9 * i + 3 * c + m];
-                }
-            memcpy(R, off, sizeof R);
-            mukca_rotation_log(w, R);
-        }
-        for (int a = 0; a < 3; a++) o->turn_residual[a * padded + i] = o->metres_per_radian * w[a];
+        for (int c = 0; c < 9; c++) R[c] = o->sweep.Q[c * padded + i];
+        for (int r = 0; r < 3; r++) /* predicted times measured transposed */
+            for (int c = 0; c < 3; c++)
+                off[3 * r + c] = mukca_dot3(R + 3 * r, o->aim + 9 * i + 3 * c);
+        if (o->turn_share[i] > 0) mukca_rotation_log(w, off);
+        for (int a = 0; a < 3; a++)
+            o->turn_residual[a * padded + i] = MUKCA_METRES_PER_RADIAN * w[a];
     }
 }
 
@@ -176,7 +160,7 @@ void mukca_observe_predict(mukca_observations *o, const double *theta)
             for (int a = 0; a < 3; a++) o->mean[3 * o->socket[i] + a] += x[a * padded + i];
     for (int s = 0; s < o->n_sockets; s++)
         for (int a = 0; a < 3 && o->count[s] > 0; a++) o->mean[3 * s + a] /= o->count[s];
-    const double *centre = o->pull ? o->pull : o->mean;
+    const double *centre = o->fixed_mean ? o->fixed_mean : o->mean;
     for (int i = 0; i < o->n_rows; i++) {
         const double *about = o->socket[i] >= 0 ? centre + 3 * o->socket[i] : o->target + 3 * i;
         for (int a = 0; a < 3; a++)
@@ -218,64 +202,56 @@ static void pair_adjoint(double add[3], const mukca_observations *o, int s, doub
     }
 }
 
-/* gradient += what the adjoint of the tip's orientation says by the rotations. */
-static void add_orientations(double *gradient, mukca_observations *o, const double *theta,
-                             const mukca_parameters *parameters, mukca_gradient kind)
+/* Adjoints of the positions, summed by element. */
+static void position_adjoint(mukca_adjoint *adjoint, mukca_observations *o, double pair_weight)
 {
     const int padded = o->sweep.padded;
-    mukca_adjoint adjoint;
-    for (int i = 0; i < o->n_rows; i++)
-        for (int a = 0; a < 3; a++)
-            o->adjoint[a * padded + i] =
-                2 * o->turn_share[i] * o->metres_per_radian * o->turn_residual[a * padded + i];
-    mukca_sweep_backward(&adjoint, o->adjoint, &o->sweep);
-    for (int i = 0; i < parameters->n; i++) {
-        const int k = parameters->index[i] / MUKCA_PARAMETERS;
-        const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
-        double dR[3][9], R[9], Rt[9], spin[9];
-        if (parameter < 3) continue;
-        mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
-        mukca_rotation_from_rpy(R, theta + 6 * k + 3);
-        for (int r = 0; r < 3; r++)
-            for (int c = 0; c < 3; c++) Rt[3 * r + c] = R[3 * c + r];
-        mukca_mat3_mul(spin, dR[parameter - 3], Rt);
-        gradient[i] += 0.5 * (adjoint.sum[k][0] * (spin[7] - spin[5]) +
-                              adjoint.sum[k][1] * (spin[2] - spin[6]) +
-                              adjoint.sum[k][2] * (spin[3] - spin[1]));
-    }
-}
-
-void mukca_observe_gradient(double *gradient, mukca_observations *o, const double *theta,
-                            const mukca_parameters *parameters, mukca_gradient kind,
-                            double pair_weight)
-{
-    const int padded = o->sweep.padded;
-    mukca_adjoint adjoint;
     memset(o->adjoint, 0, 3 * (size_t)padded * sizeof *o->adjoint);
-    for (int s = 0; s < o->n_sockets; s++) /* parked in the scratch of the Jacobian */
+    for (int s = 0; s < o->n_sockets; s++) /* the Jacobian's scratch is free here */
         pair_adjoint(o->mean_rows + 3 * s, o, s, pair_weight);
     for (int i = 0; i < o->n_rows; i++)
         for (int a = 0; a < 3; a++)
             o->adjoint[a * padded + i] =
                 2 * o->share[i] * o->residual[a * padded + i] +
                 (o->socket[i] >= 0 ? o->mean_rows[3 * o->socket[i] + a] : 0);
-    mukca_sweep_backward(&adjoint, o->adjoint, &o->sweep);
-    for (int i = 0; i < parameters->n;) {
+    mukca_sweep_backward(adjoint, o->adjoint, &o->sweep);
+}
+
+static void orientation_adjoint(mukca_adjoint *adjoint, mukca_observations *o)
+{
+    const int padded = o->sweep.padded;
+    for (int i = 0; i < o->n_rows; i++)
+        for (int a = 0; a < 3; a++)
+            o->adjoint[a * padded + i] =
+                2 * o->turn_share[i] * MUKCA_METRES_PER_RADIAN * o->turn_residual[a * padded + i];
+    mukca_sweep_backward(adjoint, o->adjoint, &o->sweep);
+}
+
+void mukca_observe_gradient(double *gradient, mukca_observations *o, const double *theta,
+                            const mukca_parameters *parameters, mukca_gradient kind,
+                            double pair_weight)
+{
+    mukca_adjoint position, orientation;
+    position_adjoint(&position, o, pair_weight);
+    if (o->oriented) orientation_adjoint(&orientation, o);
+    for (int i = 0, element = -1; i < parameters->n; i++) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
-        double dR[3][9];
-        mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
-        for (; i < parameters->n && parameters->index[i] / MUKCA_PARAMETERS == k; i++) {
-            const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
-            gradient[i] = parameter < 3 ? adjoint.sum[k][parameter] : 0;
-            for (int c = 0; c < 9 && parameter >= 3; c++)
-                gradient[i] += dR[parameter - 3][c] * adjoint.outer[k][c];
-        }
+        const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
+        double dR[3][9], R[9], omega[3];
+        if (k != element) mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
+        element = k;
+        gradient[i] = parameter < 3 ? position.sum[k][parameter] : 0;
+        if (parameter < 3) continue;
+        for (int c = 0; c < 9; c++) gradient[i] += dR[parameter - 3][c] * position.outer[k][c];
+        if (!o->oriented) continue;
+        mukca_rotation_from_rpy(R, theta + 6 * k + 3);
+        mukca_sweep_spin(omega, dR[parameter - 3], R);
+        gradient[i] += mukca_dot3(orientation.sum[k], omega);
     }
-    if (o->oriented) add_orientations(gradient, o, theta, parameters, kind);
 }
 
 /* J rows of one orientation: derivative of the rotation vector w, not of the rotation itself. */
-static void turn_rows_of(double *J, int n, const double w[3], double metres_per_radian)
+static void turn_rows_of(double *J, int n, const double w[3])
 {
     const double angle = sqrt(mukca_dot3(w, w));
     const double f = angle < 1e-3
@@ -290,7 +266,7 @@ static void turn_rows_of(double *J, int n, const double w[3], double metres_per_
     for (int i = 0; i < n; i++) {
         double v[3] = {J[i], J[n + i], J[2 * n + i]}, u[3];
         mukca_mat3_vec(u, M, v);
-        for (int a = 0; a < 3; a++) J[a * n + i] = metres_per_radian * u[a];
+        for (int a = 0; a < 3; a++) J[a * n + i] = MUKCA_METRES_PER_RADIAN * u[a];
     }
 }
 
@@ -311,17 +287,17 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
             o->mean_rows[3 * s * n + c] /= o->count[s];
     for (int i = 0; i < o->n_rows; i++) {
         double *rows = J + 3 * i * n;
-        if (o->socket[i] >= 0 && !o->pull) {
+        if (o->socket[i] >= 0 && !o->fixed_mean) {
             const double *mean = o->mean_rows + 3 * o->socket[i] * n;
             for (int c = 0; c < 3 * n; c++) rows[c] -= mean[c];
         }
         if (!(o->share[i] > 0)) memset(rows, 0, 3 * (size_t)n * sizeof *rows);
         if (!JO) continue;
-        const double w[3] = {o->turn_residual[i] / o->metres_per_radian,
-                             o->turn_residual[padded + i] / o->metres_per_radian,
-                             o->turn_residual[2 * padded + i] / o->metres_per_radian};
+        double w[3];
+        for (int a = 0; a < 3; a++)
+            w[a] = o->turn_residual[a * padded + i] / MUKCA_METRES_PER_RADIAN;
         if (o->turn_share[i] > 0)
-            turn_rows_of(JO + 3 * i * n, n, w, o->metres_per_radian);
+            turn_rows_of(JO + 3 * i * n, n, w);
         else
             memset(JO + 3 * i * n, 0, 3 * (size_t)n * sizeof *JO);
     }

@@ -1,12 +1,9 @@
 /* Observations to residuals and their Jacobian: one interface for sockets and for measured poses.
  *
- * A row of a socket says "the ball was where it was in the socket's other rows": its residual is
- * the prediction minus the mean of the socket's predictions, and each pair of sockets whose
- * distance is known adds one row.  A row of a pose log says where the tip was: its residual is the
- * prediction minus the measurement, in position and, where measured, in orientation (times
- * metres_per_radian). Residuals are laid out as 3 per data row, in the dataset's order; then, if
- * `oriented`, 3 more per data row; then one per pair of sockets, all in metres; rows that measure
- * nothing are zero with weight zero.
+ * Residuals, in metres (docs/method.md, 3): 3 per sample in the dataset's order, prediction minus
+ * the mean of its socket's predictions, or minus the measured position; then, if `oriented`, 3 per
+ * sample of the rotation from the measured orientation times MUKCA_METRES_PER_RADIAN; then one per
+ * pair of sockets.  What was not measured is zero and has weight zero.
  */
 #ifndef MUKCA_FIT_OBSERVE_H
 #define MUKCA_FIT_OBSERVE_H
@@ -15,12 +12,9 @@
 #include "fit/sweep.h"
 #include "mukca/dataset.h"
 
-typedef struct {
-    const mukca_displacement *displacements; /* [n_rows] what effects do to each row, or NULL */
-    double metres_per_radian;                /* of orientation residuals; 0: 0.1 */
-    const double *pull_theta; /* sockets are pulled to the means of this geometry, the
-                                 older closed-chain method; NULL: to their own means */
-} mukca_observe_options;
+/* Weight of orientations against positions: trackers measure 0.1 mm and 1 mrad at their best, and a
+ * tool of 0.1 m turns one into the other. */
+#define MUKCA_METRES_PER_RADIAN 0.1
 
 typedef struct {
     mukca_sweep sweep;
@@ -30,13 +24,12 @@ typedef struct {
     int n_measured;  /* scalar measurements less one mean per socket: what parameters can use */
     int max_free;    /* parameters that the workspace has room for */
     bool oriented;
-    double metres_per_radian;
     int *socket;        /* [n_rows] -1: a pose */
     double *share;      /* [n_rows] weight of the squared residual: 1 / rows of the group, or 0 */
     double *turn_share; /* [n_rows] the same of the orientation, NULL unless oriented */
     double *count;      /* [n_sockets] rows of each */
     double *mean;       /* [n_sockets][3] of the predictions in use */
-    double *pull;       /* [n_sockets][3] fixed means, or NULL */
+    double *fixed_mean; /* [n_sockets][3] or NULL */
     double *target;     /* [n_rows][3] measured positions, NULL where all rows are of sockets */
     double *aim;        /* [n_rows][9] measured orientations, NULL unless oriented */
     int *pair;          /* [n_pairs][2] */
@@ -50,10 +43,10 @@ typedef struct {
 } mukca_observations;
 
 /* Carve everything from `memory` and load the data, or with memory = NULL only count: returns the
- * bytes.  The dataset may be freed afterwards.  Needs data->n_rows >= 1. */
+ * bytes.  The dataset may be freed afterwards.  Needs data->n_rows >= 1.  The means of the sockets
+ * are those predicted by `fixed` [6 * n_elements] (older closed-chain method), NULL: their own. */
 size_t mukca_observe_setup(mukca_observations *observations, void *memory, const mukca_chain *chain,
-                           const mukca_dataset *data, const mukca_observe_options *options,
-                           int max_free);
+                           const mukca_dataset *data, const double *fixed, int max_free);
 
 /* Residuals at theta[6 * n_elements], kept inside. */
 void mukca_observe_predict(mukca_observations *observations, const double *theta);

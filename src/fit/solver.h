@@ -36,7 +36,6 @@ const char *mukca_stop_text(mukca_stop stop);
 typedef struct {
     int evaluations, iterations; /* iterations: points better than all before */
     mukca_stop stop;
-    double last_step; /* relative: sqrt of the last step's decrease over the cost */
 } mukca_solver_outcome;
 
 /* Minimise from x[n] (in/out: the best point seen).  Errors: MUKCA_MEMORY (NLopt's own). */

@@ -1,4 +1,4 @@
-/* Sweeps over many rows at once: predictions, adjoint gradient, Jacobian. */
+/* Sweeps over many samples at once: predictions, adjoint gradient, Jacobian. */
 #include "fit/sweep.h"
 
 #include <math.h>
@@ -25,8 +25,7 @@ static void align_axis(double A[9], const double axis[3])
     for (int i = 0; i < 3; i++) A[3 * i] = e1[i], A[3 * i + 1] = e2[i], A[3 * i + 2] = axis[i];
 }
 
-void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows,
-                       bool displaced)
+void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows)
 {
     const int n = chain->n_elements, joints = chain->n_joints;
     const int padded = (rows + LANES - 1) / LANES * LANES;
@@ -44,55 +43,35 @@ void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain
     }
     sweep->sine = MUKCA_CARVE(arena, double, joints *padded);
     sweep->cosine = MUKCA_CARVE(arena, double, joints *padded);
-    if (displaced) {
-        sweep->turn = MUKCA_CARVE(arena, double, joints * 9 * padded);
-        sweep->base = MUKCA_CARVE(arena, double, 9 * padded);
-        sweep->shift = MUKCA_CARVE(arena, double, 3 * padded);
-    }
     sweep->x = MUKCA_CARVE(arena, double, 3 * padded);
     sweep->w = MUKCA_CARVE(arena, double, n * 3 * padded);
     sweep->Q = MUKCA_CARVE(arena, double, 9 * padded);
+}
+
+static void transpose(double At[9], const double A[9])
+{
+    for (int i = 0; i < 9; i++) At[i] = A[3 * (i % 3) + i / 3];
 }
 
 /* B = A' M C for 3x3 matrices. */
 static void conjugate(double B[9], const double A[9], const double M[9], const double C[9])
 {
     double MC[9], At[9];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) At[3 * i + j] = A[3 * j + i];
+    transpose(At, A);
     mukca_mat3_mul(MC, M, C);
     mukca_mat3_mul(B, At, MC);
 }
 
-void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q,
-                      const mukca_displacement *displacements)
+void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q)
 {
     const int padded = sweep->padded, last = sweep->n_rows - 1;
     for (int j = 0; j < sweep->n_joints; j++) {
-        const int k = chain->joint_element[j];
-        for (int i = 0; i < padded; i++) {
-            const int row = i < last ? i : last; /* padding repeats the last row */
-            double angle = q[row * sweep->n_joints + j], R[9], E[9];
-            if (displacements) angle += displacements[row].q[j];
-            sweep->sine[j * padded + i] = turns(sweep->type[k]) ? sin(angle) : angle;
-            sweep->cosine[j * padded + i] = turns(sweep->type[k]) ? cos(angle) : 1;
-            if (!displacements) continue;
-            mukca_rotation_exp(R, displacements[row].rotation[j]);
-            conjugate(E, sweep->align[k + 1], R, sweep->align[k + 1]);
-            for (int c = 0; c < 9; c++) sweep->turn[(j * 9 + c) * padded + i] = E[c];
+        const bool turning = turns(sweep->type[chain->joint_element[j]]);
+        for (int i = 0; i < padded; i++) { /* padding repeats the last row */
+            const double angle = q[(i < last ? i : last) * sweep->n_joints + j];
+            sweep->sine[j * padded + i] = turning ? sin(angle) : angle;
+            sweep->cosine[j * padded + i] = turning ? cos(angle) : 1;
         }
-    }
-    if (!displacements) {
-        sweep->turn = sweep->base = sweep->shift = NULL;
-        return;
-    }
-    for (int i = 0; i < padded; i++) {
-        const mukca_displacement *d = &displacements[i < last ? i : last];
-        double R[9], tip[3];
-        mukca_rotation_exp(R, d->base);
-        mukca_mat3_tvec(tip, sweep->align[sweep->n_elements], d->tip);
-        for (int c = 0; c < 9; c++) sweep->base[c * padded + i] = R[c];
-        for (int c = 0; c < 3; c++) sweep->shift[c * padded + i] = tip[c];
     }
 }
 
@@ -125,24 +104,13 @@ MUKCA_INLINE void map_rows(double *y, const double M[9], const double *p, const 
     }
 }
 
-/* x[3][padded] := E x, or E' x, with a matrix E[9][padded] of its own for each row. */
-MUKCA_INLINE void map_each(double *x, const double *E, bool transposed, int padded)
+/* x[3][padded] := Rz(q) x with the angles of element k's joint, backwards for sign = -1. */
+MUKCA_INLINE void turn_rows(double *restrict x, const mukca_sweep *sweep, int k, double sign)
 {
-    for (int i = 0; i < padded; i++) {
-        double v[3] = {x[i], x[padded + i], x[2 * padded + i]};
-        for (int r = 0; r < 3; r++) {
-            double s = 0;
-            for (int c = 0; c < 3; c++)
-                s += E[(transposed ? 3 * c + r : 3 * r + c) * padded + i] * v[c];
-            x[r * padded + i] = s;
-        }
-    }
-}
-
-/* x, y := rotated about z by the angles of joint j, backwards for sign = -1. */
-MUKCA_INLINE void turn_rows(double *restrict x, double *restrict y, const double *restrict s,
-                            const double *restrict c, double sign, int padded)
-{
+    const int padded = sweep->padded;
+    const double *restrict s = sweep->sine + sweep->joint[k] * padded;
+    const double *restrict c = sweep->cosine + sweep->joint[k] * padded;
+    double *restrict y = x + padded;
     for (int i = 0; i < padded; i++) {
         const double a = x[i], b = y[i], sine = sign * s[i];
         x[i] = c[i] * a - sine * b;
@@ -153,72 +121,44 @@ MUKCA_INLINE void turn_rows(double *restrict x, double *restrict y, const double
 MUKCA_CLONES void mukca_sweep_forward(mukca_sweep *sweep)
 {
     const int padded = sweep->padded, n = sweep->n_elements;
-    const size_t bytes = 3 * (size_t)padded * sizeof(double);
     for (int k = n - 1; k >= 0; k--) {
         double *w = sweep->w + 3 * k * padded;
-        const int j = sweep->joint[k];
         if (k < n - 1)
             map_rows(w, sweep->R[k + 1], sweep->p[k + 1], w + 3 * padded, padded);
-        else if (sweep->shift)
-            memcpy(w, sweep->shift, bytes);
         else
-            memset(w, 0, bytes);
-        if (j < 0) continue;
-        const double *s = sweep->sine + j * padded;
-        if (turns(sweep->type[k])) {
-            turn_rows(w, w + padded, s, sweep->cosine + j * padded, 1, padded);
-        } else {
-            for (int i = 0; i < padded; i++) w[2 * padded + i] += s[i];
-        }
-        if (sweep->turn) map_each(w, sweep->turn + 9 * j * padded, false, padded);
+            memset(w, 0, 3 * (size_t)padded * sizeof *w);
+        if (turns(sweep->type[k])) turn_rows(w, sweep, k, 1);
+        for (int i = 0; i < padded && sweep->type[k] == MUKCA_PRISMATIC; i++)
+            w[2 * padded + i] += sweep->sine[sweep->joint[k] * padded + i];
     }
     map_rows(sweep->x, sweep->R[0], sweep->p[0], sweep->w, padded);
-    if (sweep->base) map_each(sweep->x, sweep->base, false, padded);
 }
 
-/* Q := Q R for every row, the rows of Q being x[3][padded] vectors times R from the right. */
-MUKCA_INLINE void frames_times(double *Q, const double R[9], int padded)
+/* Q := Q R Rz(q) for every row: the rows of Q are x[3][padded] vectors times R from the right. */
+MUKCA_INLINE void frames_times(double *Q, const double R[9], const mukca_sweep *sweep, int k)
 {
     double Rt[9];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) Rt[3 * i + j] = R[3 * j + i];
-    for (int row = 0; row < 3; row++)
-        map_rows(Q + 3 * row * padded, Rt, NULL, Q + 3 * row * padded, padded);
-}
-
-/* Q := Q E Rz(q) of element k. */
-MUKCA_INLINE void frames_turn(double *Q, const mukca_sweep *sweep, int k)
-{
-    const int padded = sweep->padded, j = sweep->joint[k];
-    if (j < 0) return;
+    transpose(Rt, R);
     for (int row = 0; row < 3; row++) {
-        double *q = Q + 3 * row * padded;
-        if (sweep->turn) map_each(q, sweep->turn + 9 * j * padded, true, padded);
-        if (turns(sweep->type[k]))
-            turn_rows(q, q + padded, sweep->sine + j * padded, sweep->cosine + j * padded, -1,
-                      padded);
+        double *q = Q + 3 * row * sweep->padded;
+        map_rows(q, Rt, NULL, q, sweep->padded);
+        if (k >= 0 && turns(sweep->type[k])) turn_rows(q, sweep, k, -1);
     }
 }
 
-MUKCA_INLINE void frames_start(double *Q, const mukca_sweep *sweep)
+MUKCA_INLINE void frames_start(double *Q, int padded)
 {
-    const int padded = sweep->padded;
     for (int c = 0; c < 9; c++)
-        for (int i = 0; i < padded; i++)
-            Q[c * padded + i] = sweep->base ? sweep->base[c * padded + i] : identity[c];
+        for (int i = 0; i < padded; i++) Q[c * padded + i] = identity[c];
 }
 
 MUKCA_CLONES void mukca_sweep_orientations(mukca_sweep *sweep)
 {
-    frames_start(sweep->Q, sweep);
-    for (int k = 0; k < sweep->n_elements; k++) {
-        frames_times(sweep->Q, sweep->R[k], sweep->padded);
-        frames_turn(sweep->Q, sweep, k);
-    }
     double back[9]; /* from aligned to true coordinates of the last frame */
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) back[3 * i + j] = sweep->align[sweep->n_elements][3 * j + i];
-    frames_times(sweep->Q, back, sweep->padded);
+    transpose(back, sweep->align[sweep->n_elements]);
+    frames_start(sweep->Q, sweep->padded);
+    for (int k = 0; k < sweep->n_elements; k++) frames_times(sweep->Q, sweep->R[k], sweep, k);
+    frames_times(sweep->Q, back, sweep, -1);
 }
 
 #define SUM4(v) (((v)[0] + (v)[1]) + ((v)[2] + (v)[3]))
@@ -245,26 +185,16 @@ MUKCA_INLINE void sum_rows(double sum[3], double outer[9], const double *h, cons
 MUKCA_CLONES void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep)
 {
     const int padded = sweep->padded;
-    if (sweep->base) map_each(h, sweep->base, true, padded);
     for (int k = 0; k < sweep->n_elements; k++) {
         double sum[3], outer[9], half[9], Rt[9], At[9];
-        const int j = sweep->joint[k];
         sum_rows(sum, outer, h, sweep->w + 3 * k * padded, padded);
         mukca_mat3_vec(adjoint->sum[k], sweep->align[k], sum);
-        for (int r = 0; r < 3; r++)
-            for (int c = 0; c < 3; c++) {
-                Rt[3 * r + c] = sweep->R[k][3 * c + r];
-                At[3 * r + c] = sweep->align[k + 1][3 * c + r];
-            }
+        transpose(At, sweep->align[k + 1]);
         mukca_mat3_mul(half, sweep->align[k], outer);
         mukca_mat3_mul(adjoint->outer[k], half, At);
-        if (k == sweep->n_elements - 1) break;
+        transpose(Rt, sweep->R[k]);
         map_rows(h, Rt, NULL, h, padded);
-        if (j < 0) continue;
-        if (sweep->turn) map_each(h, sweep->turn + 9 * j * padded, true, padded);
-        if (turns(sweep->type[k]))
-            turn_rows(h, h + padded, sweep->sine + j * padded, sweep->cosine + j * padded, -1,
-                      padded);
+        if (turns(sweep->type[k])) turn_rows(h, sweep, k, -1);
     }
 }
 
@@ -288,6 +218,16 @@ void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_
             for (int c = 0; c < 9; c++) dR[i][c] += weight[s] / step * R[c];
         }
     }
+}
+
+void mukca_sweep_spin(double omega[3], const double dR[9], const double R[9])
+{
+    double Rt[9], spin[9];
+    transpose(Rt, R);
+    mukca_mat3_mul(spin, dR, Rt);
+    omega[0] = 0.5 * (spin[7] - spin[5]);
+    omega[1] = 0.5 * (spin[2] - spin[6]);
+    omega[2] = 0.5 * (spin[3] - spin[1]);
 }
 
 /* Column `column` of J: row i gets Q_i v_i.  v[3] is the same for all rows, or `each` has one,
@@ -316,14 +256,13 @@ MUKCA_CLONES void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep
                                        const double *theta, const mukca_parameters *parameters,
                                        mukca_gradient gradient)
 {
-    const int n = parameters->n;
+    const int n = parameters->n, padded = sweep->padded;
     const short *index = parameters->index;
-    const int padded = sweep->padded;
     static const double none[3] = {0, 0, 0};
-    double *Q = sweep->Q, *v = sweep->x; /* x is spent: predictions are recomputed below */
-    frames_start(Q, sweep);
+    double *v = sweep->x; /* scratch; the predictions are recomputed below */
+    frames_start(sweep->Q, padded);
     for (int k = 0, column = 0; k < sweep->n_elements && column < n; k++) {
-        double dR[3][9];
+        double dR[3][9], M[9], omega[3];
         if (index[column] / MUKCA_PARAMETERS == k)
             mukca_sweep_element_derivative(dR, theta + 6 * k + 3, gradient);
         for (; column < n && index[column] / MUKCA_PARAMETERS == k; column++) {
@@ -333,21 +272,14 @@ MUKCA_CLONES void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep
                 if (JO) column_rows(JO, n, column, none, false, sweep);
                 continue;
             }
-            double M[9], R[9], spin[9];
             conjugate(M, sweep->align[k], dR[parameter - 3], sweep->align[k + 1]);
             map_rows(v, M, NULL, sweep->w + 3 * k * padded, padded);
             column_rows(J, n, column, v, true, sweep);
             if (!JO) continue;
-            for (int r = 0; r < 3; r++)
-                for (int c = 0; c < 3; c++) R[3 * r + c] = sweep->R[k][3 * c + r];
-            mukca_mat3_mul(spin, M, R); /* antisymmetric: the angular velocity */
-            const double omega[3] = {0.5 * (spin[7] - spin[5]), 0.5 * (spin[2] - spin[6]),
-                                     0.5 * (spin[3] - spin[1])};
+            mukca_sweep_spin(omega, M, sweep->R[k]);
             column_rows(JO, n, column, omega, false, sweep);
         }
-        frames_times(Q, sweep->R[k], padded);
-        frames_turn(Q, sweep, k);
+        frames_times(sweep->Q, sweep->R[k], sweep, k);
     }
     map_rows(sweep->x, sweep->R[0], sweep->p[0], sweep->w, padded);
-    if (sweep->base) map_each(sweep->x, sweep->base, false, padded);
 }

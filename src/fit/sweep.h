@@ -1,10 +1,9 @@
-/* Sweeps over many rows at once: predictions, adjoint gradient, Jacobian.
+/* Sweeps over many samples at once: predictions, adjoint gradient, Jacobian (docs/method.md, 2).
  *
- * All arrays run along the rows (structure of arrays, padded to a multiple of 8).  Each joint frame
- * is first turned so that its axis is z: with A_k e_z = axis_k, u_k = (A_{k-1}' R_k A_k) E_k Rz(q)
- * u_{k+1} + A_{k-1}' p_k, where u_k is the tip as seen from element k's parent frame.  Sines and
- * cosines of the joint angles are constants of a fit and are computed once.  E_k is a small
- * rotation per row, absent by default.
+ * All arrays run along the samples (structure of arrays, padded to a multiple of 8).  Each joint
+ * frame is first turned so that its axis is z: with A_k e_z = axis_k,
+ * u_k = (A_{k-1}' R_k A_k) Rz(q) u_{k+1} + A_{k-1}' p_k is the tip in element k's parent frame.
+ * Sines and cosines of the joint angles are constants of a fit and are computed once.
  */
 #ifndef MUKCA_FIT_SWEEP_H
 #define MUKCA_FIT_SWEEP_H
@@ -19,23 +18,17 @@ typedef struct {
     int type[MUKCA_MAX_ELEMENTS], joint[MUKCA_MAX_ELEMENTS];
     double align[MUKCA_MAX_ELEMENTS + 1][9]; /* A_{k-1} at k; align[0] = I */
     double *sine, *cosine;                   /* [n_joints][padded]; prismatic: sine holds q */
-    double *turn;                            /* [n_joints][9][padded] E of each joint, or NULL */
-    double *base;                            /* [9][padded] rotation of the base, or NULL */
-    double *shift;                           /* [3][padded] of the tip in its frame, or NULL */
     double R[MUKCA_MAX_ELEMENTS][9], p[MUKCA_MAX_ELEMENTS][3]; /* aligned origins in use */
     double *x;                                                 /* [3][padded] predicted tip */
     double *w; /* [n_elements][3][padded] tip as seen after the origin of each element */
     double *Q; /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
 } mukca_sweep;
 
-/* Hand out the arrays for `rows` rows; `displaced` reserves those of displacements. */
-void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows,
-                       bool displaced);
+/* Hand out the arrays for `rows` samples. */
+void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows);
 
-/* Joint angles q[n_rows][n_joints] and displacements[n_rows] (NULL: none; else carved with
- * `displaced`). */
-void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q,
-                      const mukca_displacement *displacements);
+/* Joint angles q[n_rows][n_joints]. */
+void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q);
 
 /* Origins from theta[6 * n_elements]. */
 void mukca_sweep_origins(mukca_sweep *sweep, const double *theta);
@@ -46,20 +39,23 @@ void mukca_sweep_forward(mukca_sweep *sweep);
 /* Q: the tip's orientation in the base, for the origins in use. */
 void mukca_sweep_orientations(mukca_sweep *sweep);
 
-/* What the gradient needs of the rows: per element the sum of the adjoints pulled back to its
- * parent frame (the derivative by its translation), and the sum of their outer products with w
- * (what any derivative of its rotation is multiplied with), both in true, not aligned, coordinates.
- */
+/* Sums over the samples that the gradient needs, per element, in true (not aligned) coordinates:
+ * of the adjoints in its parent frame (the derivative by its translation), and of their outer
+ * products with w (to be multiplied with a derivative of its rotation). */
 typedef struct {
     double sum[MUKCA_MAX_ELEMENTS][3], outer[MUKCA_MAX_ELEMENTS][9];
 } mukca_adjoint;
 
-/* Pull back the adjoint h[3][padded] of the predictions (destroyed; zero in padding rows). */
+/* Take the adjoint h[3][padded] of the predictions from base to tip (destroyed; zero in padding).
+ */
 void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep);
 
 /* dR[3][9]: derivatives of an element's rotation by roll, pitch, yaw: analytic, or by central
- * differences (which for the translation, linear as it is, are exact). */
+ * differences.  (Positions are linear in the translation, whose derivative is exact.) */
 void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_gradient gradient);
+
+/* Angular velocity of a rotation R with derivative dR: the antisymmetric part of dR R'. */
+void mukca_sweep_spin(double omega[3], const double dR[9], const double R[9]);
 
 /* Derivatives of the tip's position by the n free parameters at theta, J[3 * n_rows][n], and of its
  * orientation (as a rotation vector in base coordinates), JO[3 * n_rows][n] or NULL.

@@ -49,13 +49,11 @@ static void reference_turn(real T[16], int axis, real angle)
 }
 
 /* T = tip in the base. */
-static void reference_pose(real T[16], const mukca_chain *chain, const real *theta, const double *q,
-                           const mukca_displacement *d)
+static void reference_pose(real T[16], const mukca_chain *chain, const real *theta, const double *q)
 {
     static const real zero[3] = {0, 0, 0};
     real step[16], w[3], p[3];
-    for (int i = 0; i < 3; i++) w[i] = d ? d->base[i] : 0;
-    reference_screw(T, w, zero);
+    reference_screw(T, zero, zero);
     for (int k = 0; k < chain->n_elements; k++) {
         const mukca_element *e = &chain->element[k];
         reference_screw(step, zero, theta + 6 * k);
@@ -64,11 +62,8 @@ static void reference_pose(real T[16], const mukca_chain *chain, const real *the
         reference_turn(step, 0, theta[6 * k + 3]);
         reference_multiply(T, T, step);
         if (e->joint < 0) continue;
-        const real angle = (real)q[e->joint] + (d ? d->q[e->joint] : 0);
+        const real angle = q[e->joint];
         const bool slides = e->type == MUKCA_PRISMATIC;
-        for (int i = 0; i < 3; i++) w[i] = d ? d->rotation[e->joint][i] : 0;
-        reference_screw(step, w, zero);
-        reference_multiply(T, T, step);
         for (int i = 0; i < 3; i++) {
             w[i] = slides ? 0 : angle * e->axis[i];
             p[i] = slides ? angle * e->axis[i] : 0;
@@ -76,9 +71,6 @@ static void reference_pose(real T[16], const mukca_chain *chain, const real *the
         reference_screw(step, w, p);
         reference_multiply(T, T, step);
     }
-    for (int i = 0; i < 3; i++) p[i] = d ? d->tip[i] : 0;
-    reference_screw(step, zero, p);
-    reference_multiply(T, T, step);
 }
 
 /* Squared rotation angle between T and a unit quaternion (w first). */
@@ -116,11 +108,10 @@ static real reference_cost(const mukca_chain *chain, const mukca_dataset *data, 
     for (int i = 0; i < data->n_rows; i++) {
         const int s = data->socket[i];
         if (s < 0) continue;
-        const mukca_displacement *d = options->displacements ? &options->displacements[i] : NULL;
         count[s]++;
-        reference_pose(T, chain, theta, data->q + i * data->n_joints, d);
+        reference_pose(T, chain, theta, data->q + i * data->n_joints);
         for (int a = 0; a < 3; a++) sum[s][a] += T[4 * a + 3];
-        reference_pose(T, chain, nominal, data->q + i * data->n_joints, d);
+        reference_pose(T, chain, nominal, data->q + i * data->n_joints);
         for (int a = 0; a < 3; a++) held[s][a] += T[4 * a + 3];
     }
     for (int g = 0; g <= data->n_placements; g++) {
@@ -134,8 +125,7 @@ static real reference_cost(const mukca_chain *chain, const mukca_dataset *data, 
             const bool turned = pose && data->quaternion && isfinite(data->quaternion[4 * i]);
             if (pose && !placed && !turned) continue;
             rows++;
-            reference_pose(T, chain, theta, data->q + i * data->n_joints,
-                           options->displacements ? &options->displacements[i] : NULL);
+            reference_pose(T, chain, theta, data->q + i * data->n_joints);
             for (int a = 0; a < 3; a++) {
                 const real about = placed                   ? (real)data->position[3 * i + a]
                                    : pose                   ? T[4 * a + 3]
@@ -144,7 +134,7 @@ static real reference_cost(const mukca_chain *chain, const mukca_dataset *data, 
                 squares += (T[4 * a + 3] - about) * (T[4 * a + 3] - about);
             }
             if (turned) {
-                const real per = options->metres_per_radian > 0 ? options->metres_per_radian : 0.1;
+                const real per = 0.1L;
                 squares += per * per * reference_turned(T, data->quaternion + 4 * i);
             }
         }

@@ -162,23 +162,6 @@ static void check_point(const mukca_chain *chain, const mukca_dataset *data, con
     }
 }
 
-static void displace(mukca_displacement *displacements, int rows, mukca_random *random)
-{
-    memset(displacements, 0, (size_t)rows * sizeof *displacements);
-    for (int i = 0; i < rows; i++) {
-        displacements[i].any_rotation = true;
-        for (int j = 0; j < JOINTS; j++) {
-            displacements[i].q[j] = 0.01 * mukca_random_normal(random);
-            for (int a = 0; a < 3; a++)
-                displacements[i].rotation[j][a] = 0.02 * mukca_random_normal(random);
-        }
-        for (int a = 0; a < 3; a++) {
-            displacements[i].base[a] = 0.02 * mukca_random_normal(random);
-            displacements[i].tip[a] = 0.01 * mukca_random_normal(random);
-        }
-    }
-}
-
 static void off_nominal(double *theta, const mukca_chain *chain, mukca_random *random)
 {
     mukca_chain_theta(theta, chain);
@@ -274,35 +257,15 @@ static void test_poses_and_frames(void **state)
         assert_int_equal(chain.n_elements, before + 1 + (trial > 1));
         make_data(&data, &random, NULL, trial ? 9 : 5, 13);
         off_nominal(theta, &chain, &random);
-        check_point(&chain, &data, theta, NULL, (mukca_cost_options){.metres_per_radian = 0.25});
-        mukca_dataset_free(&data);
-    }
-}
-
-static void test_displaced(void **state)
-{
-    (void)state;
-    mukca_random random;
-    mukca_displacement displacements[64];
-    mukca_random_seed(&random, 5);
-    for (int trial = 0; trial < 2; trial++) {
-        mukca_chain chain;
-        mukca_dataset data;
-        double theta[MUKCA_MAX_FREE];
-        make_arm(&chain, &random, trial);
-        make_data(&data, &random, NULL, 13, trial ? 8 : 0);
-        displace(displacements, data.n_rows, &random);
-        off_nominal(theta, &chain, &random);
-        check_point(&chain, &data, theta, NULL,
-                    (mukca_cost_options){.displacements = displacements});
+        check_point(&chain, &data, theta, NULL, (mukca_cost_options){0});
         mukca_dataset_free(&data);
     }
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_options), cmocka_unit_test(test_masks), cmocka_unit_test(test_angles),
-        cmocka_unit_test(test_poses_and_frames), cmocka_unit_test(test_displaced)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_options), cmocka_unit_test(test_masks),
+                                       cmocka_unit_test(test_angles),
+                                       cmocka_unit_test(test_poses_and_frames)};
     return cmocka_run_group_tests_name("gradient", tests, NULL, NULL);
 }
