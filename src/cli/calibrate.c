@@ -74,12 +74,7 @@ static void trace_scores(const tracer *t, const double *theta, const mukca_datas
     const mukca_model model = {.chain = &t->fit->chain, .theta = theta};
     if (data->n_rows > 0) mukca_evaluate(t->scores, &mean, &model, data);
     const double values[3] = {mean.mae, mean.std, mean.distance_error};
-    for (int i = 0; i < 3; i++) {
-        if (isfinite(values[i]))
-            fprintf(t->stream, "\t%.17g", values[i]);
-        else
-            fputs("\t", t->stream);
-    }
+    for (int i = 0; i < 3; i++) cli_scores_write(t->stream, values[i]);
 }
 
 static void trace(void *context, const double *theta, const mukca_cost_value *value,

@@ -2,6 +2,7 @@
 #include "cli/calibrate.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
 
 /* Measurement noise above this, m, means that the samples are not those of this arm: five times
@@ -26,95 +27,80 @@ static int terms_of(const mukca_fit *fit, int direction)
     return terms;
 }
 
-/* Words on a line of at most 79 columns, indented. */
-static void print_word(cli_call *call, int *column, const char *word)
+typedef struct {
+    char text[8192]; /* what does not fit is cut */
+    size_t used;
+} list;
+
+static void __attribute__((format(printf, 2, 3))) add(list *l, const char *format, ...)
 {
-    const int length = (int)strlen(word);
-    if (*column > 0 && *column + 1 + length > 79) {
-        cli_answer(call, "\n");
-        *column = 0;
-    }
-    cli_answer(call, *column == 0 ? "    %s" : " %s", word);
-    *column += length + (*column == 0 ? 4 : 1);
+    const size_t room = sizeof l->text - l->used;
+    va_list args;
+    va_start(args, format);
+    const int length = vsnprintf(l->text + l->used, room, format, args);
+    va_end(args);
+    l->used += (size_t)length < room ? (size_t)length : room - 1;
+}
+
+static void print_list(cli_call *call, const char *title, const list *l)
+{
+    FILE *stream = cli_answer_stream(call);
+    if (!stream || l->used == 0) return;
+    fprintf(stream, "  %s:\n    ", title);
+    cli_print_words(stream, 4, 4, l->text, l->used);
 }
 
 /* Parameters that are alone in their direction, by joint: "panda_joint1 (x y z roll)". */
-static void print_alone(cli_call *call, const mukca_fit *fit, const unsigned char *alone)
+static void list_alone(list *l, const mukca_fit *fit)
 {
-    int column = 0;
-    for (int k = 0; k < fit->chain.n_elements; k++) {
-        char word[MUKCA_NAME_SIZE + 48];
-        size_t used = 0;
-        for (int p = 0; p < MUKCA_PARAMETERS; p++) {
-            if (!alone[MUKCA_PARAMETERS * k + p]) continue;
-            used += (size_t)snprintf(word + used, sizeof word - used, used ? " %s" : "%s (%s",
-                                     used ? mukca_parameter_name[p] : fit->chain.element[k].name,
-                                     mukca_parameter_name[p]);
-        }
-        if (used == 0) continue;
-        snprintf(word + used, sizeof word - used, ")");
-        print_word(call, &column, word);
+    const int n = fit->parameters.n, hidden = n - fit->identification.rank;
+    int last = -1;
+    for (int i = 0; i < n; i++) {
+        const int k = fit->parameters.index[i] / MUKCA_PARAMETERS;
+        const char *parameter = mukca_parameter_name[fit->parameters.index[i] % MUKCA_PARAMETERS];
+        bool alone = false;
+        for (int r = 0; r < hidden; r++)
+            alone |= terms_of(fit, r) == 1 && fabs(fit->null_space[r * n + i]) > worth;
+        if (!alone) continue;
+        if (k != last)
+            add(l, "%s%s (%s", last < 0 ? "" : ") ", fit->chain.element[k].name, parameter);
+        else
+            add(l, " %s", parameter);
+        last = k;
     }
-    cli_answer(call, "\n");
+    if (last >= 0) add(l, ")");
 }
 
-/* "panda_joint2.y~panda_joint3.z": only a combination of them is identifiable. */
-static void together_word(char word[4 * MUKCA_PARAMETER_TEXT], const mukca_fit *fit, int direction)
+/* "panda_joint2.y~panda_joint3.z": only a combination of them is identifiable.  Each once: several
+ * directions may begin alike. */
+static void list_together(list *l, const mukca_fit *fit)
 {
-    const int n = fit->parameters.n, room = 4 * MUKCA_PARAMETER_TEXT;
-    int terms = 0, used = 0;
-    for (int i = 0; i < n && terms < 3; i++) {
-        char name[MUKCA_PARAMETER_TEXT];
-        if (fabs(fit->null_space[direction * n + i]) <= worth) continue;
-        mukca_parameters_text(name, &fit->chain, fit->parameters.index[i]);
-        used += snprintf(word + used, (size_t)(room - used), terms++ ? "~%s" : "%s", name);
-    }
-    if (terms_of(fit, direction) > 3) snprintf(word + used, (size_t)(room - used), "~...");
-}
-
-/* Each word once: several directions may begin alike. */
-static void print_together(cli_call *call, const mukca_fit *fit)
-{
-    const int hidden = fit->parameters.n - fit->identification.rank;
-    int column = 0;
+    const int n = fit->parameters.n, hidden = n - fit->identification.rank;
     for (int r = 0; r < hidden; r++) {
-        char word[4 * MUKCA_PARAMETER_TEXT], earlier[4 * MUKCA_PARAMETER_TEXT];
-        bool printed = terms_of(fit, r) < 2;
-        if (printed) continue;
-        together_word(word, fit, r);
-        for (int k = 0; k < r && !printed; k++) {
-            if (terms_of(fit, k) < 2) continue;
-            together_word(earlier, fit, k);
-            printed = strcmp(word, earlier) == 0;
+        char word[4 * MUKCA_PARAMETER_TEXT], name[MUKCA_PARAMETER_TEXT];
+        int terms = 0, used = 0;
+        if (terms_of(fit, r) < 2) continue;
+        for (int i = 0; i < n && terms < 3; i++) {
+            if (fabs(fit->null_space[r * n + i]) <= worth) continue;
+            mukca_parameters_text(name, &fit->chain, fit->parameters.index[i]);
+            used +=
+                snprintf(word + used, sizeof word - (size_t)used, terms++ ? "~%s" : " %s", name);
         }
-        if (!printed) print_word(call, &column, word);
+        snprintf(word + used, sizeof word - (size_t)used, terms_of(fit, r) > 3 ? "~... " : " ");
+        if (!strstr(l->text, word)) add(l, "%s", word);
     }
-    if (column > 0) cli_answer(call, "\n");
 }
 
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
-    const int n = fit->parameters.n, hidden = n - fit->identification.rank;
-    unsigned char alone[MUKCA_MAX_FREE] = {0};
-    int singles = 0;
-    cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.",
-                       fit->identification.rank, n,
-                       hidden ? "; the others stay near nominal by regularisation" : "");
-    if (hidden == 0) return;
-    for (int r = 0; r < hidden; r++) {
-        if (terms_of(fit, r) != 1) continue;
-        for (int i = 0; i < n; i++)
-            if (fabs(fit->null_space[r * n + i]) > worth) alone[fit->parameters.index[i]] = 1;
-        singles++;
-    }
-    if (singles > 0) {
-        cli_answer(call, "  not identifiable:\n");
-        print_alone(call, fit, alone);
-    }
-    if (singles < hidden) {
-        cli_answer(call, "  identifiable only in combination (a~b):\n");
-        print_together(call, fit);
-    }
+    const int n = fit->parameters.n, rank = fit->identification.rank;
+    list alone = {.used = 0}, together = {.used = 0};
+    cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.", rank, n,
+                       rank < n ? "; the others stay near nominal by regularisation" : "");
+    list_alone(&alone, fit);
+    list_together(&together, fit);
+    print_list(call, "not identifiable", &alone);
+    print_list(call, "identifiable only in combination (a~b)", &together);
 }
 
 static bool fits(const mukca_fit *fit)

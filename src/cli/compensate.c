@@ -72,15 +72,15 @@ static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mu
     mukca_row row;
     const mukca_rows_options header = {.kind = MUKCA_EITHER, .note = cli_note, .context = call};
     mukca_status status = mukca_rows_open(&rows, path, &arm->chain, &header, &call->error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     mukca_compensator_start(&compensator, arm, o->position_only, o->tolerance);
     if (first) print_header(stream, &arm->chain, rows.column.time >= 0);
     while (!ferror(stream)) {
         bool more;
         status = mukca_rows_next(&rows, &row, &more, &call->error);
-        if (status || !more) break;
+        if (status != MUKCA_OK || !more) break;
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
-        if (status) break;
+        if (status != MUKCA_OK) break;
         const mukca_row_reading reading = mukca_row_read(&row, &rows);
         mukca_compensation c = mukca_compensate_joints(row.q, &compensator, &reading);
         if (rows.column.time >= 0) fprintf(stream, "%.17g\t", row.time);
@@ -98,7 +98,7 @@ static mukca_status read_pose(mukca_frame *target, const mukca_table *table, con
     for (int i = 0; i < (oriented ? 7 : 3); i++) {
         mukca_status status =
             mukca_table_number(i < 3 ? &target->p[i] : &q[i - 3], table, column[i], error);
-        if (status) return status;
+        if (status != MUKCA_OK) return status;
         if (i < 3 && fabs(target->p[i]) > MUKCA_NUMBER_LARGEST)
             return mukca_table_fail(error, table, column[i], "%g is no position; give m",
                                     target->p[i]);
@@ -121,7 +121,7 @@ static mukca_status from_poses(cli_call *call, FILE *stream, tally *t, const muk
     int column[7];
     double q[MUKCA_MAX_JOINTS] = {0};
     mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, &call->error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     const bool oriented = mukca_table_find(&table, "qw") >= 0;
     for (int i = 0; i < (oriented ? 7 : 3) && status == MUKCA_OK; i++)
         status = mukca_table_require(&column[i], &table, name[i], &call->error);
@@ -131,10 +131,10 @@ static mukca_status from_poses(cli_call *call, FILE *stream, tally *t, const muk
         bool more;
         mukca_frame target;
         status = mukca_table_next(&table, &more, &call->error);
-        if (status || !more) break;
+        if (status != MUKCA_OK || !more) break;
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
         if (status == MUKCA_OK) status = read_pose(&target, &table, column, oriented, &call->error);
-        if (status) break;
+        if (status != MUKCA_OK) break;
         const mukca_row_reading reading = {
             .time = (double)NAN, .placement = -1, .number = table.row};
         mukca_compensation c = mukca_compensate_pose(q, &compensator, &target, &reading);

@@ -28,14 +28,6 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-static void write_number(FILE *stream, double value)
-{
-    if (isfinite(value))
-        fprintf(stream, "\t%.17g", value);
-    else
-        fputs("\t", stream);
-}
-
 static void write_scores(FILE *stream, const char *set, const cli_scores *scores,
                          const mukca_dataset *data)
 {
@@ -50,122 +42,111 @@ static void write_scores(FILE *stream, const char *set, const cli_scores *scores
                                  a->rotation_error,
                                  b->rotation_error};
         fprintf(stream, "%s\t%s\t%d", set, cli_scores_name(b, data), b->rows);
-        for (size_t v = 0; v < sizeof values / sizeof *values; v++) write_number(stream, values[v]);
+        for (size_t v = 0; v < sizeof values / sizeof *values; v++)
+            cli_scores_write(stream, values[v]);
         fputc('\n', stream);
     }
 }
 
-/* One line of the matrix: trained on the marked placements. */
-typedef struct {
-    char name[3 * MUKCA_NAME_SIZE];
-    int trained; /* placements; the others are the test */
-    double others;
-} matrix_line;
-
 typedef struct {
     FILE *stream; /* NULL: JSON only */
-    json_t *json; /* array, or NULL */
-    const cli_model *model;
-    const mukca_dataset *data, *test;
+    json_t *json; /* array */
     mukca_score *scores, *test_scores;
     unsigned char *train;
+    double sum[3]; /* of the errors after training on one, on two, on all placements */
+    int have[3], done;
 } matrix;
 
-/* Fit, and write one line; `others` is the mean error on what was not trained on. */
-static mukca_status matrix_row(cli_call *call, matrix_line *line, const matrix *m)
+/* Fit to the marked placements and write one line; *others is the mean error on the rest. */
+static mukca_status matrix_line(double *others, cli_call *call, const matrix *m)
 {
-    const bool tested = m->test->n_rows > 0;
+    const cli_session *s = call->session;
+    const int n = s->data.n_placements;
+    const bool tested = s->test.n_rows > 0;
     const mukca_split split = {
-        .data = m->data, .train = m->train, .extra = tested ? m->test : NULL};
-    mukca_status status =
-        mukca_evaluate_trained(m->scores, m->test_scores, &m->model->chain, &split, &call->error);
-    if (status != MUKCA_OK) return status;
+        .data = &s->data, .train = m->train, .extra = tested ? &s->test : NULL};
+    char name[3 * MUKCA_NAME_SIZE] = "";
+    int trained = 0, have = 0;
     double sum = 0;
-    int have = 0;
+    mukca_status status =
+        mukca_evaluate_trained(m->scores, m->test_scores, &s->model.chain, &split, &call->error);
+    if (status != MUKCA_OK) return status;
     json_t *errors = json_object();
-    line->name[0] = '\0';
-    line->trained = 0;
-    for (int i = 0, p = 0; p < m->data->n_placements; p++) {
-        const char *name = m->data->placements[p].name;
-        if (m->train[p]) {
-            const size_t used = strlen(line->name);
-            snprintf(line->name + used, sizeof line->name - used, "%s%s", used ? "+" : "", name);
-            line->trained++;
-        }
+    for (int i = 0, p = 0; p < n; p++) {
+        const char *placement = s->data.placements[p].name;
+        const size_t used = strlen(name);
+        if (m->train[p])
+            snprintf(name + used, sizeof name - used, trained++ ? "+%s" : "%s", placement);
         if (m->scores[i].placement != p) continue;
         if (!m->train[p]) sum += m->scores[i].mae, have++;
-        json_object_set_new(errors, name, cli_json_real(m->scores[i].mae));
-        i++;
+        json_object_set_new(errors, placement, cli_json_real(m->scores[i++].mae));
     }
-    if (line->trained == m->data->n_placements) snprintf(line->name, sizeof line->name, "all");
-    for (int i = 0; tested && i <= m->test->n_placements && m->test_scores[i].rows > 0; i++)
+    if (trained == n) snprintf(name, sizeof name, "all");
+    for (int i = 0; tested && i <= s->test.n_placements && m->test_scores[i].rows > 0; i++)
         sum += m->test_scores[i].mae, have++;
-    line->others = have > 0 ? sum / have : (double)NAN;
+    *others = have > 0 ? sum / have : (double)NAN;
     if (m->stream) {
-        fprintf(m->stream, "%s\t%d", line->name, line->trained);
-        write_number(m->stream, line->others);
-        for (int i = 0; i < m->data->n_placements; i++) write_number(m->stream, m->scores[i].mae);
+        fprintf(m->stream, "%s\t%d", name, trained);
+        cli_scores_write(m->stream, *others);
+        for (int i = 0; i < n; i++) cli_scores_write(m->stream, m->scores[i].mae);
         fputc('\n', m->stream);
     }
-    if (m->json)
-        json_array_append_new(m->json, json_pack("{s:s, s:i, s:o, s:O}", "train", line->name,
-                                                 "placements", line->trained, "others_mae_m",
-                                                 cli_json_real(line->others), "mae_m", errors));
-    json_decref(errors);
+    json_array_append_new(m->json,
+                          json_pack("{s:s, s:i, s:o, s:o}", "train", name, "placements", trained,
+                                    "others_mae_m", cli_json_real(*others), "mae_m", errors));
     return MUKCA_OK;
 }
 
-static mukca_status matrix_rows(cli_call *call, const matrix *m)
+/* Train on placements a and b, or for size = 2 on all. */
+static mukca_status train_on(cli_call *call, matrix *m, int size, int a, int b)
 {
-    const int n = m->data->n_placements, lines = n + n * (n - 1) / 2 + 1;
-    double sums[3] = {0};
-    int have[3] = {0}, done = 0;
+    const int n = call->session->data.n_placements;
+    double others;
+    if (cli_interrupted()) return MUKCA_INTERRUPTED;
+    memset(m->train, size == 2, (size_t)n);
+    m->train[a] = m->train[b] = 1;
+    mukca_status status = matrix_line(&others, call, m);
+    cli_progress(call, "training and testing", ++m->done, n + n * (n - 1) / 2 + 1);
+    if (status == MUKCA_OK && isfinite(others)) m->sum[size] += others, m->have[size]++;
+    return status;
+}
+
+static mukca_status matrix_lines(cli_call *call, matrix *m)
+{
+    static const char *const names[3] = {"one placement", "two placements", "all placements"};
+    const mukca_dataset *data = &call->session->data;
+    const int n = data->n_placements;
+    mukca_status status = MUKCA_OK;
     if (m->stream) {
         fputs("train\tplacements\tothers_mae_m", m->stream);
-        for (int p = 0; p < n; p++) fprintf(m->stream, "\t%s_mae_m", m->data->placements[p].name);
+        for (int p = 0; p < n; p++) fprintf(m->stream, "\t%s_mae_m", data->placements[p].name);
         fputc('\n', m->stream);
     }
-    for (int size = 1; size <= 3; size++) {
-        if (size == 3 && n <= 2) break;
-        for (int a = 0; a < n; a++)
-            for (int b = size == 2 ? a + 1 : a; b < (size == 2 ? n : a + 1); b++) {
-                matrix_line line;
-                if (size == 3 && a > 0) continue;
-                memset(m->train, size == 3, (size_t)n);
-                m->train[a] = m->train[b] = 1;
-                mukca_status status =
-                    cli_interrupted() ? MUKCA_INTERRUPTED : matrix_row(call, &line, m);
-                if (status != MUKCA_OK) return status;
-                cli_progress(call, "training and testing", ++done, lines);
-                if (isfinite(line.others)) sums[size - 1] += line.others, have[size - 1]++;
-            }
-    }
-    static const char *const names[3] = {"one placement", "two placements", "all placements"};
-    for (int i = 0; i < 3; i++)
-        if (have[i])
+    for (int a = 0; a < n && status == MUKCA_OK; a++) status = train_on(call, m, 0, a, a);
+    for (int a = 0; a < n; a++)
+        for (int b = a + 1; b < n && status == MUKCA_OK; b++) status = train_on(call, m, 1, a, b);
+    if (n > 2 && status == MUKCA_OK) status = train_on(call, m, 2, 0, 0);
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
+        if (m->have[i])
             cli_answer(call, "Trained on %-15s mean error elsewhere %.3f mm\n", names[i],
-                       1e3 * sums[i] / have[i]);
-    return MUKCA_OK;
+                       1e3 * m->sum[i] / m->have[i]);
+    return status;
 }
 
 static mukca_status run_matrix(cli_call *call, FILE *stream, json_t *json)
 {
-    const mukca_dataset *data = &call->session->data, *test = &call->session->test;
+    const int n = call->session->data.n_placements, tests = call->session->test.n_placements;
+    mukca_status status = MUKCA_OK;
+    if (n < 2)
+        return mukca_fail(&call->error, MUKCA_INPUT,
+                          "--matrix needs two placements or more: one to train on, one to test on");
     matrix m = {.stream = stream,
                 .json = json,
-                .model = &call->session->model,
-                .data = data,
-                .test = test,
-                .scores = calloc((size_t)data->n_placements + 1, sizeof *m.scores),
-                .test_scores = calloc((size_t)test->n_placements + 2, sizeof *m.test_scores),
-                .train = calloc((size_t)data->n_placements + 1, 1)};
-    mukca_status status = MUKCA_OK;
-    if (data->n_placements < 2)
-        status =
-            mukca_fail(&call->error, MUKCA_INPUT,
-                       "--matrix needs two placements or more: one to train on, one to test on");
-    else if (m.scores && m.test_scores && m.train)
-        status = matrix_rows(call, &m);
+                .scores = calloc((size_t)n + 1, sizeof *m.scores),
+                .test_scores = calloc((size_t)tests + 2, sizeof *m.test_scores),
+                .train = calloc((size_t)n, 1)};
+    if (m.scores && m.test_scores && m.train)
+        status = matrix_lines(call, &m);
     else
         status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     free(m.scores);

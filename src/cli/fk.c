@@ -52,7 +52,7 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
     mukca_row_state states;
     const mukca_rows_options header = {.kind = MUKCA_EITHER};
     mukca_status status = mukca_rows_open(&rows, path, &model->chain, &header, &call->error);
-    if (status) return status;
+    if (status != MUKCA_OK) return status;
     mukca_row_state_start(&states, model->chain.n_joints);
     if (first) fputs(o->pose ? "x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n" : "x_m\ty_m\tz_m\n", stream);
     while (!ferror(stream)) {
@@ -60,9 +60,9 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
         mukca_displacement displacement;
         mukca_frame T;
         status = mukca_rows_next(&rows, &row, &more, &call->error);
-        if (status || !more) break;
+        if (status != MUKCA_OK || !more) break;
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
-        if (status) break;
+        if (status != MUKCA_OK) break;
         if (model->offsets.n_effects) displace(&displacement, &states, model, &rows, &row);
         mukca_fk_pose(&T, &model->geometry, row.q, model->offsets.n_effects ? &displacement : NULL);
         print_row(stream, o->pose, &T);

@@ -37,6 +37,12 @@ void cli_scores_free(cli_scores *scores)
     *scores = (cli_scores){0};
 }
 
+void cli_scores_write(FILE *stream, double value)
+{
+    fputc('\t', stream);
+    if (isfinite(value)) fprintf(stream, "%.17g", value);
+}
+
 const char *cli_scores_name(const mukca_score *score, const mukca_dataset *data)
 {
     return score->placement < 0 ? "poses" : data->placements[score->placement].name;

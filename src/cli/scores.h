@@ -21,6 +21,9 @@ void cli_scores_free(cli_scores *scores); /* harmless on a zeroed one */
 /* The contract's objects, one per placement. */
 json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data);
 
+/* A tab and the number, empty where it is not finite. */
+void cli_scores_write(FILE *stream, double value);
+
 /* "panda/front", or "poses" for the rows of pose logs. */
 const char *cli_scores_name(const mukca_score *score, const mukca_dataset *data);
 

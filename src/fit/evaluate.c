@@ -26,17 +26,6 @@ static double distance(const double a[3], const double b[3])
     return sqrt(mukca_dot3(d, d));
 }
 
-/* Angle of the rotation between the tip and a measured quaternion. */
-static double turned(const mukca_frame *tip, const double *quaternion)
-{
-    double R[9], off[9], w[3];
-    mukca_rotation_from_quaternion(R, quaternion);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) off[3 * i + j] = mukca_dot3(tip->R + 3 * i, R + 3 * j);
-    mukca_rotation_log(w, off);
-    return sqrt(mukca_dot3(w, w));
-}
-
 /* Means of the sockets: mean[n_sockets][3], count[n_sockets]. */
 static void socket_means(double (*mean)[3], int *count, const mukca_frame *tips,
                          const mukca_dataset *data)
@@ -56,7 +45,7 @@ static mukca_score score_placement(int placement, double (*mean)[3], const int *
                                    const mukca_frame *tips, const mukca_dataset *data)
 {
     mukca_score score = {.placement = placement, .distance_error = NAN, .rotation_error = NAN};
-    double sum = 0, squares = 0, angles = 0, gaps = 0;
+    double sum = 0, squares = 0, angles = 0, distortion = 0;
     int rows = 0, turns = 0, pairs = 0;
     for (int i = 0; i < data->n_rows; i++) {
         if (mukca_dataset_placement(data, i) != placement) continue;
@@ -65,7 +54,12 @@ static mukca_score score_placement(int placement, double (*mean)[3], const int *
                                                : NULL;
         const bool oriented =
             placement < 0 && data->quaternion && isfinite(data->quaternion[4 * i]);
-        if (oriented) angles += turned(&tips[i], data->quaternion + 4 * i), turns++;
+        if (oriented) {
+            double R[9];
+            mukca_rotation_from_quaternion(R, data->quaternion + 4 * i);
+            angles += mukca_rotation_between(tips[i].R, R);
+            turns++;
+        }
         if (about && isfinite(about[0])) {
             const double off = distance(tips[i].p, about);
             sum += off, squares += off * off, rows++;
@@ -75,26 +69,39 @@ static mukca_score score_placement(int placement, double (*mean)[3], const int *
     for (int p = 0; p < data->n_distances; p++) {
         const mukca_distance *d = &data->distances[p];
         if (data->sockets[d->a].placement != placement || !count[d->a] || !count[d->b]) continue;
-        gaps += fabs(distance(mean[d->a], mean[d->b]) - d->distance), pairs++;
+        distortion += fabs(distance(mean[d->a], mean[d->b]) - d->distance), pairs++;
     }
     score.mae = rows ? sum / rows : (double)NAN;
     score.std = rows ? sqrt(squares / rows) : (double)NAN;
     if (turns) score.rotation_error = angles / turns;
-    if (pairs) score.distance_error = gaps / pairs;
+    if (pairs) score.distance_error = distortion / pairs;
     return score;
 }
 
-/* Mean of one field over the scores that have it. */
-static double mean_of(const mukca_score *scores, int n, size_t field)
+/* Add a value to a mean that is kept as sum and count. */
+static void add(double *sum, int *count, double value)
 {
-    double sum = 0;
-    int have = 0;
+    if (!isfinite(value)) return;
+    *sum += value;
+    ++*count;
+}
+
+/* Mean of each field over the scores that have it. */
+static mukca_score mean_score(const mukca_score *scores, int n)
+{
+    mukca_score mean = {.placement = -1};
+    double *const field[4] = {&mean.mae, &mean.std, &mean.distance_error, &mean.rotation_error};
+    int count[4] = {0};
     for (int i = 0; i < n; i++) {
-        double value;
-        memcpy(&value, (const char *)&scores[i] + field, sizeof value);
-        if (isfinite(value)) sum += value, have++;
+        const mukca_score *s = &scores[i];
+        mean.rows += s->rows;
+        add(&mean.mae, &count[0], s->mae);
+        add(&mean.std, &count[1], s->std);
+        add(&mean.distance_error, &count[2], s->distance_error);
+        add(&mean.rotation_error, &count[3], s->rotation_error);
     }
-    return have ? sum / have : (double)NAN;
+    for (int f = 0; f < 4; f++) *field[f] = count[f] ? *field[f] / count[f] : (double)NAN;
+    return mean;
 }
 
 int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
@@ -113,14 +120,7 @@ int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *mo
         scores[n] = score_placement(p < data->n_placements ? p : -1, means, count, tips, data);
         n += scores[n].rows > 0;
     }
-    if (mean) {
-        *mean = (mukca_score){.placement = -1};
-        for (int i = 0; i < n; i++) mean->rows += scores[i].rows;
-        mean->mae = mean_of(scores, n, offsetof(mukca_score, mae));
-        mean->std = mean_of(scores, n, offsetof(mukca_score, std));
-        mean->distance_error = mean_of(scores, n, offsetof(mukca_score, distance_error));
-        mean->rotation_error = mean_of(scores, n, offsetof(mukca_score, rotation_error));
-    }
+    if (mean) *mean = mean_score(scores, n);
 out:
     free(tips);
     free(means);

@@ -10,11 +10,10 @@
 typedef struct {
     int placement; /* index; -1: the rows of pose logs */
     int rows;
-    double mae; /* mean distance of a row from its socket's mean, or from the measurement, m */
-    double std; /* root of the rows' mean squared distance, m */
-    double
-        distance_error; /* mean of ||mu_a - mu_b| - d| over the known pairs, m; NaN without any */
-    double rotation_error; /* mean angle from the measured orientations, rad; NaN without any */
+    double mae; /* mean distance of a sample from its socket's mean, or from the measurement, m */
+    double std; /* root of the mean squared distance, m */
+    double distance_error; /* mean of ||mu_a - mu_b| - d| over the known pairs, m; NaN: none */
+    double rotation_error; /* mean angle from the measured orientations, rad; NaN: none */
 } mukca_score;
 
 /* The model to score. */

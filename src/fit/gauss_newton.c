@@ -63,8 +63,7 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
     (void)error;
     if (!options) options = &none;
     const int limit = options->max_evaluations > 0 ? options->max_evaluations : 2000;
-    const double until =
-        mukca_solver_clock() + (options->max_seconds > 0 ? options->max_seconds : 60);
+    const double until = mukca_solver_clock() + MUKCA_SOLVER_SECONDS;
     const int before = cost->evaluations;
     memset(outcome, 0, sizeof *outcome);
     value = mukca_cost_evaluate(&parts, g, cost, x);
@@ -111,5 +110,4 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
     return MUKCA_OK;
 }
 
-const mukca_solver mukca_solver_gauss_newton = {
-    "gauss-newton", "damped Gauss-Newton, built in: fewest evaluations", run};
+const mukca_solver mukca_solver_gauss_newton = {.name = "gauss-newton", .run = run};

@@ -19,17 +19,19 @@ typedef struct {
     const mukca_solver_options *options;
     mukca_solver_outcome *outcome;
     nlopt_opt opt;
-    const double *L; /* [n][n] */
-    double *start;   /* [n] where it was whitened */
-    double *x, *g;   /* [n] scratch */
-    double *best;    /* [n] best point seen */
+    double *L;         /* [n][n] */
+    double *start;     /* [n] where it was whitened */
+    double *x, *g, *y; /* [n] scratch */
+    double *best;      /* [n] best point seen */
     double best_value, scale, unit;
     int before;
-    bool decided; /* outcome->stop says why it stops */
+    bool decided; /* outcome->stop is final */
     bool anew;    /* stopped to be whitened anew */
 } adapter;
 
-static const double fall = 0.1; /* of the cost, that calls for new whitening */
+/* Fall of the cost that calls for new whitening: a tenth of it has a third of the residuals, so
+ * that the metric is more of the data than of the start. */
+static const double fall = 0.1;
 
 static void decide(adapter *a, mukca_stop stop)
 {
@@ -81,16 +83,23 @@ static double objective(unsigned n_unsigned, const double *y, double *gradient, 
     return value / a->unit;
 }
 
-/* One round: whiten at x, minimise from there. */
-static mukca_status run_round(nlopt_algorithm algorithm, adapter *a, double *L, double *y,
-                              int max_evaluations, double max_seconds, mukca_error *error)
+static mukca_stop stop_of(nlopt_result result)
+{
+    if (result == NLOPT_MAXEVAL_REACHED || result == NLOPT_MAXTIME_REACHED) return MUKCA_STOP_LIMIT;
+    return result > 0 || result == NLOPT_ROUNDOFF_LIMITED ? MUKCA_STOP_TOLERANCE
+                                                          : MUKCA_STOP_FAILED;
+}
+
+/* One round: whiten at the best point, minimise from there. */
+static mukca_status run_round(adapter *a, nlopt_algorithm algorithm, int max_evaluations,
+                              double max_seconds, mukca_error *error)
 {
     const int n = a->cost->n;
     double value = 0;
-    mukca_cost_normal(L, a->cost, a->best, false);
-    mukca_solver_factorise(L, n);
-    memcpy(a->start, a->best, (size_t)n * sizeof *y);
-    memset(y, 0, (size_t)n * sizeof *y);
+    mukca_cost_normal(a->L, a->cost, a->best, false);
+    mukca_solver_factorise(a->L, n);
+    memcpy(a->start, a->best, (size_t)n * sizeof *a->start);
+    memset(a->y, 0, (size_t)n * sizeof *a->y);
     a->scale = sqrt(a->unit / 2);
     a->anew = false;
     a->opt = nlopt_create(algorithm, (unsigned)n);
@@ -100,15 +109,11 @@ static mukca_status run_round(nlopt_algorithm algorithm, adapter *a, double *L, 
     nlopt_set_ftol_abs(a->opt, 1e-30);
     nlopt_set_maxeval(a->opt, max_evaluations);
     nlopt_set_maxtime(a->opt, max_seconds);
-    const nlopt_result result = nlopt_optimize(a->opt, y, &value);
+    const nlopt_result result = nlopt_optimize(a->opt, a->y, &value);
     nlopt_destroy(a->opt);
     if (result == NLOPT_OUT_OF_MEMORY)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory in NLopt, %d parameters", n);
-    if (!a->decided && !a->anew)
-        a->outcome->stop = result == NLOPT_MAXEVAL_REACHED || result == NLOPT_MAXTIME_REACHED
-                               ? MUKCA_STOP_LIMIT
-                           : result > 0 || result == NLOPT_ROUNDOFF_LIMITED ? MUKCA_STOP_TOLERANCE
-                                                                            : MUKCA_STOP_FAILED;
+    if (!a->decided && !a->anew) a->outcome->stop = stop_of(result);
     return MUKCA_OK;
 }
 
@@ -118,29 +123,31 @@ static mukca_status run_nlopt(nlopt_algorithm algorithm, double *x, mukca_solver
 {
     const mukca_solver_options none = {0};
     const int n = cost->n;
-    double *L = cost->scratch, *work = L + 3 * n * n;
+    double *work = cost->scratch + 3 * n * n;
     mukca_status status = MUKCA_OK;
-    if (!options) options = &none;
-    memset(outcome, 0, sizeof *outcome);
-    const int limit = options->max_evaluations > 0 ? options->max_evaluations : 2000;
-    const double until =
-        mukca_solver_clock() + (options->max_seconds > 0 ? options->max_seconds : 60);
-    adapter a = {.cost = cost, .options = options, .outcome = outcome, .L = L, .best = x};
-    a.before = cost->evaluations;
-    a.x = work, a.g = work + n, a.start = work + 2 * n;
-    a.best_value = HUGE_VAL;
+    const double until = mukca_solver_clock() + MUKCA_SOLVER_SECONDS;
+    adapter a = {.cost = cost,
+                 .options = options ? options : &none,
+                 .outcome = outcome,
+                 .L = cost->scratch,
+                 .x = work,
+                 .g = work + n,
+                 .start = work + 2 * n,
+                 .y = work + 3 * n,
+                 .best = x,
+                 .best_value = HUGE_VAL,
+                 .before = cost->evaluations};
+    const int limit = a.options->max_evaluations > 0 ? a.options->max_evaluations : 2000;
+    *outcome = (mukca_solver_outcome){.stop = MUKCA_STOP_NOT_FINITE};
     a.unit = mukca_cost_evaluate(NULL, NULL, cost, x);
-    if (!isfinite(a.unit)) {
-        outcome->stop = MUKCA_STOP_NOT_FINITE;
-        return MUKCA_OK;
-    }
+    if (!isfinite(a.unit)) return MUKCA_OK;
     if (!(a.unit > 0)) a.unit = 1;
     do {
         const int left = limit - (cost->evaluations - a.before);
         const double seconds = until - mukca_solver_clock();
         outcome->stop = MUKCA_STOP_LIMIT;
         if (left <= 0 || seconds <= 0) break;
-        status = run_round(algorithm, &a, L, work + 3 * n, left, seconds, error);
+        status = run_round(&a, algorithm, left, seconds, error);
         a.unit = a.best_value;
     } while (status == MUKCA_OK && a.anew && a.unit > 0);
     outcome->evaluations = cost->evaluations - a.before;
@@ -159,8 +166,7 @@ static mukca_status run_lbfgs(double *x, mukca_solver_outcome *outcome, mukca_co
     return run_nlopt(NLOPT_LD_LBFGS, x, outcome, cost, options, error);
 }
 
-static const mukca_solver slsqp = {"slsqp", "sequential quadratic programming, of NLopt",
-                                   run_slsqp};
-static const mukca_solver lbfgs = {"lbfgs", "limited-memory BFGS, of NLopt", run_lbfgs};
+static const mukca_solver slsqp = {.name = "slsqp", .run = run_slsqp};
+static const mukca_solver lbfgs = {.name = "lbfgs", .run = run_lbfgs};
 
 const mukca_solver *const mukca_solver_table[] = {&slsqp, &lbfgs, &mukca_solver_gauss_newton, NULL};

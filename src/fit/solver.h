@@ -7,14 +7,15 @@
 /* Zeroed means the defaults. */
 typedef struct {
     int max_evaluations;         /* 0: 2000 */
-    double max_seconds;          /* 0: 60 */
     bool (*stop)(void *context); /* asked before each evaluation; NULL: never */
-    /* called with each theta[6 * n_elements] that is better than all before; NULL: nobody listens
-     */
+    /* called with each theta[6 * n_elements] that is better than all before; may be NULL */
     void (*progress)(void *context, const double *theta, const mukca_cost_value *value,
                      int evaluations);
     void *context; /* of both */
 } mukca_solver_options;
+
+/* No fit of ours takes a second; a solver that takes this long does not converge, s. */
+#define MUKCA_SOLVER_SECONDS 60.0
 
 /* Why it stopped is a result, not an error. */
 #define MUKCA_STOP_LIST(X)                              \
@@ -44,7 +45,6 @@ typedef mukca_status mukca_solver_fn(double *x, mukca_solver_outcome *outcome, m
 
 typedef struct {
     const char *name;
-    const char *sentence; /* for help */
     mukca_solver_fn *run;
 } mukca_solver;
 
