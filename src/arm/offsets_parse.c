@@ -1,5 +1,6 @@
 /* The offsets table from its text. */
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -26,21 +27,30 @@ typedef struct {
     char robot[MUKCA_NAME_SIZE], sha[72];
 } reader;
 
-/* Failure in one of the COLUMNS; -1: in the whole line. */
-static mukca_status fail(const reader *r, int column, const char *what)
+static mukca_status fail(const reader *r, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+static mukca_status fail(const reader *r, const char *format, ...)
 {
-    if (column < 0)
-        return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s", r->origin->name, r->lines.number,
-                          what);
-    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: column '%s': %s", r->origin->name,
-                      r->lines.number, column_name[column], what);
+    char what[160];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s", r->origin->name, r->lines.number, what);
+}
+
+/* Failure in one of the COLUMNS. */
+static mukca_status fail_cell(const reader *r, int column, const char *what)
+{
+    return fail(r, "column '%s': %s", column_name[column], what);
 }
 
 static mukca_status read_number(double *value, const reader *r, int column)
 {
     char fault[MUKCA_CELL_FAULT];
     if (mukca_cell_number(value, r->cell[r->column[column]], fault)) return MUKCA_OK;
-    return fail(r, column, fault);
+    return fail_cell(r, column, fault);
 }
 
 /* Where the line is the comment "# key: value": the value, cut to value[size]; else false. */
@@ -80,21 +90,19 @@ static mukca_status check_origin(reader *r)
 /* The columns may stand in any order. */
 static mukca_status read_header(reader *r)
 {
-    char what[80];
     r->delimiter = mukca_cells_delimiter(r->lines.line);
     r->n_cells = mukca_cells_count(r->lines.line, r->delimiter);
-    if (r->n_cells > MOST_CELLS) return fail(r, -1, "has more columns than an offsets table");
+    if (r->n_cells > MOST_CELLS) return fail(r, "has more columns than an offsets table");
     mukca_cells_split(r->cell, r->n_cells, r->lines.line, r->delimiter);
     for (int i = 0; i < COLUMNS; i++) {
         r->column[i] = -1;
         for (int c = 0; c < r->n_cells; c++) {
             if (strcmp(r->cell[c], column_name[i]) != 0) continue;
-            snprintf(what, sizeof what, "column '%s' comes twice", column_name[i]);
-            if (r->column[i] >= 0) return fail(r, -1, what);
+            if (r->column[i] >= 0) return fail_cell(r, i, "comes twice");
             r->column[i] = c;
         }
-        snprintf(what, sizeof what, "the header has no column '%s'", column_name[i]);
-        if (r->column[i] < 0 && i != TERM) return fail(r, -1, what);
+        if (r->column[i] < 0 && i != TERM)
+            return fail(r, "the header has no column '%s'", column_name[i]);
     }
     return MUKCA_OK;
 }
@@ -117,9 +125,10 @@ static mukca_status read_values(double value[OFFSET + 1], const reader *r)
         if (status != MUKCA_OK) return status;
     }
     if (!(fabs(value[NOMINAL] + value[OFFSET] - value[CALIBRATED]) <= 1e-9))
-        return fail(r, CALIBRATED, "is not nominal + offset");
+        return fail_cell(r, CALIBRATED, "is not nominal + offset");
     for (int c = CALIBRATED; c <= OFFSET; c++) /* either may be used */
-        if (fabs(value[c]) > MUKCA_NUMBER_LARGEST) return fail(r, c, "is larger than any arm's");
+        if (fabs(value[c]) > MUKCA_NUMBER_LARGEST)
+            return fail_cell(r, c, "is larger than any arm's");
     return MUKCA_OK;
 }
 
@@ -133,7 +142,7 @@ static mukca_status read_parameter(reader *r, int parameter)
     }
     const int i = MUKCA_PARAMETERS * element + parameter;
     double value[OFFSET + 1];
-    if (o->listed[i]) return fail(r, PARAMETER, "this parameter comes twice");
+    if (o->listed[i]) return fail_cell(r, PARAMETER, "this parameter comes twice");
     mukca_status status = read_values(value, r);
     if (status != MUKCA_OK) return status;
     /* theta holds the chain's nominal value still */
@@ -159,19 +168,19 @@ static mukca_status read_effect(reader *r, int kind)
     const char *joint = r->cell[r->column[JOINT]];
     mukca_effect wanted = {.kind = (mukca_effect_kind)kind, .joint = -1, .placement = -1};
     if (mukca_effect_has(kind, MUKCA_TRAIT_RECORDING_FAULT))
-        return fail(r, PARAMETER, "is a recording fault and cannot be applied to an arm");
+        return fail_cell(r, PARAMETER, "is a recording fault and cannot be applied to an arm");
     if (mukca_effect_has_joint(kind)) {
         wanted.joint = mukca_chain_find_joint(r->chain, joint);
-        if (wanted.joint < 0) return fail(r, JOINT, "no such joint in the chain");
+        if (wanted.joint < 0) return fail_cell(r, JOINT, "no such joint in the chain");
     }
     double value[OFFSET + 1];
     const char *text = r->column[TERM] < 0 ? "-" : r->cell[r->column[TERM]];
     const int term = mukca_effect_term_parse(&wanted, text, r->chain->n_joints);
     if (term < 0 || wanted.placement >= o->n_placements || wanted.placement < -1)
-        return fail(r, TERM, "does not fit the effect at this joint");
+        return fail_cell(r, TERM, "does not fit the effect at this joint");
     mukca_effect *effect = find_effect(o, &wanted);
-    if (!effect) return fail(r, PARAMETER, "too many effects");
-    if (effect->coefficient[term] != 0) return fail(r, PARAMETER, "comes twice");
+    if (!effect) return fail_cell(r, PARAMETER, "too many effects");
+    if (effect->coefficient[term] != 0) return fail_cell(r, PARAMETER, "comes twice");
     mukca_status status = read_values(value, r);
     if (status != MUKCA_OK) return status;
     effect->coefficient[term] = value[CALIBRATED];
@@ -184,23 +193,20 @@ static mukca_status read_row(reader *r)
     for (int p = 0; p < MUKCA_PARAMETERS; p++)
         if (strcmp(name, mukca_parameter_name[p]) == 0) return read_parameter(r, p);
     int kind = mukca_effect_find(name);
-    if (kind < 0) return fail(r, PARAMETER, "neither a parameter nor an effect");
+    if (kind < 0) return fail_cell(r, PARAMETER, "neither a parameter nor an effect");
     return read_effect(r, kind);
 }
 
 static mukca_status read_content(reader *r)
 {
-    char what[80];
-    mukca_status status = MUKCA_OK;
     if (r->n_cells == 0) {
-        status = check_origin(r);
+        const mukca_status status = check_origin(r);
         return status == MUKCA_OK ? read_header(r) : status;
     }
-    snprintf(what, sizeof what, "%d columns, but %d in the header%s",
-             mukca_cells_count(r->lines.line, r->delimiter), r->n_cells,
-             *r->lines.text ? "" : "; the last line is cut off");
+    const int found = mukca_cells_count(r->lines.line, r->delimiter);
     if (!mukca_cells_split(r->cell, r->n_cells, r->lines.line, r->delimiter))
-        return fail(r, -1, what);
+        return fail(r, "%d columns, but %d in the header%s", found, r->n_cells,
+                    *r->lines.text ? "" : "; the last line is cut off");
     return read_row(r);
 }
 
@@ -221,7 +227,7 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
         const char *first = r.lines.line + strspn(r.lines.line, " \t");
         if (*first == '#' && r.n_cells == 0) read_comment(&r);
         if (*first == '#' || !*first) continue;
-        if (!r.lines.whole) return fail(&r, -1, "the line is longer than a table's may be");
+        if (!r.lines.whole) return fail(&r, "the line is longer than a table's may be");
         const mukca_status status = read_content(&r);
         if (status != MUKCA_OK) return status;
     }

@@ -32,4 +32,18 @@ mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *ro
 /* Pose of a row that is there already; pose[7]: x y z qw qx qy qz. */
 mukca_status mukca_build_pose(mukca_dataset_builder *builder, int row, const double pose[7]);
 
+/* Read the controller's poses `path` (hole_N_pose.csv: x,y,z,qw,qx,qy,qz, without header) for the
+ * rows [first, first + n).  Where the files differ in length, rows and poses are paired in order so
+ * that the nominal forward kinematics fits best; superfluous ones are dropped, with a note. */
+mukca_status mukca_pose_file_read(mukca_dataset_builder *builder, const char *path, int first,
+                                  int n);
+
+/* Any two sockets of a placement are `distance` (m) apart; refused for more than 4 sockets, which
+ * no arrangement in space allows. */
+mukca_status mukca_distances_set(mukca_dataset_builder *builder, double distance);
+
+/* Distances from a table `socket_a socket_b distance_m`, for all placements that have both sockets;
+ * every placement needs one. */
+mukca_status mukca_distances_read(mukca_dataset_builder *builder, const char *path);
+
 #endif

@@ -12,8 +12,6 @@
 #include "base/note.h"
 #include "base/utf8.h"
 #include "io/dataset_build.h"
-#include "io/distances.h"
-#include "io/pose_files.h"
 
 /* Published folders have two holes; a mean needs two rows, a distance two sockets; the limits from
  * above catch tables of another kind. */

@@ -1,5 +1,5 @@
 /* Known distances between the sockets of a placement. */
-#include "io/distances.h"
+#include "io/dataset_build.h"
 
 #include <string.h>
 

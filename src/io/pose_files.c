@@ -1,5 +1,5 @@
 /* The controller's poses of recorded joint angles, paired row by row. */
-#include "io/pose_files.h"
+#include "io/dataset_build.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/note.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/utf8.h"
@@ -104,9 +105,9 @@ class Loader
         if (joints.size() > MUKCA_MAX_ELEMENTS)
             fail("the chain has " + std::to_string(joints.size()) + " joints, more than " +
                  std::to_string(MUKCA_MAX_ELEMENTS));
+        const std::string &robot = model_->getName();
         copy_name(chain_->robot,
-                  model_->getName().substr(
-                      0, mukca_utf8_fit(model_->getName().c_str(), MUKCA_NAME_SIZE - 1)));
+                  robot.substr(0, mukca_utf8_fit(robot.c_str(), MUKCA_NAME_SIZE - 1)));
         copy_name(chain_->base, base);
         copy_name(chain_->tip, tip);
         std::snprintf(chain_->urdf_sha256, sizeof chain_->urdf_sha256, "%s", text_.sha256);
@@ -121,9 +122,9 @@ class Loader
    private:
     [[noreturn]] void fail(const std::string &what, int line = 0)
     {
-        std::string place = std::string(path_) + ":";
-        if (line) place += std::to_string(line) + ":";
-        throw Failure{mukca_fail(error_, MUKCA_INPUT, "%s %s", place.c_str(), what.c_str())};
+        const std::string place = line ? std::to_string(line) + ":" : "";
+        throw Failure{
+            mukca_fail(error_, MUKCA_INPUT, "%s:%s %s", path_, place.c_str(), what.c_str())};
     }
 
     [[noreturn]] void fail_joint(const std::string &joint, const std::string &what)
@@ -134,7 +135,7 @@ class Loader
 
     void add_note(const std::string &what)
     {
-        if (note_) note_(context_, (std::string(path_) + ": " + what).c_str());
+        mukca_note_format(note_, context_, "%s: %s", path_, what.c_str());
     }
 
     void copy_name(char *to, const std::string &name)
@@ -257,19 +258,16 @@ class Loader
         double length = std::sqrt(mukca_dot3(axis, axis));
         if (!(length > 1e-9) || !std::isfinite(length))
             fail_joint(joint.name, "its axis is 0 0 0; set a direction");
-        bool unit = std::fabs(length - 1) <= 1e-15;
-        if (std::fabs(length - 1) > 1e-6) {
-            char text[100];
-            std::snprintf(text, sizeof text, "its axis has length %.6g; normalised", length);
-            add_note("joint '" + joint.name + "': " + text);
-        }
+        const bool unit = std::fabs(length - 1) <= 1e-15;
+        if (std::fabs(length - 1) > 1e-6)
+            mukca_note_format(note_, context_,
+                              "%s: joint '%s': its axis has length %.6g; normalised", path_,
+                              joint.name.c_str(), length);
         for (int i = 0; i < 3; i++) e->axis[i] = unit ? axis[i] : axis[i] / length;
     }
 
     void set_limits(mukca_element *e, const urdf::Joint &joint)
     {
-        e->lower = -HUGE_VAL;
-        e->upper = HUGE_VAL;
         if (e->type == MUKCA_CONTINUOUS || !joint.limits) return;
         if (joint.limits->lower < joint.limits->upper) {
             e->lower = joint.limits->lower;
@@ -298,23 +296,16 @@ class Loader
         mukca_element *e = &chain_->element[chain_->n_elements];
         copy_name(e->name, name);
         copy_name(e->child, joint.child_link_name);
-        switch (joint.type) {
-            case urdf::Joint::REVOLUTE:
-                e->type = MUKCA_REVOLUTE;
-                break;
-            case urdf::Joint::CONTINUOUS:
-                e->type = MUKCA_CONTINUOUS;
-                break;
-            case urdf::Joint::PRISMATIC:
-                e->type = MUKCA_PRISMATIC;
-                break;
-            case urdf::Joint::FIXED:
-                e->type = MUKCA_FIXED;
-                break;
-            default:
-                fail_joint(name, "planar and floating joints cannot be in the chain; " +
-                                     std::string("choose --base and --tip on the same side of it"));
-        }
+        static const std::map<int, mukca_joint_type> types = {
+            {urdf::Joint::REVOLUTE, MUKCA_REVOLUTE},
+            {urdf::Joint::CONTINUOUS, MUKCA_CONTINUOUS},
+            {urdf::Joint::PRISMATIC, MUKCA_PRISMATIC},
+            {urdf::Joint::FIXED, MUKCA_FIXED}};
+        if (!types.count(joint.type))
+            fail_joint(name,
+                       "planar and floating joints cannot be in the chain; "
+                       "choose --base and --tip on the same side of it");
+        e->type = types.at(joint.type);
         if (joint.mimic)
             fail_joint(name, "it mimics '" + joint.mimic->joint_name +
                                  "', which is not supported in the chain; choose another --tip");
