@@ -1,4 +1,4 @@
-/* The offsets table from its text. */
+/* The offsets table, and the chain in its comments, from its text. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -18,6 +18,8 @@ typedef struct {
     mukca_offsets *offsets;
     mukca_offsets_origin *origin;
     const mukca_chain *chain;
+    mukca_chain *new_chain; /* in the making, of mukca_chain_parse */
+    const char *name;       /* what messages call the table */
     mukca_error *error;
     mukca_lines lines;
     char delimiter;
@@ -37,7 +39,7 @@ static mukca_status fail(const reader *r, const char *format, ...)
     va_start(args, format);
     vsnprintf(what, sizeof what, format, args);
     va_end(args);
-    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s", r->origin->name, r->lines.number, what);
+    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s", r->name, r->lines.number, what);
 }
 
 /* Failure in one of the COLUMNS. */
@@ -74,16 +76,15 @@ static void read_comment(reader *r)
 
 static mukca_status check_origin(reader *r)
 {
-    const char *name = r->origin->name;
     if (strcmp(r->sha, "?") == 0)
         return mukca_fail(r->error, MUKCA_INPUT,
-                          "%s: no offsets table: the line `# urdf_sha256:` is missing", name);
+                          "%s: no offsets table: the line `# urdf_sha256:` is missing", r->name);
     r->origin->other = strcmp(r->sha, r->chain->urdf_sha256) != 0;
     if (r->origin->other && !r->origin->force)
         return mukca_fail(r->error, MUKCA_INPUT,
                           "%s: was made for another URDF (robot '%.40s', SHA-256 %.12s..., not "
                           "%.12s...); --force takes its offsets nevertheless",
-                          name, r->robot, r->sha, r->chain->urdf_sha256);
+                          r->name, r->robot, r->sha, r->chain->urdf_sha256);
     return MUKCA_OK;
 }
 
@@ -216,6 +217,7 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
     reader r = {.offsets = offsets,
                 .origin = origin,
                 .chain = chain,
+                .name = origin->name,
                 .lines = {.text = text},
                 .robot = "?",
                 .sha = "?",
@@ -233,4 +235,85 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
     }
     if (r.n_cells > 0) return MUKCA_OK;
     return mukca_fail(error, MUKCA_INPUT, "%s: is empty; expected a header and rows", origin->name);
+}
+
+static mukca_status read_element(reader *r)
+{
+    mukca_chain *c = r->new_chain;
+    double limits[2] = {-HUGE_VAL, HUGE_VAL};
+    if (c->n_elements == MUKCA_MAX_ELEMENTS) return fail(r, "too many elements");
+    mukca_element *e = &c->element[c->n_elements];
+    int type = 0;
+    if (r->n_cells != 8) return fail(r, "an element needs 7 fields");
+    while (type < 4 && strcmp(mukca_joint_type_name[type], r->cell[3]) != 0) type++;
+    const bool limited = strcmp(r->cell[7], "-inf inf") != 0;
+    if (type == 4 || !mukca_number_parse_list(e->axis, 3, r->cell[4]) ||
+        !mukca_number_parse_list(e->xyz, 3, r->cell[5]) ||
+        !mukca_number_parse_list(e->rpy, 3, r->cell[6]) ||
+        (limited && !mukca_number_parse_list(limits, 2, r->cell[7])))
+        return fail(r, "the element's numbers or its type cannot be read");
+    snprintf(e->name, sizeof e->name, "%s", r->cell[1]);
+    snprintf(e->child, sizeof e->child, "%s", r->cell[2]);
+    e->type = (mukca_joint_type)type;
+    e->lower = limits[0];
+    e->upper = limits[1];
+    e->joint = -1;
+    if (e->type != MUKCA_FIXED) {
+        if (c->n_joints == MUKCA_MAX_JOINTS) return fail(r, "too many joints");
+        if (!(fabs(mukca_dot3(e->axis, e->axis) - 1) < 1e-6))
+            return fail(r, "the joint's axis is no unit vector");
+        e->joint = c->n_joints;
+        c->joint_element[c->n_joints++] = c->n_elements;
+    }
+    c->n_elements++;
+    return MUKCA_OK;
+}
+
+static mukca_status read_mass(reader *r)
+{
+    mukca_chain *c = r->new_chain;
+    double element;
+    if (c->n_masses == MUKCA_MAX_MASSES) return fail(r, "too many masses");
+    mukca_mass *m = &c->mass[c->n_masses++];
+    if (r->n_cells != 4 || !mukca_number_parse(&element, r->cell[1]) ||
+        !mukca_number_parse(&m->kg, r->cell[2]) ||
+        !mukca_number_parse_list(m->com, 3, r->cell[3]) ||
+        !(element >= -1 && element < MUKCA_MAX_ELEMENTS))
+        return fail(r, "the mass cannot be read");
+    m->element = (int)element;
+    return MUKCA_OK;
+}
+
+/* The chain's lines among the comments: "# key: value", or "# key:" and cells. */
+static mukca_status read_chain_line(reader *r)
+{
+    mukca_chain *c = r->new_chain;
+    char *line = r->lines.line;
+    comment(c->robot, sizeof c->robot, line, "# robot: ");
+    comment(c->base, sizeof c->base, line, "# base: ");
+    comment(c->tip, sizeof c->tip, line, "# tip: ");
+    comment(c->urdf_sha256, sizeof c->urdf_sha256, line, "# urdf_sha256: ");
+    r->n_cells = mukca_cells_count(line, '\t');
+    if (r->n_cells > MOST_CELLS || !mukca_cells_split(r->cell, r->n_cells, line, '\t'))
+        return MUKCA_OK;
+    if (strcmp(r->cell[0], "# element:") == 0) return read_element(r);
+    if (strcmp(r->cell[0], "# mass:") == 0) return read_mass(r);
+    if (strcmp(r->cell[0], "# gravity:") == 0 &&
+        (r->n_cells != 2 || !mukca_number_parse_list(c->gravity, 3, r->cell[1])))
+        return fail(r, "gravity cannot be read");
+    return MUKCA_OK;
+}
+
+mukca_status mukca_chain_parse(mukca_chain *chain, const char *text, const char *name,
+                               mukca_error *error)
+{
+    reader r = {.new_chain = chain, .name = name, .lines = {.text = text}, .error = error};
+    *chain = (mukca_chain){0};
+    while (mukca_lines_next(&r.lines)) {
+        if (r.lines.line[0] != '#') continue;
+        const mukca_status status = read_chain_line(&r);
+        if (status != MUKCA_OK) return status;
+    }
+    if (chain->n_elements > 0) return MUKCA_OK;
+    return fail(&r, "no `# element:` lines: write the table anew with this version of mukca");
 }
