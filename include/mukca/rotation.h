@@ -31,6 +31,9 @@ void mukca_rotation_exp(double R[9], const double w[3]);
 /* Rotation vector of R, |w| in [0, pi]; accurate near 0 and near pi. */
 void mukca_rotation_log(double w[3], const double R[9]);
 
+/* w = log(A B'): the rotation vector that leads from B to A. */
+void mukca_rotation_difference(double w[3], const double A[9], const double B[9]);
+
 /* Angle of the rotation that takes A to B, rad, in [0, pi]. */
 double mukca_rotation_between(const double A[9], const double B[9]);
 

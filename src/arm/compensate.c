@@ -13,7 +13,9 @@ const char *const mukca_reach_sentence[MUKCA_REACH_COUNT] = {MUKCA_REACH_LIST(RE
 #undef REACH_TEXT
 #undef REACH_SENTENCE
 
-static const double far = 0.5; /* rad, m */
+/* A step of a joint (rad, m) that no correction of a calibrated arm needs, and that no path makes
+ * from one row to the next; poses less than path_step (m) apart belong to one path. */
+static const double far = 0.5, path_step = 0.05;
 
 void mukca_compensator_start(mukca_compensator *c, const mukca_corrected *arm, bool position_only,
                              double tolerance)
@@ -67,6 +69,20 @@ static mukca_compensation outcome(const mukca_inverse_result *found)
                                 .rotation_error = found->rotation_error};
 }
 
+static double distance(const double a[3], const double b[3])
+{
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(mukca_dot3(d, d));
+}
+
+/* End a row whose targets became q. */
+static void end_row(mukca_compensator *c, const double *q)
+{
+    c->on_path = true;
+    memcpy(c->sent, q, (size_t)c->arm->chain.n_joints * sizeof *q);
+    mukca_row_state_set(&c->rows, q);
+}
+
 mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
                                            const mukca_row_reading *reading)
 {
@@ -82,9 +98,7 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
 
     const mukca_inverse_result found = solve(q, c, &target);
     mukca_compensation result = outcome(&found);
-    double d[3];
-    for (int i = 0; i < 3; i++) d[i] = uncorrected.p[i] - target.p[i];
-    result.position_before = sqrt(mukca_dot3(d, d));
+    result.position_before = distance(uncorrected.p, target.p);
     result.rotation_before = c->position_only ? 0 : mukca_rotation_between(uncorrected.R, target.R);
     for (int j = 0; j < n; j++) {
         correction[j] = q[j] - meant[j];
@@ -96,10 +110,8 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     if (result.reach == MUKCA_REACH_OK && c->on_path && moved < far &&
         largest_step(correction, before, n) > 0.02 + 0.5 * moved)
         result.reach = MUKCA_REACH_JUMP;
-    c->on_path = true;
     memcpy(c->target, meant, (size_t)n * sizeof *q);
-    memcpy(c->sent, q, (size_t)n * sizeof *q);
-    mukca_row_state_set(&c->rows, q);
+    end_row(c, q);
     return result;
 }
 
@@ -142,14 +154,10 @@ mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *c, const 
         best = result;
         memcpy(q, tried, (size_t)n * sizeof *q);
     }
-    double d[3];
-    for (int i = 0; i < 3; i++) d[i] = target->p[i] - c->position[i];
-    if (best.reach == MUKCA_REACH_OK && c->on_path && sqrt(mukca_dot3(d, d)) < 0.05 &&
-        largest_step(q, c->sent, n) > 0.5)
+    if (best.reach == MUKCA_REACH_OK && c->on_path &&
+        distance(target->p, c->position) < path_step && largest_step(q, c->sent, n) > far)
         best.reach = MUKCA_REACH_JUMP;
-    c->on_path = true;
     memcpy(c->position, target->p, sizeof c->position);
-    memcpy(c->sent, q, (size_t)n * sizeof *q);
-    mukca_row_state_set(&c->rows, q);
+    end_row(c, q);
     return best;
 }

@@ -72,17 +72,14 @@ void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_co
     memcpy(moved, q, (size_t)n * sizeof *q);
     for (int j = 0; j < n; j++) { /* the arm held at q, its displacement as at q +- h */
         mukca_frame side[2];
-        double back[9], off[9], w[3];
+        double w[3];
         for (int k = 0; k < 2; k++) {
             moved[j] = q[j] + (k ? h : -h);
             displace(&d, model, moved, state);
             mukca_fk_pose(&side[k], &model->geometry, q, &d);
         }
         moved[j] = q[j];
-        for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++) back[3 * a + b] = side[0].R[3 * b + a];
-        mukca_mat3_mul(off, side[1].R, back);
-        mukca_rotation_log(w, off);
+        mukca_rotation_difference(w, side[1].R, side[0].R);
         for (int i = 0; i < 3; i++) {
             J[i * n + j] += (side[1].p[i] - side[0].p[i]) / (2 * h);
             J[(3 + i) * n + j] += w[i] / (2 * h);

@@ -49,11 +49,8 @@ static void look(point *at, const problem *p)
     at->position_error = sqrt(mukca_dot3(at->error, at->error));
     at->rotation_error = 0;
     if (p->rows == TASK) {
-        double delta[9], back[9], w[3];
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) back[3 * i + j] = reached.R[3 * j + i];
-        mukca_mat3_mul(delta, p->target->R, back);
-        mukca_rotation_log(w, delta);
+        double w[3];
+        mukca_rotation_difference(w, p->target->R, reached.R);
         at->rotation_error = sqrt(mukca_dot3(w, w));
         for (int i = 0; i < 3; i++) at->error[3 + i] = lever * w[i];
         for (int i = 3 * n; i < TASK * n; i++) at->J[i] *= lever;

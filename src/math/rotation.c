@@ -92,12 +92,18 @@ void mukca_rotation_log(double w[3], const double R[9])
     for (int i = 0; i < 3; i++) w[i] = scale * q[1 + i];
 }
 
-double mukca_rotation_between(const double A[9], const double B[9])
+void mukca_rotation_difference(double w[3], const double A[9], const double B[9])
 {
-    double off[9], w[3];
+    double off[9];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) off[3 * i + j] = mukca_dot3(A + 3 * i, B + 3 * j);
     mukca_rotation_log(w, off);
+}
+
+double mukca_rotation_between(const double A[9], const double B[9])
+{
+    double w[3];
+    mukca_rotation_difference(w, A, B);
     return sqrt(mukca_dot3(w, w));
 }
 
