@@ -194,36 +194,39 @@ static mukca_status check_usage(const session *s)
     return MUKCA_OK;
 }
 
-static mukca_status run(cli_call *call)
+/* Model, stream, mapping, session file, raw log. */
+static mukca_status prepare(session *s)
 {
+    cli_call *call = s->call;
     capture_options *o = call->options;
-    session *s = calloc(1, sizeof *s);
-    cli_model *model = calloc(1, sizeof *model);
-    mukca_error *error = &call->error;
-    mukca_status status = MUKCA_OK;
-    if (!s || !model) {
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-        goto out;
-    }
-    const char *term = getenv("TERM");
-    s->call = call;
-    s->options = o;
-    s->keys = isatty(STDIN_FILENO);
-    s->view = isatty(STDERR_FILENO) && !call->common->quiet && term && strcmp(term, "dumb") != 0;
-    mukca_recorder_hooks hooks = {.report = report, .interrupted = cli_interrupted, .context = s};
-    cli_live_complete(&o->live, call->common);
-    status = check_usage(s);
+    const cli_common *c = call->common;
+    mukca_recorder *r = &s->recorder;
+    cli_model *model = &call->session->model;
+    const mukca_recorder_hooks hooks = {
+        .report = report, .interrupted = cli_interrupted, .context = s};
+    cli_live_complete(&o->live, c);
+    mukca_status status = check_usage(s);
     if (status == MUKCA_OK) status = cli_load_model(call, model);
     if (status == MUKCA_OK)
-        status = mukca_recorder_open(&s->recorder, &o->live.recorder, &model->chain,
-                                     model->offsets.theta, &hooks, error);
-    if (status == MUKCA_OK) status = mukca_recorder_connect(&s->recorder, o->wait, error);
+        status = mukca_recorder_open(r, &o->live.recorder, &model->chain, model->offsets.theta,
+                                     &hooks, &call->error);
+    if (status == MUKCA_OK) status = mukca_recorder_connect(r, o->wait, &call->error);
     if (status == MUKCA_OK) status = confirm_map(s);
     if (status == MUKCA_OK)
-        status = mukca_recorder_begin(&s->recorder, call->common->output, o->resume,
-                                      call->common->force, error);
-    if (status == MUKCA_OK) status = mukca_recorder_start_log(&s->recorder, error);
-    if (status != MUKCA_OK) goto out;
+        status = mukca_recorder_begin(r, c->output, o->resume, c->force, &call->error);
+    return status ? status : mukca_recorder_start_log(r, &call->error);
+}
+
+static mukca_status run(cli_call *call)
+{
+    session *s = call->work;
+    const char *term = getenv("TERM");
+    s->call = call;
+    s->options = call->options;
+    s->keys = isatty(STDIN_FILENO);
+    s->view = isatty(STDERR_FILENO) && !call->common->quiet && term && strcmp(term, "dumb") != 0;
+    mukca_status status = prepare(s);
+    if (status != MUKCA_OK) return status;
     if (s->keys) cli_capture_enter(&s->terminal);
     status = loop(s);
     if (s->view) cli_capture_draw(&s->terminal, &s->recorder);
@@ -232,36 +235,31 @@ static mukca_status run(cli_call *call)
         mukca_recorder_publish_status(&s->recorder, "stopped");
         conclude(s);
         mukca_status written = cli_write_json(call, call->common->json ? summary(s) : NULL);
-        if (written) status = written;
+        if (written != MUKCA_OK) status = written;
     }
-    if (!status && !s->recorder.session.n_rows)
+    if (status == MUKCA_OK && !s->recorder.session.n_rows)
         status = mukca_fail(&call->error, MUKCA_NEGATIVE, "no sample was recorded");
-out:
-    if (s) {
-        cli_capture_leave(&s->terminal);
-        mukca_recorder_close(&s->recorder);
-    }
-    free(model);
-    free(s);
     return status;
 }
 
-#define AT(kind, name, argument, member, help)                                 \
-    {                                                                          \
-        name, 0, kind, argument, help, NULL, offsetof(capture_options, member) \
-    }
+static void release(void *work)
+{
+    session *s = work;
+    mukca_recorder_close(&s->recorder);
+}
 
 static const cli_option options[] = {
     CLI_MODEL_OPTIONS,
     CLI_OFFSETS_OPTION,
     CLI_OUTPUT_OPTION("the session (TSV, or CSV by its ending)"),
     CLI_LIVE_OPTIONS(capture_options),
-    AT(CLI_FLAG, "trigger", NULL, live.recorder.triggers,
-       "record a sample on each message on MUKCA_TRIGGER"),
-    AT(CLI_FLAG, "resume", NULL, resume, "continue an existing session"),
-    AT(CLI_INTEGER, "rows", "N", rows, "finish when the session has N samples"),
-    AT(CLI_POSITIVE, "wait", "S", wait,
-       "give up without joint states after S seconds (default: 10)"),
+    CLI_OPTION(capture_options, live.recorder.triggers, "trigger", CLI_FLAG, NULL,
+               "record a sample on each message on MUKCA_TRIGGER"),
+    CLI_OPTION(capture_options, resume, "resume", CLI_FLAG, NULL, "continue an existing session"),
+    CLI_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N",
+               "finish when the session has N samples"),
+    CLI_OPTION(capture_options, wait, "wait", CLI_POSITIVE, "S",
+               "give up without joint states after S seconds (default: 10)"),
     CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)"),
     CLI_JSON_OPTION,
     CLI_FORCE_OPTION,
@@ -299,4 +297,6 @@ const cli_command cli_command_capture = {
     .options_size = sizeof(capture_options),
     .defaults = &defaults,
     .run = run,
+    .work_size = sizeof(session),
+    .release = release,
 };

@@ -61,6 +61,16 @@ typedef struct {
     size_t offset;              /* of the member in the command's options */
 } cli_option;
 
+/* Rows of option tables; `member` of the struct `type` gets the value. */
+#define CLI_OPTION(type, member, name, kind, argument, help)        \
+    {                                                               \
+        name, 0, kind, argument, help, NULL, offsetof(type, member) \
+    }
+#define CLI_CHOICE_OPTION(type, member, name, argument, choices, help)       \
+    {                                                                        \
+        name, 0, CLI_CHOICE, argument, help, choices, offsetof(type, member) \
+    }
+
 /* The contract's common options: the first member of every command's options struct. */
 typedef struct {
     const char *urdf, *base, *tip, *inertials, *offsets, *distances, *json, *output;
@@ -180,6 +190,9 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv);
 void cli_call_free(cli_call *call);
 
 const cli_command *cli_find_command(const char *name); /* NULL: none */
+
+/* Run the parsed command with zeroed call->session and call->work, which are freed again. */
+mukca_status cli_run(cli_call *call);
 
 enum { CLI_WIDTH = 79 }; /* columns */
 

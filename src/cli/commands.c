@@ -1,4 +1,6 @@
-/* The list of commands, in the order of the help: a new command adds one row here. */
+/* The list of commands, in the order of the help (a new command adds one row here), and their run.
+ */
+#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
@@ -33,4 +35,24 @@ const cli_command *cli_find_command(const char *name)
     for (const cli_command *const *c = cli_commands; *c; c++)
         if (strcmp((*c)->name, name) == 0) return *c;
     return NULL;
+}
+
+mukca_status cli_run(cli_call *call)
+{
+    const cli_command *command = call->command;
+    mukca_status status = MUKCA_MEMORY;
+    call->session = calloc(1, sizeof *call->session);
+    call->work = calloc(1, command->work_size ? command->work_size : 1);
+    if (call->session && call->work)
+        status = command->run(call);
+    else
+        mukca_fail(&call->error, status, "out of memory");
+    if (call->work && command->release) command->release(call->work);
+    free(call->work);
+    if (call->session) {
+        mukca_dataset_free(&call->session->data);
+        mukca_dataset_free(&call->session->test);
+    }
+    free(call->session);
+    return status;
 }

@@ -15,17 +15,15 @@ typedef struct {
     bool free_base, free_tool;
 } diagnose_options;
 
+#define OWN(member, name, kind, argument, help) \
+    CLI_OPTION(diagnose_options, member, name, kind, argument, help)
 static const cli_option options[] = {
     CLI_TEST_OPTION,
-    {"without", 0, CLI_TEXT, "EFFECTS",
-     "exclude these effects from the catalogue (comma-separated)", NULL,
-     offsetof(diagnose_options, without)},
-    {"expect", 0, CLI_TEXT, "EFFECT", "exit code 1 unless this effect is among the causes", NULL,
-     offsetof(diagnose_options, expect)},
-    {"free-base", 0, CLI_FLAG, NULL, "pose logs: fit the frame of the tracker", NULL,
-     offsetof(diagnose_options, free_base)},
-    {"free-tool", 0, CLI_FLAG, NULL, "pose logs: fit the offset of the target", NULL,
-     offsetof(diagnose_options, free_tool)},
+    OWN(without, "without", CLI_TEXT, "EFFECTS",
+        "exclude these effects from the catalogue (comma-separated)"),
+    OWN(expect, "expect", CLI_TEXT, "EFFECT", "exit code 1 unless this effect is among the causes"),
+    OWN(free_base, "free-base", CLI_FLAG, NULL, "pose logs: fit the frame of the tracker"),
+    OWN(free_tool, "free-tool", CLI_FLAG, NULL, "pose logs: fit the offset of the target"),
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
     CLI_OUTPUT_OPTION("write the offsets table: geometry and causes"),

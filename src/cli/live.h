@@ -12,48 +12,41 @@ typedef struct {
 } cli_live;
 
 /* Rows of an option table; `type` is the options struct. */
-#define CLI_LIVE_OPTION(type, name, kind, argument, member, choices, help)  \
-    {                                                                       \
-        name, 0, kind, argument, help, choices, offsetof(type, live.member) \
-    }
 #define CLI_LIVE_OPTIONS(type)                                                                     \
-    CLI_LIVE_OPTION(                                                                               \
-        type, "lcm-url", CLI_TEXT, "URL", recorder.lcm_url, NULL,                                  \
+    CLI_OPTION(                                                                                    \
+        type, live.recorder.lcm_url, "lcm-url", CLI_TEXT, "URL",                                   \
         "LCM network, or file://LOG to replay a log (default: LCM_DEFAULT_URL, else LCM's own)"),  \
-        CLI_LIVE_OPTION(type, "channel", CLI_TEXT, "NAME", recorder.channel, NULL,                 \
-                        "channel of the joint states (default: the one that fits the arm)"),       \
-        CLI_LIVE_OPTION(                                                                           \
-            type, "type", CLI_TEXTS, "FILE", types, NULL,                                          \
-            "a .lcm description of the joint states, for a type that mukca does not know"),        \
-        CLI_LIVE_OPTION(type, "position", CLI_TEXT, "FIELD", recorder.position, NULL,              \
-                        "the field of --type that holds the joint positions, as in q or head.q"),  \
-        CLI_LIVE_OPTION(type, "names", CLI_TEXT, "FIELD", recorder.names, NULL,                    \
-                        "the field of --type that holds the joint names"),                         \
-        CLI_LIVE_OPTION(type, "map", CLI_TEXT, "MAP", recorder.map, NULL,                          \
-                        "which reading is which joint: name, order, or numbers as in 8-14 or "     \
-                        "1,2,4 (default: by name, else by order once you confirm it)"),            \
-        CLI_LIVE_OPTION(type, "stream", CLI_CHOICE, "KIND", recorder.stream,                       \
-                        mukca_recorder_streams,                                                    \
-                        "raw: readings of the encoders; corrected: the driver has added stored "   \
-                        "offsets; recorded in the session (default: raw)"),                        \
-        CLI_LIVE_OPTION(                                                                           \
-            type, "still", CLI_FLAG, NULL, recorder.still, NULL,                                   \
-            "record a sample whenever the arm stands still in a socket in a new posture"),         \
-        CLI_LIVE_OPTION(type, "dwell", CLI_POSITIVE, "S", recorder.dwell, NULL,                    \
-                        "time of standing still for --still, s (default: 1)"),                     \
-        CLI_LIVE_OPTION(type, "window", CLI_POSITIVE, "S", recorder.window, NULL,                  \
-                        "a sample is the mean over this time, s (default: 0.2)"),                  \
-        CLI_LIVE_OPTION(type, "motion", CLI_POSITIVE, "RAD", recorder.motion, NULL,                \
-                        "largest motion of a joint within the window, rad or m (default: 0.001)"), \
-        CLI_LIVE_OPTION(                                                                           \
-            type, "placement", CLI_TEXT, "LIST", recorder.placements, NULL,                        \
+        CLI_OPTION(type, live.recorder.channel, "channel", CLI_TEXT, "NAME",                       \
+                   "channel of the joint states (default: the one that fits the arm)"),            \
+        CLI_OPTION(type, live.types, "type", CLI_TEXTS, "FILE",                                    \
+                   "a .lcm description of the joint states, for a type that mukca does not know"), \
+        CLI_OPTION(type, live.recorder.position, "position", CLI_TEXT, "FIELD",                    \
+                   "the field of --type that holds the joint positions, as in q or head.q"),       \
+        CLI_OPTION(type, live.recorder.names, "names", CLI_TEXT, "FIELD",                          \
+                   "the field of --type that holds the joint names"),                              \
+        CLI_OPTION(type, live.recorder.map, "map", CLI_TEXT, "MAP",                                \
+                   "which reading is which joint: name, order, or numbers as in 8-14 or 1,2,4 "    \
+                   "(default: by name, else by order once you confirm it)"),                       \
+        CLI_CHOICE_OPTION(type, live.recorder.stream, "stream", "KIND", mukca_recorder_streams,    \
+                          "raw: readings of the encoders; corrected: the driver has added stored " \
+                          "offsets; recorded in the session (default: raw)"),                      \
+        CLI_OPTION(type, live.recorder.still, "still", CLI_FLAG, NULL,                             \
+                   "record a sample whenever the arm stands still in a socket in a new posture"),  \
+        CLI_OPTION(type, live.recorder.dwell, "dwell", CLI_POSITIVE, "S",                          \
+                   "time of standing still for --still, s (default: 1)"),                          \
+        CLI_OPTION(type, live.recorder.window, "window", CLI_POSITIVE, "S",                        \
+                   "a sample is the mean over this time, s (default: 0.2)"),                       \
+        CLI_OPTION(type, live.recorder.motion, "motion", CLI_POSITIVE, "RAD",                      \
+                   "largest motion of a joint within the window, rad or m (default: 0.001)"),      \
+        CLI_OPTION(                                                                                \
+            type, live.recorder.placements, "placement", CLI_TEXT, "LIST",                         \
             "names of the placements in order, commas between (default: placement_1 and so on)"),  \
-        CLI_LIVE_OPTION(type, "sockets", CLI_TEXT, "LIST", recorder.sockets, NULL,                 \
-                        "labels of the sockets, commas between (default: 0,1)"),                   \
-        CLI_LIVE_OPTION(type, "record", CLI_TEXT, "LOG", recorder.log, NULL,                       \
-                        "also write the raw LCM stream to this log"),                              \
-        CLI_LIVE_OPTION(type, "prefix", CLI_TEXT, "NAME", recorder.prefix, NULL,                   \
-                        "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")
+        CLI_OPTION(type, live.recorder.sockets, "sockets", CLI_TEXT, "LIST",                       \
+                   "labels of the sockets, commas between (default: 0,1)"),                        \
+        CLI_OPTION(type, live.recorder.log, "record", CLI_TEXT, "LOG",                             \
+                   "also write the raw LCM stream to this log"),                                   \
+        CLI_OPTION(type, live.recorder.prefix, "prefix", CLI_TEXT, "NAME",                         \
+                   "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")
 
 /* What the recorder needs from the other options. */
 static inline void cli_live_complete(cli_live *live, const cli_common *common)

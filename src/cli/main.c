@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/suggest.h"
@@ -43,39 +42,16 @@ static mukca_status help(const char *topic)
     return MUKCA_OK;
 }
 
-/* Run with zeroed memory for what is read and for the command's own work. */
-static mukca_status run_with_memory(cli_call *call)
-{
-    const cli_command *command = call->command;
-    mukca_status status = MUKCA_MEMORY;
-    call->session = calloc(1, sizeof *call->session);
-    call->work = calloc(1, command->work_size ? command->work_size : 1);
-    if (call->session && call->work)
-        status = command->run(call);
-    else
-        snprintf(call->error.text, sizeof call->error.text, "out of memory");
-    if (call->work && command->release) command->release(call->work);
-    free(call->work);
-    if (call->session) {
-        mukca_dataset_free(&call->session->data);
-        mukca_dataset_free(&call->session->test);
-    }
-    free(call->session);
-    return status;
-}
-
 static mukca_status run_command(const cli_command *command, int argc, char **argv)
 {
     cli_call call = {.command = command, .argc = argc, .argv = argv};
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    call.started = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    call.started = cli_elapsed(&call); /* since 0: the clock */
     bool wants_help;
     mukca_status status = cli_parse(&call, &wants_help, argc, argv);
     if (status == MUKCA_OK && wants_help)
         cli_print_command_help(stdout, command);
     else if (status == MUKCA_OK)
-        status = run_with_memory(&call);
+        status = cli_run(&call);
     if (call.common && call.common->verbose)
         cli_log(&call, "%s took %.3g s\n", command->name, cli_elapsed(&call));
     if (status != MUKCA_OK && cli_interrupted()) {
@@ -113,8 +89,8 @@ static mukca_status dispatch(int argc, char **argv)
     return command ? run_command(command, argc - 2, argv + 2) : unknown_command(word);
 }
 
-/* A file opened while a standard stream is closed would take its number, and what is said to people
- * would land in that file.  The stand-in cannot be written: a lost result is still told. */
+/* A file opened while a standard stream is closed would take its number and get its text.  The
+ * stand-in cannot be written, so that a lost result is an error. */
 static void occupy_standard_streams(void)
 {
     int file;

@@ -45,13 +45,14 @@ static mukca_status unknown_option(cli_call *call, const char *word)
                       call->command->name);
 }
 
-/* Number at the start of `text` up to `end` exactly. */
-static bool parse_number(double *value, const char *text, char stop, const char **end)
+/* Number at the start of *text up to `stop` exactly; *text moves behind that. */
+static bool parse_number(double *value, const char **text, char stop)
 {
-    char *rest;
-    *value = strtod(text, &rest);
-    *end = rest;
-    return rest != text && *rest == stop && isfinite(*value);
+    char *end;
+    *value = strtod(*text, &end);
+    bool good = end != *text && *end == stop && isfinite(*value);
+    *text = end + 1;
+    return good;
 }
 
 static bool append(cli_list *list, const char *item)
@@ -71,16 +72,6 @@ static mukca_status out_of_memory(cli_call *call)
     return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
 }
 
-static mukca_status wrong_choice(cli_call *call, const cli_option *option, const char *text)
-{
-    char list[160] = "";
-    mukca_text names = MUKCA_TEXT(list);
-    for (int i = 0; option->choices[i]; i++)
-        mukca_text_put(&names, "%s%s", i ? ", " : "", option->choices[i]);
-    return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be one of %s", option->name,
-                      text, list);
-}
-
 /* ", in m", by the argument's name in help; "" where it has no unit. */
 static const char *unit_words(const cli_option *option)
 {
@@ -92,67 +83,71 @@ static const char *unit_words(const cli_option *option)
     return "";
 }
 
-static void set_flag(cli_call *call, const cli_option *option)
+static void *member(cli_call *call, const cli_option *option)
 {
-    *(bool *)((char *)call->options + option->offset) = true;
+    return (char *)call->options + option->offset;
+}
+
+static bool store_integer(int *value, const char *text)
+{
+    char *end;
+    errno = 0;
+    long number = strtol(text, &end, 10);
+    *value = (int)number;
+    return end != text && !*end && !errno && number <= INT_MAX && number >= INT_MIN;
+}
+
+static bool store_choice(int *value, const char *const *choices, const char *text)
+{
+    for (*value = 0; choices[*value]; ++*value)
+        if (strcmp(choices[*value], text) == 0) return true;
+    return false;
+}
+
+/* Store a value of a kind that text can be wrong for; false where it is. */
+static bool store(void *at, const cli_option *option, const char *text)
+{
+    double *v = at;
+    switch (option->kind) {
+        case CLI_NUMBER:
+            return parse_number(v, &text, '\0');
+        case CLI_POSITIVE:
+            return parse_number(v, &text, '\0') && *v > 0;
+        case CLI_VECTOR:
+            return parse_number(&v[0], &text, ',') && parse_number(&v[1], &text, ',') &&
+                   parse_number(&v[2], &text, '\0') && (v[0] != 0 || v[1] != 0 || v[2] != 0);
+        case CLI_INTEGER:
+            return store_integer(at, text);
+        case CLI_CHOICE:
+            return store_choice(at, option->choices, text);
+        default:
+            *(const char **)at = text;
+            return true;
+    }
 }
 
 static mukca_status set_value(cli_call *call, const cli_option *option, const char *text)
 {
-    void *at = (char *)call->options + option->offset;
-    const char *end;
+    static const char *const wanted[] = {
+        [CLI_NUMBER] = "a number",
+        [CLI_POSITIVE] = "a number above 0",
+        [CLI_VECTOR] = "three numbers with commas between, not all 0",
+        [CLI_INTEGER] = "a whole number",
+        [CLI_CHOICE] = "one of",
+    };
+    void *at = member(call, option);
+    char list[160] = "";
+    mukca_text names = MUKCA_TEXT(list);
     if (!*text) /* as of an unset variable in a script */
         return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s, and not an empty text",
                           option->name, option->argument);
-    switch (option->kind) {
-        case CLI_FLAG:
-            break;
-        case CLI_TEXT:
-            *(const char **)at = text;
-            return MUKCA_OK;
-        case CLI_NUMBER:
-            if (!parse_number((double *)at, text, '\0', &end))
-                return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be a number%s",
-                                  option->name, text, unit_words(option));
-            return MUKCA_OK;
-        case CLI_POSITIVE:
-            if (!parse_number((double *)at, text, '\0', &end) || !(*(double *)at > 0))
-                return mukca_fail(&call->error, MUKCA_USAGE,
-                                  "--%s %.40s: must be a number above 0%s", option->name, text,
-                                  unit_words(option));
-            return MUKCA_OK;
-        case CLI_INTEGER: {
-            char *rest;
-            errno = 0;
-            long value = strtol(text, &rest, 10);
-            if (rest == text || *rest || errno || value > INT_MAX || value < INT_MIN)
-                return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be a whole number",
-                                  option->name, text);
-            *(int *)at = (int)value;
-            return MUKCA_OK;
-        }
-        case CLI_CHOICE:
-            for (int i = 0; option->choices[i]; i++)
-                if (strcmp(option->choices[i], text) == 0) {
-                    *(int *)at = i;
-                    return MUKCA_OK;
-                }
-            return wrong_choice(call, option, text);
-        case CLI_VECTOR: {
-            double *v = at;
-            if (!parse_number(&v[0], text, ',', &end) || !parse_number(&v[1], end + 1, ',', &end) ||
-                !parse_number(&v[2], end + 1, '\0', &end) || (v[0] == 0 && v[1] == 0 && v[2] == 0))
-                return mukca_fail(
-                    &call->error, MUKCA_USAGE,
-                    "--%s %.40s: must be three numbers with commas between, not all 0",
-                    option->name, text);
-            return MUKCA_OK;
-        }
-        case CLI_TEXTS:
-        case CLI_REST:
-            return append(at, text) ? MUKCA_OK : out_of_memory(call);
-    }
-    return MUKCA_OK;
+    if (option->kind == CLI_TEXTS || option->kind == CLI_REST)
+        return append(at, text) ? MUKCA_OK : out_of_memory(call);
+    if (store(at, option, text)) return MUKCA_OK;
+    for (int i = 0; option->kind == CLI_CHOICE && option->choices[i]; i++)
+        mukca_text_put(&names, "%s %s", i ? "," : "", option->choices[i]);
+    return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be %s%s%s", option->name, text,
+                      wanted[option->kind], list, unit_words(option));
 }
 
 /* Length of the longest beginning of argv that holds no option. */
@@ -163,34 +158,28 @@ static int count_plain(int argc, char **argv)
     return n;
 }
 
-/* One option at argv[0] with the value in `inlined` or in what follows; returns arguments used. */
+/* One option at argv[0] with the value in `inlined` (or NULL) or in what follows; *used gets the
+ * arguments that it takes. */
 static mukca_status take_option(cli_call *call, int *used, const cli_option *option,
                                 const char *inlined, int argc, char **argv)
 {
-    *used = 1;
+    int n = inlined || option->kind == CLI_FLAG ? 0
+            : option->kind == CLI_REST          ? count_plain(argc - 1, argv + 1)
+                                                : argc > 1;
+    mukca_status status = MUKCA_OK;
+    *used = 1 + n;
     if (option->kind == CLI_FLAG) {
         if (inlined)
             return mukca_fail(&call->error, MUKCA_USAGE, "--%s takes no value", option->name);
-        set_flag(call, option);
+        *(bool *)member(call, option) = true;
         return MUKCA_OK;
     }
-    if (option->kind == CLI_REST) {
-        int n = count_plain(argc - 1, argv + 1);
-        mukca_status status = inlined ? set_value(call, option, inlined) : MUKCA_OK;
-        if (!inlined && n == 0)
-            return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s", option->name,
-                              option->argument);
-        for (int i = 0; i < n && status == MUKCA_OK; i++)
-            status = set_value(call, option, argv[1 + i]);
-        *used = 1 + n;
-        return status;
-    }
     if (inlined) return set_value(call, option, inlined);
-    if (argc < 2)
+    if (n == 0)
         return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s", option->name,
                           option->argument);
-    *used = 2;
-    return set_value(call, option, argv[1]);
+    for (int i = 1; i <= n && status == MUKCA_OK; i++) status = set_value(call, option, argv[i]);
+    return status;
 }
 
 static mukca_status parse_letters(cli_call *call, bool *help, int *used, int argc, char **argv)
@@ -206,7 +195,7 @@ static mukca_status parse_letters(cli_call *call, bool *help, int *used, int arg
         }
         if (!o->name) return unknown_option(call, word);
         if (o->kind != CLI_FLAG) return take_option(call, used, o, c[1] ? c + 1 : NULL, argc, argv);
-        set_flag(call, o);
+        *(bool *)member(call, o) = true;
     }
     return MUKCA_OK;
 }
@@ -264,8 +253,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
 void cli_call_free(cli_call *call)
 {
     for (const cli_option *o = call->command->options; call->options && o->name; o++)
-        if (o->kind == CLI_TEXTS || o->kind == CLI_REST)
-            free(((cli_list *)(void *)((char *)call->options + o->offset))->items);
+        if (o->kind == CLI_TEXTS || o->kind == CLI_REST) free(((cli_list *)member(call, o))->items);
     free(call->arguments.items);
     free(call->options);
     call->options = NULL;

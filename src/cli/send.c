@@ -129,10 +129,9 @@ static mukca_status run(cli_call *call)
 {
     const send_options *o = call->options;
     mukca_error *error = &call->error;
+    client *c = call->work;
     char channel[64];
     struct timespec t;
-    client *c = calloc(1, sizeof *c);
-    if (!c) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     c->call = call;
     clock_gettime(CLOCK_REALTIME, &t);
     c->id = (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
@@ -140,40 +139,39 @@ static mukca_status run(cli_call *call)
     mukca_status status = check_verb(call, call->arguments.items[0]);
     if (status == MUKCA_OK) status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = mukca_lcm_link_open(&c->link, o->lcm_url, on_packet, c, error);
-    if (!status && mukca_lcm_link_replays(c->link))
+    if (status == MUKCA_OK && mukca_lcm_link_replays(c->link))
         status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
     mukca_message_channel(channel, c->wants_status ? MUKCA_MESSAGE_STATUS : MUKCA_MESSAGE_RESULT,
                           o->prefix);
     if (status == MUKCA_OK) status = mukca_lcm_link_listen(c->link, channel, error);
-    if (!status && !c->wants_status) status = send_command(c);
+    if (status == MUKCA_OK && !c->wants_status) status = send_command(c);
     double deadline = cli_elapsed(call) + o->timeout;
-    while (!status && !c->answered) {
+    while (status == MUKCA_OK && !c->answered) {
         status = mukca_lcm_link_wait(c->link, 100, -1, NULL, error);
         if (cli_interrupted())
-            status =
-                mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; serve completes the command");
-        else if (!status && !c->answered && cli_elapsed(call) > deadline)
+            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; serve completes the command");
+        if (status == MUKCA_OK && !c->answered && cli_elapsed(call) > deadline)
             status = mukca_fail(error, MUKCA_TRANSPORT,
                                 "no answer on %s for %g s: is mukca serve running on this network "
                                 "(--lcm-url, --prefix)?",
                                 channel, o->timeout);
     }
-    if (status == MUKCA_OK) status = c->status;
-    mukca_lcm_link_close(c->link);
-    free(c);
-    return status;
+    return status ? status : c->status;
 }
 
-#define AT(kind, name, argument, member, help)                              \
-    {                                                                       \
-        name, 0, kind, argument, help, NULL, offsetof(send_options, member) \
-    }
+static void release(void *work)
+{
+    client *c = work;
+    mukca_lcm_link_close(c->link);
+}
 
 static const cli_option options[] = {
-    AT(CLI_TEXT, "lcm-url", "URL", lcm_url,
-       "LCM network (default: LCM_DEFAULT_URL, else LCM's own)"),
-    AT(CLI_TEXT, "prefix", "NAME", prefix, "prefix of the channels of serve (default: MUKCA)"),
-    AT(CLI_POSITIVE, "timeout", "S", timeout, "longest wait for the answer, s (default: 60)"),
+    CLI_OPTION(send_options, lcm_url, "lcm-url", CLI_TEXT, "URL",
+               "LCM network (default: LCM_DEFAULT_URL, else LCM's own)"),
+    CLI_OPTION(send_options, prefix, "prefix", CLI_TEXT, "NAME",
+               "prefix of the channels of serve (default: MUKCA)"),
+    CLI_OPTION(send_options, timeout, "timeout", CLI_POSITIVE, "S",
+               "longest wait for the answer, s (default: 60)"),
     CLI_JSON_OPTION,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
@@ -192,12 +190,14 @@ const cli_command cli_command_send = {
     .description =
         "COMMAND is one of those that `mukca help serve` lists, or status, which prints the next "
         "status message. The answer goes to standard output; where it is an offsets table "
-        "(calibrate, "
-        "diagnose, result), its summary goes to standard error. The exit code is that of the "
+        "(calibrate, diagnose, result), its summary goes to standard error. The exit code is that "
+        "of the "
         "command; 4: no answer.",
     .example = "mukca send status",
     .options = options,
     .options_size = sizeof(send_options),
     .defaults = &defaults,
     .run = run,
+    .work_size = sizeof(client),
+    .release = release,
 };

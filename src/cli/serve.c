@@ -48,10 +48,12 @@ static void conclude(cli_call *call, const mukca_server *s)
 static mukca_status run(cli_call *call)
 {
     serve_options *o = call->options;
+    mukca_server *s = call->work;
+    cli_model *model = &call->session->model;
     char distance[32], gravity[96];
     mukca_server_options options = {.folder = o->state ? o->state : getenv("STATE_DIRECTORY"),
                                     .publish_pose = o->publish_pose};
-    mukca_recorder_hooks hooks = {
+    const mukca_recorder_hooks hooks = {
         .report = report, .interrupted = cli_interrupted, .context = call};
     if (!options.folder || !*options.folder)
         return mukca_fail(&call->error, MUKCA_USAGE,
@@ -60,39 +62,28 @@ static mukca_status run(cli_call *call)
     cli_live_complete(&o->live, call->common);
     options.recorder = o->live.recorder;
     list_arguments(options.arguments, distance, gravity, call->common);
-    cli_model *model = calloc(1, sizeof *model);
-    mukca_server *s = calloc(1, sizeof *s);
-    mukca_status status = MUKCA_MEMORY;
-    if (!s || !model) {
-        mukca_fail(&call->error, status, "out of memory");
-        goto out;
-    }
-    status = cli_load_model(call, model);
-    if (status != MUKCA_OK) goto out;
-    status =
-        mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks, &call->error);
-    if (status != MUKCA_OK) goto out;
+    mukca_status status = cli_load_model(call, model);
+    if (status == MUKCA_OK)
+        status = mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks,
+                                   &call->error);
+    if (status != MUKCA_OK) return status;
     status = mukca_server_run(s, &call->error);
     conclude(call, s);
-out:
-    if (s) mukca_server_close(s);
-    free(s);
-    free(model);
     return status;
 }
 
-#define AT(kind, name, argument, member, help)                               \
-    {                                                                        \
-        name, 0, kind, argument, help, NULL, offsetof(serve_options, member) \
-    }
+static void release(void *work)
+{
+    mukca_server_close(work);
+}
 
 static const cli_option options[] = {
     CLI_MODEL_OPTIONS,
     CLI_LIVE_OPTIONS(serve_options),
-    AT(CLI_TEXT, "state", "DIR", state,
-       "folder of sessions, results and state (default: systemd's STATE_DIRECTORY)"),
-    AT(CLI_FLAG, "publish-pose", NULL, publish_pose,
-       "send the calibrated pose of the tip for each joint state on MUKCA_POSE"),
+    CLI_OPTION(serve_options, state, "state", CLI_TEXT, "DIR",
+               "folder of sessions, results and state (default: systemd's STATE_DIRECTORY)"),
+    CLI_OPTION(serve_options, publish_pose, "publish-pose", CLI_FLAG, NULL,
+               "send the calibrated pose of the tip for each joint state on MUKCA_POSE"),
     CLI_DISTANCE_OPTIONS,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
@@ -123,4 +114,6 @@ const cli_command cli_command_serve = {
     .options = options,
     .options_size = sizeof(serve_options),
     .run = run,
+    .work_size = sizeof(mukca_server),
+    .release = release,
 };

@@ -9,16 +9,11 @@
 
 #include "cli/cli.h"
 
-static double now(void)
+double cli_elapsed(const cli_call *call)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-double cli_elapsed(const cli_call *call)
-{
-    return now() - call->started;
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec - call->started;
 }
 
 static void clear_progress(cli_call *call)
@@ -78,28 +73,33 @@ void cli_answer(cli_call *call, const char *format, ...)
     va_end(args);
 }
 
-void cli_answer_wrapped(cli_call *call, const char *format, ...)
+/* `key` NULL: whole lines. */
+static void answer_text(cli_call *call, const char *key, const char *format, va_list args)
 {
     char text[1024];
     FILE *stream = cli_answer_stream(call);
     if (!stream) return;
+    vsnprintf(text, sizeof text, format, args);
+    if (key)
+        cli_print_keyed(stream, key, text);
+    else
+        cli_print_wrapped(stream, 0, text);
+}
+
+void cli_answer_wrapped(cli_call *call, const char *format, ...)
+{
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    answer_text(call, NULL, format, args);
     va_end(args);
-    cli_print_wrapped(stream, 0, text);
 }
 
 void cli_answer_keyed(cli_call *call, const char *key, const char *format, ...)
 {
-    char text[1024];
-    FILE *stream = cli_answer_stream(call);
-    if (!stream) return;
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    answer_text(call, key, format, args);
     va_end(args);
-    cli_print_keyed(stream, key, text);
 }
 
 /* The one mutable global: a signal handler can reach nothing else. */

@@ -103,7 +103,7 @@ static int serve(long *used)
     bool help;
     assert_int_equal(cli_parse(&call, &help, argc, argv), MUKCA_OK);
     long before = calls;
-    if (call.command->run(&call)) fail_msg("%s", call.error.text);
+    if (cli_run(&call)) fail_msg("%s", call.error.text);
     *used = calls - before;
     cli_call_free(&call);
     mukca_lcm_log log;
