@@ -50,12 +50,6 @@ static int socket_mean(double mean[3], const mukca_capture *capture, int socket,
     return n;
 }
 
-static double distance3(const double a[3], const double b[3])
-{
-    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(mukca_dot3(d, d));
-}
-
 /* Socket of the current placement whose rows are nearest to x, and how far; -1: none has rows. */
 static int nearest_socket(double *how_far, const mukca_capture *capture, const double x[3],
                           int without)
@@ -68,7 +62,7 @@ static int nearest_socket(double *how_far, const mukca_capture *capture, const d
         if (rows->sockets[s].placement != rows->sockets[capture->socket].placement ||
             !socket_mean(mean, capture, s, without))
             continue;
-        double d = distance3(x, mean);
+        double d = mukca_distance3(x, mean);
         if (d < *how_far) {
             *how_far = d;
             nearest = s;
@@ -190,7 +184,7 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket) continue;
         mukca_fk_position(x, &capture->model.geometry, rows->q + i * rows->n_joints, NULL);
-        squares += distance3(x, mean) * distance3(x, mean);
+        squares += mukca_distance3(x, mean) * mukca_distance3(x, mean);
         latest = i;
     }
     if (rms) *rms = n < 3 ? (double)NAN : sqrt(squares / n);
@@ -199,7 +193,7 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
     if (n < 2) return;
     socket_mean(others, capture, socket, latest);
     mukca_fk_position(x, &capture->model.geometry, rows->q + latest * rows->n_joints, NULL);
-    *last = distance3(x, others);
+    *last = mukca_distance3(x, others);
 }
 
 /* What is remarkable about the last row. */
@@ -213,7 +207,7 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], const mukca_capture *capture, 
     mukca_fk_position(x, &capture->model.geometry, q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, latest);
     int n = socket_mean(own, capture, capture->socket, latest);
-    double off = n ? distance3(x, own) : 0;
+    double off = n ? mukca_distance3(x, own) : 0;
     double usual = n ? mukca_capture_expected_offset(capture, capture->socket, q, latest) : 0;
     const mukca_socket *sockets = rows->sockets;
     if (n && off > 0.4 * capture->settings.distance && nearest != capture->socket &&

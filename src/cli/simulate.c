@@ -156,9 +156,13 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const cli_simula
     *arm = s->arm;
     for (int e = 0; e < arm->n_effects && held_out; e++)
         arm->effects[e].placement = -1; /* none of these is here */
-    mukca_status status = mukca_simulate_sockets(
-        data, arm, s->places + (held_out ? s->n_places : 0), held_out ? o->held_out : s->n_places,
-        s->hidden.faults, held_out ? 0 : s->hidden.n_faults, &how, &call->error);
+    const mukca_simulated_session session = {.arm = arm,
+                                             .places = s->places + (held_out ? s->n_places : 0),
+                                             .n_places = held_out ? o->held_out : s->n_places,
+                                             .faults = s->hidden.faults,
+                                             .n_faults = held_out ? 0 : s->hidden.n_faults,
+                                             .options = &how};
+    const mukca_status status = mukca_simulate_sockets(data, &session, &call->error);
     free(arm);
     return status;
 }

@@ -36,12 +36,8 @@ static double reachable(const mukca_place *place, const mukca_chain *chain,
 static double nearest(const mukca_place *places, int n_places, const double p[3])
 {
     double best = 10;
-    for (int i = 0; i < n_places; i++) {
-        double d[3];
-        if (!places[i].placed) continue;
-        for (int a = 0; a < 3; a++) d[a] = places[i].pose.p[a] - p[a];
-        best = fmin(best, sqrt(mukca_dot3(d, d)));
-    }
+    for (int i = 0; i < n_places; i++)
+        if (places[i].placed) best = fmin(best, mukca_distance3(places[i].pose.p, p));
     return best;
 }
 

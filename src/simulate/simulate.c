@@ -145,23 +145,14 @@ static bool interrupted(const recorder *r)
     return r->options.interrupted && r->options.interrupted();
 }
 
-/* Give up: nothing of the recording is left. */
-static mukca_status stop(mukca_dataset *data)
-{
-    mukca_dataset_free(data);
-    return MUKCA_INTERRUPTED;
-}
-
-static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int sockets, int placements,
-                          const mukca_true_arm *arm, const mukca_simulate_options *options,
+/* Begin a recording of `rows` rows; without placements it has no sockets. */
+static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placements,
                           mukca_error *error)
 {
+    const mukca_true_arm *arm = r->arm;
     const size_t n = (size_t)arm->chain.n_joints, count = (size_t)rows;
-    memset(r, 0, sizeof *r);
-    r->arm = arm;
     r->data = data;
     mukca_row_state_start(&r->states, arm->chain.n_joints);
-    r->options = settle(options);
     const uint64_t seed = r->options.seed;
     mukca_simulate_seed(&r->postures, seed, MUKCA_DRAW_POSTURES);
     mukca_simulate_seed(&r->noise, seed, MUKCA_DRAW_NOISE);
@@ -180,34 +171,34 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int socket
         if (!effect->variant.to_command) r->stale += effect->coefficient[0];
     }
     if (compared && r->stale == 0) r->stale = 1e-3;
-    mukca_status status = mukca_dataset_create(data, rows, (int)n, sockets, placements, error);
-    if (status) return status;
+    mukca_status status =
+        mukca_dataset_create(data, rows, (int)n, 2 * placements, placements, error);
+    if (status != MUKCA_OK) return status;
     data->time = calloc(count, sizeof *data->time);
     if (r->options.effort) data->effort = calloc(count * n, sizeof *data->effort);
     if (r->options.command) data->command = calloc(count * n, sizeof *data->command);
     if (!data->time || (r->options.effort && !data->effort) ||
-        (r->options.command && !data->command)) {
-        mukca_dataset_free(data);
+        (r->options.command && !data->command))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
-    }
     return MUKCA_OK;
 }
 
 /* ---- sockets ---- */
 
-void mukca_simulate_seat(double position[3], const mukca_true_arm *arm, const mukca_place *place,
-                         int placement, int socket, int row, const mukca_simulated_fault *faults,
-                         int n_faults, const mukca_simulate_options *options)
+void mukca_simulate_seat(double position[3], const mukca_simulated_session *session, int place,
+                         int socket, int row)
 {
-    const mukca_simulate_options o = settle(options);
+    const mukca_simulate_options o = settle(session->options);
+    const mukca_true_arm *arm = session->arm;
+    const mukca_frame *pose = &session->places[place].pose;
     double distance = o.distance, shift[3] = {0, 0, 0};
     for (int e = 0; e < arm->n_effects; e++)
         if (mukca_effect_table[arm->effects[e].kind]->site == MUKCA_SITE_DISTANCE)
             distance += arm->effects[e].coefficient[0];
     int seat = socket;
-    for (int f = 0; f < n_faults; f++) {
-        const mukca_simulated_fault *fault = &faults[f];
-        if (fault->placement != placement || fault->socket != socket) continue;
+    for (int f = 0; f < session->n_faults; f++) {
+        const mukca_simulated_fault *fault = &session->faults[f];
+        if (fault->placement != place || fault->socket != socket) continue;
         double share = 0;
         if (fault->kind == MUKCA_SIMULATED_WRONG_SOCKET && fault->row == row) seat = 1 - socket;
         if (fault->kind == MUKCA_SIMULATED_OUTLIER) share = fault->row == row;
@@ -217,7 +208,7 @@ void mukca_simulate_seat(double position[3], const mukca_true_arm *arm, const mu
         for (int a = 0; a < 3; a++) shift[a] += share * fault->shift[a];
     }
     for (int a = 0; a < 3; a++)
-        position[a] = place->pose.p[a] + (seat - 0.5) * distance * place->pose.R[3 * a] + shift[a];
+        position[a] = pose->p[a] + (seat - 0.5) * distance * pose->R[3 * a] + shift[a];
 }
 
 /* Angles that bring the true ball to `target`; false where no posture was found. */
@@ -225,7 +216,7 @@ static bool seat_ball(recorder *r, const mukca_frame *target)
 {
     const size_t n = (size_t)r->data->n_joints;
     double *q = r->data->q + (size_t)r->row * n, posture[MUKCA_MAX_JOINTS];
-    mukca_inverse_options how = {.tolerance = seated, .displace = displace, .context = r};
+    mukca_inverse_options options = {.tolerance = seated, .displace = displace, .context = r};
     for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
         const bool follow = r->options.sweep && attempt < 2;
         if (follow && attempt == 0 && r->row > 0)
@@ -233,70 +224,74 @@ static bool seat_ball(recorder *r, const mukca_frame *target)
         else
             mukca_simulate_posture(q, &r->arm->chain, &r->postures);
         if (follow) sweep(posture, r);
-        how.posture = follow ? posture : NULL;
+        options.posture = follow ? posture : NULL;
         const mukca_inverse_result found =
-            mukca_inverse_solve(q, &r->arm->chain, &r->arm->geometry, target, false, &how);
+            mukca_inverse_solve(q, &r->arm->chain, &r->arm->geometry, target, false, &options);
         /* Nobody records an arm at its stops, if he can help it. */
         if (found.reached && (!found.limited || attempt > ATTEMPTS / 2)) return true;
     }
     return false;
 }
 
-static bool is_duplicate(const mukca_simulated_fault *faults, int n_faults, int placement,
-                         int socket, int row)
+static bool is_duplicate(const mukca_simulated_session *session, int place, int socket, int row)
 {
-    for (int f = 0; f < n_faults; f++)
-        if (faults[f].kind == MUKCA_SIMULATED_DUPLICATE && faults[f].placement == placement &&
-            faults[f].socket == socket && faults[f].row == row)
+    for (int f = 0; f < session->n_faults; f++) {
+        const mukca_simulated_fault *fault = &session->faults[f];
+        if (fault->kind == MUKCA_SIMULATED_DUPLICATE && fault->placement == place &&
+            fault->socket == socket && fault->row == row)
             return row > 0;
+    }
     return false;
 }
 
-mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_true_arm *arm,
-                                    const mukca_place *places, int n_places,
-                                    const mukca_simulated_fault *faults, int n_faults,
-                                    const mukca_simulate_options *options, mukca_error *error)
+/* Record one row of a socket. */
+static mukca_status record_socket(recorder *r, const mukca_simulated_session *session, int place,
+                                  int socket, int row, mukca_error *error)
 {
-    recorder r;
-    const size_t n = (size_t)arm->chain.n_joints;
-    const mukca_simulate_options o = settle(options);
-    mukca_status status =
-        begin(&r, data, 2 * o.rows * n_places, 2 * n_places, n_places, arm, &o, error);
-    if (status) return status;
-    data->distances = calloc((size_t)n_places, sizeof *data->distances);
-    if (!data->distances) {
-        mukca_dataset_free(data);
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const double interval = r->options.interval;
+    const size_t n = (size_t)r->data->n_joints;
+    mukca_frame target = {{0}, {0}};
+    r->data->socket[r->row] = 2 * place + socket;
+    tick(r, row > 0 ? interval : socket ? 2 * interval : 10 * interval);
+    next_noise(r, row == 0);
+    mukca_simulate_seat(target.p, session, place, socket, row);
+    for (int a = 0; a < 3; a++) target.p[a] += r->wander[a];
+    if (is_duplicate(session, place, socket, row)) {
+        double *q = r->data->q + (size_t)r->row * n;
+        memcpy(q, q - n, n * sizeof *q);
+    } else if (!seat_ball(r, &target)) {
+        return mukca_fail(error, MUKCA_INPUT,
+                          "placement %s: the arm does not reach socket %d at "
+                          "(%.3g, %.3g, %.3g) m; move the placement",
+                          session->places[place].name, socket, target.p[0], target.p[1],
+                          target.p[2]);
     }
-    data->n_distances = n_places;
-    for (int s = 0; s < 2 * n_places; s++) {
-        const int p = s / 2, socket = s % 2;
-        memcpy(data->placements[p].name, places[p].name, MUKCA_NAME_SIZE);
-        data->sockets[s] = (mukca_socket){.placement = p, .label = {(char)('0' + socket)}};
-        data->distances[p] = (mukca_distance){2 * p, 2 * p + 1, o.distance};
-        for (int row = 0; row < o.rows; row++) {
-            mukca_frame target = {{0}, {0}};
-            if (interrupted(&r)) return stop(data);
-            data->socket[r.row] = s;
-            tick(&r, row > 0 ? o.interval : socket ? 2 * o.interval : 10 * o.interval);
-            next_noise(&r, row == 0);
-            mukca_simulate_seat(target.p, arm, &places[p], p, socket, row, faults, n_faults, &o);
-            for (int a = 0; a < 3; a++) target.p[a] += r.wander[a];
-            if (is_duplicate(faults, n_faults, p, socket, row)) {
-                double *q = data->q + (size_t)r.row * n;
-                memcpy(q, q - n, n * sizeof *q);
-            } else if (!seat_ball(&r, &target)) {
-                status = mukca_fail(error, MUKCA_INPUT,
-                                    "placement %s: the arm does not reach socket %d at "
-                                    "(%.3g, %.3g, %.3g) m; move the placement",
-                                    places[p].name, socket, target.p[0], target.p[1], target.p[2]);
-                mukca_dataset_free(data);
-                return status;
-            }
-            finish_row(&r);
-        }
-    }
+    finish_row(r);
     return MUKCA_OK;
+}
+
+mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_session *session,
+                                    mukca_error *error)
+{
+    recorder r = {.arm = session->arm, .options = settle(session->options)};
+    const int rows = r.options.rows, n_places = session->n_places;
+    mukca_status status = begin(&r, data, 2 * rows * n_places, n_places, error);
+    if (status == MUKCA_OK) {
+        data->distances = calloc((size_t)n_places, sizeof *data->distances);
+        data->n_distances = n_places;
+        if (!data->distances) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    }
+    for (int s = 0; s < 2 * n_places && status == MUKCA_OK; s++) {
+        const int p = s / 2;
+        memcpy(data->placements[p].name, session->places[p].name, MUKCA_NAME_SIZE);
+        data->sockets[s] = (mukca_socket){.placement = p, .label = {(char)('0' + s % 2)}};
+        data->distances[p] = (mukca_distance){2 * p, 2 * p + 1, r.options.distance};
+        for (int row = 0; row < rows && status == MUKCA_OK; row++)
+            status = interrupted(&r) ? MUKCA_INTERRUPTED
+                                     : record_socket(&r, session, p, s % 2, row, error);
+    }
+    if (status != MUKCA_OK) mukca_dataset_free(data);
+    return status;
 }
 
 /* ---- pose logs ---- */
@@ -305,20 +300,21 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
                                   int n_rows, const mukca_simulate_options *options,
                                   mukca_error *error)
 {
-    recorder r;
+    recorder r = {.arm = arm, .options = settle(options)};
     const size_t n = (size_t)arm->chain.n_joints, count = (size_t)n_rows;
-    mukca_status status = begin(&r, data, n_rows, 0, 0, arm, options, error);
-    if (status) return status;
+    mukca_status status = begin(&r, data, n_rows, 0, error);
+    if (status != MUKCA_OK) goto out;
     data->position = calloc(3 * count, sizeof *data->position);
     if (!r.options.position_only) data->quaternion = calloc(4 * count, sizeof *data->quaternion);
-    if (!data->position || (!r.options.position_only && !data->quaternion)) {
-        mukca_dataset_free(data);
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
-    }
-    for (size_t i = 0; i < count; i++) {
+    if (!data->position || (!r.options.position_only && !data->quaternion))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
+    for (size_t i = 0; i < count && status == MUKCA_OK; i++) {
         mukca_displacement displacement;
         mukca_frame pose;
-        if (interrupted(&r)) return stop(data);
+        if (interrupted(&r)) {
+            status = MUKCA_INTERRUPTED;
+            break;
+        }
         tick(&r, r.options.interval);
         if (q)
             memcpy(data->q + i * n, q + i * n, n * sizeof *q);
@@ -340,5 +336,7 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
         }
         finish_row(&r);
     }
-    return MUKCA_OK;
+out:
+    if (status != MUKCA_OK) mukca_dataset_free(data);
+    return status;
 }

@@ -92,13 +92,21 @@ void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const dou
 mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukca_chain *chain,
                                    double distance, uint64_t seed, mukca_error *error);
 
+/* What is recorded with sockets; `faults` may be NULL. */
+typedef struct {
+    const mukca_true_arm *arm;
+    const mukca_place *places;
+    int n_places;
+    const mukca_simulated_fault *faults;
+    int n_faults;
+    const mukca_simulate_options *options;
+} mukca_simulated_session;
+
 /* Record the arm with its ball in the sockets of all places in order.  Free with
- * mukca_dataset_free.  `faults` may be NULL.
- * Errors: MUKCA_INPUT (a place out of reach), MUKCA_MEMORY, MUKCA_INTERRUPTED. */
-mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_true_arm *arm,
-                                    const mukca_place *places, int n_places,
-                                    const mukca_simulated_fault *faults, int n_faults,
-                                    const mukca_simulate_options *options, mukca_error *error);
+ * mukca_dataset_free.  Errors: MUKCA_INPUT (a place out of reach), MUKCA_MEMORY,
+ * MUKCA_INTERRUPTED. */
+mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_session *session,
+                                    mukca_error *error);
 
 /* Record a pose log of n_rows rows: at the angles q[n_rows][n_joints], or (NULL) at postures of its
  * own.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
@@ -106,10 +114,9 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
                                   int n_rows, const mukca_simulate_options *options,
                                   mukca_error *error);
 
-/* Where a socket of a place is in row `row` (0-based) of `rows`, faults included; m, base frame. */
-void mukca_simulate_seat(double position[3], const mukca_true_arm *arm, const mukca_place *place,
-                         int placement, int socket, int row, const mukca_simulated_fault *faults,
-                         int n_faults, const mukca_simulate_options *options);
+/* Where a socket of a place is in row `row` (0-based) of it, faults included; m, base frame. */
+void mukca_simulate_seat(double position[3], const mukca_simulated_session *session, int place,
+                         int socket, int row);
 
 /* A random posture within the limits (without limits: +- pi, +- 0.5 m), q[n_joints]. */
 void mukca_simulate_posture(double *q, const mukca_chain *chain, mukca_random *random);

@@ -46,9 +46,13 @@ static inline void set_scene(scene *s, const char *text, uint64_t seed)
 static inline void record(mukca_dataset *data, const scene *s)
 {
     mukca_error error = {0};
-    if (mukca_simulate_sockets(data, &s->arm, s->places, PLACES, s->hidden.faults,
-                               s->hidden.n_faults, &s->how, &error))
-        fail_msg("%s", error.text);
+    const mukca_simulated_session session = {.arm = &s->arm,
+                                             .places = s->places,
+                                             .n_places = PLACES,
+                                             .faults = s->hidden.faults,
+                                             .n_faults = s->hidden.n_faults,
+                                             .options = &s->how};
+    if (mukca_simulate_sockets(data, &session, &error)) fail_msg("%s", error.text);
 }
 
 #endif

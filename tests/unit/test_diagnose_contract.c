@@ -147,7 +147,11 @@ static void everything_is_handed_over(void **state)
     record(&data, &s);
     s.how.seed = 12;
     mukca_error error = {0};
-    assert_int_equal(mukca_simulate_sockets(&test, &s.arm, s.places, 2, NULL, 0, &s.how, &error),
+    assert_int_equal(mukca_simulate_sockets(
+                         &test,
+                         &(mukca_simulated_session){
+                             .arm = &s.arm, .places = s.places, .n_places = 2, .options = &s.how},
+                         &error),
                      MUKCA_OK);
     diagnose(&s, &data, &test);
     const mukca_diagnosed result = {

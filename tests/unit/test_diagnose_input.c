@@ -152,7 +152,11 @@ static void one_placement(void **state)
     /* a file that has but one */
     set_scene(&s, NULL, 4);
     s.how.noise = 1e-4;
-    assert_int_equal(mukca_simulate_sockets(&data, &s.arm, s.places, 1, NULL, 0, &s.how, &error),
+    assert_int_equal(mukca_simulate_sockets(
+                         &data,
+                         &(mukca_simulated_session){
+                             .arm = &s.arm, .places = s.places, .n_places = 1, .options = &s.how},
+                         &error),
                      MUKCA_OK);
     d = diagnose(&s, &data);
     assert_int_equal(d->verdict, MUKCA_VERDICT_NONE);

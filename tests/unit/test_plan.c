@@ -91,8 +91,12 @@ static void record(mukca_dataset *data, int rows, uint64_t seed)
     const mukca_simulate_options how = {.rows = rows, .noise = 1e-4, .seed = seed};
     mukca_chain_theta(theta, &chain);
     mukca_simulate_arm(&arm, &chain, theta, 0, seed);
-    assert_int_equal(mukca_simulate_sockets(data, &arm, &place, 1, NULL, 0, &how, &error),
-                     MUKCA_OK);
+    assert_int_equal(
+        mukca_simulate_sockets(data,
+                               &(mukca_simulated_session){
+                                   .arm = &arm, .places = &place, .n_places = 1, .options = &how},
+                               &error),
+        MUKCA_OK);
 }
 
 static void test_better_than_random(void **state)

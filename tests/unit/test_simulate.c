@@ -178,8 +178,10 @@ static void test_sizes(void **state)
             mukca_fk_position(without, &s.arm.geometry, q, NULL);
             cases[c].turn(q, &data, i, &s);
             mukca_fk_position(ball, &s.arm.geometry, q, NULL);
-            mukca_simulate_seat(seat, &s.arm, &s.places[socket / 2], socket / 2, socket % 2, 0,
-                                NULL, 0, &s.how);
+            mukca_simulate_seat(
+                seat,
+                &(mukca_simulated_session){.arm = &s.arm, .places = s.places, .options = &s.how},
+                socket / 2, socket % 2, 0);
             for (int a = 0; a < 3; a++) {
                 assert_close(ball[a], seat[a], 1e-9);
                 unmoved = fmax(unmoved, fabs(without[a] - seat[a]));
@@ -209,8 +211,9 @@ static void test_noise(void **state)
         static double before[3];
         const int socket = data.socket[i];
         true_ball(ball, &states, &data, i, &s.arm);
-        mukca_simulate_seat(seat, &s.arm, &s.places[socket / 2], socket / 2, socket % 2, i % 200,
-                            NULL, 0, &s.how);
+        mukca_simulate_seat(
+            seat, &(mukca_simulated_session){.arm = &s.arm, .places = s.places, .options = &s.how},
+            socket / 2, socket % 2, i % 200);
         for (int a = 0; a < 3; a++) {
             const double e = ball[a] - seat[a];
             square += e * e;
@@ -248,8 +251,9 @@ static void test_faults(void **state)
         double ball[3], seat[3], d[3];
         const int socket = data.socket[i], row = i % 30;
         true_ball(ball, &states, &data, i, &s.arm);
-        mukca_simulate_seat(seat, &s.arm, &s.places[socket / 2], socket / 2, socket % 2, row, NULL,
-                            0, &s.how);
+        mukca_simulate_seat(
+            seat, &(mukca_simulated_session){.arm = &s.arm, .places = s.places, .options = &s.how},
+            socket / 2, socket % 2, row);
         for (int a = 0; a < 3; a++) d[a] = ball[a] - seat[a];
         double off = 0;
         if (socket == 0 && row >= 11) off = 1e-3;

@@ -183,14 +183,26 @@ static void accuracy(int arms)
         for (int p = 0; p < PLACES; p++) snprintf(places[p].name, sizeof places[p].name, "p%d", p);
         mukca_simulate_options how = {.rows = RANDOM_ROWS, .noise = noise, .seed = seed};
         if (mukca_simulate_places(places, PLACES, &chain, apart, seed, &error) ||
-            mukca_simulate_sockets(&sets[RANDOM], &arm, places, 1, NULL, 0, &how, &error))
+            mukca_simulate_sockets(
+                &sets[RANDOM],
+                &(mukca_simulated_session){
+                    .arm = &arm, .places = places, .n_places = 1, .options = &how},
+                &error))
             fail(error.text);
         how.sweep = true;
-        if (mukca_simulate_sockets(&sets[SWEEP], &arm, places, 1, NULL, 0, &how, &error))
+        if (mukca_simulate_sockets(
+                &sets[SWEEP],
+                &(mukca_simulated_session){
+                    .arm = &arm, .places = places, .n_places = 1, .options = &how},
+                &error))
             fail(error.text);
         how.sweep = false;
         how.seed += 500;
-        if (mukca_simulate_sockets(&test, &arm, places + 1, PLACES - 1, NULL, 0, &how, &error))
+        if (mukca_simulate_sockets(
+                &test,
+                &(mukca_simulated_session){
+                    .arm = &arm, .places = places + 1, .n_places = PLACES - 1, .options = &how},
+                &error))
             fail(error.text);
         follow(&sets[SAME_PLACE], &arm, &places[0], 2 * PLANNED_ROWS, &sets[RANDOM], &random);
         const mukca_plan_options anywhere = {.rows = 2 * PLANNED_ROWS, .noise = noise};
@@ -297,7 +309,11 @@ static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
     mukca_random random;
     const mukca_simulate_options how = {.rows = plan->n_rows, .seed = seed + 77};
     mukca_random_seed(&random, seed);
-    if (mukca_simulate_sockets(&any, arm, places, n_places, NULL, 0, &how, &error))
+    if (mukca_simulate_sockets(
+            &any,
+            &(mukca_simulated_session){
+                .arm = arm, .places = places, .n_places = n_places, .options = &how},
+            &error))
         fail(error.text);
     for (int i = 0; i < plan->n_rows; i++) {
         const int k = mukca_random_below(&random, any.n_sockets);
@@ -403,7 +419,11 @@ static void ties(int wanted, bool sweep)
                                             .sweep = sweep,
                                             .seed = seed};
         if (mukca_simulate_places(places, n_places, &chain, apart, seed, &error) ||
-            mukca_simulate_sockets(&data, &arm, places, n_places, NULL, 0, &how, &error))
+            mukca_simulate_sockets(
+                &data,
+                &(mukca_simulated_session){
+                    .arm = &arm, .places = places, .n_places = n_places, .options = &how},
+                &error))
             continue;
         const mukca_diagnose_options quick = {.no_folds = true};
         if (mukca_diagnose(&before, &chain, &data, &quick, &error)) fail(error.text);
