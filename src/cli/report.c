@@ -71,10 +71,8 @@ static void watch(void *work, const double *theta, const mukca_cost_value *value
     if (w->page.n_steps == MAX_STEPS) return;
     mukca_evaluate(w->scores, &train, &model, w->page.train);
     if (w->page.test->n_rows > 0) mukca_evaluate(w->scores, &test, &model, w->page.test);
-    w->steps[w->page.n_steps++] = (mukca_report_step){.train_consistency = train.std,
-                                                      .train_distortion = train.distance_error,
-                                                      .test_consistency = test.std,
-                                                      .test_distortion = test.distance_error};
+    w->steps[w->page.n_steps++] =
+        (mukca_report_step){{train.std, train.distance_error, test.std, test.distance_error}};
 }
 
 /* Fit, or take the table of --offsets. */

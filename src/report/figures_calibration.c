@@ -13,11 +13,6 @@ static double positive(double metres)
 
 /* ---- errors by placement ---- */
 
-static double error_of(const mukca_score *score, int kind)
-{
-    return kind == 0 ? score->mae : score->distance_error;
-}
-
 bool mukca_report_placements(mukca_plot *plot, const mukca_report *r, int index)
 {
     static const struct {
@@ -33,8 +28,9 @@ bool mukca_report_placements(mukca_plot *plot, const mukca_report *r, int index)
     FILE *s = plot->script;
     fputs("$d << EOD\n", s);
     for (int i = 0; i < n && index < 2; i++) {
-        const double nominal = error_of(&r->scores[i].nominal, index);
-        const double calibrated = error_of(&r->scores[i].calibrated, index);
+        const mukca_score *a = &r->scores[i].nominal, *b = &r->scores[i].calibrated;
+        const double nominal = index == 0 ? a->mae : a->distance_error;
+        const double calibrated = index == 0 ? b->mae : b->distance_error;
         if (!isfinite(nominal) || !isfinite(calibrated)) continue;
         fprintf(s, "%d %.6g %.6g\n", n - i, positive(nominal), positive(calibrated));
         before += nominal, after += calibrated, shown++;
@@ -48,7 +44,7 @@ bool mukca_report_placements(mukca_plot *plot, const mukca_report *r, int index)
         snprintf(name, sizeof name, "%s%s", r->scores[i].placement,
                  r->scores[i].test ? " (test)" : "");
         fputs(i ? ", " : "", s);
-        mukca_plot_quote(plot, name);
+        mukca_plot_quote(s, name);
         fprintf(s, " %d", n - i);
     }
     fprintf(s,
@@ -71,24 +67,18 @@ bool mukca_report_convergence(mukca_plot *plot, const mukca_report *r, int index
     mukca_plot_begin(plot, "training", "Consistency error and distortion during the fit",
                      MUKCA_PLOT_HALF, 360);
     FILE *s = plot->script;
-    const mukca_report_step *first = r->steps, *last = &r->steps[r->n_steps - 1];
-    const struct {
+    static const struct {
         const char *title, *style;
-        double from, to;
-    } curves[4] = {
-        {"consistency, train", PLOT_AFTER " pt 7", first->train_consistency,
-         last->train_consistency},
-        {"distortion, train", PLOT_BEFORE " pt 5", first->train_distortion, last->train_distortion},
-        {"consistency, test", PLOT_AFTER " dt 2 pt 6", first->test_consistency,
-         last->test_consistency},
-        {"distortion, test", PLOT_BEFORE " dt 2 pt 4", first->test_distortion,
-         last->test_distortion}};
+    } curves[4] = {{"consistency, train", PLOT_AFTER " pt 7"},
+                   {"distortion, train", PLOT_BEFORE " pt 5"},
+                   {"consistency, test", PLOT_AFTER " dt 2 pt 6"},
+                   {"distortion, test", PLOT_BEFORE " dt 2 pt 4"}};
+    const double *first = r->steps[0].error, *last = r->steps[r->n_steps - 1].error;
     fputs("$d << EOD\n", s);
     for (int i = 0; i < r->n_steps; i++) {
-        const mukca_report_step *p = &r->steps[i];
-        fprintf(s, "%d %g %g %g %g\n", i, positive(p->train_consistency),
-                positive(p->train_distortion), positive(p->test_consistency),
-                positive(p->test_distortion));
+        fprintf(s, "%d", i);
+        for (int k = 0; k < 4; k++) fprintf(s, " %g", positive(r->steps[i].error[k]));
+        fputc('\n', s);
     }
     fprintf(s,
             "EOD\nset logscale y\nset format y '%%g'\nset xlabel 'iteration'\nset ylabel 'mm'\n"
@@ -103,11 +93,11 @@ bool mukca_report_convergence(mukca_plot *plot, const mukca_report *r, int index
                 r->repeatability * mm);
     fprintf(plot->description, "Over %d iterations", r->n_steps - 1);
     for (int k = 0, shown = 0; k < 4; k++) {
-        if (!isfinite(curves[k].to)) continue;
+        if (!isfinite(last[k])) continue;
         fprintf(s, "%s $d using 1:%d with linespoints lc rgb %s ps 0.6 title '%s'",
                 shown ? "," : "plot", k + 2, curves[k].style, curves[k].title);
         fprintf(plot->description, "%s %s goes from %.3g to %.3g mm", shown ? ";" : "",
-                curves[k].title, curves[k].from * mm, curves[k].to * mm);
+                curves[k].title, first[k] * mm, last[k] * mm);
         shown++;
     }
     fputc('\n', s);
@@ -181,7 +171,7 @@ bool mukca_report_offsets(mukca_plot *plot, const mukca_report *r, int index)
     for (int k = 0; k < r->fitted->n_elements; k++) {
         if (first[k] == 0) continue;
         fputs("set xtics add (", s);
-        mukca_plot_quote(plot, r->fitted->element[k].name);
+        mukca_plot_quote(s, r->fitted->element[k].name);
         fprintf(s, " %d)\n", first[k]);
     }
     fprintf(s,

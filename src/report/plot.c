@@ -48,7 +48,7 @@ void mukca_plot_begin(mukca_plot *plot, const char *id, const char *title, int w
         plot->script);
 }
 
-static void quote(FILE *script, const char *text)
+void mukca_plot_quote(FILE *script, const char *text)
 {
     /* Nothing is special within single quotes but the quote. */
     fputc('\'', script);
@@ -59,16 +59,11 @@ static void quote(FILE *script, const char *text)
     fputc('\'', script);
 }
 
-void mukca_plot_quote(mukca_plot *plot, const char *text)
-{
-    quote(plot->script, text);
-}
-
 void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ...)
 {
     va_list values;
     fputs("set label ", plot->script);
-    quote(plot->script, text);
+    mukca_plot_quote(plot->script, text);
     fputc(' ', plot->script);
     va_start(values, format);
     vfprintf(plot->script, format, values);
@@ -78,18 +73,14 @@ void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ..
 
 /* ---- gnuplot ---- */
 
-/* All of a stream as text that ends in 0; NULL out of memory. */
+/* All of a stream as text that ends in 0; NULL where it cannot be had. */
 static char *slurp(FILE *in)
 {
-    char *text = NULL, block[4096];
-    size_t size = 0, n;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return NULL;
+    const long size = fseek(in, 0, SEEK_END) == 0 ? ftell(in) : 0;
+    char *text = calloc((size_t)size + 1, 1);
     rewind(in);
-    while ((n = fread(block, 1, sizeof block, in)) > 0) fwrite(block, 1, n, out);
-    if (fclose(out) == 0) return text;
-    free(text);
-    return NULL;
+    if (text) text[fread(text, 1, (size_t)size, in)] = '\0';
+    return text;
 }
 
 /* Wait for gnuplot; MUKCA_NEGATIVE where it complained. */
@@ -156,10 +147,10 @@ static mukca_status render(char **text, const char *terminal, const char *path, 
             mukca_fail(error, MUKCA_INPUT, "cannot make a temporary file: %s", strerror(errno));
         goto out;
     }
-    fprintf(streams[0], "set encoding utf8\nset terminal %s\n", terminal);
+    fprintf(streams[0], "set encoding utf8\nset terminal %s noenhanced\n", terminal);
     if (path) {
         fputs("set output ", streams[0]);
-        quote(streams[0], path);
+        mukca_plot_quote(streams[0], path);
     }
     fprintf(streams[0], "\n%s\n", plot->text);
     status = run(streams, error);
@@ -176,19 +167,16 @@ mukca_status mukca_plot_file(const char *path, const char *format, mukca_plot *p
 {
     const int width = plot->width, height = plot->height;
     char terminal[160];
-    if (strcmp(format, "pdf") == 0)
-        snprintf(terminal, sizeof terminal,
-                 "pdfcairo size %g,%g noenhanced linewidth 1.2 font 'sans,10'", width / 96.0,
-                 height / 96.0); /* 96 px per inch */
+    if (strcmp(format, "pdf") == 0) /* inches of 96 px */
+        snprintf(terminal, sizeof terminal, "pdfcairo size %g,%g linewidth 1.2 font 'sans,10'",
+                 width / 96.0, height / 96.0);
     else if (strcmp(format, "png") == 0)
-        snprintf(terminal, sizeof terminal,
-                 "pngcairo size %d,%d noenhanced linewidth 2.4 font 'sans,20'", 2 * width,
-                 2 * height);
+        snprintf(terminal, sizeof terminal, "pngcairo size %d,%d linewidth 2.4 font 'sans,20'",
+                 2 * width, 2 * height);
     else
-        snprintf(
-            terminal, sizeof terminal,
-            "svg size %d,%d noenhanced linewidth 1.2 background '#ffffff' font 'sans-serif,13'",
-            width, height);
+        snprintf(terminal, sizeof terminal,
+                 "svg size %d,%d linewidth 1.2 background '#ffffff' font 'sans-serif,13'", width,
+                 height);
     const mukca_status status = render(NULL, terminal, path, plot, error);
     if (status == MUKCA_INTERRUPTED) unlink(path); /* half of a figure */
     return status;
@@ -239,9 +227,8 @@ static void put_body(FILE *out, const char *body, const char *id)
 mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error)
 {
     char terminal[160], *text = NULL;
-    snprintf(terminal, sizeof terminal,
-             "svg size %d,%d dynamic noenhanced linewidth 1.2 font 'sans-serif,13'", plot->width,
-             plot->height);
+    snprintf(terminal, sizeof terminal, "svg size %d,%d dynamic linewidth 1.2 font 'sans-serif,13'",
+             plot->width, plot->height);
     mukca_status status = render(&text, terminal, NULL, plot, error);
     if (status != MUKCA_OK) return status;
     const char *svg = strstr(text, "<svg"), *body = svg ? strchr(svg, '>') : NULL;

@@ -7,10 +7,10 @@
 #include "io/offsets.h"
 #include "report/wording.h"
 
-/* Consistency error and distortion at one iteration of the fit, m. */
+/* Errors at one iteration of the fit, m: consistency and distortion of the training data, then of
+ * the test data (NaN without any). */
 typedef struct {
-    double train_consistency, train_distortion;
-    double test_consistency, test_distortion; /* NaN without test data */
+    double error[4];
 } mukca_report_step;
 
 /* Errors of one placement, nominal and calibrated. */

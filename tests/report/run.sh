@@ -6,7 +6,7 @@ cd "$(dirname "$0")/../.." || exit 1
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 failed=0
-tell() { # name, then a command that must succeed
+check() { # name, then a command that must succeed
     name=$1
     shift
     if "$@"; then echo "ok report: $name"; else echo "not ok report: $name"; failed=1; fi
@@ -21,10 +21,10 @@ fi
 page=$out/r.html
 
 none() { ! grep -nE "$1" "$page" | cut -c1-200 | grep .; }
-tell "no script" none '<script'
-tell "nothing from elsewhere" none '(src|href|data|action)=["'"'"']?[^#"'"'"' >]|url\([^#]|@import'
-tell "ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
-tell "references exist" sh -c '
+check "no script" none '<script'
+check "nothing from elsewhere" none '(src|href|data|action)=["'"'"']?[^#"'"'"' >]|url\([^#]|@import'
+check "ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
+check "references exist" sh -c '
     grep -oE "(href=[\"'"'"']#|url\(#)[^\"'"'"')]*" "$0" | sed "s/.*#//" | sort -u >"$1/used"
     grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sed "s/.*[\"'"'"']//" | sort -u >"$1/there"
     test -z "$(comm -23 "$1/used" "$1/there")"' "$page" "$out"
@@ -32,38 +32,38 @@ tell "references exist" sh -c '
 awk '/<svg/ {drawn = 0; words = title = ""} /<(path|use|rect|polygon|circle) / {drawn++}
     /<title id=/ {title = $0} /<desc id=/ {words = $0}
     /<\/svg>/ {print drawn, length(title), length(words)}' "$page" >"$out/figures"
-tell "20 figures" test "$(wc -l <"$out/figures")" -eq 20
-tell "none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; print} END {exit bad}' "$out/figures"
-tell "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 20' "$out/png"
+check "20 figures" test "$(wc -l <"$out/figures")" -eq 20
+check "none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; print} END {exit bad}' "$out/figures"
+check "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 20' "$out/png"
 
 # What opens the page, and what a reader looks for.
-tell "the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.verdict [a-z]*.>\(.*\)<.p>$/\1/p" "$0" |
+check "the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.verdict [a-z]*.>\(.*\)<.p>$/\1/p" "$0" |
     grep -o "[.]" | wc -l)" -eq 1' "$page"
-tell "then what to do" sh -c 'grep -n -e "class=.verdict" -e "id=.to-do" -e "<dl class=.tiles" "$0" | sed "s/.*\(verdict\|to-do\|tiles\).*/\1/" |
+check "then what to do" sh -c 'grep -n -e "class=.verdict" -e "id=.to-do" -e "<dl class=.tiles" "$0" | sed "s/.*\(verdict\|to-do\|tiles\).*/\1/" |
     tr "\n" " " | grep -qx "verdict to-do tiles "' "$page"
-tell "the view of the arm states its scale" grep -q 'residuals of 240 samples, enlarged 200 times' "$page"
+check "the view of the arm states its scale" grep -q 'residuals of 240 samples, enlarged 200 times' "$page"
 # joint_4's compliance and the bending of the link before joint_3 load alike in the demo's postures
-tell "the matrix of what is confounded" sh -c 'sed -n "/table class=.matrix/,/<.table>/p" "$0" |
+check "the matrix of what is confounded" sh -c 'sed -n "/table class=.matrix/,/<.table>/p" "$0" |
     grep "link bending before joint_3" | grep -oE ">[01][.][0-9]+<" | head -n 1 |
     awk -F "[<>]" "{exit !(\$2 > 0.9 && \$2 < 1)}"' "$page"
 
 "$MUKCA" calibrate -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/o.tsv" --json "$out/c.json"
-tell "held-out error as calibrate says" grep -q "$(awk -v m="$(tr -d '\n' <"$out/c.json" |
+check "held-out error as calibrate says" grep -q "$(awk -v m="$(tr -d '\n' <"$out/c.json" |
     sed 's/.*"test": *\[\([^]]*\)\].*/\1/; s/.*"mae_m": *\([0-9.e-]*\).*/\1/')" \
     'BEGIN {printf "calibrated, test data</dt><dd>%#.3g ", m * 1000}')" "$page"
-tell "from an offsets table" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
+check "from an offsets table" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     --offsets "$1/o.tsv" -o "$1/p.html" --plots "$1/pdf" --format pdf && grep -q "</html>" "$1/p.html" &&
     head -c 5 "$1/pdf/samples.pdf" | grep -q "%PDF-"' "$MUKCA" "$out"
-tell "an existing page stays" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
+check "an existing page stays" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     -o "$1/p.html" 2>"$1/e"; test $? -eq 3 && grep -q -- --force "$1/e"' "$MUKCA" "$out"
 mkdir "$out/bin"
-tell "without gnuplot" sh -c 'PATH=$1/bin "$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
+check "without gnuplot" sh -c 'PATH=$1/bin "$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     -o "$1/q.html" 2>"$1/e"; test $? -eq 3 && test ! -e "$1/q.html"; s=$?; PATH=/usr/bin:/bin
     grep -q "install the package gnuplot-nox" "$1/e" && exit $s' "$MUKCA" "$out"
 # A pose log has no placements and no distortion: no nan anywhere, on the screen neither.
 grep -v '^#' data/demo/train.tsv | cut -f 4-10 >"$out/q.tsv"
 "$MUKCA" fk -q --urdf $arm --offsets "$out/o.tsv" "$out/q.tsv" | paste "$out/q.tsv" - >"$out/log.tsv"
-tell "a pose log prints no nan" sh -c '"$0" report --urdf data/demo/arm.urdf "$1/log.tsv" --free-base --free-tool \
+check "a pose log prints no nan" sh -c '"$0" report --urdf data/demo/arm.urdf "$1/log.tsv" --free-base --free-tool \
     -o "$1/log.html" >"$1/screen" 2>&1 && grep -q "</html>" "$1/log.html" && cat "$1/screen" >>"$1/log.html" &&
     ! grep -nwi nan "$1/log.html"' "$MUKCA" "$out"
 exit $failed
