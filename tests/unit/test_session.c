@@ -1,44 +1,28 @@
 /* A session that grows: every acknowledged row survives kills, full disks and resumes. */
+#include "io/session_append.h"
+
 #include <errno.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <cmocka.h>
-
-#include "io/session_append.h"
 #include "io/table.h"
+#include "scratch.h"
 
 static mukca_chain chain;
-static char folder[] = "/tmp/mukca_test_session_XXXXXX", path[64];
+static char path[80];
 
 static int setup(void **state)
 {
-    (void)state;
     chain.n_joints = chain.n_elements = 3;
     for (int j = 0; j < 3; j++) {
         chain.joint_element[j] = j;
         snprintf(chain.element[j].name, sizeof chain.element[j].name, "A%d", j + 1);
     }
     memcpy(chain.urdf_sha256, "0123456789abcdef", 17);
-    if (!mkdtemp(folder)) return 1;
-    snprintf(path, sizeof path, "%s/s.tsv", folder);
+    if (scratch_setup(state)) return 1;
+    snprintf(path, sizeof path, "%s/s.tsv", scratch_folder);
     return 0;
-}
-
-static int teardown(void **state)
-{
-    (void)state;
-    unlink(path);
-    return rmdir(folder);
 }
 
 static mukca_session_head head(const char *stream)
@@ -287,5 +271,5 @@ int main(void)
         cmocka_unit_test(killed_sessions_keep_acknowledged_rows),
         cmocka_unit_test(labels),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }
