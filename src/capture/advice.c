@@ -43,10 +43,9 @@ static double expected_error(const mukca_capture *capture, const double *factor,
 {
     const mukca_chain *chain = capture->chain;
     const int n = capture->model.parameters.n, m = 3 * PROBES;
-    double B[6][3 * PROBES], q[MUKCA_MAX_JOINTS];
+    double B[3 * PROBES * 6] = {0}, singular[6], q[MUKCA_MAX_JOINTS]; /* B: rigid motions */
     mukca_random random;
     mukca_random_seed(&random, 1);
-    memset(B, 0, sizeof B);
     for (int i = 0; i < PROBES; i++) {
         double x[3];
         for (int j = 0; j < chain->n_joints; j++) {
@@ -57,26 +56,18 @@ static double expected_error(const mukca_capture *capture, const double *factor,
         }
         mukca_linearisation_tip(A + 3 * i * n, n, x, &capture->model, q);
         for (int k = 0; k < 3; k++) {
-            B[k][3 * i + k] = 1;
-            B[3 + k][3 * i + (k + 1) % 3] = -x[(k + 2) % 3];
-            B[3 + k][3 * i + (k + 2) % 3] = x[(k + 1) % 3];
+            B[6 * (3 * i + k) + k] = 1;
+            B[6 * (3 * i + (k + 1) % 3) + 3 + k] = -x[(k + 2) % 3];
+            B[6 * (3 * i + (k + 2) % 3) + 3 + k] = x[(k + 1) % 3];
         }
     }
-    for (int b = 0; b < 6; b++) { /* orthonormal, and out of the columns of A */
-        double norm = 0;
-        for (int c = 0; c < b; c++) {
-            double dot = 0;
-            for (int k = 0; k < m; k++) dot += B[b][k] * B[c][k];
-            for (int k = 0; k < m; k++) B[b][k] -= dot * B[c][k];
-        }
-        for (int k = 0; k < m; k++) norm += B[b][k] * B[b][k];
-        for (int k = 0; k < m; k++) B[b][k] *= norm > 1e-12 ? 1 / sqrt(norm) : 0;
+    if (mukca_dense_svd(B, singular, NULL, m, 6)) return (double)NAN;
+    for (int b = 0; b < 6 && singular[b] > 1e-6; b++) /* out of the columns of A */
         for (int i = 0; i < n; i++) {
             double dot = 0;
-            for (int k = 0; k < m; k++) dot += B[b][k] * A[k * n + i];
-            for (int k = 0; k < m; k++) A[k * n + i] -= dot * B[b][k];
+            for (int k = 0; k < m; k++) dot += B[6 * k + b] * A[k * n + i];
+            for (int k = 0; k < m; k++) A[k * n + i] -= dot * B[6 * k + b];
         }
-    }
     double sum = 0;
     for (int k = 0; k < m; k++) sum += mukca_posterior_variance(factor, A + k * n, n);
     return sqrt(sum / PROBES);

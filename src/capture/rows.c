@@ -221,14 +221,16 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], const mukca_capture *capture, 
                  "only %.1f mm from socket %s: is the ball really in socket %s?", 1e3 * how_far,
                  sockets[nearest].label, sockets[capture->socket].label);
     else if (off > 3 * usual)
-        snprintf(text, MUKCA_CAPTURE_TEXT,
-                 "%.2f mm from this socket's other rows, where %.2f mm would be usual: is the ball "
-                 "seated?",
-                 1e3 * off, 1e3 * usual);
+        snprintf(
+            text, MUKCA_CAPTURE_TEXT,
+            "%.2f mm from this socket's other samples, where %.2f mm would be usual: is the ball "
+            "seated?",
+            1e3 * off, 1e3 * usual);
     else if (twin >= 0)
-        snprintf(text, MUKCA_CAPTURE_TEXT,
-                 "nearly the posture of row %d: move the elbow further for a row that tells more",
-                 twin + 1);
+        snprintf(
+            text, MUKCA_CAPTURE_TEXT,
+            "nearly the posture of sample %d: move the elbow further for a sample that adds more",
+            twin + 1);
 }
 
 mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture,

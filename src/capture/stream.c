@@ -95,22 +95,22 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
         return mukca_fail(error, MUKCA_NEGATIVE, "the last joint state is %.1f s old", age);
     if (capture->jumps >= 4)
         return mukca_fail(error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
-    double end = stored_time(capture, 0), hole = 0;
+    double end = stored_time(capture, 0), pause = 0;
     int n = 1; /* half open, and clear of rounding: times are of whole microseconds */
     while (n < capture->count && stored_time(capture, n) > end - s->window + 1e-6) {
         double step = stored_time(capture, n - 1) - stored_time(capture, n);
-        if (step > hole) hole = step;
+        if (step > pause) pause = step;
         n++;
     }
     /* Slow streams fill their window with few readings, so its first one may lie a period inside.
      */
     double covered = end - stored_time(capture, n - 1);
-    if (n < MIN_READINGS || covered < 0.6 * s->window || hole > 0.5 * s->window)
+    if (n < MIN_READINGS || covered < 0.6 * s->window || pause > 0.5 * s->window)
         return mukca_fail(
             error, MUKCA_NEGATIVE,
             "only %d joint states in the last %g s, %.2g s of it without: hold still a "
             "little longer, or use a longer --window",
-            n, s->window, s->window - covered > hole ? s->window - covered : hole);
+            n, s->window, s->window - covered > pause ? s->window - covered : pause);
     memset(sample, 0, sizeof *sample);
     sample->time = end;
     sample->n = n;

@@ -61,7 +61,7 @@ typedef struct {
     mukca_place known[CLI_MAX_PLACES]; /* names of the placements that causes may refer to */
     cli_simulated causes;
     mukca_diagnosis diagnosis;
-    mukca_plan_options how;
+    mukca_plan_options options;
     mukca_plan plan;
     int n_places;
     mukca_plan_place places[MUKCA_PLAN_MAX_SOCKETS / 2];
@@ -167,9 +167,9 @@ static mukca_status gather_causes(plan_run *r)
         status = mukca_fail(error, MUKCA_USAGE,
                             "--separate: a fault of the recording is settled by recording again");
     if (status != MUKCA_OK || !o->settle) return status;
-    const mukca_diagnose_options how = {
+    const mukca_diagnose_options diagnose = {
         .no_folds = true, .progress = cli_show_progress, .progress_context = r->call};
-    status = mukca_diagnose(&r->diagnosis, &r->model->chain, r->data, &how, error);
+    status = mukca_diagnose(&r->diagnosis, &r->model->chain, r->data, &diagnose, error);
     if (status != MUKCA_OK) return status;
     if (!mukca_next_poses_tie(c->effects, &r->diagnosis))
         return mukca_fail(error, MUKCA_NEGATIVE,
@@ -177,7 +177,7 @@ static mukca_status gather_causes(plan_run *r)
                           "--settle poses are chosen for accuracy",
                           mukca_verdict_name[r->diagnosis.verdict]);
     c->n_effects = 2;
-    r->how.noise = r->diagnosis.sigma_m;
+    r->options.noise = r->diagnosis.sigma_m;
     return MUKCA_OK;
 }
 
@@ -187,18 +187,18 @@ static mukca_status plan(plan_run *r)
     const double distance = r->call->common->distance > 0 ? r->call->common->distance : 0.05;
     const double *theta = r->model->offsets.theta;
     double fitted[MUKCA_MAX_THETA];
-    r->how = (mukca_plan_options){.rows = o->rows,
-                                  .seed = (uint64_t)o->seed,
-                                  .noise = o->noise,
-                                  .tilt = isnan(o->tilt)   ? 0
-                                          : o->tilt >= 180 ? 4
-                                                           : o->tilt * M_PI / 180,
-                                  .clearance = isnan(o->clearance) ? 0
-                                               : o->clearance != 0 ? o->clearance
-                                                                   : 1e-9,
-                                  .stop = cli_stop,
-                                  .progress = progress,
-                                  .context = r->call};
+    r->options = (mukca_plan_options){.rows = o->rows,
+                                      .seed = (uint64_t)o->seed,
+                                      .noise = o->noise,
+                                      .tilt = isnan(o->tilt)   ? 0
+                                              : o->tilt >= 180 ? 4
+                                                               : o->tilt * M_PI / 180,
+                                      .clearance = isnan(o->clearance) ? 0
+                                                   : o->clearance != 0 ? o->clearance
+                                                                       : 1e-9,
+                                      .stop = cli_stop,
+                                      .progress = progress,
+                                      .context = r->call};
     mukca_status status = gather_causes(r);
     if (status != MUKCA_OK) return status;
     if (o->settle) {
@@ -206,8 +206,8 @@ static mukca_status plan(plan_run *r)
         mukca_geometry_set(&r->model->geometry, &r->model->chain, fitted);
         theta = fitted;
     }
-    r->how.effects = r->causes.effects;
-    r->how.n_effects = r->causes.n_effects;
+    r->options.effects = r->causes.effects;
+    r->options.n_effects = r->causes.n_effects;
     status = gather_sockets(r);
     if (status != MUKCA_OK) return status;
     const mukca_plan_task task = {.chain = &r->model->chain,
@@ -220,9 +220,9 @@ static mukca_status plan(plan_run *r)
         return o->suggest > MUKCA_PLAN_MAX_SOCKETS / 2
                    ? mukca_fail(&r->call->error, MUKCA_USAGE, "--suggest %d: not that many",
                                 o->suggest)
-                   : mukca_plan_places(r->places, &r->n_places, o->suggest, &task, &r->how,
+                   : mukca_plan_places(r->places, &r->n_places, o->suggest, &task, &r->options,
                                        &r->call->error);
-    return mukca_plan_run(&r->plan, &task, &r->how, &r->call->error);
+    return mukca_plan_run(&r->plan, &task, &r->options, &r->call->error);
 }
 
 /* The poses as a session file whose rows are yet to be recorded. */

@@ -135,7 +135,7 @@ static mukca_status record_recipe(cli_call *call, mukca_dataset *data, const cli
     mukca_status status = q ? mukca_recipe_rows(q, kind, &s->model.chain, &call->error)
                             : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK)
-        status = mukca_simulate_poses(data, &s->arm, q, rows, &s->how, &call->error);
+        status = mukca_simulate_poses(data, &s->arm, q, rows, &s->recording, &call->error);
     free(q);
     return status;
 }
@@ -145,12 +145,12 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const cli_simula
                            bool held_out)
 {
     const cli_simulate_options *o = call->options;
-    mukca_simulate_options how = s->how;
-    if (held_out) how.seed ^= 0x686f6c646f757421u; /* other postures and noise */
+    mukca_simulate_options recording = s->recording;
+    if (held_out) recording.seed ^= 0x686f6c646f757421u; /* other postures and noise */
     if (o->recipe) return record_recipe(call, data, s);
     if (o->poses)
-        return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses, &how,
-                                    &call->error);
+        return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses,
+                                    &recording, &call->error);
     mukca_true_arm *arm = malloc(sizeof *arm);
     if (!arm) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     *arm = s->arm;
@@ -161,7 +161,7 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const cli_simula
                                              .n_places = held_out ? o->held_out : s->n_places,
                                              .faults = s->hidden.faults,
                                              .n_faults = held_out ? 0 : s->hidden.n_faults,
-                                             .options = &how};
+                                             .options = &recording};
     const mukca_status status = mukca_simulate_sockets(data, &session, &call->error);
     free(arm);
     return status;
@@ -197,7 +197,7 @@ const cli_command cli_command_simulate = {
         "--offsets as the truth), with effects of the catalogue, faults of the recording and "
         "noise. Its ball sits in two sockets at some places of the workspace, or (--poses, "
         "--recipe) "
-        "a tracker or a controller tells the poses of its tip. The same seed gives the same "
+        "a tracker or a controller gives the poses of its tip. The same seed gives the same "
         "bytes.\n\n"
         "An EFFECT is NAME[:WHERE][@VARIANT]=VALUE in the unit of `mukca help effects`:\n"
         "  joint_compliance:JOINT=1e-5         link_bending, joint_scale ... alike\n"
@@ -211,7 +211,7 @@ const cli_command cli_command_simulate = {
         "  zero_jump:JOINT/PLACE=1e-3          ball_shift:PLACE=1e-3, or =X,Y,Z\n"
         "  tool_motion:PLACE/SOCKET@12=1e-3    from row 12 of the socket on, or @creep\n"
         "  wrong_socket:PLACE/SOCKET@5         duplicate alike; outlier with a size\n"
-        "  socket_distance=1e-3                the sockets lie farther apart than told",
+        "  socket_distance=1e-3                the sockets lie farther apart than stated",
     .example =
         "mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 --seed 1 "
         "--perturb 1,2 --noise 1e-4 --effect gear_harmonic:joint_4@160=5e-4",

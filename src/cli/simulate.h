@@ -24,7 +24,7 @@ typedef struct {
     cli_simulated hidden; /* effects and faults */
     int n_places;         /* of the session; held-out ones follow */
     mukca_place places[CLI_MAX_PLACES];
-    mukca_simulate_options how;
+    mukca_simulate_options recording;
 } cli_simulation;
 
 /* Fill a zeroed simulation from the options of the call.  Errors: MUKCA_USAGE, MUKCA_INPUT. */

@@ -24,7 +24,7 @@ static json_t *fault_json(const mukca_simulated_fault *fault, const cli_simulati
                                         [MUKCA_SIMULATED_WRONG_SOCKET] = "wrong_socket",
                                         [MUKCA_SIMULATED_OUTLIER] = "outlier",
                                         [MUKCA_SIMULATED_DUPLICATE] = "duplicate"};
-    const int before = (2 * fault->placement + fault->socket) * s->how.rows;
+    const int before = (2 * fault->placement + fault->socket) * s->recording.rows;
     return json_pack("{s:s, s:s, s:s, s:i, s:b, s:f, s:o}", "kind", kinds[fault->kind], "placement",
                      s->places[fault->placement].name, "socket", fault->socket ? "1" : "0", "row",
                      before + fault->row + 1, "creep", (int)(fault->kind == MUKCA_SIMULATED_CREEP),

@@ -102,8 +102,8 @@ static mukca_status name_places(cli_simulation *s, const cli_simulate_options *o
                 status = mukca_fail(error, MUKCA_USAGE, "two places are called '%s'", p->name);
         if (status) return status;
     }
-    return mukca_simulate_places(s->places, n + held_out, &s->model.chain, s->how.distance,
-                                 s->how.seed, error);
+    return mukca_simulate_places(s->places, n + held_out, &s->model.chain, s->recording.distance,
+                                 s->recording.seed, error);
 }
 
 /* Take over the effects of --offsets, then those of --effect. */
@@ -116,7 +116,7 @@ static mukca_status gather_effects(cli_simulation *s, const cli_simulate_options
     hidden->places = s->places;
     hidden->n_places = s->n_places;
     hidden->rows = o->rows;
-    mukca_simulate_seed(&hidden->random, s->how.seed, MUKCA_DRAW_EFFECTS);
+    mukca_simulate_seed(&hidden->random, s->recording.seed, MUKCA_DRAW_EFFECTS);
     for (int e = 0; e < given->n_effects; e++) {
         mukca_effect effect = given->effects[e];
         const char *name = effect.placement >= 0 ? given->placements[effect.placement] : NULL;
@@ -167,7 +167,7 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
     }
     if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
     if (status) return status;
-    s->how = (mukca_simulate_options){
+    s->recording = (mukca_simulate_options){
         .rows = o->rows,
         .distance = call->common->distance > 0 ? call->common->distance : 0.05,
         .noise = o->noise,
@@ -181,14 +181,15 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
         .position_only = o->position_only,
         .seed = (uint64_t)o->seed,
         .interrupted = cli_interrupted};
-    if (s->how.effort && !s->model.chain.n_masses)
+    if (s->recording.effort && !s->model.chain.n_masses)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--effort needs link masses; give --inertials FILE");
     s->truth = s->model.offsets;
     mukca_simulate_perturb(s->truth.theta, o->perturb ? s->truth.listed : NULL, &s->model.chain,
-                           1e-3 * perturb[0], 1e-3 * perturb[1], s->how.seed);
+                           1e-3 * perturb[0], 1e-3 * perturb[1], s->recording.seed);
     for (int i = 0; i < MUKCA_MAX_THETA; i++) s->truth.identifiable[i] = s->truth.listed[i];
-    mukca_simulate_arm(&s->arm, &s->model.chain, s->truth.theta, 1e-2 * o->mass_error, s->how.seed);
+    mukca_simulate_arm(&s->arm, &s->model.chain, s->truth.theta, 1e-2 * o->mass_error,
+                       s->recording.seed);
     status = name_places(s, o, &call->error);
     if (status == MUKCA_OK) status = gather_effects(s, o, &call->error);
     if (status == MUKCA_OK) tell_truth(s);

@@ -1,4 +1,4 @@
-/* The next poses to record: for accuracy (D-optimality) or to tell two causes apart (T-optimality).
+/* The next poses to record: for accuracy (D-optimality) or to separate two causes (T-optimality).
  *
  * Unknown are the geometry (a Gaussian prior of a few mm and mrad about the model in use), the mean
  * of each socket, and the coefficients of the causes in question.  Each row that is recorded takes

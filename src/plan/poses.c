@@ -6,7 +6,7 @@
 
 #include "arm/inverse.h"
 
-/* How a pose stands to gravity: the lean of the ball's stem (from the last joint to the tip), rad,
+/* A pose relative to gravity: the lean of the ball's stem (from the last joint to the tip), rad,
  * 0 where there is no stem, and the height of the lowest joint beyond the first two, which stand
  * where the base puts them, above the base's plane or above the ball where that is lower, m. */
 typedef struct {

@@ -47,8 +47,7 @@ void mukca_plan_state_free(mukca_plan_state *s);
 void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int place,
                        const double *before);
 
-/* Take what a row at `socket` would tell (sign 1), or forget it (sign -1).  Refresh before gains.
- */
+/* Add a row at `socket` (sign 1), or remove it (sign -1).  Refresh before gains. */
 void mukca_plan_state_row(mukca_plan_state *s, const double *H, int socket, int sign);
 
 /* Take that sockets a and b with these centres are a known distance apart. */

@@ -1,5 +1,5 @@
 /* A linear least-squares problem whose rows come one at a time: block QR, then a minimum-norm
- * solution with the combinations that the rows cannot tell. */
+ * solution with the combinations that the rows do not determine. */
 #ifndef MUKCA_RECALIBRATE_SYSTEM_H
 #define MUKCA_RECALIBRATE_SYSTEM_H
 
@@ -9,9 +9,9 @@ enum { MUKCA_SYSTEM_WIDTH = 2 * MUKCA_MAX_UNKNOWNS + 1, MUKCA_SYSTEM_BLOCK = 48 
 
 typedef struct {
     int n;                     /* unknowns; a lag is the last one */
-    int carried;               /* more that another system will tell: unknown[n ..] */
+    int carried;               /* more that another system determines: unknown[n ..] */
     bool positions, rotations; /* which rows of a pose it takes */
-    double metres_per_radian;  /* weight of rotation rows beside position rows; 0: 1 */
+    double metres_per_radian;  /* weight of rotation rows against position rows; 0: 1 */
     mukca_unknown unknown[MUKCA_SYSTEM_WIDTH];
     double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps taken so far */
     long equations;
@@ -25,11 +25,11 @@ typedef struct {
     int rank;
     double sigma2;                    /* variance of a weighted row */
     double x[MUKCA_MAX_UNKNOWNS];     /* step, minimum norm */
-    double sigma[MUKCA_MAX_UNKNOWNS]; /* standard error within what can be told */
+    double sigma[MUKCA_MAX_UNKNOWNS]; /* standard error within the identifiable part */
     bool identifiable[MUKCA_MAX_UNKNOWNS];
     int n_null;
-    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] combinations that cannot be
-                                                            told, reduced to few entries */
+    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] combinations that are not
+                                                            identifiable, with few entries */
 } mukca_pose_solution;
 
 /* Forget all rows. */
@@ -45,8 +45,8 @@ void mukca_pose_system_flush(mukca_pose_system *system);
 /* Unknowns that the system carries take these steps: its right-hand side follows. */
 void mukca_pose_system_move_carried(mukca_pose_system *system, const double *steps);
 
-/* Solve for the first `n` unknowns; the others stay 0.  An unknown that the rows tell only to
- * `loosest` (m or rad) counts as not told.  False where the rows are not finite. */
+/* Solve for the first `n` unknowns; the others stay 0.  An unknown with a standard error
+ * above `loosest` (m or rad) is not identified.  False where the rows are not finite. */
 bool mukca_pose_system_solve(mukca_pose_solution *solution, mukca_pose_system *system, int n,
                              double loosest);
 

@@ -249,7 +249,7 @@ static void remarks_name_what_is_odd(void **state)
     assert_true(!(fabs(last - 0.6e-4) > 1e-9));
     reach(q, 0.6, 0.2, 0.201);
     mukca_capture_keep(text, &capture, q, &error);
-    assert_non_null(strstr(text, "nearly the posture of row 2"));
+    assert_non_null(strstr(text, "nearly the posture of sample 2"));
     mukca_capture_drop(&capture, &error);
     assert_string_equal(mukca_capture_next_label(&capture), "1");
     assert_int_equal(mukca_capture_select(&capture, "front", "1", &error), MUKCA_OK);
