@@ -91,7 +91,7 @@ typedef struct {
 
 extern const mukca_effect_info *const mukca_effect_table[MUKCA_EFFECT_COUNT];
 
-/* A row for which no time is known stands for this long, s: people take some 8 s per sample. */
+/* Duration of a sample whose time is not recorded, s: people take some 8 s per sample. */
 #define MUKCA_SECONDS_PER_ROW 8.0
 
 enum {

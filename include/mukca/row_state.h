@@ -20,7 +20,7 @@ typedef struct {
     double time;           /* s on any clock; NaN: missing */
     double payload_kg;     /* NaN: missing, taken as 0 */
     int placement;         /* index, -1 where unknown */
-    int number;            /* of the row in its file: rows that were left out take time, too */
+    int number;            /* of the row in its file: skipped rows take time, too */
 } mukca_row_reading;
 
 /* `state` belongs to the last row and points into this structure: do not copy it. */

@@ -62,7 +62,7 @@ static const cli_option options[] = {
 /* What the trace needs at each iteration. */
 typedef struct {
     FILE *stream;
-    const mukca_fit *fit; /* its chain stands before the solver starts */
+    const mukca_fit *fit; /* its chain is complete before the solver starts */
     const mukca_dataset *train, *test;
     mukca_score *scores;
     int iteration;

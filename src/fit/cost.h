@@ -15,8 +15,8 @@
 /* Zeroed means the defaults. */
 typedef struct {
     double lambda;           /* 0: MUKCA_LAMBDA; negative: no regularisation */
-    bool nominal_means;      /* sockets pulled to their nominal means (older closed-chain method) */
-    bool no_distortion;      /* distances between sockets left out */
+    bool nominal_means;      /* of sockets (older closed-chain method), not their own */
+    bool no_distortion;      /* no distances between sockets */
     mukca_gradient gradient; /* how an element's derivative is taken */
     const double *theta;     /* [6 * n_elements] values of frozen parameters; NULL: nominal */
 } mukca_cost_options;

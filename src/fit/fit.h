@@ -1,4 +1,4 @@
-/* A whole fit: free parameters, cost, solver, verdict, and what the data can tell. */
+/* A whole fit: free parameters, cost, solver, verdict, identifiability. */
 #ifndef MUKCA_FIT_FIT_H
 #define MUKCA_FIT_FIT_H
 

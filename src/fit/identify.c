@@ -1,4 +1,4 @@
-/* What the data can tell about each parameter. */
+/* Which parameters the data identify, and how well. */
 #include "fit/identify.h"
 
 #include <math.h>
@@ -33,7 +33,7 @@ static void score_covariance(double *B, mukca_cost *cost)
 
 enum { BLOCK = 32 }; /* rows that are absorbed at a time */
 
-/* R[n + 3][n + 3]: triangular factor of the weighted Jacobian in cost->J, and beside it of how
+/* R[n + 3][n + 3]: triangular factor of the weighted Jacobian in cost->J, and next to it of how
  * turning the whole arm about x, y, z changes the residuals. */
 static void factorise(double *R, double *block, const mukca_cost *cost)
 {

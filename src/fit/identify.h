@@ -1,6 +1,6 @@
-/* What the data can tell about each parameter: rank, null space, standard errors, observability.
+/* Which parameters the data identify, and how well: rank, null space, standard errors.
  *
- * All of it is of the data alone: the pull to nominal (lambda) hides what is not observable, it
+ * All of it is of the data alone: the regularisation (lambda) hides what is not observable, it
  * does not make it known.
  */
 #ifndef MUKCA_FIT_IDENTIFY_H

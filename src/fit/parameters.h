@@ -24,7 +24,7 @@ typedef struct {
 typedef struct {
     int n;                                     /* free parameters */
     short index[MUKCA_MAX_FREE];               /* of each, into theta; ascending */
-    unsigned char regularised[MUKCA_MAX_FREE]; /* of each: 1 where the prior pulls to nominal */
+    unsigned char regularised[MUKCA_MAX_FREE]; /* of each: 1: towards nominal */
 } mukca_parameters;
 
 /* The default set: the origins of the actuated joints and of the last fixed joint before the tip
