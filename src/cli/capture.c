@@ -158,7 +158,7 @@ static void conclude(session *s)
         cli_log(s->call, "the log is damaged: %lld bytes of it were skipped\n",
                 (long long)mukca_lcm_link_skipped(r->link));
     cli_answer_wrapped(
-        s->call, "%d samples in %s; %lld joint states received, %lld refused, longest gap %.3f s",
+        s->call, "%d samples in %s; %lld joint states received, %lld refused, longest pause %.3f s",
         r->session.n_rows, r->session.path, (long long)r->received, (long long)r->refused,
         r->longest_gap);
     if (r->session.n_rows)

@@ -33,10 +33,8 @@ void cli_capture_erase(cli_capture_view *v)
 }
 
 /* One line of the view, cut at the width of the terminal so that it stays one. */
-static void draw(cli_capture_view *v, int width, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
-static void draw(cli_capture_view *v, int width, const char *format, ...)
+__attribute__((format(printf, 3, 4))) static void draw(cli_capture_view *v, int width,
+                                                       const char *format, ...)
 {
     char text[512];
     va_list args;

@@ -20,10 +20,10 @@
 #include "mukca/status.h"
 
 /* The order of the work; title of each group in help. */
-#define CLI_GROUP_LIST(X)                                  \
-    X(MEASURE, "Measure: record the arm, or make one up")  \
-    X(CALIBRATE, "Calibrate: fit the model to the arm")    \
-    X(UNDERSTAND, "Understand: what gap is left, and why") \
+#define CLI_GROUP_LIST(X)                                          \
+    X(MEASURE, "Measure: record the arm, or make one up")          \
+    X(CALIBRATE, "Calibrate: fit the model to the arm")            \
+    X(UNDERSTAND, "Understand: the causes of the remaining error") \
     X(USE, "Use: carry the result to where it is needed")
 
 typedef enum {
@@ -38,7 +38,7 @@ typedef struct {
     int n;
 } cli_list;
 
-/* Type of the member at `offset`, and what the command line must give. */
+/* Type of the member at `offset`, and the text that it takes. */
 typedef enum {
     CLI_FLAG,     /* bool; no argument */
     CLI_TEXT,     /* const char *; the last one given wins */
@@ -174,9 +174,9 @@ struct cli_call {
     cli_session *session; /* zeroed, filled by cli_load; freed after the run */
     void *work;           /* zeroed memory of the command, freed after the run */
     mukca_error error;
-    double started, said; /* s, monotonic: for elapsed and progress */
-    bool showing;         /* a progress line is on the screen */
-    bool printed;         /* standard output holds the table that -o would name */
+    double started, progressed; /* s, monotonic: the start, the last progress line */
+    bool showing;               /* a progress line is on the screen */
+    bool printed;               /* standard output holds the table that -o would name */
 };
 
 /* All commands, ended by NULL. */

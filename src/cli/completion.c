@@ -5,12 +5,6 @@
 #include "cli/cli.h"
 #include "record/server.h"
 
-static void print_effect_names(void)
-{
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        printf("%s%s", kind ? " " : "", mukca_effect_table[kind]->name);
-}
-
 /* Lines of the case for values that are words of a list, not files. */
 static void print_bash_values(const cli_command *c, const cli_option *o)
 {
@@ -19,7 +13,8 @@ static void print_bash_values(const cli_command *c, const cli_option *o)
     printf("            %s:--%s", c->name, o->name);
     if (o->letter) printf("|%s:-%c", c->name, o->letter);
     printf(") files= words=\"");
-    if (effect) print_effect_names();
+    for (int kind = 0; effect && kind < MUKCA_EFFECT_COUNT; kind++)
+        printf("%s%s", kind ? " " : "", mukca_effect_table[kind]->name);
     for (int i = 0; !effect && o->choices[i]; i++) printf("%s%s", i ? " " : "", o->choices[i]);
     puts("\" ;;");
 }
@@ -91,7 +86,8 @@ static void print_zsh_option(const cli_option *o)
 static void print_zsh(void)
 {
     puts(
-        "#compdef mukca\n_mukca() {\n    local -a commands=(\n        'help:how to use a command'");
+        "#compdef mukca\n_mukca() {\n    local -a commands=(\n        'help:options and example of "
+        "a command'");
     for (const cli_command *const *c = cli_commands; *c; c++) {
         printf("        '%s:", (*c)->name);
         print_escaped((*c)->summary, ":");

@@ -11,7 +11,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *result);
 /* One screen of 80 columns for people, causes first. */
 void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result);
 
-/* The offsets table: geometry with what the rows say of it, and the causes that act on the arm.
+/* The offsets table: geometry with its standard errors, and the causes that act on the arm.
  * `chain` gets the chain that the table's rows belong to: the arm's, with the tracker's frame
  * before it where `free_base` fitted that.  *left_out counts causes that need masses where the arm
  * has none. Errors: MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */

@@ -81,7 +81,7 @@ static json_t *placements_array(const double *mae, int n, const mukca_dataset *d
     return array;
 }
 
-/* Poses, q in the order of the chain's joints, rad or m, and which two causes they tell apart. */
+/* Poses, q in the order of the chain's joints, rad or m, and which two causes they distinguish. */
 static json_t *next_poses_array(const mukca_diagnosed *r)
 {
     json_t *array = json_array();
@@ -91,16 +91,16 @@ static json_t *next_poses_array(const mukca_diagnosed *r)
     const mukca_effect rivals[2] = {c->effect, c->ties[next->tie].rival};
     for (int i = 0; i < next->plan.n_rows; i++) {
         const mukca_plan_row *row = &next->plan.rows[i];
-        json_t *tells = json_array();
+        json_t *pair = json_array();
         for (int k = 0; k < 2; k++)
             json_array_append_new(
-                tells, json_pack("{s:s, s:o}", "effect", mukca_effect_table[rivals[k].kind]->name,
-                                 "joint", joint_name(r->chain, rivals[k].joint)));
+                pair, json_pack("{s:s, s:o}", "effect", mukca_effect_table[rivals[k].kind]->name,
+                                "joint", joint_name(r->chain, rivals[k].joint)));
         json_array_append_new(
             array,
             json_pack("{s:s, s:s, s:o, s:o}", "placement", next->sockets[row->socket].placement,
                       "socket", next->sockets[row->socket].label, "q",
-                      cli_json_reals(row->q, r->chain->n_joints), "tells_apart", tells));
+                      cli_json_reals(row->q, r->chain->n_joints), "tells_apart", pair));
     }
     return array;
 }

@@ -49,7 +49,7 @@ mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *le
     for (int e = 0; e < a->n_effects; e++) {
         if ((mukca_effect_table[a->effects[e].kind]->needs & MUKCA_NEEDS_MASSES) &&
             chain->n_masses == 0) {
-            ++*left_out; /* measured efforts told of it, which other rows do not have */
+            ++*left_out; /* measured efforts showed it; other samples have none */
             continue;
         }
         o->effects[o->n_effects] = a->effects[e];

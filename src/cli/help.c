@@ -95,8 +95,8 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
     cli_print_example(stream, 2, CLI_WIDTH, command->example);
 }
 
-/* `gap`: what stands between the groups. */
-static void print_commands(FILE *stream, const char *gap)
+/* `separator`: printed after each group. */
+static void print_commands(FILE *stream, const char *separator)
 {
     static const char *const title[] = {
 #define GROUP_TITLE(name, title) title,
@@ -112,15 +112,14 @@ static void print_commands(FILE *stream, const char *gap)
             fprintf(stream, "  %-12s ", (*c)->name);
             cli_print_words(stream, 15, 15, (*c)->summary, strlen((*c)->summary));
         }
-        if (any) fputs(gap, stream);
+        if (any) fputs(separator, stream);
     }
 }
 
 void cli_print_overview(FILE *stream)
 {
     fputs(
-        "mukca calibrates robot arms and tells where the remaining gap between model and\n"
-        "arm comes from.\n\n"
+        "mukca calibrates robot arms and identifies the causes of the remaining error.\n\n"
         "Usage: mukca COMMAND [options] [arguments]\n\n",
         stream);
     print_commands(stream, "\n");

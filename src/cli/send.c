@@ -40,7 +40,7 @@ static void print_table(const mukca_message_result *m)
 }
 
 /* The reply is the answer: its line for people, then the table.  With --json - a program reads
- * standard output and the table is left out. */
+ * standard output, so the table is not printed. */
 static void take_result(client *c, const mukca_message_result *m)
 {
     if (m->id != c->id) return;

@@ -107,7 +107,7 @@ const cli_command cli_command_serve = {
 #undef VERB_HELP
         "\nWith --publish-pose each joint state is answered by the pose of the tip, computed with "
         "the last calibration or diagnosis, for controllers that cannot load a URDF. Joint drift "
-        "is left out of it.",
+        "is not included.",
     .example =
         "mukca serve --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
         "--state build/served",

@@ -43,13 +43,14 @@ void cli_log(cli_call *call, const char *format, ...)
 void cli_progress(cli_call *call, const char *what, double done, double total)
 {
     double t = cli_elapsed(call);
-    if (call->common->quiet || t < 2 || t - call->said < 0.1 || !isatty(STDERR_FILENO)) return;
+    if (call->common->quiet || t < 2 || t - call->progressed < 0.1 || !isatty(STDERR_FILENO))
+        return;
     double share = total > 0 ? done / total : 0;
     int filled = share < 0 ? 0 : share > 1 ? 30 : (int)(30 * share);
     fprintf(stderr, "\r%-28.28s [%.*s%*s] %3.0f %%\033[K", what, filled,
             "##############################", 30 - filled, "", 100 * share);
     fflush(stderr);
-    call->said = t;
+    call->progressed = t;
     call->showing = true;
 }
 
@@ -118,7 +119,7 @@ void cli_catch_interrupts(void)
     action.sa_flags = (int)SA_RESETHAND; /* no SA_RESTART: blocking reads return */
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe is then a write error, told in one line */
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is then a write error, reported in one line */
     signal(SIGXFSZ, SIG_IGN); /* and so is a file beyond the shell's limit */
 }
 

@@ -30,7 +30,7 @@ enum {
     MUKCA_MESSAGE_ROWS = 512 /* of an offsets table */
 };
 
-/* data/lcm says what each field means.  Texts are NUL-terminated and belong to the sender, or point
+/* data/lcm describes each field.  Texts are NUL-terminated and belong to the sender, or point
  * into the received message.  NULL is sent as "". */
 typedef struct {
     int64_t utime, id;

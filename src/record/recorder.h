@@ -167,7 +167,8 @@ const char *mukca_recorder_stream(const mukca_recorder *r); /* "raw" or "correct
 /* Labels and the capture (session.c). */
 mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukca_error *error);
 
-/* Read --map; and set the mapping by the first message, r->problem says why not (map.c). */
+/* Read --map; and set the mapping by the first message, r->problem holds the reason where that
+ * fails (map.c). */
 mukca_status mukca_recorder_check_map(mukca_recorder *r, mukca_error *error);
 mukca_status mukca_recorder_make_map(mukca_recorder *r);
 

@@ -46,7 +46,7 @@ static mukca_status begin(mukca_server *s, mukca_error *answer)
         if (s->state.placement[0] && strtol(s->state.rows, NULL, 10) == r->session.n_rows)
             mukca_recorder_select(r, s->state.placement, s->state.socket, answer);
         keep_place(s);
-        mukca_fail(answer, MUKCA_OK, "session %s: %d rows", path, r->session.n_rows);
+        mukca_fail(answer, MUKCA_OK, "session %s: %d samples", path, r->session.n_rows);
     }
     mukca_recorder_report(r, "%s", answer->text);
     return status;
@@ -106,7 +106,7 @@ VERB(finish)
     (void)command;
     mukca_session *session = &s->recorder.session;
     if (!session->fd) return mukca_fail(answer, MUKCA_NEGATIVE, "no session is being recorded");
-    mukca_fail(answer, MUKCA_OK, "%d rows in %s", session->n_rows, session->path);
+    mukca_fail(answer, MUKCA_OK, "%d samples in %s", session->n_rows, session->path);
     mukca_session_close(session);
     return MUKCA_OK;
 }

@@ -9,7 +9,7 @@
 
 /* ---- labels ---- */
 
-/* Names of a list with commas between: pointers into store[512] and how many. */
+/* Names of a comma-separated list: pointers into store[512], and their number. */
 static mukca_status split_labels(const char **labels, int *n, char *store, const char *list,
                                  const char *option, mukca_error *error)
 {
@@ -216,7 +216,7 @@ mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer)
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not deleted: %s", error.text);
     mukca_fail(answer, MUKCA_OK, "row %d deleted (placement %s, socket %s)", rows->n_rows,
                placement, s->label);
-    (void)mukca_capture_drop(&r->capture, &error); /* has a row, as said */
+    (void)mukca_capture_drop(&r->capture, &error); /* there is a row */
     (void)mukca_capture_advise(&r->advice, &r->capture, &error);
     return MUKCA_OK;
 }
@@ -228,8 +228,8 @@ mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, con
     mukca_status status = complete_labels(r, &placement, &socket, &error);
     if (status == MUKCA_OK) status = mukca_capture_select(&r->capture, placement, socket, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not changed: %s", error.text);
-    return mukca_fail(answer, MUKCA_OK, "now placement %s, socket %s (%d rows)", placement, socket,
-                      mukca_capture_count(&r->capture, r->capture.socket));
+    return mukca_fail(answer, MUKCA_OK, "now placement %s, socket %s (%d samples)", placement,
+                      socket, mukca_capture_count(&r->capture, r->capture.socket));
 }
 
 mukca_status mukca_recorder_next_socket(mukca_recorder *r, mukca_error *answer)

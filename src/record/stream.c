@@ -24,9 +24,9 @@ static void take_values(double *out, const mukca_recorder *r, mukca_lcm_role rol
 static void count_arrival(mukca_recorder *r, int64_t now)
 {
     if (r->last_arrival) {
-        double gap = 1e-6 * (double)(now - r->last_arrival);
-        if (gap > r->longest_gap) r->longest_gap = gap;
-        if (r->silent) mukca_recorder_report(r, "%s is back after %.1f s", r->channel, gap);
+        double pause = 1e-6 * (double)(now - r->last_arrival);
+        if (pause > r->longest_gap) r->longest_gap = pause;
+        if (r->silent) mukca_recorder_report(r, "%s is back after %.1f s", r->channel, pause);
     }
     r->silent = false;
     r->last_arrival = now;
