@@ -191,3 +191,16 @@ bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_comp
     }
     return true;
 }
+
+int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)
+{
+    for (int c = 0; c < m->unknowns.n_causes; c++) {
+        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
+        if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) continue;
+        const mukca_effect effect = mukca_candidate_effect(h);
+        if (mukca_effect_same(&effect, &cause->effect) &&
+            (cause->socket < 0 || m->recording.groups[h->fault.group].socket == cause->socket))
+            return c;
+    }
+    return -1;
+}

@@ -17,6 +17,9 @@ typedef struct {
 bool mukca_cause_describe(mukca_cause *cause, mukca_standing *standing,
                           mukca_competition *competition, int index);
 
+/* The accepted cause behind a described one, -1: none. */
+int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause);
+
 /* Size of a described cause and its 95 % interval; needs the factor of the full model. */
 void mukca_cause_measure(mukca_cause *cause, mukca_regression *m, int index);
 

@@ -10,11 +10,11 @@ typedef struct {
     double nominal_m, geometry_m, faults_excused_m, explained_m;
     double surprise, surprise_sigmas;     /* as in mukca_diagnosis */
     mukca_shrink shrink;                  /* from faults_excused_m to explained_m */
-    mukca_shrink cause[MUKCA_MAX_CAUSES]; /* by each of the causes alone */
+    mukca_shrink cause[MUKCA_MAX_CAUSES]; /* from all but this cause, fitted anew, to all */
     double noise_shrink_percent;          /* what the best of the catalogue gains on pure noise */
     double axis_rms_m[3];                 /* what geometry leaves, by base axis; not held out */
     double *placement_m;                  /* [n_placements] of explained_m, NULL: none */
-    mukca_geometry geometry;              /* fitted without causes */
+    mukca_arm_state geometry;             /* fitted without causes */
 } mukca_validation;
 
 /* Nothing measured. */

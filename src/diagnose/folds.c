@@ -55,12 +55,10 @@ void mukca_folds_errors(double *error, const mukca_regression *m, const double *
     for (int row = 0; row < data->n_rows; row++) {
         error[row] = NAN;
         if (!of[row] || data->socket[row] >= 0) continue;
-        double difference[3], in_base[3];
+        double e[3];
         for (int c = 0; c < 3; c++)
-            difference[c] = data->position[3 * (size_t)row + (size_t)c] - m->unknowns.tracker.p[c];
-        mukca_mat3_tvec(in_base, m->unknowns.tracker.R, difference);
-        for (int c = 0; c < 3; c++) in_base[c] -= position[3 * row + c];
-        error[row] = sqrt(mukca_dot3(in_base, in_base));
+            e[c] = data->position[3 * (size_t)row + (size_t)c] - position[3 * row + c];
+        error[row] = sqrt(mukca_dot3(e, e));
     }
     for (int s = 0; s < data->n_sockets; s++) {
         const mukca_candidate *step = NULL, *creep = NULL;
@@ -117,24 +115,11 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
     }
 }
 
-/* Prior sigmas with only the causes that `use` marks (and the faults of the tool). */
-static void set_priors(mukca_regression *m, const unsigned char *use)
-{
-    const mukca_unknowns *u = &m->unknowns;
-    mukca_unknowns_prior(m->evidence.prior, u);
-    double *prior = m->evidence.prior + u->n_geometry;
-    for (int c = 0; c < u->n_causes; c++) {
-        const mukca_candidate *h = &u->cause[c].candidate;
-        for (int t = 0; t < h->terms; t++, prior++)
-            if (!mukca_candidate_is_fault(h) && !use[c]) *prior = 0;
-    }
-}
-
 /* Fit without each fold in turn and predict it; the model must be linearised, `pack` filled.
  *
  * With Gaussians, -2 log p(fold | rest) has the quadratic part Q(all) - Q(rest): the fold's squared
  * misfit with noise and with what the rest leaves open, all correlations of its rows included. */
-static void cross_predict(mukca_folds *b, mukca_normal_equations *normal, const unsigned char *use)
+static void cross_predict(mukca_folds *b, mukca_normal_equations *normal)
 {
     mukca_regression *m = b->m;
     const int size = m->linear.n_columns + 1, d = m->recording.dim;
@@ -145,7 +130,7 @@ static void cross_predict(mukca_folds *b, mukca_normal_equations *normal, const 
     if (!mukca_unknowns_clone(&fitted, &m->pool, &m->unknowns)) return;
     memcpy(b->distance, normal->distance,
            sizeof *b->distance * (size_t)(m->recording.n_pairs * size));
-    set_priors(m, use);
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     b->surprise = 0, b->freedom = 0;
     const bool whole =
         mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL) > -HUGE_VAL;
@@ -176,10 +161,12 @@ static void cross_predict(mukca_folds *b, mukca_normal_equations *normal, const 
                     if (b->fold[m->recording.order[m->recording.groups[g].start + i]] == f)
                         b->freedom += m->recording.groups[g].socket < 0 ? d : i > 0 ? d : 0;
             mukca_unknowns_set(&m->unknowns, mean);
+            mukca_unknowns_fold_frames(&m->unknowns);
             mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
             for (int row = 0; row < m->recording.data->n_rows; row++)
                 if (b->fold[row] == f)
-                    mukca_unknowns_predict(b->position + 3 * row, &m->unknowns, &m->recording, row);
+                    mukca_unknowns_predict_measured(b->position + 3 * row, &m->unknowns,
+                                                    &m->recording, row);
         }
         mukca_unknowns_assign(&m->unknowns, &fitted);
         for (int i = 0; i < size * size; i++) normal->gram[i] += b->gram[i];
@@ -188,11 +175,10 @@ static void cross_predict(mukca_folds *b, mukca_normal_equations *normal, const 
     }
 }
 
-void mukca_folds_run(double *error, mukca_folds *b, mukca_normal_equations *normal,
-                     const unsigned char *use, bool by_socket)
+void mukca_folds_run(double *error, mukca_folds *b, bool by_socket)
 {
     b->n_folds = mukca_folds_assign(b->fold, b->m, by_socket);
-    cross_predict(b, normal, use);
+    cross_predict(b, mukca_regression_collect_own(b->m));
     mukca_folds_errors(error, b->m, b->position, b->m->recording.keep, true);
 }
 

@@ -28,7 +28,7 @@ int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket);
 
 /* error[n_rows]: distance of each row's prediction position[n_rows][3] from its socket's mean (of
  * the rows that `of` marks; NaN for others), with `excuse` about each segment or the creep line
- * where a fault of the tool is known; or from its measurement.  m. */
+ * where a fault of the tool is known; or from its measurement, in the measurement's frame.  m. */
 void mukca_folds_errors(double *error, const mukca_regression *m, const double *position,
                         const unsigned char *of, bool excuse);
 
@@ -38,10 +38,9 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
 /* Mean of the finite ones among error[n], NaN where there is none. */
 double mukca_folds_mean(const double *error, int n);
 
-/* error[n_rows] of the kept rows while their fold (placement, or by_socket socket) is left out,
- * with the causes that use[n_causes] marks, and all faults.  Fills surprise and freedom. */
-void mukca_folds_run(double *error, mukca_folds *b, mukca_normal_equations *pack,
-                     const unsigned char *use, bool by_socket);
+/* error[n_rows] of the kept rows while their fold (placement, or by_socket socket) is left out of
+ * the linearised regression.  Fills surprise and freedom. */
+void mukca_folds_run(double *error, mukca_folds *b, bool by_socket);
 
 /* How far the mean error shrinks from before[n_rows] to after[n_rows], with a bootstrap interval.
  */

@@ -133,16 +133,6 @@ static void weigh_rotations(mukca_regression *m)
             fmin(fmax(m->unknowns.rotation_weight * sqrt(length / angle), 1e-2), 1e2);
 }
 
-/* Move the tracker's columns into its frame. */
-static void fold_tracker(mukca_unknowns *u)
-{
-    double *t = u->theta + u->n_geometry - 6;
-    mukca_frame local = {{0}, {t[0], t[1], t[2]}};
-    mukca_rotation_exp(local.R, t + 3);
-    mukca_frame_multiply(&u->tracker, &u->tracker, &local);
-    memset(t, 0, 6 * sizeof *t);
-}
-
 void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom)
 {
     mukca_unknowns *u = &m->unknowns;
@@ -162,7 +152,7 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         double step = 0;
         for (int k = 0; k < u->n_geometry; k++) step = fmax(step, fabs(mean[k] - u->theta[k]));
         mukca_unknowns_set(u, mean);
-        if (u->free_base) fold_tracker(u);
+        mukca_unknowns_fold_frames(u);
         if (step < 1e-7 && it >= 1) break; /* 0.1 um and 0.1 urad: far below any noise */
     }
     mukca_regression_linearise(m);

@@ -18,7 +18,8 @@ static bool carry_causes(mukca_regression *t, const mukca_unknowns *from)
 }
 
 mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool,
-                                     const mukca_regression *m, const mukca_geometry *geometry_only,
+                                     const mukca_regression *m,
+                                     const mukca_arm_state *geometry_only,
                                      const mukca_dataset *test, mukca_error *error)
 {
     mukca_regression t; /* of its own, for the states; the prediction takes the fitted unknowns */
@@ -29,18 +30,17 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
     const int rows = test->n_rows;
     double *position = MUKCA_TAKE(&t.pool, double, 3 * rows);
     double *row_error = MUKCA_TAKE(&t.pool, double, rows);
-    mukca_geometry nominal;
-    mukca_geometry_set(&nominal, m->recording.chain, NULL);
-    const mukca_geometry *const stage[3] = {&nominal, geometry_only, &m->unknowns.geometry};
+    const mukca_arm_state nominal = mukca_unknowns_nominal_arm(&m->unknowns, m->recording.chain);
+    const mukca_arm_state explained = mukca_unknowns_arm(&m->unknowns);
+    const mukca_arm_state *const step[3] = {&nominal, geometry_only, &explained};
     double *const result[3] = {&errors->nominal_m, &errors->geometry_m, &errors->explained_m};
     errors->n_placements = test->n_placements;
     errors->placement_m = MUKCA_TAKE(pool, double, test->n_placements + 1);
-    t.unknowns.tracker = m->unknowns.tracker;
     for (int s = 0; s < 3 && !t.pool.failed && !pool->failed; s++) {
         if (s == 2 && !carry_causes(&t, &m->unknowns)) break;
-        t.unknowns.geometry = *stage[s];
+        mukca_unknowns_set_arm(&t.unknowns, step[s]);
         for (int row = 0; row < rows; row++)
-            mukca_unknowns_predict(position + 3 * row, &t.unknowns, &t.recording, row);
+            mukca_unknowns_predict_measured(position + 3 * row, &t.unknowns, &t.recording, row);
         mukca_folds_errors(row_error, &t, position, t.recording.keep, false);
         *result[s] = mukca_folds_mean(row_error, rows);
     }

@@ -14,7 +14,8 @@ typedef struct {
 /* Predict the rows of `test` by the nominal geometry, by one fitted without causes, and by the
  * unknowns of the regression.  placement_m comes from `pool`.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool,
-                                     const mukca_regression *m, const mukca_geometry *geometry_only,
+                                     const mukca_regression *m,
+                                     const mukca_arm_state *geometry_only,
                                      const mukca_dataset *test, mukca_error *error);
 
 #endif

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "fit/fit.h"
-
 /* Prior sigma of a joint's zero, rad: real arms are off by up to 15 mrad. */
 #define ZERO_SIGMA 20e-3
 /* Of a factor common to all lengths: without it a wrong distance of the sockets would be taken for
@@ -29,23 +27,24 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
 {
     const mukca_chain *chain = recording->chain;
     const bool poses = recording->groups[0].socket < 0;
-    *u = (mukca_unknowns){.free_base = poses && recording->options.free_base,
-                          .slot_width = 6,
-                          .tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
-                          .sigma_length = 2e-3, /* first guesses: choose_scales() follows */
-                          .sigma_angle = 5e-3,
-                          .sigma = 1e-4,
-                          .rotation_weight = 0.3};
-    if (u->free_base) { /* the tracker's frame: first guess from the nominal positions */
-        double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
-        mukca_fit_start(theta, chain, recording->data, true);
-        memcpy(u->tracker.p, theta, sizeof u->tracker.p);
-        mukca_rotation_from_rpy(u->tracker.R, theta + 3);
-    }
+    const int last = chain->n_elements - 1;
+    *u = (mukca_unknowns){
+        .free_base = poses && recording->options.free_base,
+        .free_tool = poses && recording->options.free_tool && chain->element[last].joint < 0,
+        .slot_width = 6,
+        .sigma_length = 2e-3, /* first guesses: choose_scales() follows */
+        .sigma_angle = 5e-3,
+        .sigma = 1e-4,
+        .rotation_weight = 0.3};
+    mukca_geometry_set(&u->geometry, chain, NULL);
+    if (!mukca_align(&u->nominal, &u->geometry, recording->data,
+                     &(mukca_align_options){.tracker = u->free_base, .target = u->free_tool}))
+        return false;
+    u->tracker = u->nominal.tracker;
+    u->target = u->nominal.target;
     /* A first joint's origin moves all sockets alike: only measured poses can see it. */
     for (int j = poses && !u->free_base ? 0 : 1; j < chain->n_joints; j++)
         u->slot_element[u->n_slots++] = chain->joint_element[j];
-    const int last = chain->n_elements - 1;
     if (chain->element[last].joint < 0) {
         u->slot_element[u->n_slots++] = last;
         u->slot_width = recording->dim == 6 ? 6 : 3;
@@ -89,23 +88,58 @@ void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
         mukca_frame local = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {t[0], t[1], t[2]}};
         if (k + 1 < u->n_slots || u->slot_width == 6) mukca_rotation_exp(local.R, t + 3);
         mukca_frame *origin = &u->geometry.origin[u->slot_element[k]];
+        if (u->free_tool && k + 1 == u->n_slots) mukca_frame_multiply(origin, origin, &u->target);
         mukca_frame_multiply(origin, origin, &local);
     }
 }
 
+/* frame := frame * local(t), t zeroed; `turns`: t holds a rotation vector, too. */
+static void fold(mukca_frame *frame, double *t, bool turns)
+{
+    mukca_frame local = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {t[0], t[1], t[2]}};
+    if (turns) mukca_rotation_exp(local.R, t + 3);
+    mukca_frame_multiply(frame, frame, &local);
+    memset(t, 0, (turns ? 6 : 3) * sizeof *t);
+}
+
+void mukca_unknowns_fold_frames(mukca_unknowns *u)
+{
+    if (u->free_base) fold(&u->tracker, u->theta + u->n_geometry - 6, true);
+    if (u->free_tool) fold(&u->target, u->theta + 6 * (u->n_slots - 1), u->slot_width == 6);
+}
+
+mukca_arm_state mukca_unknowns_nominal_arm(const mukca_unknowns *u, const mukca_chain *chain)
+{
+    mukca_arm_state arm = {.tracker = u->nominal.tracker};
+    mukca_geometry_set(&arm.geometry, chain, NULL);
+    mukca_frame *last = &arm.geometry.origin[chain->n_elements - 1];
+    mukca_frame_multiply(last, last, &u->nominal.target);
+    return arm;
+}
+
+mukca_arm_state mukca_unknowns_arm(const mukca_unknowns *u)
+{
+    return (mukca_arm_state){.geometry = u->geometry, .tracker = u->tracker};
+}
+
+void mukca_unknowns_set_arm(mukca_unknowns *u, const mukca_arm_state *arm)
+{
+    u->geometry = arm->geometry;
+    u->tracker = arm->tracker;
+}
+
 void mukca_unknowns_set_geometry_prior(mukca_unknowns *u, const mukca_recording *recording)
 {
-    const bool free_tool = recording->options.free_tool;
     for (int k = 0; k < u->n_slots; k++) {
         const mukca_element *element = &recording->chain->element[u->slot_element[k]];
         double *sigma = u->theta_prior + 6 * k;
         const int width = k + 1 < u->n_slots ? 6 : u->slot_width;
         const bool tip = element->joint < 0;
         for (int a = 0; a < 3; a++) {
-            sigma[a] = tip ? (free_tool ? FREE_LENGTH : TIP_SIGMA) : u->sigma_length;
+            sigma[a] = tip ? (u->free_tool ? FREE_LENGTH : TIP_SIGMA) : u->sigma_length;
             if (width < 6) continue;
             const double along = element->axis[a] * element->axis[a];
-            sigma[3 + a] = tip ? (free_tool ? FREE_ANGLE : u->sigma_angle)
+            sigma[3 + a] = tip ? (u->free_tool ? FREE_ANGLE : u->sigma_angle)
                                : sqrt(u->sigma_angle * u->sigma_angle * (1 - along) +
                                       ZERO_SIGMA * ZERO_SIGMA * along);
         }
@@ -186,6 +220,17 @@ void mukca_unknowns_predict(double position[3], const mukca_unknowns *u,
     mukca_unknowns_displacement(&d, u, n_joints, row);
     mukca_fk_position(position, &u->geometry, recording->data->q + (size_t)row * (size_t)n_joints,
                       u->n_causes ? &d : NULL);
+}
+
+void mukca_unknowns_predict_measured(double position[3], const mukca_unknowns *u,
+                                     const mukca_recording *recording, int row)
+{
+    double p[3];
+    mukca_unknowns_predict(p, u, recording, row);
+    memcpy(position, p, sizeof p);
+    if (recording->data->socket[row] >= 0) return;
+    mukca_mat3_vec(position, u->tracker.R, p);
+    for (int c = 0; c < 3; c++) position[c] += u->tracker.p[c];
 }
 
 void mukca_unknowns_to_base(double position[3], const mukca_unknowns *u, const double measured[3])

@@ -6,6 +6,7 @@
 #define MUKCA_DIAGNOSE_UNKNOWNS_H
 
 #include "diagnose/candidate.h"
+#include "fit/align.h"
 
 enum { MUKCA_MAX_ACCEPTED = 24 };
 
@@ -23,12 +24,15 @@ typedef struct {
      * with free_base six more, of the tracker's frame. */
     int n_geometry, n_slots, slot_width;
     int slot_element[MUKCA_MAX_JOINTS + 1];
-    bool free_base;
+    bool free_base, free_tool;
     double *theta;       /* [n_geometry] offsets about the nominal geometry, in local frames */
     double *theta_prior; /* [n_geometry] prior sigmas */
     double sigma_length, sigma_angle; /* prior scales of the geometry, m and rad */
     mukca_geometry geometry;          /* the arm at theta */
-    mukca_frame tracker;              /* pose logs: T_measured_base */
+    /* Pose logs: frames are composed with what theta adds, since large rotations do not add. */
+    mukca_frame tracker;     /* T_measured_base */
+    mukca_frame target;      /* free_tool: of the target, in the last slot's nominal frame */
+    mukca_alignment nominal; /* both frames, aligned with the nominal geometry */
 
     int n_causes;
     mukca_accepted *cause; /* [MUKCA_MAX_ACCEPTED] */
@@ -38,6 +42,17 @@ typedef struct {
     double *weight;         /* [n_rows] robust weights, NULL: none */
 } mukca_unknowns;
 
+/* An arm as it predicts samples: one step of the error breakdown. */
+typedef struct {
+    mukca_geometry geometry;
+    mukca_frame tracker;
+} mukca_arm_state;
+
+mukca_arm_state mukca_unknowns_nominal_arm(const mukca_unknowns *unknowns,
+                                           const mukca_chain *chain);
+mukca_arm_state mukca_unknowns_arm(const mukca_unknowns *unknowns);
+void mukca_unknowns_set_arm(mukca_unknowns *unknowns, const mukca_arm_state *arm);
+
 /* Memory comes from `pool`.  False: no memory. */
 bool mukca_unknowns_create(mukca_unknowns *unknowns, mukca_pool *pool,
                            const mukca_recording *recording);
@@ -45,6 +60,9 @@ bool mukca_unknowns_create(mukca_unknowns *unknowns, mukca_pool *pool,
 /* A copy with memory of its own from `pool` (false: none), and copying the values back. */
 bool mukca_unknowns_clone(mukca_unknowns *copy, mukca_pool *pool, const mukca_unknowns *unknowns);
 void mukca_unknowns_assign(mukca_unknowns *unknowns, const mukca_unknowns *from);
+
+/* Move what theta says of the free frames into them. */
+void mukca_unknowns_fold_frames(mukca_unknowns *unknowns);
 
 /* Origins from theta. */
 void mukca_unknowns_set_geometry(mukca_unknowns *unknowns, const mukca_chain *chain);
@@ -70,9 +88,13 @@ void mukca_unknowns_drop(mukca_unknowns *unknowns, int cause);
 void mukca_unknowns_displacement(mukca_displacement *displacement, const mukca_unknowns *unknowns,
                                  int n_joints, int row);
 
-/* Predicted tip (m, base frame) of a row with the present geometry and causes. */
+/* Predicted tip of a row with the present geometry and causes, m, in the base frame; the second in
+ * the frame of the measurement (a pose log's: the tracker's). */
 void mukca_unknowns_predict(double position[3], const mukca_unknowns *unknowns,
                             const mukca_recording *recording, int row);
+
+void mukca_unknowns_predict_measured(double position[3], const mukca_unknowns *unknowns,
+                                     const mukca_recording *recording, int row);
 
 /* A measured position (m) in the base frame. */
 void mukca_unknowns_to_base(double position[3], const mukca_unknowns *unknowns,

@@ -5,38 +5,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "math/dense.h"
+#include "fit/align.h"
 
-void mukca_fit_start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
-                     bool free_base)
+/* theta[6 * n_elements] to start from: nominal, with the free frames aligned to the measured poses.
+ * False: no memory. */
+static bool start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
+                  const mukca_fit_options *options)
 {
+    const int tip = mukca_chain_tip_element(chain);
     mukca_geometry geometry;
-    double mean_a[3] = {0}, mean_b[3] = {0}, H[9] = {0}, turned[3];
-    double R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    int n = 0;
-    mukca_chain_theta(theta, chain);
-    if (!free_base || !data->position) return;
-    mukca_geometry_set(&geometry, chain, theta);
-    for (int pass = 0; pass < 2; pass++) {
-        for (int i = 0; i < data->n_rows; i++) {
-            const double *a = data->position + 3 * i;
-            double b[3];
-            if (data->socket[i] >= 0 || !isfinite(a[0])) continue;
-            mukca_fk_position(b, &geometry, data->q + i * data->n_joints, NULL);
-            n += pass == 0;
-            for (int r = 0; r < 3; r++) {
-                if (pass == 0) mean_a[r] += a[r], mean_b[r] += b[r];
-                for (int c = 0; c < 3 && pass == 1; c++)
-                    H[3 * r + c] += (b[r] - mean_b[r]) * (a[c] - mean_a[c]);
-            }
-        }
-        for (int r = 0; r < 3 && pass == 0 && n > 0; r++) mean_a[r] /= n, mean_b[r] /= n;
-    }
-    if (n < 3) return;
-    mukca_rotation_nearest(R, H);
-    mukca_mat3_vec(turned, R, mean_b);
-    for (int r = 0; r < 3; r++) theta[r] = mean_a[r] - turned[r];
-    mukca_rotation_to_rpy(theta + 3, R, NULL);
+    mukca_alignment a;
+    mukca_geometry_set(&geometry, chain, NULL);
+    if (!mukca_align(
+            &a, &geometry, data,
+            &(mukca_align_options){.tracker = options->free_base, .target = options->free_tool}))
+        return false;
+    if (options->free_base) geometry.origin[0] = a.tracker;
+    if (options->free_tool)
+        mukca_frame_multiply(&geometry.origin[tip], &geometry.origin[tip], &a.target);
+    mukca_geometry_theta(theta, chain, &geometry);
+    return true;
 }
 
 static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, double *work,
@@ -71,7 +59,8 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     if (status != MUKCA_OK) return status;
 
     const size_t n = (size_t)fit->parameters.n;
-    mukca_fit_start(fit->theta, &fit->chain, data, options->free_base);
+    if (!start(fit->theta, &fit->chain, data, options))
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     mukca_cost_options cost_options = options->cost;
     cost_options.theta = fit->theta;
     const size_t bytes =

@@ -36,9 +36,4 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
 /* Harmless on a zeroed one. */
 void mukca_fit_free(mukca_fit *fit);
 
-/* theta[6 * n_elements] to start from: nominal, with the base frame (element 0) aligned to the
- * measured positions where `free_base` added it. */
-void mukca_fit_start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
-                     bool free_base);
-
 #endif

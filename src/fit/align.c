@@ -1,0 +1,280 @@
+/* Frames of measured poses from a closed form. */
+#include "fit/align.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "math/dense.h"
+#include "math/stats.h"
+
+/* A nominal arm is off by some millimetres (prior of the geometry): the scale of the errors that an
+ * alignment has to live with, m, and the rotation that makes as much at an arm's length of 1 m. */
+#define MODEL_ERROR 5e-3
+/* A target is mounted within a hand's reach of the flange, m: decides only what the postures leave
+ * open. */
+#define TARGET_REACH 0.3
+enum { MOST_STEPS = 30 };
+
+/* One pose: prediction and measurement, and its robust weight. */
+typedef struct {
+    mukca_frame tip, measured;
+    double weight;
+    bool turned; /* orientation measured, too */
+} pose;
+
+typedef struct {
+    pose *poses;
+    int n;
+    bool tracker, target, turned;
+} problem;
+
+/* Rotation that best turns the vectors b to a, from S = sum a b' (Horn 1987, unit quaternion). */
+static void best_rotation(double R[9], const double S[9])
+{
+    const double xx = S[0], xy = S[1], xz = S[2], yx = S[3], yy = S[4], yz = S[5], zx = S[6],
+                 zy = S[7], zz = S[8];
+    double N[16] = {xx + yy + zz, zy - yz, xz - zx, yx - xy,     zy - yz,      xx - yy - zz,
+                    xy + yx,      zx + xz, xz - zx, xy + yx,     yy - xx - zz, yz + zy,
+                    yx - xy,      zx + xz, yz + zy, zz - xx - yy};
+    double w[4], V[16], q[4];
+    mukca_dense_eigen(w, V, N, 4);
+    for (int i = 0; i < 4; i++) q[i] = V[4 * i];
+    mukca_rotation_from_quaternion(R, q);
+}
+
+/* C = A' B */
+static void tmul(double C[9], const double A[9], const double B[9])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            C[3 * i + j] = A[i] * B[j] + A[3 + i] * B[3 + j] + A[6 + i] * B[6 + j];
+}
+
+/* Orientation of the target: relative turns of the measurement are those of the tip seen from the
+ * target, so their axes differ by its rotation (Park and Martin 1994). */
+static void turn_target(mukca_alignment *a, const problem *p)
+{
+    double S[9] = {0};
+    int used = 0;
+    for (int step = 1; step <= p->n / 2 && step <= 8; step++)
+        for (int i = 0; i + step < p->n; i++) {
+            const pose *x = &p->poses[i], *y = &p->poses[i + step];
+            double tip[9], measured[9], u[3], v[3];
+            if (!x->turned || !y->turned) continue;
+            tmul(tip, x->tip.R, y->tip.R);
+            tmul(measured, x->measured.R, y->measured.R);
+            mukca_rotation_log(u, tip);
+            mukca_rotation_log(v, measured);
+            /* near half a turn the axis may flip; a wrong row turns by another angle */
+            const double tu = sqrt(mukca_dot3(u, u)), tv = sqrt(mukca_dot3(v, v));
+            if (tu > 3.0 || fabs(tu - tv) > 0.05) continue;
+            for (int r = 0; r < 3; r++)
+                for (int c = 0; c < 3; c++) S[3 * r + c] += u[r] * v[c];
+            used++;
+        }
+    if (used >= 2) best_rotation(a->target.R, S);
+}
+
+/* Orientation of the tracker by the orientations, the target's being known. */
+static void turn_tracker(mukca_alignment *a, const problem *p)
+{
+    double S[9] = {0};
+    for (int i = 0; i < p->n; i++) {
+        double R[9];
+        if (!p->poses[i].turned) continue;
+        mukca_mat3_mul(R, p->poses[i].tip.R, a->target.R);
+        for (int r = 0; r < 3; r++)
+            for (int c = 0; c < 3; c++)
+                for (int k = 0; k < 3; k++)
+                    S[3 * r + c] += p->poses[i].measured.R[3 * r + k] * R[3 * c + k];
+    }
+    best_rotation(a->tracker.R, S);
+}
+
+/* Position of the target in the tip's frame from positions alone: tracker' (measured - offset) =
+ * tip.p + tip.R target is linear in the nine elements of tracker', its turned offset and the
+ * target. */
+static void place_target(mukca_alignment *a, const problem *p)
+{
+    enum { N = 15, SIZE = N + 1 };
+    double R[N * SIZE] = {0}, x[N];
+    for (int i = 0; i < p->n; i++)
+        for (int r = 0; r < 3; r++) {
+            double row[SIZE] = {0};
+            const pose *e = &p->poses[i];
+            for (int c = 0; c < 3; c++) {
+                row[3 * r + c] = e->measured.p[c] / MODEL_ERROR;
+                row[12 + c] = -e->tip.R[3 * r + c] / MODEL_ERROR;
+            }
+            row[9 + r] = 1 / MODEL_ERROR;
+            row[N] = e->tip.p[r] / MODEL_ERROR;
+            mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
+        }
+    for (int c = 0; c < 3; c++) {
+        double row[SIZE] = {0};
+        row[12 + c] = 1 / TARGET_REACH;
+        mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
+    }
+    for (int i = N - 1; i >= 12; i--) { /* the target's three are the last ones */
+        double sum = R[i * SIZE + N];
+        for (int k = i + 1; k < N; k++) sum -= R[i * SIZE + k] * x[k];
+        x[i] = fabs(R[i * SIZE + i]) > 0 ? sum / R[i * SIZE + i] : 0;
+    }
+    memcpy(a->target.p, x + 12, sizeof a->target.p);
+}
+
+/* Tracker from positions, the target's being known (Horn). */
+static void orient_tracker(mukca_alignment *a, const problem *p)
+{
+    double mean[2][3] = {{0}}, S[9] = {0}, turned[3], total = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < p->n; i++) {
+            const pose *e = &p->poses[i];
+            double b[3];
+            mukca_mat3_vec(b, e->tip.R, a->target.p);
+            total += pass ? 0 : e->weight;
+            for (int r = 0; r < 3; r++) b[r] += e->tip.p[r];
+            for (int r = 0; r < 3; r++) {
+                if (!pass) {
+                    mean[0][r] += e->weight * e->measured.p[r];
+                    mean[1][r] += e->weight * b[r];
+                } else {
+                    for (int c = 0; c < 3; c++)
+                        S[3 * r + c] += e->weight * (e->measured.p[r] - mean[0][r] / total) *
+                                        (b[c] - mean[1][c] / total);
+                }
+            }
+        }
+    best_rotation(a->tracker.R, S);
+    for (int r = 0; r < 3; r++) mean[1][r] /= total;
+    mukca_mat3_vec(turned, a->tracker.R, mean[1]);
+    for (int r = 0; r < 3; r++) a->tracker.p[r] = mean[0][r] / total - turned[r];
+}
+
+/* Position residual of a pose, and the lever at which the tracker's rotation turns it. */
+static void residual(double r[3], double lever[3], const mukca_alignment *a, const pose *e)
+{
+    double at[3], target[3];
+    mukca_mat3_vec(target, e->tip.R, a->target.p);
+    for (int c = 0; c < 3; c++) at[c] = e->tip.p[c] + target[c];
+    mukca_mat3_vec(lever, a->tracker.R, at);
+    for (int c = 0; c < 3; c++) r[c] = e->measured.p[c] - a->tracker.p[c] - lever[c];
+}
+
+/* One Gauss-Newton step of the free positions and of the tracker's rotation (orientations have
+ * settled the target's); returns its largest element. */
+static double refine(mukca_alignment *a, const problem *p)
+{
+    enum { N = 9, SIZE = N + 1 };
+    double R[N * SIZE] = {0}, x[N];
+    for (int i = 0; i < p->n; i++) {
+        double r[3], lever[3], RF[9];
+        const pose *e = &p->poses[i];
+        const double w = sqrt(e->weight) / MODEL_ERROR;
+        residual(r, lever, a, e);
+        mukca_mat3_mul(RF, a->tracker.R, e->tip.R);
+        for (int k = 0; k < 3; k++) {
+            double row[SIZE] = {0};
+            if (p->tracker) {
+                row[k] = w;
+                row[3 + (k + 1) % 3] = w * lever[(k + 2) % 3]; /* omega x lever */
+                row[3 + (k + 2) % 3] = -w * lever[(k + 1) % 3];
+            }
+            for (int c = 0; p->target && c < 3; c++) row[6 + c] = w * RF[3 * k + c];
+            row[N] = w * r[k];
+            mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
+        }
+    }
+    for (int c = 0; c < N; c++) { /* keeps what nothing determines where it is */
+        double row[SIZE] = {0};
+        row[c] = c < 6 ? 1e-6 : 1 / TARGET_REACH;
+        row[N] = c < 6 ? 0 : -a->target.p[c - 6] / TARGET_REACH;
+        mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
+    }
+    double step = 0;
+    for (int i = N - 1; i >= 0; i--) {
+        double sum = R[i * SIZE + N];
+        for (int k = i + 1; k < N; k++) sum -= R[i * SIZE + k] * x[k];
+        x[i] = sum / R[i * SIZE + i];
+        if (!isfinite(x[i])) return 0;
+        step = fmax(step, fabs(x[i]));
+    }
+    double turn[9], turned[9];
+    mukca_rotation_exp(turn, x + 3);
+    mukca_mat3_mul(turned, turn, a->tracker.R);
+    memcpy(a->tracker.R, turned, sizeof turned);
+    for (int c = 0; c < 3 && p->tracker; c++) a->tracker.p[c] += x[c];
+    for (int c = 0; c < 3 && p->target; c++) a->target.p[c] += x[6 + c];
+    return step;
+}
+
+/* Robust weights of the present alignment, heavy-tailed as the screening's; returns the median
+ * distance, m.  `length` is scratch for one number a pose. */
+static double weigh(const mukca_alignment *a, problem *p, double *length)
+{
+    double lever[3], r[3];
+    for (int i = 0; i < p->n; i++) {
+        residual(r, lever, a, &p->poses[i]);
+        length[i] = p->poses[i].weight = sqrt(mukca_dot3(r, r));
+    }
+    const double median = mukca_stats_median(length, p->n), c = fmax(3 * median, 1e-6);
+    for (int i = 0; i < p->n; i++) {
+        const double x = p->poses[i].weight / c;
+        p->poses[i].weight = 1 / (1 + x * x);
+    }
+    return median;
+}
+
+/* Closed form, then Gauss-Newton; `guess` starts the target at the linear system's solution. */
+static void solve(mukca_alignment *a, problem *p, bool guess, double *length)
+{
+    for (int i = 0; i < p->n; i++) p->poses[i].weight = 1;
+    if (p->turned && p->target) turn_target(a, p);
+    if (guess) place_target(a, p);
+    if (p->tracker) {
+        orient_tracker(a, p);
+        if (p->turned) turn_tracker(a, p);
+    }
+    for (int pass = 0; pass < MOST_STEPS; pass++) {
+        const double step = refine(a, p);
+        a->median_m = weigh(a, p, length);
+        if (step < 1e-9) break; /* 1 nm, 1 nrad */
+    }
+}
+
+static void collect(problem *p, const mukca_geometry *geometry, const mukca_dataset *data,
+                    const unsigned char *keep)
+{
+    for (int row = 0; row < data->n_rows; row++) {
+        const double *x = data->position + 3 * (size_t)row;
+        if (data->socket[row] >= 0 || !isfinite(x[0]) || (keep && !keep[row])) continue;
+        pose *e = &p->poses[p->n++];
+        mukca_fk_pose(&e->tip, geometry, data->q + (size_t)row * (size_t)data->n_joints, NULL);
+        memcpy(e->measured.p, x, sizeof e->measured.p);
+        const double *quaternion = data->quaternion ? data->quaternion + 4 * (size_t)row : NULL;
+        e->turned = quaternion && isfinite(quaternion[0]);
+        if (e->turned) mukca_rotation_from_quaternion(e->measured.R, quaternion);
+        p->turned |= e->turned;
+    }
+}
+
+bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const mukca_dataset *data,
+                 const mukca_align_options *options)
+{
+    const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const mukca_alignment start = {.tracker = identity, .target = identity, .median_m = NAN};
+    problem p = {.tracker = options->tracker, .target = options->target};
+    *out = start;
+    if (!data->position || data->n_rows < 3 || (!p.tracker && !p.target)) return true;
+    p.poses = malloc((size_t)data->n_rows * (sizeof *p.poses + sizeof(double)));
+    if (!p.poses) return false;
+    collect(&p, geometry, data, options->keep);
+    for (int guess = 0; p.n >= 3 && guess < 1 + p.target; guess++) {
+        mukca_alignment a = start;
+        solve(&a, &p, guess, (double *)(p.poses + data->n_rows));
+        if (!(a.median_m >= out->median_m)) *out = a;
+    }
+    free(p.poses);
+    return true;
+}
