@@ -125,26 +125,45 @@ bool mukca_candidate_changes_pair(const mukca_candidate *h, const mukca_recordin
             recording->groups[recording->pairs[pair].a].placement == h->placement);
 }
 
-int mukca_candidate_scales(const double **scales, const mukca_candidate *h)
+static bool is_elastic(const mukca_candidate *h)
 {
-    /* Grids half a decade apart over the sizes that arms show: errors of an angle from below
-     * repeatability to a bad zero, rad; of a socket from a nudge to a wrong label, m; of a ball in
-     * its holder, m. */
-    static const double angle[] = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3};
-    static const double socket[] = {0.2e-3, 1e-3, 5e-3, 20e-3};
-    static const double ball[] = {0.05e-3, 0.2e-3, 1e-3};
-    switch (mukca_candidate_site(h)) {
-        case MUKCA_SITE_SOCKET:
-        case MUKCA_SITE_DISTANCE:
-            *scales = socket;
-            return COUNT(socket);
-        case MUKCA_SITE_TIP:
-            *scales = ball;
-            return COUNT(ball);
-        default:
-            *scales = angle;
-            return COUNT(angle);
+    return h->kind == MUKCA_CANDIDATE_EFFECT &&
+           mukca_effect_has((int)h->effect.kind, MUKCA_TRAIT_ELASTIC);
+}
+
+int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *h)
+{
+    /* An unknown function turns its joint by so much rms, rad: arms show many of 0.1 mrad, and
+     * hardly ever one of 10. */
+    static const double unknown[] = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3};
+    static const double frequency[] = {1, 0.5, 0.2, 0.1, 0.03};
+    /* An arm's own weight rarely deflects a joint by more, rad: two millimetres at the tip. */
+    const double most_deflection = 3e-3;
+    const int class = mukca_candidate_class(h);
+    double total = 0;
+    int n = 0;
+    if (class == MUKCA_CLASS_UNKNOWN) {
+        for (; n < COUNT(unknown); n++) {
+            scale[n] = unknown[n];
+            total += log_weight[n] = frequency[n];
+        }
+    } else {
+        const mukca_effect_ops *ops =
+            class < MUKCA_EFFECT_COUNT ? mukca_effect_catalogue[class] : NULL;
+        const mukca_effect_sizes *sizes = !ops         ? &mukca_sizes_socket
+                                          : ops->sizes ? ops->sizes
+                                                       : &mukca_sizes_angle;
+        const double unit =
+            mukca_candidate_site(h) == MUKCA_SITE_ANGLES ? 1 : h->unit[0]; /* see sizes */
+        for (int i = 0; i < MUKCA_MAX_SIZES && sizes->sigma[i] > 0; i++) {
+            const bool rare = i >= sizes->usual;
+            if (rare && is_elastic(h) && sizes->sigma[i] * unit > most_deflection) break;
+            scale[n] = sizes->sigma[i] * unit;
+            total += log_weight[n++] = rare ? MUKCA_RARE_SIZE : 1;
+        }
     }
+    for (int i = 0; i < n; i++) log_weight[i] = log(log_weight[i] / total);
+    return n;
 }
 
 /* x in the range, mapped to [-1, 1]. */
@@ -207,12 +226,6 @@ static void fill_stretch(mukca_candidate *h, const mukca_recording *recording)
         for (int t = 0; t < 3; t++)
             h->basis[3 * row + t] =
                 (float)(1 - exp(-(recording->time[row] - range[0]) / h->stretch.time_constant));
-}
-
-static bool is_elastic(const mukca_candidate *h)
-{
-    return h->kind == MUKCA_CANDIDATE_EFFECT &&
-           mukca_effect_has((int)h->effect.kind, MUKCA_TRAIT_ELASTIC);
 }
 
 /* An effect's basis; the terms behind an elastic effect's own are what each body alone does. */

@@ -3,8 +3,14 @@
 #define MUKCA_DIAGNOSE_CANDIDATE_H
 
 #include "diagnose/recording.h"
+#include "effect/catalogue.h"
 
-enum { MUKCA_MAX_COLUMNS = 64 }; /* terms of one candidate */
+enum {
+    MUKCA_MAX_COLUMNS = 64, /* terms of one candidate */
+    /* Waves per turn that a smooth function of an angle follows: the narrowest bumps, 0.12 rad,
+     * need some six of them for a wave. */
+    MUKCA_SMOOTH_ORDER = 8
+};
 
 /* An effect of the catalogue, or a rival that explains structure by something else. */
 typedef enum {
@@ -82,8 +88,9 @@ double mukca_candidate_fault_share(const mukca_candidate *candidate,
 bool mukca_candidate_changes_pair(const mukca_candidate *candidate,
                                   const mukca_recording *recording, int pair);
 
-/* Prior scales of coefficient * unit that a candidate is averaged over; returns their number. */
-int mukca_candidate_scales(const double **scales, const mukca_candidate *candidate);
+/* Prior scales of coefficient * unit that a candidate is averaged over, with the logarithm of their
+ * weight; returns their number, at most MUKCA_MAX_SIZES. */
+int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *candidate);
 
 /* Fill terms, basis and units of a candidate that is otherwise set.  False: no memory. */
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,

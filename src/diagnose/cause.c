@@ -91,17 +91,30 @@ static void add_tie(mukca_cause *out, mukca_tie tie)
     if (out->n_ties < MUKCA_MAX_TIES) out->ties[out->n_ties++] = tie;
 }
 
-/* Without masses nobody knows the load, and what gravity bends looks like a smooth error of the
- * angle: such a name shares its place with the flexibility that cannot be tested. */
+/* Could flexibility look like that?  It is a smooth function of the angles, and differs between
+ * placements; fine ripple, stale readings and moved sockets are nothing of the kind. */
+static bool like_flexibility(const mukca_effect *effect)
+{
+    return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT) &&
+           effect->variant.order <= MUKCA_SMOOTH_ORDER &&
+           mukca_effect_table[effect->kind]->site != MUKCA_SITE_ANGLES;
+}
+
+/* Without masses nobody knows the load: a name that flexibility could look like shares its place,
+ * and its probability, with the flexibility that cannot be tested. */
 static void tie_untested_flexibility(mukca_cause *out, const mukca_competition *contest)
 {
     const unsigned char *disabled = contest->options->disabled;
-    if (!contest->m->recording.have_torques && mukca_effect_is_smooth(&out->effect) &&
-        !(disabled && disabled[MUKCA_EFFECT_JOINT_COMPLIANCE]) && out->n_ties < MUKCA_MAX_TIES)
-        out->ties[out->n_ties++] = (mukca_tie){.effect = MUKCA_EFFECT_JOINT_COMPLIANCE,
-                                               .joint = out->effect.joint,
-                                               .log_bayes_factor = NAN,
-                                               .correlation = NAN};
+    const bool withheld = disabled && disabled[MUKCA_EFFECT_JOINT_COMPLIANCE];
+    if (contest->m->recording.have_torques || withheld || !like_flexibility(&out->effect)) return;
+    out->probability *= 0.5;
+    if (out->n_ties < MUKCA_MAX_TIES) /* gravity loads the second joint most */
+        out->ties[out->n_ties++] =
+            (mukca_tie){.effect = MUKCA_EFFECT_JOINT_COMPLIANCE,
+                        .joint = out->effect.joint >= 0 ? out->effect.joint
+                                                        : contest->m->recording.chain->n_joints > 1,
+                        .log_bayes_factor = NAN,
+                        .correlation = NAN};
 }
 
 static void add_ties(mukca_cause *out, const mukca_competition *contest, int index)

@@ -9,7 +9,9 @@
  * ones are tried many times. */
 #define FIRST_THRESHOLD 3.0
 #define LATER_THRESHOLD 4.0
-enum { MOST_CAUSES = 10, MOST_OUTLIERS = 12 };
+/* A name is preferred to an unknown function of up to so much larger log odds (20 to 1). */
+#define PREFERENCE 3.0
+enum { MOST_CAUSES = 10, MOST_OUTLIERS = 12, ROUNDS = 4 };
 
 static int by_odds(const void *a, const void *b)
 {
@@ -61,8 +63,23 @@ void mukca_competition_rank(mukca_competition *contest)
     qsort(contest->table, (size_t)contest->n_table, sizeof *contest->table, by_odds);
 }
 
-/* Something that an accepted unknown function explains already: no function of the same argument
- * may be named after it.  What was accepted before (and is now left out) may come back. */
+/* Can an unknown function represent that candidate?  Both must be functions of the same argument;
+ * ripple of high order passes through its bumps. */
+static bool explains(const mukca_candidate *unknown, const mukca_competition *contest,
+                     const mukca_contender *c)
+{
+    if (unknown->kind == MUKCA_CANDIDATE_OTHER_ANGLE ||
+        unknown->kind == MUKCA_CANDIDATE_ANGLE_PRODUCT)
+        return mukca_effect_has(c->class, MUKCA_TRAIT_OTHER_ANGLE);
+    if (unknown->kind != MUKCA_CANDIDATE_OWN_ANGLE)
+        return mukca_effect_has(c->class, MUKCA_TRAIT_OF_TIME);
+    const mukca_candidate *best = mukca_scan_candidate(contest->scan, c->best);
+    return mukca_effect_has(c->class, MUKCA_TRAIT_OWN_ANGLE) &&
+           best->effect.variant.order <= MUKCA_SMOOTH_ORDER;
+}
+
+/* An accepted unknown function of the joint explains it already: nothing of that kind may be named
+ * after it.  What was accepted before (and is now left out) may come back. */
 static bool shadowed(const mukca_competition *contest, const mukca_contender *c, int without)
 {
     const mukca_regression *m = contest->m;
@@ -75,13 +92,7 @@ static bool shadowed(const mukca_competition *contest, const mukca_contender *c,
         if (i == without || mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN || h->joint != c->joint)
             continue;
         if (c->class == MUKCA_CLASS_UNKNOWN) return true;
-        const bool other =
-            h->kind == MUKCA_CANDIDATE_OTHER_ANGLE || h->kind == MUKCA_CANDIDATE_ANGLE_PRODUCT;
-        if (mukca_effect_has(c->class, other ? MUKCA_TRAIT_OTHER_ANGLE
-                                       : h->kind == MUKCA_CANDIDATE_OWN_ANGLE
-                                           ? MUKCA_TRAIT_OWN_ANGLE
-                                           : MUKCA_TRAIT_OF_TIME))
-            return true;
+        if (explains(h, contest, c)) return true;
     }
     return false;
 }
@@ -96,14 +107,32 @@ bool mukca_competition_taken(const mukca_competition *contest, const mukca_conte
     return false;
 }
 
-static const mukca_contender *leader(const mukca_competition *contest, int without)
+static const mukca_contender *best_of(const mukca_competition *contest, int without, bool names)
 {
     for (int i = 0; i < contest->n_table; i++) {
         const mukca_contender *c = &contest->table[i];
+        if (names && c->class == MUKCA_CLASS_UNKNOWN) continue;
         if (!shadowed(contest, c, without) && !mukca_competition_taken(contest, c, without))
             return c;
     }
     return NULL;
+}
+
+/* Who comes next, or takes the place of the cause left out.  Where names come first, an unknown
+ * function waits until none passes the threshold, and takes a name's place only by a clear lead. */
+static const mukca_contender *leader(mukca_competition *contest, int without, double threshold)
+{
+    const mukca_unknowns *u = &contest->m->unknowns;
+    const mukca_contender *all = best_of(contest, without, false);
+    if (!contest->names_first || !all || all->class != MUKCA_CLASS_UNKNOWN) return all;
+    if (without >= 0 && mukca_candidate_class(&u->cause[without].candidate) == MUKCA_CLASS_UNKNOWN)
+        return all;
+    const mukca_contender *name = best_of(contest, without, true);
+    if (!name || name->log_odds < threshold) return all;
+    const bool clear = all->log_odds > name->log_odds + PREFERENCE;
+    if (without >= 0) return clear ? all : name;
+    contest->passed_over |= clear;
+    return name;
 }
 
 static int outliers(const mukca_regression *m)
@@ -167,8 +196,8 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
             memcpy(contest->first_score, contest->scan->score,
                    sizeof *contest->first_score * (size_t)contest->scan->n_scores);
         }
-        const mukca_contender *top = leader(contest, -1);
         const double threshold = m->unknowns.n_causes ? LATER_THRESHOLD : FIRST_THRESHOLD;
+        const mukca_contender *top = leader(contest, -1, threshold);
         if (!top || top->log_odds < threshold) {
             if (extent != MUKCA_SCAN_ALL) { /* before giving up: all orders of ripple once more */
                 extent = MUKCA_SCAN_ALL;
@@ -186,46 +215,125 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Would the verdict be the same?  It does not name the other joint of an unknown function. */
-static bool says_the_same(const mukca_candidate *a, const mukca_candidate *b)
+static bool any_unknown(const mukca_unknowns *u)
 {
-    const bool other =
-        a->kind == MUKCA_CANDIDATE_OTHER_ANGLE || a->kind == MUKCA_CANDIDATE_ANGLE_PRODUCT;
-    return mukca_candidate_same(a, b) || (other && a->kind == b->kind && a->joint == b->joint);
+    for (int c = 0; c < u->n_causes; c++)
+        if (mukca_candidate_class(&u->cause[c].candidate) == MUKCA_CLASS_UNKNOWN) return true;
+    return false;
+}
+
+/* Drop a cause that nothing speaks for; returns false where it stays.  A name that an unknown
+ * function could do without stays where the set with both is the more probable. */
+static bool drop(mukca_competition *contest, int c)
+{
+    mukca_regression *m = contest->m;
+    const bool named = mukca_candidate_class(&m->unknowns.cause[c].candidate) < MUKCA_EFFECT_COUNT;
+    const bool doubtful = contest->names_first && named && any_unknown(&m->unknowns);
+    const double with = doubtful ? mukca_regression_score(m) : 0;
+    mukca_unknowns_assign(&contest->kept, &m->unknowns);
+    mukca_unknowns_drop(&m->unknowns, c);
+    mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
+    if (!doubtful || mukca_regression_score(m) >= with) return true;
+    mukca_unknowns_assign(&m->unknowns, &contest->kept);
+    mukca_regression_linearise(m);
+    return false;
+}
+
+/* Put a candidate in the place of a cause; later rounds keep it only where the set gets more
+ * probable, so that they end.  Returns whether it stays. */
+static bool swap(mukca_competition *contest, int c, const mukca_candidate *best, bool first)
+{
+    mukca_regression *m = contest->m;
+    mukca_unknowns *u = &m->unknowns;
+    const double before = first ? -HUGE_VAL : mukca_regression_score(m);
+    const int last = u->n_causes, step = u->cause[c].step;
+    mukca_unknowns_assign(&contest->kept, u);
+    if (!add(contest, best)) return false;
+    u->cause[last].step = step;
+    u->cause[c] = u->cause[last];
+    u->n_causes = last;
+    mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
+    if (mukca_regression_score(m) > before) return true;
+    mukca_unknowns_assign(u, &contest->kept);
+    mukca_regression_linearise(m);
+    return false;
 }
 
 /* Take each cause out, look who fills the hole best, and swap or drop. */
 static mukca_status settle(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;
-    for (int round = 0; round < 2; round++) {
-        bool changed = false;
+    bool changed = true;
+    for (int round = 0; round < ROUNDS && changed; round++) {
+        changed = false;
         for (int c = 0; c < m->unknowns.n_causes; c++) {
             if (!watch(contest, "testing each cause again", error)) return MUKCA_INTERRUPTED;
             mukca_scan_run(contest->scan, m, c, MUKCA_SCAN_CONTENDERS);
             mukca_competition_rank(contest);
-            const mukca_contender *top = leader(contest, c);
+            const mukca_contender *top = leader(contest, c, FIRST_THRESHOLD);
             if (!top || top->log_odds < FIRST_THRESHOLD) {
-                mukca_unknowns_drop(&m->unknowns, c--);
-                mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
-                changed = true;
+                if (drop(contest, c)) changed = true, c--;
                 continue;
             }
             const mukca_candidate *best = mukca_scan_candidate(contest->scan, top->best);
             const mukca_candidate *now = &m->unknowns.cause[c].candidate;
-            if (now->kind == MUKCA_CANDIDATE_OUTLIER || round > 0 || says_the_same(best, now))
+            if (now->kind == MUKCA_CANDIDATE_OUTLIER || round + 1 == ROUNDS ||
+                mukca_candidate_same(best, now))
                 continue;
-            const int last = m->unknowns.n_causes, step = m->unknowns.cause[c].step;
-            if (!add(contest, best)) continue;
-            m->unknowns.cause[last].step = step;
-            m->unknowns.cause[c] = m->unknowns.cause[last];
-            m->unknowns.n_causes = last;
-            mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
-            changed = true;
+            if (swap(contest, c, best, round == 0)) changed = true;
         }
-        if (!changed) break;
     }
     return MUKCA_OK;
+}
+
+static mukca_status search(mukca_competition *contest, bool names_first, mukca_error *error)
+{
+    contest->names_first = names_first;
+    mukca_status status = forward(contest, error);
+    if (status == MUKCA_OK) status = settle(contest, error);
+    return status;
+}
+
+/* Back to other unknowns, with their rows. */
+static void go_to(mukca_competition *contest, const mukca_unknowns *unknowns,
+                  const unsigned char *keep, const mukca_faults *faults)
+{
+    mukca_regression *m = contest->m;
+    mukca_unknowns_assign(&m->unknowns, unknowns);
+    memcpy(m->recording.keep, keep, (size_t)m->recording.data->n_rows);
+    mukca_recording_regroup(&m->recording);
+    mukca_regression_linearise(m);
+    *contest->faults = *faults;
+}
+
+/* The order in which causes are accepted must not decide.  Names first; and where an unknown
+ * function led on the way, also by the lead alone.  The more probable set stays, names being
+ * preferred.  Rows come back on the way: both searches start and end with their own. */
+static mukca_status search_both(mukca_competition *contest, mukca_error *error)
+{
+    mukca_regression *m = contest->m;
+    mukca_pool *pool = &m->pool;
+    const size_t rows = (size_t)m->recording.data->n_rows;
+    mukca_unknowns start, named;
+    unsigned char *keep = MUKCA_TAKE(pool, unsigned char, 2 * rows);
+    mukca_faults *faults = MUKCA_TAKE(pool, mukca_faults, 2);
+    if (!mukca_unknowns_clone(&start, pool, &m->unknowns) ||
+        !mukca_unknowns_clone(&named, pool, &m->unknowns) ||
+        !mukca_unknowns_clone(&contest->kept, pool, &m->unknowns) || pool->failed)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
+    memcpy(keep, m->recording.keep, rows);
+    faults[0] = *contest->faults;
+    mukca_status status = search(contest, true, error);
+    if (status != MUKCA_OK || !contest->passed_over) return status;
+    const double score = mukca_regression_score(m);
+    mukca_unknowns_assign(&named, &m->unknowns);
+    memcpy(keep + rows, m->recording.keep, rows);
+    faults[1] = *contest->faults;
+    go_to(contest, &start, keep, &faults[0]);
+    status = search(contest, false, error);
+    if (status == MUKCA_OK && mukca_regression_score(m) < score + PREFERENCE)
+        go_to(contest, &named, keep + rows, &faults[1]);
+    return status;
 }
 
 mukca_status mukca_competition_run(mukca_competition *contest, mukca_error *error)
@@ -237,7 +345,5 @@ mukca_status mukca_competition_run(mukca_competition *contest, mukca_error *erro
     contest->first_score = MUKCA_TAKE(pool, mukca_score, most);
     if (pool->failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
-    mukca_status status = forward(contest, error);
-    if (status == MUKCA_OK) status = settle(contest, error);
-    return status;
+    return search_both(contest, error);
 }

@@ -6,6 +6,7 @@
 #include <time.h>
 
 #include "diagnose/applied.h"
+#include "diagnose/cause.h"
 #include "diagnose/confounding.h"
 #include "diagnose/cross_validation.h"
 #include "diagnose/test_data.h"
@@ -57,18 +58,18 @@ static double now_s(void)
 
 /* What is measured and handed on is the geometry with the named causes: an unknown function fits
  * these samples and says nothing of others. */
-static void keep_named(mukca_regression *m, bool none)
+static void keep_named(mukca_regression *m, const mukca_findings *findings)
 {
-    bool dropped = false;
-    for (int c = 0; c < m->unknowns.n_causes; c++) {
-        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        if (mukca_candidate_is_fault(h) ||
-            (mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN && !none))
-            continue;
-        mukca_unknowns_drop(&m->unknowns, c--);
-        dropped = true;
+    bool keep[MUKCA_MAX_ACCEPTED] = {false};
+    const int n = m->unknowns.n_causes;
+    for (int i = 0; i < findings->n_causes; i++) {
+        const int c = mukca_cause_find(m, &findings->causes[i]);
+        if (c >= 0) keep[c] = true;
     }
-    if (dropped) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
+    for (int c = n - 1; c >= 0; c--)
+        if (!keep[c] && !mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
+            mukca_unknowns_drop(&m->unknowns, c);
+    if (m->unknowns.n_causes < n) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
 }
 
 /* Nothing can be tested.  Where a row belongs, an arm that does not fit cannot say either. */
@@ -110,7 +111,7 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
             mukca_confounding_measure(&s->confounding, &s->findings, &competition);
         const bool none = s->findings.verdict == MUKCA_VERDICT_UNKNOWN;
         if (s->findings.unexplained || none) s->structure_m = mukca_cross_validation_structure(m);
-        keep_named(m, none);
+        keep_named(m, &s->findings);
     } else if (status == MUKCA_OK) {
         give_up(s, m,
                 "the rows do not fit this arm: check the URDF, the tip, the columns and their "

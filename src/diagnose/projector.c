@@ -127,9 +127,8 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
 {
     const int k = h->terms;
     double A[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], x[MUKCA_MAX_COLUMNS], first[MUKCA_MAX_COLUMNS];
-    double value[8];
-    const double *scales;
-    const int n_scales = mukca_candidate_scales(&scales, h);
+    double value[MUKCA_MAX_SIZES], scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
+    const int n_scales = mukca_candidate_scales(scales, weight, h);
     const bool nonnegative =
         h->kind == MUKCA_CANDIDATE_EFFECT && mukca_effect_table[h->effect.kind]->nonnegative;
     double trace = 0;
@@ -156,7 +155,7 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
             q += s2 * x[i] * x[i];
         }
         q = fmin(q, 0.9999 * residual);
-        value[s] = -0.5 * log_det - 0.5 * dof * log1p(-q / residual);
+        value[s] = weight[s] - 0.5 * log_det - 0.5 * dof * log1p(-q / residual);
         if (nonnegative) {
             mukca_dense_backward(x, 1, A, k);
             memset(first, 0, sizeof *first * (size_t)k);
@@ -168,7 +167,7 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
             value[s] += log(2) + mukca_stats_log_normal_cdf(s2 * x[0] / sqrt(variance));
         }
     }
-    return mukca_stats_log_sum_exp(value, n_scales) - log(n_scales);
+    return mukca_stats_log_sum_exp(value, n_scales);
 }
 
 /* G := E' W E of the samples, without the sockets' means. */

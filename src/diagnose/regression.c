@@ -78,13 +78,13 @@ static void choose_scales(mukca_regression *m, const mukca_normal_equations *nor
     u->sigma_length = length, u->sigma_angle = angle;
     mukca_unknowns_set_geometry_prior(u, &m->recording);
     for (int c = 0; c < u->n_causes; c++) {
-        const double *scales;
-        const int n = mukca_candidate_scales(&scales, &u->cause[c].candidate);
+        double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
+        const int n = mukca_candidate_scales(scales, weight, &u->cause[c].candidate);
         double chosen = u->cause[c].scale;
         best = -HUGE_VAL;
         for (int i = 0; i < n; i++) {
             u->cause[c].scale = scales[i];
-            const double value = evaluate_scales(m, normal);
+            const double value = evaluate_scales(m, normal) + weight[i];
             if (value > best) best = value, chosen = scales[i];
         }
         u->cause[c].scale = chosen;
@@ -131,6 +131,20 @@ static void weigh_rotations(mukca_regression *m)
     if (angle > 0 && length > 0)
         m->unknowns.rotation_weight =
             fmin(fmax(m->unknowns.rotation_weight * sqrt(length / angle), 1e-2), 1e2);
+}
+
+double mukca_regression_score(mukca_regression *m)
+{
+    double score = mukca_regression_factor(m);
+    for (int c = 0; c < m->unknowns.n_causes; c++) {
+        const mukca_accepted *cause = &m->unknowns.cause[c];
+        double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
+        const int n = mukca_candidate_scales(scales, weight, &cause->candidate);
+        int at = 0;
+        while (at + 1 < n && scales[at] != cause->scale) at++;
+        score += cause->candidate.log_prior + weight[at];
+    }
+    return score;
 }
 
 void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom)

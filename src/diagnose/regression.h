@@ -46,6 +46,10 @@ typedef enum {
     MUKCA_FIT_ALL       /* noise, AR(1) and prior scales by evidence, in the first and third step */
 } mukca_fit_freedom;
 
+/* Log posterior of the set of causes that was last fitted, up to a constant: evidence, and the
+ * priors of the causes and of their sizes. */
+double mukca_regression_score(mukca_regression *m);
+
 /* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  Ends linearised. */
 void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom);
 

@@ -18,7 +18,7 @@ enum {
     MUKCA_RIPPLE_MOST = 24 /* orders of a joint that are scored as candidates */
 };
 
-enum { MUKCA_SCAN_STEPS = 48 }; /* runs that are remembered; later ones count for the last */
+enum { MUKCA_SCAN_STEPS = 64 }; /* runs that are remembered; later ones count for the last */
 
 /* How much of the list a run scores. */
 typedef enum {

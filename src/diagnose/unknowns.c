@@ -177,8 +177,8 @@ bool mukca_unknowns_add(mukca_unknowns *u, const mukca_candidate *candidate)
 {
     const int used = mukca_unknowns_column(u, u->n_causes) + candidate->terms;
     if (u->n_causes == MUKCA_MAX_ACCEPTED || used > mukca_unknowns_capacity(u)) return false;
-    const double *scales;
-    const int n = mukca_candidate_scales(&scales, candidate);
+    double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
+    const int n = mukca_candidate_scales(scales, weight, candidate);
     u->cause[u->n_causes++] = (mukca_accepted){.candidate = *candidate, .scale = scales[n / 2]};
     return true;
 }

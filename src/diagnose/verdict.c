@@ -12,8 +12,8 @@
 
 /* An accepted cause while the verdict is reached. */
 typedef struct {
-    int index; /* of the accepted cause */
-    bool named;
+    int index;        /* of the accepted cause */
+    bool named, part; /* part: of an unknown function */
     mukca_standing standing;
     mukca_cause cause; /* where named */
 } described;
@@ -96,20 +96,33 @@ static void find_where(mukca_findings *findings, const mukca_regression *m, cons
     qsort(findings->where, (size_t)findings->n_where, sizeof *findings->where, by_share);
 }
 
-/* Is a cause unknown, or a smooth function of the angle of a joint in which something unknown was
- * found, too, of about its weight: a part of that?  (An outlier is neither.) */
+/* Is a named cause part of an unknown function that was found, too, of about its weight: of the
+ * same joint's angle, or of time? */
 static bool part_of_unknown(const mukca_unknowns *u, const described *found, int cause)
 {
-    const mukca_candidate *h = &u->cause[cause].candidate;
-    const int class = mukca_candidate_class(h);
-    if (class == MUKCA_CLASS_UNKNOWN) return true;
-    if (!mukca_effect_has(class, MUKCA_TRAIT_OWN_ANGLE)) return false;
-    for (int c = 0; c < u->n_causes; c++)
-        if (mukca_candidate_class(&u->cause[c].candidate) == MUKCA_CLASS_UNKNOWN &&
-            u->cause[c].candidate.joint == h->joint &&
-            found[c].standing.log_odds > 0.5 * found[cause].standing.log_odds)
-            return true;
+    const mukca_effect *effect = &found[cause].cause.effect;
+    const int kind = (int)effect->kind, joint = effect->joint;
+    const bool timed = mukca_effect_has(kind, MUKCA_TRAIT_OF_TIME | MUKCA_TRAIT_PER_PLACEMENT);
+    const bool smooth = mukca_effect_has(kind, MUKCA_TRAIT_SMOOTH | MUKCA_TRAIT_PERIODIC) &&
+                        effect->variant.order <= MUKCA_SMOOTH_ORDER;
+    for (int c = 0; c < u->n_causes; c++) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        if (mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN ||
+            !(found[c].standing.log_odds > 0.5 * found[cause].standing.log_odds))
+            continue;
+        const bool of_time = h->kind == MUKCA_CANDIDATE_TIME || h->kind == MUKCA_CANDIDATE_SLIP ||
+                             h->kind == MUKCA_CANDIDATE_STRETCH;
+        if (of_time ? timed : smooth && h->joint == joint) return true;
+    }
     return false;
+}
+
+/* Is a cause more likely than not, or are its rivals named with it?  (Unknown functions count as
+ * rivals where it has one chance in five.) */
+static bool listed(const mukca_cause *cause)
+{
+    return cause->probability >= 0.5 || cause->n_ties > 0 ||
+           (cause->or_unknown && cause->probability >= 0.2);
 }
 
 static int by_odds(const void *a, const void *b)
@@ -124,11 +137,12 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_c
     mukca_regression *m = contest->m;
     const mukca_unknowns *u = &m->unknowns;
     described found[MUKCA_MAX_ACCEPTED];
-    double unknown = -HUGE_VAL, known = -HUGE_VAL;
-    int named = 0;
+    int named = 0, on_arm = 0;
+    bool unknown = false, tied = false;
     memset(findings, 0, sizeof *findings);
     for (int c = 0; c < u->n_causes; c++) {
         found[c] = (described){.index = c, .standing = {.log_odds = -HUGE_VAL}};
+        unknown |= mukca_candidate_class(&u->cause[c].candidate) == MUKCA_CLASS_UNKNOWN;
         if (u->cause[c].candidate.kind == MUKCA_CANDIDATE_OUTLIER)
             add_outlier(faults, m, &u->cause[c]);
         else
@@ -136,34 +150,35 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_c
                                                   &found[c].standing, contest, c);
         named += found[c].named;
     }
-    for (int c = 0; c < u->n_causes; c++) {
-        double *most = part_of_unknown(u, found, c) ? &unknown : &known;
-        *most = fmax(*most, found[c].standing.log_odds);
-    }
     find_where(findings, m, found);
     mukca_regression_factor(m); /* intervals are those of the full model */
     for (int c = 0; c < u->n_causes; c++)
-        if (found[c].named) mukca_cause_measure(&found[c].cause, m, c);
+        if (found[c].named) {
+            mukca_cause_measure(&found[c].cause, m, c);
+            found[c].part = part_of_unknown(u, found, c);
+        }
     qsort(found, (size_t)u->n_causes, sizeof *found, by_odds);
 
-    /* Next to a larger structure that nobody can name, smaller names are not to be trusted: only
-     * what happened to the tool stays. */
-    const bool any_unknown = unknown > -HUGE_VAL, nameless = any_unknown && unknown >= known;
-    bool ties = false;
     for (int c = 0; c < u->n_causes; c++) {
         const mukca_cause *cause = &found[c].cause;
-        const bool moved =
-            found[c].named && mukca_effect_table[cause->effect.kind]->site == MUKCA_SITE_SOCKET;
+        if (!found[c].named) continue;
+        const bool moved = mukca_effect_table[cause->effect.kind]->site == MUKCA_SITE_SOCKET;
         if (moved)
             mukca_screening_add(faults, &m->recording, MUKCA_FAULT_TOOL_MOTION,
                                 u->cause[found[c].index].candidate.fault.first, cause->amplitude);
-        if (!found[c].named || (nameless && !moved)) continue;
-        ties |= cause->n_ties > 0 || cause->or_unknown;
+        if (found[c].part || !listed(cause)) {
+            unknown = true;
+            continue;
+        }
+        on_arm += !moved;
+        tied |= cause->n_ties > 0 || cause->or_unknown;
         findings->causes[findings->n_causes++] = *cause;
     }
-    findings->verdict = !(fmax(unknown, known) > -HUGE_VAL) ? MUKCA_VERDICT_NONE
-                        : nameless                          ? MUKCA_VERDICT_UNKNOWN
-                        : ties                              ? MUKCA_VERDICT_TIED
-                                                            : MUKCA_VERDICT_NAMED;
-    findings->unexplained = any_unknown && findings->n_causes > 0;
+    findings->verdict = unknown && !on_arm    ? MUKCA_VERDICT_UNKNOWN
+                        : !findings->n_causes ? MUKCA_VERDICT_NONE
+                        : tied                ? MUKCA_VERDICT_TIED
+                                              : MUKCA_VERDICT_NAMED;
+    findings->unexplained = unknown && findings->n_causes > 0;
+    if (!m->recording.have_torques && unknown && findings->verdict == MUKCA_VERDICT_NAMED)
+        findings->verdict = MUKCA_VERDICT_TIED; /* the rest may be the main thing: flexibility */
 }

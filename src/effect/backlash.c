@@ -62,6 +62,7 @@ static const mukca_variant_ops torque_scale = {
 };
 
 const mukca_effect_ops mukca_backlash_effect = {
+    .sizes = &mukca_sizes_play,
     .info = {.name = "backlash",
              .title = "backlash",
              .site = MUKCA_SITE_ANGLE,
@@ -97,6 +98,7 @@ static bool hysteresis_candidate(mukca_effect *effect, const mukca_effect_survey
 }
 
 const mukca_effect_ops mukca_approach_hysteresis_effect = {
+    .sizes = &mukca_sizes_play,
     .info = {.name = "approach_hysteresis",
              .title = "approach hysteresis",
              .site = MUKCA_SITE_ANGLE,

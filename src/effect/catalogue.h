@@ -16,9 +16,26 @@ typedef struct {
     bool (*fits)(const mukca_effect *effect, int n_joints); /* NULL: always */
 } mukca_variant_ops;
 
+enum { MUKCA_MAX_SIZES = 8 };
+
+/* How large an effect is in real arms: prior sigmas of a coefficient, ended by 0.  The first
+ * `usual` ones are equally probable, the others MUKCA_RARE_SIZE times as much.  In the
+ * coefficient's unit; site ANGLES: rms turn of the joints, rad. */
+typedef struct {
+    int usual;
+    double sigma[MUKCA_MAX_SIZES];
+} mukca_effect_sizes;
+
+#define MUKCA_RARE_SIZE 0.01
+
+/* Sizes that several effects share; sizes.c names the sources. */
+extern const mukca_effect_sizes mukca_sizes_spring, mukca_sizes_play, mukca_sizes_angle,
+    mukca_sizes_ripple, mukca_sizes_zero, mukca_sizes_ball, mukca_sizes_socket;
+
 /* Members that do not apply are NULL. */
 typedef struct {
     mukca_effect_info info;
+    const mukca_effect_sizes *sizes; /* NULL: mukca_sizes_angle */
     void (*basis)(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
                   const double axis[3], const mukca_joint_state *state);
     /* site ANGLES, instead of basis: direction[n_joints], zeroed before */

@@ -21,6 +21,7 @@ static const char *joint_untested(const mukca_effect_survey *survey, int joint)
 }
 
 const mukca_effect_ops mukca_joint_compliance_effect = {
+    .sizes = &mukca_sizes_spring,
     .info = {.name = "joint_compliance",
              .title = "joint compliance",
              .site = MUKCA_SITE_ANGLE,
@@ -53,6 +54,7 @@ static bool link_candidate(mukca_effect *effect, const mukca_effect_survey *surv
 }
 
 const mukca_effect_ops mukca_link_bending_effect = {
+    .sizes = &mukca_sizes_spring,
     .info = {.name = "link_bending",
              .title = "link bending",
              .site = MUKCA_SITE_ROTATION,
@@ -84,6 +86,7 @@ static bool base_candidate(mukca_effect *effect, const mukca_effect_survey *surv
 }
 
 const mukca_effect_ops mukca_base_compliance_effect = {
+    .sizes = &mukca_sizes_spring,
     .info = {.name = "base_compliance",
              .title = "base compliance",
              .site = MUKCA_SITE_BASE,

@@ -194,6 +194,7 @@ static void describe_harmonic(char *text, size_t size, const mukca_effect *effec
 
 /* No candidates: the diagnosis scans all orders at once. */
 const mukca_effect_ops mukca_gear_harmonic_effect = {
+    .sizes = &mukca_sizes_ripple,
     .info = {.name = "gear_harmonic",
              .title = "transmission ripple",
              .site = MUKCA_SITE_ANGLE,

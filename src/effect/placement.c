@@ -20,6 +20,7 @@ static const char *zero_faint(int joint)
 }
 
 const mukca_effect_ops mukca_zero_jump_effect = {
+    .sizes = &mukca_sizes_zero,
     .info = {.name = "zero_jump",
              .title = "zero jump",
              .site = MUKCA_SITE_ANGLE,
@@ -52,6 +53,7 @@ static const char *const *shift_names(const mukca_effect_variant *variant)
 }
 
 const mukca_effect_ops mukca_ball_shift_effect = {
+    .sizes = &mukca_sizes_ball,
     .info = {.name = "ball_shift",
              .title = "ball shift",
              .site = MUKCA_SITE_TIP,

@@ -3,6 +3,7 @@
 
 /* No candidates: the diagnosis lists one per sample of each socket. */
 const mukca_effect_ops mukca_tool_motion_effect = {
+    .sizes = &mukca_sizes_socket,
     .info = {.name = "tool_motion",
              .title = "tool motion",
              .site = MUKCA_SITE_SOCKET,
@@ -25,6 +26,7 @@ static bool distance_candidate(mukca_effect *effect, const mukca_effect_survey *
 }
 
 const mukca_effect_ops mukca_socket_distance_effect = {
+    .sizes = &mukca_sizes_socket,
     .info = {.name = "socket_distance",
              .title = "socket distance",
              .site = MUKCA_SITE_DISTANCE,

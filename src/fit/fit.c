@@ -15,6 +15,8 @@ static bool start(double *theta, const mukca_chain *chain, const mukca_dataset *
     const int tip = mukca_chain_tip_element(chain);
     mukca_geometry geometry;
     mukca_alignment a;
+    mukca_chain_theta(theta, chain);
+    if (!options->free_base && !options->free_tool) return true;
     mukca_geometry_set(&geometry, chain, NULL);
     if (!mukca_align(
             &a, &geometry, data,
