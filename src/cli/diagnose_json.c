@@ -110,8 +110,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_chain *chain = r->chain;
     const mukca_dataset *data = r->data, *test = r->test;
-    json_t *causes = json_array(), *faults = json_array(), *tested = json_array(),
-           *joints = json_array();
+    json_t *causes = json_array(), *suspected = json_array(), *faults = json_array(),
+           *tested = json_array(), *joints = json_array();
     char words[MUKCA_WORDING];
     for (int i = 0; i < d->n_causes; i++) {
         json_t *cause = cause_object(&d->causes[i], chain, data);
@@ -120,6 +120,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         json_object_set_new(cause, "remedy", json_string(mukca_wording_remedy(&d->causes[i])));
         json_array_append_new(causes, cause);
     }
+    for (int i = 0; i < d->n_suspected; i++)
+        json_array_append_new(suspected, cause_object(&d->suspected[i], chain, data));
     for (int i = 0; i < d->n_faults; i++)
         json_array_append_new(faults, fault_object(&d->faults[i], data));
     for (int i = 0; i < d->n_where; i++)
@@ -172,6 +174,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_object_set_new(root, "why", cli_json_text(d->why ? d->why : *words ? words : NULL));
     mukca_wording_verdict(words, r);
     json_object_set_new(root, "sentence", cli_json_text(words));
+    json_object_set_new(root, "suspected", suspected);
+    json_object_set_new(root, "unnamed_m", cli_json_real(d->explained_m - d->structure_m));
     json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
     json_object_set_new(root, "next_poses", next_poses_array(r));
     json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));

@@ -10,7 +10,8 @@ typedef struct {
     double nominal_m, geometry_m, faults_excused_m, explained_m;
     double surprise, surprise_sigmas;     /* as in mukca_diagnosis */
     mukca_shrink shrink;                  /* from faults_excused_m to explained_m */
-    mukca_shrink cause[MUKCA_MAX_CAUSES]; /* from all but this cause, fitted anew, to all */
+    mukca_shrink cause[MUKCA_MAX_CAUSES]; /* from all found causes but this one to all */
+    bool suspected[MUKCA_MAX_CAUSES];     /* leaving it out does not raise the error */
     double noise_shrink_percent;          /* what the best of the catalogue gains on pure noise */
     double axis_rms_m[3];                 /* what geometry leaves, by base axis; not held out */
     double *placement_m;                  /* [n_placements] of explained_m, NULL: none */
@@ -25,9 +26,10 @@ void mukca_cross_validation_clear(mukca_validation *validation);
 double mukca_cross_validation_structure(mukca_regression *m);
 
 /* Leave one placement out (one socket, where there is one placement; a fifth of the rows of a pose
- * log): nominal, geometry, faults excused, explained, and each cause of the findings alone.  The
- * regression is left as it was.  placement_m comes from `pool`.  Errors: MUKCA_INTERRUPTED,
- * MUKCA_MEMORY. */
+ * log): nominal, geometry, faults excused, explained, and explained without each cause of the
+ * findings.  A cause whose removal does not raise the error beyond its interval is suspected and
+ * taken out, the least needed one first.  placement_m comes from `pool`.  Errors:
+ * MUKCA_INTERRUPTED, MUKCA_MEMORY. */
 mukca_status mukca_cross_validation_run(mukca_validation *validation, mukca_pool *pool,
                                         mukca_regression *m, const mukca_findings *findings,
                                         const mukca_diagnose_options *options, mukca_error *error);

@@ -130,12 +130,29 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
     if (status == MUKCA_OK && options->test)
         status = mukca_test_data_measure(&s->test, pool, m, &s->validation.geometry, options->test,
                                          error);
-    if (!(s->validation.surprise_sigmas > SURPRISED)) return status;
-    if (s->findings.verdict == MUKCA_VERDICT_NONE)
-        s->findings.verdict = MUKCA_VERDICT_UNKNOWN;
-    else
-        s->findings.unexplained = s->findings.n_causes > 0;
     return status;
+}
+
+/* What the held-out errors say of the verdict: suspected causes are not found, and samples that
+ * miss by more than noise and geometry allow have structure left. */
+static void revise(mukca_findings *f, const mukca_validation *v)
+{
+    const bool surprised = v->surprise_sigmas > SURPRISED;
+    int on_arm = 0, suspected = 0;
+    bool tied = false;
+    for (int i = 0; i < f->n_causes; i++) {
+        const mukca_cause *cause = &f->causes[i];
+        suspected += v->suspected[i];
+        if (v->suspected[i]) continue;
+        on_arm += mukca_effect_table[cause->effect.kind]->site != MUKCA_SITE_SOCKET;
+        tied |= cause->n_ties > 0 || cause->or_unknown;
+    }
+    if (suspected && f->verdict != MUKCA_VERDICT_UNKNOWN)
+        f->verdict = !on_arm                                     ? MUKCA_VERDICT_UNKNOWN
+                     : tied || f->verdict == MUKCA_VERDICT_NAMED ? f->verdict
+                                                                 : MUKCA_VERDICT_NAMED;
+    if (surprised && f->verdict == MUKCA_VERDICT_NONE) f->verdict = MUKCA_VERDICT_UNKNOWN;
+    f->unexplained = f->n_causes > suspected && (f->unexplained || surprised);
 }
 
 /* The results of all steps, as they are reported. */
@@ -145,15 +162,18 @@ static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *
     d->verdict = s->findings.verdict;
     d->why = s->why;
     d->unexplained = s->findings.unexplained;
-    d->n_causes = s->findings.n_causes;
     d->n_where = s->findings.n_where;
     d->n_faults = s->faults.count;
     d->n_tested = s->tested.count;
-    memcpy(d->causes, s->findings.causes, sizeof d->causes);
     memcpy(d->where, s->findings.where, sizeof d->where);
     memcpy(d->faults, s->faults.list, sizeof d->faults);
     memcpy(d->tested, s->tested.list, sizeof d->tested);
-    for (int c = 0; c < d->n_causes; c++) d->causes[c].held_out = v->cause[c];
+    for (int c = 0; c < s->findings.n_causes; c++) {
+        mukca_cause *cause =
+            v->suspected[c] ? &d->suspected[d->n_suspected++] : &d->causes[d->n_causes++];
+        *cause = s->findings.causes[c];
+        cause->held_out = v->cause[c];
+    }
     memcpy(d->axis_rms_m, v->axis_rms_m, sizeof d->axis_rms_m);
     d->nominal_m = v->nominal_m;
     d->geometry_m = v->geometry_m;
@@ -214,6 +234,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         diagnosis->tracker = m.unknowns.tracker;
         if (status == MUKCA_OK && !options->no_folds)
             status = validate(s, &diagnosis->pool, &m, options, error);
+        revise(&s->findings, &s->validation);
         if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, &m);
     }
     assemble(diagnosis, s, recording);

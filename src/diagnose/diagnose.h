@@ -129,8 +129,10 @@ typedef struct {
     mukca_verdict verdict;
     const char *why; /* it is `untestable`, else NULL */
     bool unexplained;
-    int n_causes, n_faults, n_tested, n_where;
+    int n_causes, n_suspected, n_faults, n_tested, n_where;
     mukca_cause causes[MUKCA_MAX_CAUSES];
+    mukca_cause
+        suspected[MUKCA_MAX_CAUSES]; /* leaving them out does not raise the held-out error */
     mukca_data_fault faults[MUKCA_MAX_FAULTS];
     mukca_tested tested[MUKCA_MAX_TESTED];
     mukca_where where[MUKCA_MAX_JOINTS];
