@@ -11,6 +11,8 @@
 #define LATER_THRESHOLD 4.0
 /* A name is preferred to an unknown function of up to so much larger log odds (20 to 1). */
 #define PREFERENCE 3.0
+/* A cause that leads by more log odds is not tested again in one search. */
+#define SAFE_LEAD 15.0
 enum { MOST_CAUSES = 10, MOST_OUTLIERS = 12, ROUNDS = 4 };
 
 static int by_odds(const void *a, const void *b)
@@ -259,7 +261,17 @@ static bool swap(mukca_competition *contest, int c, const mukca_candidate *best,
     return false;
 }
 
-/* Take each cause out, look who fills the hole best, and swap or drop. */
+/* By how much the leader leads all others that are not in the model, and the threshold. */
+static double lead_of(const mukca_competition *contest, const mukca_contender *top)
+{
+    double rival = FIRST_THRESHOLD;
+    for (int i = 0; i < contest->n_table; i++)
+        if (&contest->table[i] != top) rival = fmax(rival, contest->table[i].log_odds);
+    return top->log_odds - rival;
+}
+
+/* Take each cause out, look who fills the hole best, and swap or drop; again where something
+ * changed, but for causes that led by far. */
 static mukca_status settle(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;
@@ -267,6 +279,7 @@ static mukca_status settle(mukca_competition *contest, mukca_error *error)
     for (int round = 0; round < ROUNDS && changed; round++) {
         changed = false;
         for (int c = 0; c < m->unknowns.n_causes; c++) {
+            if (m->unknowns.cause[c].lead > SAFE_LEAD) continue;
             if (!watch(contest, "testing each cause again", error)) return MUKCA_INTERRUPTED;
             mukca_scan_run(contest->scan, m, c, MUKCA_SCAN_CONTENDERS);
             mukca_competition_rank(contest);
@@ -275,6 +288,7 @@ static mukca_status settle(mukca_competition *contest, mukca_error *error)
                 if (drop(contest, c)) changed = true, c--;
                 continue;
             }
+            m->unknowns.cause[c].lead = lead_of(contest, top);
             const mukca_candidate *best = mukca_scan_candidate(contest->scan, top->best);
             const mukca_candidate *now = &m->unknowns.cause[c].candidate;
             if (now->kind == MUKCA_CANDIDATE_OUTLIER || round + 1 == ROUNDS ||

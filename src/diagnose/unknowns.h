@@ -15,7 +15,8 @@ typedef struct {
     mukca_candidate candidate;
     double scale; /* prior sigma of coefficient * unit */
     double coefficient[MUKCA_MAX_COLUMNS];
-    int step; /* of the competition, when it was accepted */
+    int step;    /* of the competition, when it was accepted */
+    double lead; /* log odds by which it led when it was last tested; 0: not yet */
 } mukca_accepted;
 
 typedef struct {
