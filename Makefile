@@ -72,7 +72,7 @@ quietly = $(if $(V),,@echo '  $(1)'; )
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all core demo check soak unit asan memcheck tidy format fuzz bench golden verify-real \
+.PHONY: all core demo check soak unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
         verify-paper verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) ## the program build/mukca and the core library (default)
@@ -171,6 +171,9 @@ golden: $(PROGRAM) ## rewrite the expected output of the command-line tests and 
 
 verify-real: $(PROGRAM) ## the published real robots: Table I, minima of J, diagnosis (needs the data)
 	@$(TEST_ENVIRONMENT) $(call script,verify_real)
+
+verify-outside: $(PROGRAM) ## rules of an honest diagnosis on public measurements of others (needs the data)
+	@$(TEST_ENVIRONMENT) $(call script,verify_outside)
 
 verify-paper: $(PROGRAM) ## Kana et al. (2022), Tables 3 to 12, ours beside theirs
 	@$(TEST_ENVIRONMENT) $(call script,verify_paper)
