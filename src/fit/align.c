@@ -29,20 +29,6 @@ typedef struct {
     bool tracker, target, turned;
 } problem;
 
-/* Rotation that best turns the vectors b to a, from S = sum a b' (Horn 1987, unit quaternion). */
-static void best_rotation(double R[9], const double S[9])
-{
-    const double xx = S[0], xy = S[1], xz = S[2], yx = S[3], yy = S[4], yz = S[5], zx = S[6],
-                 zy = S[7], zz = S[8];
-    double N[16] = {xx + yy + zz, zy - yz, xz - zx, yx - xy,     zy - yz,      xx - yy - zz,
-                    xy + yx,      zx + xz, xz - zx, xy + yx,     yy - xx - zz, yz + zy,
-                    yx - xy,      zx + xz, yz + zy, zz - xx - yy};
-    double w[4], V[16], q[4];
-    mukca_dense_eigen(w, V, N, 4);
-    for (int i = 0; i < 4; i++) q[i] = V[4 * i];
-    mukca_rotation_from_quaternion(R, q);
-}
-
 /* C = A' B */
 static void tmul(double C[9], const double A[9], const double B[9])
 {
@@ -55,7 +41,7 @@ static void tmul(double C[9], const double A[9], const double B[9])
  * target, so their axes differ by its rotation (Park and Martin 1994). */
 static void turn_target(mukca_alignment *a, const problem *p)
 {
-    double S[9] = {0};
+    double H[9] = {0};
     int used = 0;
     for (int step = 1; step <= p->n / 2 && step <= 8; step++)
         for (int i = 0; i + step < p->n; i++) {
@@ -70,16 +56,16 @@ static void turn_target(mukca_alignment *a, const problem *p)
             const double tu = sqrt(mukca_dot3(u, u)), tv = sqrt(mukca_dot3(v, v));
             if (tu > 3.0 || fabs(tu - tv) > 0.05) continue;
             for (int r = 0; r < 3; r++)
-                for (int c = 0; c < 3; c++) S[3 * r + c] += u[r] * v[c];
+                for (int c = 0; c < 3; c++) H[3 * r + c] += v[r] * u[c];
             used++;
         }
-    if (used >= 2) best_rotation(a->target.R, S);
+    if (used >= 2) mukca_rotation_nearest(a->target.R, H);
 }
 
 /* Orientation of the tracker by the orientations, the target's being known. */
 static void turn_tracker(mukca_alignment *a, const problem *p)
 {
-    double S[9] = {0};
+    double H[9] = {0};
     for (int i = 0; i < p->n; i++) {
         double R[9];
         if (!p->poses[i].turned) continue;
@@ -87,9 +73,9 @@ static void turn_tracker(mukca_alignment *a, const problem *p)
         for (int r = 0; r < 3; r++)
             for (int c = 0; c < 3; c++)
                 for (int k = 0; k < 3; k++)
-                    S[3 * r + c] += p->poses[i].measured.R[3 * r + k] * R[3 * c + k];
+                    H[3 * r + c] += R[3 * r + k] * p->poses[i].measured.R[3 * c + k];
     }
-    best_rotation(a->tracker.R, S);
+    mukca_rotation_nearest(a->tracker.R, H);
 }
 
 /* Position of the target in the tip's frame from positions alone: tracker' (measured - offset) =
@@ -127,7 +113,7 @@ static void place_target(mukca_alignment *a, const problem *p)
 /* Tracker from positions, the target's being known (Horn). */
 static void orient_tracker(mukca_alignment *a, const problem *p)
 {
-    double mean[2][3] = {{0}}, S[9] = {0}, turned[3], total = 0;
+    double mean[2][3] = {{0}}, H[9] = {0}, turned[3], total = 0;
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < p->n; i++) {
             const pose *e = &p->poses[i];
@@ -141,12 +127,12 @@ static void orient_tracker(mukca_alignment *a, const problem *p)
                     mean[1][r] += e->weight * b[r];
                 } else {
                     for (int c = 0; c < 3; c++)
-                        S[3 * r + c] += e->weight * (e->measured.p[r] - mean[0][r] / total) *
-                                        (b[c] - mean[1][c] / total);
+                        H[3 * r + c] += e->weight * (b[r] - mean[1][r] / total) *
+                                        (e->measured.p[c] - mean[0][c] / total);
                 }
             }
         }
-    best_rotation(a->tracker.R, S);
+    mukca_rotation_nearest(a->tracker.R, H);
     for (int r = 0; r < 3; r++) mean[1][r] /= total;
     mukca_mat3_vec(turned, a->tracker.R, mean[1]);
     for (int r = 0; r < 3; r++) a->tracker.p[r] = mean[0][r] / total - turned[r];
