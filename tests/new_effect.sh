@@ -16,11 +16,9 @@ cat >src/effect/joint_quadratic.c <<'EOF'
 /* A toy: the error of the angle grows with the square of the angle. */
 #include "effect/catalogue.h"
 
-static void basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                  const double axis[3], const mukca_joint_state *state)
+static void basis(double basis[][3], const mukca_basis_input *in)
 {
-    const double q = state->q[effect->joint];
-    (void)axis;
+    const double q = in->state->q[in->effect->joint];
     basis[0][0] = q * q;
 }
 

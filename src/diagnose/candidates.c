@@ -235,7 +235,7 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
         if (!all->enabled[kind] && kind != MUKCA_EFFECT_GEAR_HARMONIC)
             all->missing[kind] = disabled && disabled[kind]
-                                     ? "left out on request"
+                                     ? "excluded on request"
                                      : mukca_effect_missing((mukca_effect_kind)kind, &all->survey);
     return MUKCA_OK;
 }

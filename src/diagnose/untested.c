@@ -37,7 +37,7 @@ static void add_missing(mukca_tested_list *tested, const mukca_candidates *all)
         const bool turning = mukca_effect_table[kind]->site == MUKCA_SITE_ROTATION ||
                              mukca_effect_has(kind, MUKCA_TRAIT_PERIODIC);
         const char *why = kind == MUKCA_EFFECT_GEAR_HARMONIC && !all->harmonics
-                              ? "left out on request"
+                              ? "excluded on request"
                               : all->missing[kind];
         if (why) add(tested, kind, -1, why);
         for (int j = 0; !why && mukca_effect_has_joint(kind) && j < survey->n_joints; j++)

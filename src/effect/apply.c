@@ -33,8 +33,7 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
         case MUKCA_SITE_TIP:
             break;
     }
-    static const double none[3] = {0, 0, 0};
-    const double *axis = j >= 0 ? chain->element[chain->joint_element[j]].axis : none;
+    const double *axis = j >= 0 ? chain->element[chain->joint_element[j]].axis : NULL;
     const int width = mukca_effect_table[effect->kind]->site == MUKCA_SITE_ANGLE ? 1 : 3;
     mukca_effect_basis(basis, effect, axis, state);
     for (int t = 0; t < effect->terms; t++)

@@ -5,12 +5,11 @@
 
 #include "effect/catalogue.h"
 
-static void backlash_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                           const double axis[3], const mukca_joint_state *state)
+static void backlash_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)axis;
-    if (state->torque)
-        basis[0][0] = -0.5 * tanh(state->torque[effect->joint] / effect->variant.torque_scale);
+    const mukca_effect *effect = in->effect;
+    if (in->state->torque)
+        basis[0][0] = -0.5 * tanh(in->state->torque[effect->joint] / effect->variant.torque_scale);
 }
 
 /* Friction holds a gear between its flanks up to a torque of this order, N m: small, middle-sized
@@ -26,13 +25,6 @@ static bool backlash_candidate(mukca_effect *effect, const mukca_effect_survey *
     return true;
 }
 
-static const char *backlash_untested(const mukca_effect_survey *survey, int joint)
-{
-    return survey->joint[joint].torque_most < MUKCA_LEAST_TORQUE
-               ? "gravity does not load it in these poses"
-               : "gravity holds it on one side in all rows: record poses on both sides";
-}
-
 static bool read_torque(mukca_effect_variant *variant, const char *text)
 {
     double millis;
@@ -46,10 +38,10 @@ static void write_torque(char *text, size_t size, const mukca_effect_variant *va
     snprintf(text, size, "%.10gmNm", 1e3 * variant->torque_scale);
 }
 
-static bool usual_torque(mukca_effect *effect, int n_joints)
+static bool complete_torque(mukca_effect *effect, int n_joints)
 {
     (void)n_joints;
-    effect->variant.torque_scale = 1;
+    if (effect->variant.torque_scale == 0) effect->variant.torque_scale = 1;
     return true;
 }
 
@@ -58,57 +50,46 @@ static const mukca_variant_ops torque_scale = {
     .expected = "@TORQUE in mN m, above 0",
     .read = read_torque,
     .write = write_torque,
-    .usual = usual_torque,
+    .complete = complete_torque,
 };
 
 const mukca_effect_ops mukca_backlash_effect = {
-    .sizes = &mukca_sizes_play,
+    .sizes = &mukca_sizes_backlash,
     .info = {.name = "backlash",
              .title = "backlash",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             .unit = "rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad",
+             MUKCA_IN_MRAD,
              .nonnegative = true,
              .needs = MUKCA_NEEDS_MASSES,
              .traits = MUKCA_TRAIT_PLAY,
-             .sentence = "play in the gear: gravity decides on which side the joint rests",
+             .sentence = "gravity decides at which end of the gear's free motion the joint rests",
              .remedy = "adjust the gear, or approach targets from one side"},
     .basis = backlash_basis,
     .variant = &torque_scale,
     .candidate = backlash_candidate,
-    .untested = backlash_untested,
+    .untested = "gravity holds it on one side in all samples: record postures on both sides",
 };
 
 /* A move of some 20 mrad (1 degree) brings friction and windup wholly to one side; after a shorter
  * one the joint rests in between.  tanh is a smooth step of that width. */
 static const double windup = 0.02;
 
-static void hysteresis_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                             const double axis[3], const mukca_joint_state *state)
+static void hysteresis_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)axis;
-    if (state->move) basis[0][0] = -0.5 * tanh(state->move[effect->joint] / windup);
-}
-
-static bool hysteresis_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
-{
-    return survey->moved && mukca_survey_moved(effect, survey, i);
+    if (in->state->move) basis[0][0] = -0.5 * tanh(in->state->move[in->effect->joint] / windup);
 }
 
 const mukca_effect_ops mukca_approach_hysteresis_effect = {
-    .sizes = &mukca_sizes_play,
+    .sizes = &mukca_sizes_backlash,
     .info = {.name = "approach_hysteresis",
              .title = "approach hysteresis",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             .unit = "rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad",
+             MUKCA_IN_MRAD,
              .needs = MUKCA_NEEDS_ORDER,
              .sentence = "the joint rests differently after moving up than after moving down",
              .remedy = "approach targets from one side; check friction and preload"},
     .basis = hysteresis_basis,
-    .candidate = hysteresis_candidate,
+    .candidate = mukca_survey_moved,
 };

@@ -52,15 +52,19 @@ bool mukca_effect_same(const mukca_effect *a, const mukca_effect *b)
 int mukca_effect_terms(const mukca_effect *effect)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
-    return ops->terms ? ops->terms(&effect->variant) : ops->info.terms;
+    if (!ops->variant_terms) return ops->info.terms;
+    int terms = 0;
+    while (ops->variant_terms(&effect->variant)[terms]) terms++;
+    return terms;
 }
 
 void mukca_effect_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
                         const double axis[3], const mukca_joint_state *state)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
+    const mukca_basis_input in = {.effect = effect, .axis = axis, .state = state};
     memset(basis, 0, MUKCA_MAX_TERMS * sizeof *basis);
-    if (ops->basis) ops->basis(basis, effect, axis, state);
+    if (ops->basis) ops->basis(basis, &in);
 }
 
 void mukca_effect_direction(double *direction, int n_joints, const mukca_effect *effect,

@@ -5,15 +5,22 @@
 #include "effect/survey.h"
 #include "mukca/effect.h"
 
+/* Units of coefficients, and those that people are shown. */
+#define MUKCA_IN_MRAD .unit = "rad", .display_factor = 1e3, .display_unit = "mrad"
+#define MUKCA_IN_MM .unit = "m", .display_factor = 1e3, .display_unit = "mm"
+#define MUKCA_IN_MRAD_PER_RAD .unit = "rad/rad", .display_factor = 1e3, .display_unit = "mrad/rad"
+#define MUKCA_IN_URAD_PER_NM \
+    .unit = "rad/(N*m)", .display_factor = 1e6, .display_unit = "urad/(N*m)"
+
 /* How the variants of an effect are written and chosen. */
 typedef struct {
     const char *key;      /* in the offsets table, before "="; NULL: the word stands alone */
     const char *expected; /* for help and errors: "@ORDER, 2 to 400" */
     bool (*read)(mukca_effect_variant *variant, const char *text);
     void (*write)(char *text, size_t size, const mukca_effect_variant *variant);
-    /* the variant to take where none is given; false: it must be given; NULL: all zero */
-    bool (*usual)(mukca_effect *effect, int n_joints);
-    bool (*fits)(const mukca_effect *effect, int n_joints); /* NULL: always */
+    /* Set the usual variant where none was given (all zero); false: it must be given, or does not
+     * fit the arm.  NULL: all variants fit, zero is the usual one. */
+    bool (*complete)(mukca_effect *effect, int n_joints);
 } mukca_variant_ops;
 
 enum { MUKCA_MAX_SIZES = 8 };
@@ -28,31 +35,37 @@ typedef struct {
 
 #define MUKCA_RARE_SIZE 0.01
 
-/* Sizes that several effects share; sizes.c names the sources. */
-extern const mukca_effect_sizes mukca_sizes_spring, mukca_sizes_play, mukca_sizes_angle,
+/* Sizes that several effects share. */
+extern const mukca_effect_sizes mukca_sizes_spring, mukca_sizes_backlash, mukca_sizes_angle,
     mukca_sizes_ripple, mukca_sizes_zero, mukca_sizes_ball, mukca_sizes_socket;
+
+/* The point at which a basis is evaluated. */
+typedef struct {
+    const mukca_effect *effect;
+    const double *axis; /* [3] of its joint, NULL where it has none */
+    const mukca_joint_state *state;
+} mukca_basis_input;
 
 /* Members that do not apply are NULL. */
 typedef struct {
     mukca_effect_info info;
-    const mukca_effect_sizes *sizes; /* NULL: mukca_sizes_angle */
-    void (*basis)(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                  const double axis[3], const mukca_joint_state *state);
+    const mukca_effect_sizes *sizes;                               /* NULL: mukca_sizes_angle */
+    void (*basis)(double basis[][3], const mukca_basis_input *in); /* [terms], zeroed before */
     /* site ANGLES, instead of basis: direction[n_joints], zeroed before */
     void (*direction)(double *direction, int n_joints, const mukca_effect *effect,
                       const mukca_joint_state *state);
     const mukca_variant_ops *variant;
-    int (*terms)(const mukca_effect_variant *variant);                     /* NULL: info.terms */
-    const char *const *(*term_names)(const mukca_effect_variant *variant); /* of several terms */
+    const char *term_name[MUKCA_MAX_TERMS]; /* of several terms */
+    /* the same where they depend on the variant, ended by NULL */
+    const char *const *(*variant_terms)(const mukca_effect_variant *variant);
     int (*read_old_term)(mukca_effect *effect, const char *text); /* of older tables; -1: not one */
     void (*describe)(char *text, size_t size, const mukca_effect *effect, const mukca_chain *chain);
     /* The i-th variant to try with a recording, at effect->joint; false: no more. */
     bool (*candidate)(mukca_effect *effect, const mukca_effect_survey *survey, int i);
-    const char *missing; /* why there is no candidate at all though its needs are met */
-    /* Why there is none at this joint; NULL: the reason that holds for all effects. */
-    const char *(*untested)(const mukca_effect_survey *survey, int joint);
-    const char *(*faint)(
-        int joint); /* why it cannot be seen there; NULL result: the usual reason */
+    const char *missing;  /* why there is no candidate at all though its needs are met */
+    const char *untested; /* why there is none at a joint; NULL: the reason of all effects */
+    const char
+        *faint_at_first; /* why it cannot be detected at the first joint; NULL: as at any joint */
 } mukca_effect_ops;
 
 #define MUKCA_EFFECT_OPS(kind, name) extern const mukca_effect_ops mukca_##name##_effect;
@@ -74,7 +87,7 @@ bool mukca_effect_read_number(double *value, const char *text, const char *unit)
 /* A whole number from `lowest` to `highest`, with or without a plus sign. */
 bool mukca_effect_read_integer(int *value, const char *text, int lowest, int highest);
 
-/* Candidates that several effects share: one, one where the joint moved, one per placement. */
+/* Candidates that several effects share: one where the joint moved, one per placement. */
 bool mukca_survey_moved(mukca_effect *effect, const mukca_effect_survey *survey, int i);
 bool mukca_survey_placement(mukca_effect *effect, const mukca_effect_survey *survey, int i);
 

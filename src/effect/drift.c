@@ -4,12 +4,10 @@
 
 #include "effect/catalogue.h"
 
-static void drift_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                        const double axis[3], const mukca_joint_state *state)
+static void drift_basis(double basis[][3], const mukca_basis_input *in)
 {
-    const double constant = effect->variant.time_constant;
-    (void)axis;
-    basis[0][0] = constant > 0 ? 1 - exp(-state->time / constant) : 1e-3 * state->time;
+    const double constant = in->effect->variant.time_constant, time = in->state->time;
+    basis[0][0] = constant > 0 ? 1 - exp(-time / constant) : 1e-3 * time;
 }
 
 /* A session takes 10 to 60 minutes; gears and castings warm up with constants of 5 to 50 minutes.
@@ -56,12 +54,10 @@ const mukca_effect_ops mukca_joint_drift_effect = {
              .title = "joint drift",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             .unit = "rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad",
+             MUKCA_IN_MRAD,
              .needs = MUKCA_NEEDS_ORDER,
              .traits = MUKCA_TRAIT_OF_TIME,
-             .sentence = "the joint's zero wanders during the session, as a warming gear does",
+             .sentence = "the joint's zero changes during the session, as in a warming gear",
              .remedy = "warm the arm up before recording and before use"},
     .basis = drift_basis,
     .variant = &time_constant,

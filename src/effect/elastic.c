@@ -1,23 +1,14 @@
 /* Elastic effects: springs that gravity's moment deflects. */
 #include "effect/catalogue.h"
 
-static void joint_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                        const double axis[3], const mukca_joint_state *state)
+static void joint_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)axis;
-    if (state->torque) basis[0][0] = -state->torque[effect->joint];
+    if (in->state->torque) basis[0][0] = -in->state->torque[in->effect->joint];
 }
 
 static bool joint_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
     return i == 0 && mukca_survey_loads(survey, effect->joint);
-}
-
-static const char *joint_untested(const mukca_effect_survey *survey, int joint)
-{
-    return survey->joint[joint].torque_most < MUKCA_LEAST_TORQUE
-               ? "gravity does not load it in these poses"
-               : "gravity loads it alike in all rows: record poses with other lever arms";
 }
 
 const mukca_effect_ops mukca_joint_compliance_effect = {
@@ -26,26 +17,23 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
              .title = "joint compliance",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             .unit = "rad/(N*m)",
-             .display_factor = 1e6,
-             .display_unit = "urad/(N*m)",
+             MUKCA_IN_URAD_PER_NM,
              .nonnegative = true,
              .needs = MUKCA_NEEDS_MASSES,
              .traits = MUKCA_TRAIT_ELASTIC,
-             .sentence =
-                 "the joint's gear and bearing give way under gravity's torque about its axis"},
+             .sentence = "the transmission deflects under gravity torque"},
     .basis = joint_basis,
     .candidate = joint_candidate,
-    .untested = joint_untested,
+    .untested = "gravity loads it alike in all samples: record postures with other lever arms",
 };
 
 /* The part of the moment across the joint's axis. */
-static void link_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                       const double axis[3], const mukca_joint_state *state)
+static void link_basis(double basis[][3], const mukca_basis_input *in)
 {
-    if (!state->moment) return;
-    const double *moment = state->moment[effect->joint], along = mukca_dot3(moment, axis);
-    for (int i = 0; i < 3; i++) basis[0][i] = along * axis[i] - moment[i];
+    if (!in->state->moment) return;
+    const double *moment = in->state->moment[in->effect->joint];
+    const double along = mukca_dot3(moment, in->axis);
+    for (int i = 0; i < 3; i++) basis[0][i] = along * in->axis[i] - moment[i];
 }
 
 static bool link_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
@@ -59,24 +47,20 @@ const mukca_effect_ops mukca_link_bending_effect = {
              .title = "link bending",
              .site = MUKCA_SITE_ROTATION,
              .terms = 1,
-             .unit = "rad/(N*m)",
-             .display_factor = 1e6,
-             .display_unit = "urad/(N*m)",
+             MUKCA_IN_URAD_PER_NM,
              .nonnegative = true,
              .needs = MUKCA_NEEDS_MASSES,
              .traits = MUKCA_TRAIT_ELASTIC,
-             .sentence = "the link before the joint bends across the joint's axis under load",
-             .remedy =
-                 "compensate it with the offsets table; check the screws between link and joint"},
+             .sentence = "the link before the joint bends under gravity torque",
+             .remedy = "compensate it with the offsets table; check the screws between link and "
+                       "joint"},
     .basis = link_basis,
     .candidate = link_candidate,
 };
 
-static void base_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                       const double axis[3], const mukca_joint_state *state)
+static void base_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)effect, (void)axis;
-    for (int i = 0; i < 3 && state->base_moment; i++) basis[0][i] = -state->base_moment[i];
+    for (int i = 0; i < 3 && in->state->base_moment; i++) basis[0][i] = -in->state->base_moment[i];
 }
 
 static bool base_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
@@ -91,9 +75,7 @@ const mukca_effect_ops mukca_base_compliance_effect = {
              .title = "base compliance",
              .site = MUKCA_SITE_BASE,
              .terms = 1,
-             .unit = "rad/(N*m)",
-             .display_factor = 1e6,
-             .display_unit = "urad/(N*m)",
+             MUKCA_IN_URAD_PER_NM,
              .nonnegative = true,
              .needs = MUKCA_NEEDS_MASSES,
              .traits = MUKCA_TRAIT_ELASTIC,

@@ -5,11 +5,9 @@
 
 #include "effect/catalogue.h"
 
-static void scale_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                        const double axis[3], const mukca_joint_state *state)
+static void scale_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)axis;
-    basis[0][0] = state->q[effect->joint];
+    basis[0][0] = in->state->q[in->effect->joint];
 }
 
 const mukca_effect_ops mukca_joint_scale_effect = {
@@ -17,9 +15,7 @@ const mukca_effect_ops mukca_joint_scale_effect = {
              .title = "joint scale",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             .unit = "rad/rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad/rad",
+             MUKCA_IN_MRAD_PER_RAD,
              .traits = MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "the encoder counts a little too much or too little per turn",
              .remedy = "correct the encoder's counts per turn in the controller, or compensate it"},
@@ -27,19 +23,17 @@ const mukca_effect_ops mukca_joint_scale_effect = {
     .candidate = mukca_survey_moved,
 };
 
-/* ---- coupling ---- */
-
-static void coupling_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                           const double axis[3], const mukca_joint_state *state)
+static void coupling_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)axis;
-    basis[0][0] = state->q[effect->joint + effect->variant.neighbour];
+    basis[0][0] = in->state->q[in->effect->joint + in->effect->variant.neighbour];
 }
 
-static bool has_neighbour(const mukca_effect *effect, int n_joints)
+/* Not given: the joint after, or before the last one. */
+static bool complete_neighbour(mukca_effect *effect, int n_joints)
 {
-    const int other = effect->joint + effect->variant.neighbour;
-    return other >= 0 && other < n_joints;
+    int *side = &effect->variant.neighbour;
+    if (*side == 0) *side = effect->joint + 1 < n_joints ? 1 : -1;
+    return effect->joint + *side >= 0 && effect->joint + *side < n_joints;
 }
 
 /* The joint before, then the joint after, where these moved. */
@@ -47,17 +41,11 @@ static bool coupling_candidate(mukca_effect *effect, const mukca_effect_survey *
 {
     for (int side = -1; side <= 1; side += 2) {
         effect->variant.neighbour = side;
-        if (has_neighbour(effect, survey->n_joints) &&
+        if (complete_neighbour(effect, survey->n_joints) &&
             survey->joint[effect->joint + side].range > MUKCA_LEAST_RANGE && i-- == 0)
             return true;
     }
     return false;
-}
-
-static const char *coupling_untested(const mukca_effect_survey *survey, int joint)
-{
-    (void)survey, (void)joint;
-    return "no neighbour of it moved: record poses that turn them";
 }
 
 static bool read_neighbour(mukca_effect_variant *variant, const char *text)
@@ -71,19 +59,12 @@ static void write_neighbour(char *text, size_t size, const mukca_effect_variant 
     snprintf(text, size, "%+d", variant->neighbour);
 }
 
-static bool usual_neighbour(mukca_effect *effect, int n_joints)
-{
-    effect->variant.neighbour = effect->joint + 1 < n_joints ? 1 : -1;
-    return true;
-}
-
 static const mukca_variant_ops neighbour = {
     .key = "neighbour",
     .expected = "@+1 or @-1, a joint that exists",
     .read = read_neighbour,
     .write = write_neighbour,
-    .usual = usual_neighbour,
-    .fits = has_neighbour,
+    .complete = complete_neighbour,
 };
 
 static void describe_coupling(char *text, size_t size, const mukca_effect *effect,
@@ -98,44 +79,28 @@ const mukca_effect_ops mukca_joint_coupling_effect = {
              .title = "joint coupling",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             .unit = "rad/rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad/rad",
+             MUKCA_IN_MRAD_PER_RAD,
              .traits = MUKCA_TRAIT_OTHER_ANGLE | MUKCA_TRAIT_SMOOTH,
-             .sentence = "a neighbour's motion leaks into this joint (belt, differential or cable "
-                         "drive)",
+             .sentence = "the motion of a neighbouring joint also turns this joint (belt, "
+                         "differential or cable drive)",
              .remedy = "correct the coupling ratio in the controller, or compensate it"},
     .basis = coupling_basis,
     .variant = &neighbour,
     .describe = describe_coupling,
     .candidate = coupling_candidate,
-    .untested = coupling_untested,
+    .untested = "no neighbour of it moved: record postures that turn them",
 };
 
-/* ---- waves of the joint's angle ---- */
-
-static const char *const *wave_names(const mukca_effect_variant *variant)
+/* sin and cos of the order times the joint's angle */
+static void wave(double basis[][3], const mukca_basis_input *in, int order)
 {
-    static const char *const names[] = {"sin", "cos"};
-    (void)variant;
-    return names;
-}
-
-static void wave(double basis[MUKCA_MAX_TERMS][3], double angle)
-{
+    const double angle = order * in->state->q[in->effect->joint];
     basis[0][0] = sin(angle), basis[1][0] = cos(angle);
 }
 
-static void eccentricity_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                               const double axis[3], const mukca_joint_state *state)
+static void eccentricity_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)axis;
-    wave(basis, state->q[effect->joint]);
-}
-
-static bool eccentricity_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
-{
-    return survey->joint[effect->joint].turns && mukca_survey_moved(effect, survey, i);
+    wave(basis, in, 1);
 }
 
 const mukca_effect_ops mukca_encoder_eccentricity_effect = {
@@ -143,22 +108,18 @@ const mukca_effect_ops mukca_encoder_eccentricity_effect = {
              .title = "encoder eccentricity",
              .site = MUKCA_SITE_ANGLE,
              .terms = 2,
-             .unit = "rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad",
+             MUKCA_IN_MRAD,
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
-             .sentence = "the encoder disk sits off centre: an error once per turn",
+             .sentence = "the encoder disk is off centre: an error once per turn",
              .remedy = "calibrate the encoder in the controller, or compensate it"},
     .basis = eccentricity_basis,
-    .term_names = wave_names,
-    .candidate = eccentricity_candidate,
+    .term_name = {"sin", "cos"},
+    .candidate = mukca_survey_moved,
 };
 
-static void harmonic_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                           const double axis[3], const mukca_joint_state *state)
+static void harmonic_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)axis;
-    wave(basis, effect->variant.order * state->q[effect->joint]);
+    wave(basis, in, in->effect->variant.order);
 }
 
 static bool read_order(mukca_effect_variant *variant, const char *text)
@@ -171,10 +132,10 @@ static void write_order(char *text, size_t size, const mukca_effect_variant *var
     snprintf(text, size, "%d", variant->order);
 }
 
-static bool no_order(mukca_effect *effect, int n_joints)
+static bool has_order(mukca_effect *effect, int n_joints)
 {
-    (void)effect, (void)n_joints;
-    return false;
+    (void)n_joints;
+    return effect->variant.order >= 2;
 }
 
 static const mukca_variant_ops order = {
@@ -182,7 +143,7 @@ static const mukca_variant_ops order = {
     .expected = "@ORDER, 2 to 400",
     .read = read_order,
     .write = write_order,
-    .usual = no_order,
+    .complete = has_order,
 };
 
 static void describe_harmonic(char *text, size_t size, const mukca_effect *effect,
@@ -199,13 +160,11 @@ const mukca_effect_ops mukca_gear_harmonic_effect = {
              .title = "transmission ripple",
              .site = MUKCA_SITE_ANGLE,
              .terms = 2,
-             .unit = "rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad",
+             MUKCA_IN_MRAD,
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "gear ripple: an error that repeats `order` times per turn"},
     .basis = harmonic_basis,
     .variant = &order,
-    .term_names = wave_names,
+    .term_name = {"sin", "cos"},
     .describe = describe_harmonic,
 };

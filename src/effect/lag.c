@@ -8,16 +8,16 @@
 static void lag_direction(double *direction, int n_joints, const mukca_effect *effect,
                           const mukca_joint_state *state)
 {
+    const double *move = state->move;
     double largest = 0;
     if (effect->variant.to_command) {
         for (int j = 0; j < n_joints && state->command; j++)
             direction[j] = state->command[j] - state->q[j];
         return;
     }
-    if (!state->move) return;
-    for (int j = 0; j < n_joints; j++) largest = fmax(largest, fabs(state->move[j]));
+    for (int j = 0; j < n_joints && move; j++) largest = fmax(largest, fabs(move[j]));
     if (largest > 1e-9) /* rad; less is rounding, no move */
-        for (int j = 0; j < n_joints; j++) direction[j] = state->move[j] / largest;
+        for (int j = 0; j < n_joints; j++) direction[j] = move[j] / largest;
 }
 
 static bool read_direction(mukca_effect_variant *variant, const char *text)
@@ -56,11 +56,9 @@ const mukca_effect_ops mukca_readback_lag_effect = {
              .title = "readback lag",
              .site = MUKCA_SITE_ANGLES,
              .terms = 1,
-             .unit = "rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad",
+             MUKCA_IN_MRAD,
              .needs = MUKCA_NEEDS_ORDER,
-             .sentence = "the recorded angles are stale: they lag along the last move",
+             .sentence = "the recorded angles lag behind the true ones, along the last move",
              .remedy = "let the arm stand still before each sample; check the time stamps of the "
                        "joint states"},
     .direction = lag_direction,

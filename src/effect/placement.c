@@ -1,22 +1,14 @@
-/* What changed between placements: a joint's zero, or the ball's place on the arm. */
+/* What changed between placements: a joint's zero, or the ball's position on the arm. */
 #include "effect/catalogue.h"
 
-static bool acts(const mukca_effect *effect, const mukca_joint_state *state)
+static bool acts(const mukca_basis_input *in)
 {
-    return effect->placement >= 0 && state->placement == effect->placement;
+    return in->effect->placement >= 0 && in->state->placement == in->effect->placement;
 }
 
-static void zero_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                       const double axis[3], const mukca_joint_state *state)
+static void zero_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)axis;
-    basis[0][0] = acts(effect, state);
-}
-
-static const char *zero_faint(int joint)
-{
-    return joint == 0 ? "turns the whole placement, sockets and all: only a tracker can see it"
-                      : NULL;
+    basis[0][0] = acts(in);
 }
 
 const mukca_effect_ops mukca_zero_jump_effect = {
@@ -25,9 +17,7 @@ const mukca_effect_ops mukca_zero_jump_effect = {
              .title = "zero jump",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             .unit = "rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad",
+             MUKCA_IN_MRAD,
              .needs = MUKCA_NEEDS_PLACEMENTS,
              .traits = MUKCA_TRAIT_PER_PLACEMENT,
              .sentence = "the joint's zero differs in one placement from the others (slipped or "
@@ -35,21 +25,12 @@ const mukca_effect_ops mukca_zero_jump_effect = {
              .remedy = "check homing and brake of the joint, then record this placement again"},
     .basis = zero_basis,
     .candidate = mukca_survey_placement,
-    .faint = zero_faint,
+    .faint_at_first = "turns the placement together with its sockets: only a tracker can detect it",
 };
 
-static void shift_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                        const double axis[3], const mukca_joint_state *state)
+static void shift_basis(double basis[][3], const mukca_basis_input *in)
 {
-    (void)axis;
-    for (int i = 0; i < 3; i++) basis[i][i] = acts(effect, state);
-}
-
-static const char *const *shift_names(const mukca_effect_variant *variant)
-{
-    static const char *const names[] = {"x", "y", "z"};
-    (void)variant;
-    return names;
+    for (int i = 0; i < 3; i++) basis[i][i] = acts(in);
 }
 
 const mukca_effect_ops mukca_ball_shift_effect = {
@@ -58,15 +39,13 @@ const mukca_effect_ops mukca_ball_shift_effect = {
              .title = "ball shift",
              .site = MUKCA_SITE_TIP,
              .terms = 3,
-             .unit = "m",
-             .display_factor = 1e3,
-             .display_unit = "mm",
+             MUKCA_IN_MM,
              .needs = MUKCA_NEEDS_PLACEMENTS,
              .traits = MUKCA_TRAIT_PER_PLACEMENT,
-             .sentence = "the ball sat differently on the arm in one placement (loose or "
+             .sentence = "the ball's position on the arm differs in one placement (loose or "
                          "re-mounted)",
              .remedy = "fasten the ball and record this placement again"},
     .basis = shift_basis,
-    .term_names = shift_names,
+    .term_name = {"x", "y", "z"},
     .candidate = mukca_survey_placement,
 };

@@ -8,14 +8,12 @@ const mukca_effect_ops mukca_tool_motion_effect = {
              .title = "tool motion",
              .site = MUKCA_SITE_SOCKET,
              .terms = 3,
-             .unit = "m",
-             .display_factor = 1e3,
-             .display_unit = "mm",
+             MUKCA_IN_MM,
              .needs = MUKCA_NEEDS_SOCKETS,
              .traits = MUKCA_TRAIT_RECORDING_FAULT,
              .sentence = "the tool was pushed or crept while it was being recorded",
              .remedy = "fasten the tool and record this placement again"},
-    .missing = "too few rows in each socket: record 20 or more",
+    .missing = "too few samples in each socket: record 20 or more",
 };
 
 /* The error of all distances, then of each placement's. */
@@ -31,9 +29,7 @@ const mukca_effect_ops mukca_socket_distance_effect = {
              .title = "socket distance",
              .site = MUKCA_SITE_DISTANCE,
              .terms = 1,
-             .unit = "m",
-             .display_factor = 1e3,
-             .display_unit = "mm",
+             MUKCA_IN_MM,
              .needs = MUKCA_NEEDS_SOCKETS,
              .traits = MUKCA_TRAIT_PER_PLACEMENT | MUKCA_TRAIT_RECORDING_FAULT,
              .sentence = "the sockets are not as far apart as --distance says",

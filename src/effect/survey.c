@@ -20,27 +20,31 @@ const char *mukca_effect_missing(mukca_effect_kind kind, const mukca_effect_surv
     if (needs & MUKCA_NEEDS_MASSES) return "no masses: give --inertials FILE";
     if ((needs & MUKCA_NEEDS_PLACEMENTS) && survey->sockets)
         return "one placement only: record a second one";
-    if (needs & MUKCA_NEEDS_PLACEMENTS) return "a log of poses has no placements";
-    if ((needs & MUKCA_NEEDS_SOCKETS) && !survey->sockets) return "a log of poses has no sockets";
+    if (needs & MUKCA_NEEDS_PLACEMENTS) return "a pose log has no placements";
+    if ((needs & MUKCA_NEEDS_SOCKETS) && !survey->sockets) return "a pose log has no sockets";
     if (ops->missing) return ops->missing;
-    return needs & MUKCA_NEEDS_ORDER ? "no moves between rows" : "no joint moved enough";
+    return needs & MUKCA_NEEDS_ORDER ? "no joint moved between samples" : "no joint moved enough";
 }
 
 const char *mukca_effect_untested(mukca_effect_kind kind, const mukca_effect_survey *survey,
                                   int joint)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[kind];
-    if (ops->untested) return ops->untested(survey, joint);
-    return survey->joint[joint].range < MUKCA_LEAST_RANGE
-               ? "it did not move: record poses that turn it"
-               : "these rows hold nothing that tells of it";
+    const bool loads = ops->info.needs & MUKCA_NEEDS_MASSES;
+    if (loads && survey->joint[joint].torque_most < MUKCA_LEAST_TORQUE)
+        return "gravity does not load it in these postures";
+    if (ops->untested) return ops->untested;
+    if (survey->joint[joint].range < MUKCA_LEAST_RANGE)
+        return "it did not move: record postures that turn it";
+    return "these samples do not depend on it";
 }
 
 const char *mukca_effect_faint(mukca_effect_kind kind, int joint)
 {
-    const mukca_effect_ops *ops = mukca_effect_catalogue[kind];
-    const char *why = ops->faint ? ops->faint(joint) : NULL;
-    if (why) return why;
-    if (joint < 0) return "too faint for these rows: record more";
-    return "hardly moves the ball in these poses: turn it further, or mount the ball off its axis";
+    const char *at_first = mukca_effect_catalogue[kind]->faint_at_first;
+    if (joint == 0 && at_first) return at_first;
+    if (joint < 0) return "too small to detect with these samples: record more";
+    return "has almost no effect on the ball in these postures; use a wider range of this joint, "
+           "or "
+           "mount the ball off its axis";
 }

@@ -10,8 +10,7 @@ const char *mukca_effect_set_variant(mukca_effect *effect, const char *text, int
     effect->variant = (mukca_effect_variant){0};
     if (!ops && text) return "no @";
     if (ops && text && !ops->read(&effect->variant, text)) return ops->expected;
-    if (ops && !text && ops->usual && !ops->usual(effect, n_joints)) return ops->expected;
-    if (ops && ops->fits && !ops->fits(effect, n_joints)) return ops->expected;
+    if (ops && ops->complete && !ops->complete(effect, n_joints)) return ops->expected;
     effect->terms = mukca_effect_terms(effect);
     return NULL;
 }
@@ -23,12 +22,19 @@ void mukca_effect_variant_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect 
     if (ops) ops->write(text, MUKCA_EFFECT_TEXT, &effect->variant);
 }
 
+/* Names of the terms; the first is NULL where there is one term only. */
+static const char *const *term_names(const mukca_effect *effect)
+{
+    const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
+    return ops->variant_terms ? ops->variant_terms(&effect->variant) : ops->term_name;
+}
+
 void mukca_effect_term_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *effect, int term)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
     char word[MUKCA_EFFECT_TEXT], placement[24] = "";
     const char *key = ops->variant && ops->variant->key ? ops->variant->key : "";
-    const char *name = ops->term_names ? ops->term_names(&effect->variant)[term] : "";
+    const char *name = term_names(effect)[0] ? term_names(effect)[term] : "";
     if (mukca_effect_has((int)effect->kind, MUKCA_TRAIT_PER_PLACEMENT))
         snprintf(placement, sizeof placement, "placement=%d", effect->placement);
     mukca_effect_variant_text(word, effect);
@@ -69,8 +75,8 @@ int mukca_effect_term_parse(mukca_effect *effect, const char *text, int n_joints
         if (!text || mukca_effect_set_variant(effect, word, n_joints)) return -1;
     }
     effect->terms = mukca_effect_terms(effect);
-    if (!ops->term_names) return strcmp(text, placed || ops->variant ? "" : "-") == 0 ? 0 : -1;
-    const char *const *names = ops->term_names(&effect->variant);
+    const char *const *names = term_names(effect);
+    if (!names[0]) return strcmp(text, placed || ops->variant ? "" : "-") == 0 ? 0 : -1;
     for (int term = 0; term < effect->terms; term++)
         if (strcmp(text, names[term]) == 0) return term;
     return -1;

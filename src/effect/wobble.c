@@ -21,45 +21,37 @@ enum { VARIANTS = sizeof variants / sizeof *variants };
 
 /* sin and cos of the order times the angle about the two transverse axes u and v, in the frame
  * before or after the turn; on a cone the two waves are one, in two phases. */
-static void wobble_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
-                         const double axis[3], const mukca_joint_state *state)
+static void wobble_basis(double basis[][3], const mukca_basis_input *in)
 {
-    const mukca_effect_variant *variant = &effect->variant;
-    const double q = state->q[effect->joint];
+    const mukca_effect_variant *variant = &in->effect->variant;
+    const double q = in->state->q[in->effect->joint];
     const double s = sin(variant->order * q), c = cos(variant->order * q);
-    double e[2][3];
-    mukca_rotation_transverse(e[0], e[1], axis);
+    double u[3], v[3], R[9];
+    mukca_rotation_transverse(u, v, in->axis);
     if (variant->frame == MUKCA_WOBBLE_CONE) {
         for (int i = 0; i < 3; i++) {
-            basis[0][i] = c * e[0][i] + s * e[1][i];
-            basis[1][i] = c * e[1][i] - s * e[0][i];
+            basis[0][i] = c * u[i] + s * v[i];
+            basis[1][i] = c * v[i] - s * u[i];
         }
         return;
     }
     if (variant->frame == MUKCA_WOBBLE_TURNING) {
-        double R[9], u[3];
-        mukca_rotation_about(R, axis, q);
-        for (int a = 0; a < 2; a++) {
-            memcpy(u, e[a], sizeof u);
-            mukca_mat3_vec(e[a], R, u);
-        }
+        const double u0[3] = {u[0], u[1], u[2]}, v0[3] = {v[0], v[1], v[2]};
+        mukca_rotation_about(R, in->axis, q);
+        mukca_mat3_vec(u, R, u0);
+        mukca_mat3_vec(v, R, v0);
     }
     for (int i = 0; i < 3; i++) {
-        basis[0][i] = s * e[0][i], basis[1][i] = c * e[0][i];
-        basis[2][i] = s * e[1][i], basis[3][i] = c * e[1][i];
+        basis[0][i] = s * u[i], basis[1][i] = c * u[i];
+        basis[2][i] = s * v[i], basis[3][i] = c * v[i];
     }
 }
 
-static int wobble_terms(const mukca_effect_variant *variant)
+static const char *const *term_names(const mukca_effect_variant *variant)
 {
-    return variant->frame == MUKCA_WOBBLE_CONE ? 2 : 4;
-}
-
-static const char *const *wobble_names(const mukca_effect_variant *variant)
-{
-    static const char *const wave[] = {"sin u", "cos u", "sin v", "cos v"}, *const cone[] = {"u",
-                                                                                             "v"};
-    return variant->frame == MUKCA_WOBBLE_CONE ? cone : wave;
+    static const char *const waves[] = {"sin u", "cos u", "sin v", "cos v", NULL};
+    static const char *const cone[] = {"u", "v", NULL};
+    return variant->frame == MUKCA_WOBBLE_CONE ? cone : waves;
 }
 
 static bool is_variant(const mukca_effect_variant *wanted)
@@ -100,10 +92,10 @@ static void write_wobble(char *text, size_t size, const mukca_effect_variant *va
              frame_name[variant->frame], variant->order);
 }
 
-static bool usual_wobble(mukca_effect *effect, int n_joints)
+static bool complete_wobble(mukca_effect *effect, int n_joints)
 {
     (void)n_joints;
-    effect->variant = variants[0];
+    if (effect->variant.order == 0) effect->variant = variants[0];
     return true;
 }
 
@@ -112,7 +104,7 @@ static const mukca_variant_ops motion = {
     .expected = "@fixed1, fixed2, turning1, turning2, cone-2, cone-1, cone+2 or cone+3",
     .read = read_wobble,
     .write = write_wobble,
-    .usual = usual_wobble,
+    .complete = complete_wobble,
 };
 
 /* "variant=12 term=2" */
@@ -121,15 +113,15 @@ static int read_old_term(mukca_effect *effect, const char *text)
     int number, term, end = 0;
     if (sscanf(text, "variant=%d term=%d%n", &number, &term, &end) != 2 || text[end]) return -1;
     if (!from_number(&effect->variant, number)) return -1;
-    effect->terms = wobble_terms(&effect->variant);
+    effect->terms = mukca_effect_terms(effect);
     return term >= 0 && term < effect->terms ? term : -1;
 }
 
 static bool wobble_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
-    if (i >= VARIANTS || !survey->joint[effect->joint].turns) return false;
+    if (i >= VARIANTS || !mukca_survey_moved(effect, survey, 0)) return false;
     effect->variant = variants[i];
-    return mukca_survey_moved(effect, survey, 0);
+    return true;
 }
 
 const mukca_effect_ops mukca_axis_wobble_effect = {
@@ -137,16 +129,13 @@ const mukca_effect_ops mukca_axis_wobble_effect = {
              .title = "axis wobble",
              .site = MUKCA_SITE_ROTATION,
              .terms = 4,
-             .unit = "rad",
-             .display_factor = 1e3,
-             .display_unit = "mrad",
+             MUKCA_IN_MRAD,
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_SMOOTH,
-             .sentence = "the joint's axis tumbles as it turns (bearing run-out)",
+             .sentence = "the joint's axis tilts as the joint turns (bearing run-out)",
              .remedy = "check the seat and the preload of the bearing, or compensate it"},
     .basis = wobble_basis,
     .variant = &motion,
-    .terms = wobble_terms,
-    .term_names = wobble_names,
+    .variant_terms = term_names,
     .read_old_term = read_old_term,
     .candidate = wobble_candidate,
 };
