@@ -43,7 +43,7 @@ typedef enum {
         MUKCA_EFFECT_COUNT
 } mukca_effect_kind;
 
-/* What a hypothesis needs in the data (bits). */
+/* What an effect needs in the data (bits). */
 enum {
     MUKCA_NEEDS_MASSES = 1,     /* link masses (URDF or --inertials), or measured efforts */
     MUKCA_NEEDS_ORDER = 2,      /* samples in recording order */
@@ -128,7 +128,7 @@ typedef struct {
     double coefficient[MUKCA_MAX_TERMS];
 } mukca_effect;
 
-/* What the forward models see of one configuration.  Pointers may be NULL where no effect in use
+/* One configuration as the forward models use it.  Pointers may be NULL where no effect in use
  * needs them (then that effect does nothing). */
 typedef struct {
     const double *q;      /* [n_joints] encoder angles */

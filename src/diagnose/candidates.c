@@ -72,8 +72,8 @@ static void list_other_functions(lister *l, int j)
         }
     h.kind = MUKCA_CANDIDATE_TIME;
     append(l, h);
-    /* A slip of the first joint, or in the last socket, moves one socket and nothing else that is
-     * seen: that is a moved tool. */
+    /* A slip of the first joint, or in the last socket, moves one socket only: that is a moved
+     * tool. */
     h.kind = MUKCA_CANDIDATE_SLIP;
     int end = rows - LONGEST_BURST;
     while (end > 0 && socket[end - 1] >= 0 && socket[end - 1] == socket[rows - 1]) end--;

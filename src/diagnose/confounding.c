@@ -77,7 +77,7 @@ void mukca_confounding_measure(mukca_confounding *out, const mukca_findings *fin
     const int geometry = mukca_unknowns_column(unknowns, 0),
               all = mukca_unknowns_column(unknowns, unknowns->n_causes);
     mukca_unknowns_prior(m->evidence.prior, unknowns);
-    /* a column with prior 0 is left out: that of every cause */
+    /* a prior of 0 takes a column out: here those of every cause */
     memset(m->evidence.prior + geometry, 0, sizeof *m->evidence.prior * (size_t)(all - geometry));
     mukca_projector_aim(&t.projector, mukca_regression_collect_own(m), unknowns->sigma);
     for (int i = 0; i < findings->n_causes; i++)

@@ -1,4 +1,5 @@
-/* How alike two candidates act on a recording, once the present model has taken its share. */
+/* Correlation of what two candidates do to a recording, after the present model is projected out.
+ */
 #ifndef MUKCA_DIAGNOSE_CORRELATION_H
 #define MUKCA_DIAGNOSE_CORRELATION_H
 

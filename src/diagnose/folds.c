@@ -18,14 +18,11 @@ enum { POSE_FOLDS = 5, DRAWS = 400 };
 void mukca_folds_create(mukca_folds *b)
 {
     mukca_regression *m = b->m;
-    const int rows = m->recording.data->n_rows;
+    const int rows = m->recording.data->n_rows, pairs = m->recording.data->n_distances + 1;
+    const int size = mukca_unknowns_capacity(&m->unknowns) + 1;
     b->fold = MUKCA_TAKE(&m->pool, int, rows);
-    b->gram = MUKCA_TAKE(
-        &m->pool, double,
-        (mukca_unknowns_capacity(&m->unknowns) + 1) * (mukca_unknowns_capacity(&m->unknowns) + 1));
-    b->distance = MUKCA_TAKE(
-        &m->pool, double,
-        (m->recording.data->n_distances + 1) * (mukca_unknowns_capacity(&m->unknowns) + 1));
+    b->gram = MUKCA_TAKE(&m->pool, double, size *size);
+    b->distance = MUKCA_TAKE(&m->pool, double, pairs *size);
     b->position = MUKCA_TAKE(&m->pool, double, 3 * rows);
     b->error = MUKCA_TAKE(&m->pool, double, rows);
     b->all = MUKCA_TAKE(&m->pool, unsigned char, rows);
@@ -95,83 +92,87 @@ void mukca_folds_errors(double *error, const mukca_regression *m, const double *
     }
 }
 
-double mukca_folds_mean(const double *error, int n)
+/* Mean of the finite errors of the rows that key[n] gives to `of`; key NULL: of all rows. */
+static double mean_of(const double *error, int n, const int *key, int of)
 {
     double sum = 0;
     int count = 0;
     for (int i = 0; i < n; i++)
-        if (isfinite(error[i])) sum += error[i], count++;
+        if (isfinite(error[i]) && (!key || key[i] == of)) sum += error[i], count++;
     return count ? sum / count : (double)NAN;
+}
+
+double mukca_folds_mean(const double *error, int n)
+{
+    return mean_of(error, n, NULL, 0);
 }
 
 void mukca_folds_by_placement(double *mean, const mukca_recording *recording, const double *error)
 {
-    for (int p = 0; p < recording->data->n_placements; p++) {
-        double sum = 0;
-        int n = 0;
-        for (int row = 0; row < recording->data->n_rows; row++)
-            if (recording->placement[row] == p && isfinite(error[row])) sum += error[row], n++;
-        mean[p] = n ? sum / n : (double)NAN;
-    }
+    for (int p = 0; p < recording->data->n_placements; p++)
+        mean[p] = mean_of(error, recording->data->n_rows, recording->placement, p);
 }
 
-/* Fit without each fold in turn and predict it; the model must be linearised, `pack` filled.
+/* Take the samples of fold f, and the distances of its sockets, out of the normal equations:
+ * b->gram is what was subtracted.  Returns the degrees of freedom of these samples. */
+static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
+{
+    const mukca_recording *r = &b->m->recording;
+    const int size = normal->n + 1, d = r->dim;
+    int freedom = 0;
+    memset(b->gram, 0, sizeof *b->gram * (size_t)(size * size));
+    for (int i = 0, count; i < r->n_samples; i += count + 1) { /* a run of samples at a time */
+        for (count = 0; i + count < r->n_samples && b->fold[r->order[i + count]] == f;) count++;
+        mukca_dense_syrk(b->gram, size, normal->white + (size_t)(i * d) * (size_t)size, count * d,
+                         size);
+    }
+    for (int i = 0; i < size * size; i++) normal->gram[i] -= b->gram[i];
+    for (int p = 0; p < r->n_pairs; p++) {
+        const int a = r->order[r->groups[r->pairs[p].a].start];
+        const int c = r->order[r->groups[r->pairs[p].b].start];
+        if (b->fold[a] == f || b->fold[c] == f)
+            memset(normal->distance + p * size, 0, sizeof *b->distance * (size_t)size);
+    }
+    for (int g = 0; g < r->n_groups; g++) /* a socket's mean takes those of one sample */
+        for (int i = r->groups[g].socket < 0 ? 0 : 1; i < r->groups[g].count; i++)
+            if (b->fold[r->order[r->groups[g].start + i]] == f) freedom += d;
+    return freedom;
+}
+
+/* Fit without each fold in turn and predict it; the model must be linearised.
  *
  * With Gaussians, -2 log p(fold | rest) has the quadratic part Q(all) - Q(rest): the fold's squared
  * misfit with noise and with what the rest leaves open, all correlations of its rows included. */
 static void cross_predict(mukca_folds *b, mukca_normal_equations *normal)
 {
     mukca_regression *m = b->m;
-    const int size = m->linear.n_columns + 1, d = m->recording.dim;
-    double *mean = m->evidence.mean;
-    for (int i = 0; i < 3 * m->recording.data->n_rows; i++)
-        b->position[i] = NAN; /* not predicted */
-    mukca_unknowns fitted;
-    if (!mukca_unknowns_clone(&fitted, &m->pool, &m->unknowns)) return;
-    memcpy(b->distance, normal->distance,
-           sizeof *b->distance * (size_t)(m->recording.n_pairs * size));
-    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    const mukca_recording *r = &m->recording;
+    mukca_unknowns *unknowns = &m->unknowns, fitted;
+    mukca_evidence *evidence = &m->evidence;
+    const int size = m->linear.n_columns + 1;
+    const size_t distances = sizeof *b->distance * (size_t)(r->n_pairs * size);
+    for (int i = 0; i < 3 * r->data->n_rows; i++) b->position[i] = NAN; /* not predicted */
+    if (!mukca_unknowns_clone(&fitted, &m->pool, unknowns)) return;
+    memcpy(b->distance, normal->distance, distances);
+    mukca_unknowns_prior(evidence->prior, unknowns);
     b->surprise = 0, b->freedom = 0;
-    const bool whole =
-        mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL) > -HUGE_VAL;
-    const double quadratic = m->evidence.quadratic;
+    const bool whole = mukca_evidence_evaluate(evidence, normal, unknowns->sigma, NULL) > -HUGE_VAL;
+    const double quadratic = evidence->quadratic;
     for (int f = 0; f < b->n_folds; f++) {
-        memset(b->gram, 0, sizeof *b->gram * (size_t)(size * size));
-        for (int i = 0; i < m->recording.n_samples; i++)
-            if (b->fold[m->recording.order[i]] == f) {
-                int count = 1;
-                while (i + count < m->recording.n_samples &&
-                       b->fold[m->recording.order[i + count]] == f)
-                    count++;
-                mukca_dense_syrk(b->gram, size, normal->white + (size_t)(i * d) * (size_t)size,
-                                 count * d, size);
-                i += count;
-            }
-        for (int i = 0; i < size * size; i++) normal->gram[i] -= b->gram[i];
-        for (int p = 0; p < m->recording.n_pairs; p++) {
-            const int a = m->recording.order[m->recording.groups[m->recording.pairs[p].a].start],
-                      c = m->recording.order[m->recording.groups[m->recording.pairs[p].b].start];
-            if (b->fold[a] == f || b->fold[c] == f)
-                memset(normal->distance + p * size, 0, sizeof *b->distance * (size_t)size);
-        }
-        if (mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, mean) > -HUGE_VAL) {
-            if (whole) b->surprise += quadratic - m->evidence.quadratic;
-            for (int g = 0; whole && g < m->recording.n_groups; g++)
-                for (int i = 0; i < m->recording.groups[g].count; i++)
-                    if (b->fold[m->recording.order[m->recording.groups[g].start + i]] == f)
-                        b->freedom += m->recording.groups[g].socket < 0 ? d : i > 0 ? d : 0;
-            mukca_unknowns_set(&m->unknowns, mean);
-            mukca_unknowns_fold_frames(&m->unknowns);
-            mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
-            for (int row = 0; row < m->recording.data->n_rows; row++)
+        const int freedom = take_out(b, normal, f);
+        if (mukca_evidence_evaluate(evidence, normal, unknowns->sigma, evidence->mean) >
+            -HUGE_VAL) {
+            if (whole) b->surprise += quadratic - evidence->quadratic, b->freedom += freedom;
+            mukca_unknowns_set(unknowns, evidence->mean);
+            mukca_unknowns_fold_frames(unknowns);
+            mukca_unknowns_set_geometry(unknowns, r->chain);
+            for (int row = 0; row < r->data->n_rows; row++)
                 if (b->fold[row] == f)
-                    mukca_unknowns_predict_measured(b->position + 3 * row, &m->unknowns,
-                                                    &m->recording, row);
+                    mukca_unknowns_predict_measured(b->position + 3 * row, unknowns, r, row);
         }
-        mukca_unknowns_assign(&m->unknowns, &fitted);
+        mukca_unknowns_assign(unknowns, &fitted);
         for (int i = 0; i < size * size; i++) normal->gram[i] += b->gram[i];
-        memcpy(normal->distance, b->distance,
-               sizeof *b->distance * (size_t)(m->recording.n_pairs * size));
+        memcpy(normal->distance, b->distance, distances);
     }
 }
 

@@ -10,9 +10,9 @@ typedef struct {
     int n_folds;
     int *fold;          /* [n_rows] */
     double *gram;       /* of one fold */
-    double *distance;   /* the pack's, kept while a fold's rows are blanked */
-    double *position;   /* [n_rows][3] predictions of the rows while they were left out, NaN: of a
-                           row that no fold holds (fewer poses than folds beside sockets) */
+    double *distance;   /* copy of all distances while those of a fold are zero */
+    double *position;   /* [n_rows][3] predictions of the rows by the fits without their fold;
+                           NaN: a row of no fold (fewer poses than folds) */
     double *error;      /* [n_rows], NaN: not measured */
     unsigned char *all; /* [n_rows] 1 */
     double surprise;    /* squared misfit of the left-out rows in units of what it should be */

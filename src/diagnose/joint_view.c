@@ -1,4 +1,4 @@
-/* The projector seen from one joint. */
+/* The projector for functions of one joint. */
 #include "diagnose/joint_view.h"
 
 #include <string.h>
@@ -14,8 +14,8 @@ size_t mukca_joint_view_size(const mukca_regression *m)
 mukca_joint_view mukca_joint_view_aim(mukca_projector *p, int joint, double *memory)
 {
     const mukca_regression *m = p->m;
-    const int d = m->recording.dim, n = p->n, n_joints = m->recording.chain->n_joints,
-              rows = m->recording.n_samples;
+    const mukca_recording *r = &m->recording;
+    const int d = r->dim, n = p->n, n_joints = r->chain->n_joints, rows = r->n_samples;
     mukca_joint_view v = {.p = p, .joint = joint};
     v.Z = memory;
     v.u = v.Z + (size_t)rows * (size_t)n;
@@ -23,8 +23,8 @@ mukca_joint_view mukca_joint_view_aim(mukca_projector *p, int joint, double *mem
     v.off = v.diagonal + rows;
     v.F = v.off + rows;
     v.H = v.F + (size_t)rows * 2 * MUKCA_MAX_COLUMNS;
-    for (int e = 0; e < m->recording.n_groups; e++) {
-        const mukca_group *group = &m->recording.groups[e];
+    for (int e = 0; e < r->n_groups; e++) {
+        const mukca_group *group = &r->groups[e];
         for (int k = 0; k < group->count; k++) {
             const int i = group->start + k;
             const double *lever = m->linear.lever + (size_t)(i * n_joints + joint) * (size_t)d;
@@ -53,14 +53,15 @@ void mukca_joint_view_project(double *g, double *mean, const mukca_joint_view *v
 {
     const mukca_projector *p = v->p;
     const mukca_regression *m = p->m;
-    const int d = m->recording.dim, n = p->n, n_joints = m->recording.chain->n_joints;
+    const mukca_recording *r = &m->recording;
+    const int d = r->dim, n = p->n, n_joints = r->chain->n_joints;
     memset(p->T, 0, sizeof *p->T * (size_t)(n * width));
     memset(g, 0, sizeof *g * (size_t)width);
-    memset(mean, 0, sizeof *mean * (size_t)(m->recording.n_groups * 3 * width));
+    memset(mean, 0, sizeof *mean * (size_t)(r->n_groups * 3 * width));
     mukca_dense_xty(p->T, (mukca_columns){v->Z, n, n}, (mukca_columns){v->F, width, width},
-                    m->recording.n_samples);
-    for (int e = 0; e < m->recording.n_groups; e++) {
-        const mukca_group *group = &m->recording.groups[e];
+                    r->n_samples);
+    for (int e = 0; e < r->n_groups; e++) {
+        const mukca_group *group = &r->groups[e];
         for (int i = group->start; i < group->start + group->count; i++) {
             const double *lever = m->linear.lever + (size_t)(i * n_joints + v->joint) * (size_t)d;
             const double *f = v->F + (size_t)i * (size_t)width;
@@ -85,11 +86,12 @@ void mukca_joint_view_gram(double *G, const mukca_joint_view *v, const double *m
 {
     const mukca_projector *p = v->p;
     const mukca_regression *m = p->m;
+    const mukca_recording *r = &m->recording;
     memset(G, 0, sizeof *G * (size_t)(k * k));
     mukca_dense_xty(G, (mukca_columns){v->H + at, k, width}, (mukca_columns){v->F + at, k, width},
-                    m->recording.n_samples);
-    for (int e = 0; e < m->recording.n_groups; e++) {
-        if (m->recording.groups[e].socket < 0) continue;
+                    r->n_samples);
+    for (int e = 0; e < r->n_groups; e++) {
+        if (r->groups[e].socket < 0) continue;
         for (int c = 0; c < 3; c++) {
             const double *x = mean + (3 * e + c) * width + at;
             for (int a = 0; a < k; a++)
@@ -97,15 +99,15 @@ void mukca_joint_view_gram(double *G, const mukca_joint_view *v, const double *m
         }
     }
     for (int i = 0; i < k * k; i++) G[i] *= p->precision;
-    for (int r = 0; r < m->recording.n_pairs; r++) {
-        const mukca_socket_pair *pair = &m->recording.pairs[r];
+    for (int q = 0; q < r->n_pairs; q++) {
+        const mukca_socket_pair *pair = &r->pairs[q];
         double along[2 * MUKCA_MAX_COLUMNS] = {0};
         for (int c = 0; c < 3; c++)
             for (int a = 0; a < k; a++)
-                along[a] += m->linear.direction[r][c] * (mean[(3 * pair->a + c) * width + at + a] -
+                along[a] += m->linear.direction[q][c] * (mean[(3 * pair->a + c) * width + at + a] -
                                                          mean[(3 * pair->b + c) * width + at + a]);
         for (int a = 0; a < k; a++)
-            for (int b = 0; b < k; b++) G[a * k + b] += p->inverse[r] * along[a] * along[b];
+            for (int b = 0; b < k; b++) G[a * k + b] += p->inverse[q] * along[a] * along[b];
     }
     double lost[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS];
     memset(lost, 0, sizeof *lost * (size_t)(k * k));

@@ -1,5 +1,5 @@
-/* The projector seen from one joint: for functions that turn it about its axis, its levers make one
- * row of the three of a sample. */
+/* The projector for functions that turn one joint about its axis: its levers reduce the rows of a
+ * sample to one. */
 #ifndef MUKCA_DIAGNOSE_JOINT_VIEW_H
 #define MUKCA_DIAGNOSE_JOINT_VIEW_H
 
@@ -10,7 +10,7 @@ typedef struct {
     int joint;
     double *Z;        /* [n_samples][n] */
     double *u;        /* [n_samples] */
-    double *diagonal; /* [n_samples] of W seen through the levers, sockets' means apart */
+    double *diagonal; /* [n_samples] of W times the levers, without the sockets' means */
     double *off;      /* [n_samples] twice the entry with the row before */
     double *F, *H;    /* [n_samples][2 * MUKCA_MAX_COLUMNS] scratch */
 } mukca_joint_view;
@@ -19,7 +19,7 @@ size_t mukca_joint_view_size(const mukca_regression *m);
 mukca_joint_view mukca_joint_view_aim(mukca_projector *p, int joint, double *memory);
 
 /* Projected normal equations of the functions F[n_samples][width] in the view:
- * T[n][width] (in p->T), g[width], and mean[n_groups][3][width] of what they do to each socket's
+ * T[n][width] (in p->T), g[width], and mean[n_groups][3][width] of their effect on each socket's
  * mean. */
 void mukca_joint_view_project(double *g, double *mean, const mukca_joint_view *v, int width);
 

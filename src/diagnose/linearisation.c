@@ -29,48 +29,42 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
                                  const mukca_recording *recording, const mukca_candidate *h)
 {
     const int d = recording->dim, n_joints = recording->chain->n_joints, terms = h->terms;
+    const int width = h->width_of_term, ldx = linear->n_columns + 1;
     const mukca_effect_site site = mukca_candidate_site(h);
     for (int i = 0; i < recording->n_samples; i++) {
         double *out = E + (size_t)i * (size_t)d * (size_t)ld;
-        const int row = recording->order[i], width = h->width_of_term;
+        const int row = recording->order[i];
         const float *basis = h->basis ? h->basis + (size_t)row * (size_t)(terms * width) : NULL;
-        for (int c = 0; c < d; c++)
-            for (int t = 0; t < terms; t++) out[c * ld + t] = 0;
+        const double *levers = linear->lever + (size_t)(i * n_joints) * (size_t)d;
         const double *lever = NULL; /* [d][width] */
+        for (int c = 0; c < d; c++) memset(out + c * ld, 0, sizeof *out * (size_t)terms);
         if (mukca_candidate_is_fault(h)) {
             const double share = mukca_candidate_fault_share(h, recording, row);
             for (int c = 0; c < 3; c++) out[c * ld + c] = -share;
         } else if (h->kind == MUKCA_CANDIDATE_STRETCH) { /* as x y z of the slot's frame do */
-            const int ldx = linear->n_columns + 1;
             const double *slot =
-                linear->columns + (size_t)i * (size_t)d * (size_t)ldx + 6 * h->stretch.slot;
+                linear->columns + (size_t)(i * d) * (size_t)ldx + 6 * h->stretch.slot;
             for (int c = 0; c < d; c++)
                 for (int t = 0; t < 3; t++) out[c * ld + t] = slot[c * ldx + t] * (double)basis[t];
         } else if (site == MUKCA_SITE_TIP) {
+            const double *frame = linear->tip_frame + 9 * i;
             for (int c = 0; c < 3; c++)
                 for (int t = 0; t < 3; t++)
-                    out[c * ld + t] =
-                        linear->tip_frame[9 * i + 3 * c + t] * (double)basis[t * width + t];
-        } else if (site == MUKCA_SITE_ANGLES) { /* the joints' levers lie one after the other */
+                    out[c * ld + t] = frame[3 * c + t] * (double)basis[t * width + t];
+        } else if (site == MUKCA_SITE_ANGLES) {
             for (int k = 0; k < n_joints; k++)
-                for (int c = 0; c < d; c++)
-                    out[c * ld] +=
-                        linear->lever[(size_t)(i * n_joints + k) * (size_t)d + (size_t)c] *
-                        (double)basis[k];
+                for (int c = 0; c < d; c++) out[c * ld] += levers[k * d + c] * (double)basis[k];
         } else if (site == MUKCA_SITE_ANGLE) {
-            lever = linear->lever + (size_t)(i * n_joints + h->joint) * (size_t)d;
+            lever = levers + h->joint * d;
         } else if (site == MUKCA_SITE_ROTATION) {
             lever = linear->rotation_lever + (size_t)(i * n_joints + h->joint) * (size_t)(3 * d);
         } else if (site == MUKCA_SITE_BASE) {
             lever = linear->base_lever + (size_t)i * (size_t)(3 * d);
         }
         for (int t = 0; lever && t < terms; t++)
-            for (int c = 0; c < d; c++) {
-                double sum = 0;
+            for (int c = 0; c < d; c++)
                 for (int k = 0; k < width; k++)
-                    sum += lever[c * width + k] * (double)basis[t * width + k];
-                out[c * ld + t] = sum;
-            }
+                    out[c * ld + t] += lever[c * width + k] * (double)basis[t * width + k];
     }
 }
 
@@ -100,11 +94,12 @@ static void predict(mukca_linearisation *linear, const mukca_recording *recordin
 {
     const int n_joints = recording->chain->n_joints;
     for (int i = 0; i < recording->n_samples; i++) {
+        const int row = recording->order[i];
         mukca_frame tip;
         mukca_displacement displacement;
-        mukca_unknowns_displacement(&displacement, unknowns, n_joints, recording->order[i]);
-        mukca_fk_pose(&tip, &unknowns->geometry,
-                      recording->data->q + (size_t)(recording->order[i] * n_joints), &displacement);
+        mukca_unknowns_displacement(&displacement, unknowns, n_joints, row);
+        mukca_fk_pose(&tip, &unknowns->geometry, recording->data->q + row * n_joints,
+                      &displacement);
         memcpy(linear->tip + 3 * i, tip.p, sizeof tip.p);
         memcpy(linear->tip_frame + 9 * i, tip.R, sizeof tip.R);
     }
@@ -116,13 +111,12 @@ static void predict(mukca_linearisation *linear, const mukca_recording *recordin
             for (int c = 0; c < 3; c++) mean[c] += linear->tip[3 * i + c] / group->count;
     }
     for (int p = 0; p < recording->n_pairs; p++) {
-        double *direction = linear->direction[p], square = 0;
-        for (int c = 0; c < 3; c++) {
-            direction[c] =
-                linear->mean[recording->pairs[p].a][c] - linear->mean[recording->pairs[p].b][c];
-            square += direction[c] * direction[c];
-        }
-        for (int c = 0; c < 3; c++) direction[c] /= fmax(sqrt(square), 1e-9);
+        const double *a = linear->mean[recording->pairs[p].a];
+        const double *b = linear->mean[recording->pairs[p].b];
+        double *direction = linear->direction[p];
+        for (int c = 0; c < 3; c++) direction[c] = a[c] - b[c];
+        const double length = fmax(sqrt(mukca_dot3(direction, direction)), 1e-9);
+        for (int c = 0; c < 3; c++) direction[c] /= length;
     }
 }
 
@@ -160,20 +154,6 @@ static void seat(double *seated, double r[3], int n, const mukca_geometry *geome
         for (int c = 0; c < 3; c++) seated[j] += J[c * n + j] * r[c];
 }
 
-/* Tip per rotation of the base. */
-static void fill_base_lever(double *lever, const double tip[3], int d, double rotation_weight)
-{
-    for (int a = 0; a < 3; a++) {
-        double e[3] = {0, 0, 0}, cross[3];
-        e[a] = 1;
-        mukca_cross(cross, e, tip);
-        for (int c = 0; c < 3; c++) {
-            lever[c * 3 + a] = cross[c];
-            if (d == 6) lever[(3 + c) * 3 + a] = rotation_weight * e[c];
-        }
-    }
-}
-
 /* turn[6][3]: tip (position, weighted orientation) per rotation vector of a frame. */
 static void turn_of(double turn[6][3], const mukca_frame *frame, const double tip[3],
                     double rotation_weight)
@@ -203,13 +183,14 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
     mukca_fk_frames(before, &tip, &u->geometry, q, displacement);
     memset(X, 0, sizeof *X * (size_t)d * (size_t)ld);
-    fill_base_lever(base_lever, tip.p, d, u->rotation_weight);
+    double turn[6][3];
+    turn_of(turn, &(mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}}, tip.p, u->rotation_weight);
+    memcpy(base_lever, turn, sizeof *turn * (size_t)d);
     int slot = 0;
     for (int k = 0; k < chain->n_elements; k++) {
         const mukca_element *element = &chain->element[k];
         const double *R = before[k].R;
         const bool free = slot < u->n_slots && u->slot_element[slot] == k;
-        double turn[6][3];
         if (!free && element->joint < 0) continue;
         turn_of(turn, &before[k], tip.p, u->rotation_weight);
         if (element->joint >= 0) {
@@ -245,8 +226,7 @@ static void fill_y(mukca_linearisation *linear, const mukca_recording *recording
 {
     const int d = recording->dim, ld = linear->n_columns + 1;
     for (int i = 0; i < recording->n_samples; i++) {
-        double y[6] = {0};
-        double *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
+        double y[6] = {0}, *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
         if (recording->data->socket[recording->order[i]] < 0)
             pose_residual(y, linear, recording, u, i);
         else
@@ -271,18 +251,17 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
                                 mukca_unknowns *u)
 {
     linear->n_columns = mukca_unknowns_column(u, u->n_causes);
-    const int ld = linear->n_columns + 1;
+    const int ld = linear->n_columns + 1, n_joints = recording->chain->n_joints;
     mukca_unknowns_set_geometry(u, recording->chain);
     predict(linear, recording, u);
     for (int g = 0; g < recording->n_groups; g++) {
         const mukca_group *group = &recording->groups[g];
         for (int i = group->start; i < group->start + group->count; i++) {
-            const int n_joints = recording->chain->n_joints, row = recording->order[i];
+            const int row = recording->order[i];
             double seated[MUKCA_MAX_JOINTS], r[3];
             mukca_displacement displacement;
             mukca_unknowns_displacement(&displacement, u, n_joints, row);
-            memcpy(seated, recording->data->q + (size_t)(row * n_joints),
-                   sizeof *seated * (size_t)n_joints);
+            memcpy(seated, recording->data->q + row * n_joints, sizeof *seated * (size_t)n_joints);
             if (group->socket >= 0) {
                 misfit(r, linear, recording, u, g, i);
                 seat(seated, r, n_joints, &u->geometry, &displacement);

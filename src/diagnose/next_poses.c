@@ -1,8 +1,7 @@
-/* The poses that would settle a tie of a diagnosis. */
+/* The postures that would settle a tie of a diagnosis. */
 #include "diagnose/next_poses.h"
 
 #include <math.h>
-
 #include <string.h>
 
 enum { CANDIDATES = 40 };

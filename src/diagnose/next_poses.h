@@ -1,4 +1,4 @@
-/* The poses that would settle a tie of a diagnosis. */
+/* The postures that would settle a tie of a diagnosis. */
 #ifndef MUKCA_DIAGNOSE_NEXT_POSES_H
 #define MUKCA_DIAGNOSE_NEXT_POSES_H
 

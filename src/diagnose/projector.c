@@ -33,66 +33,69 @@ mukca_projector mukca_projector_lay_out(mukca_regression *m, double *memory)
     return p;
 }
 
+/* AR(1) whitening of sample i of a group: its own and its predecessor's coefficient, and those with
+ * which its successor takes it in (0 at the end). */
+typedef struct {
+    double own, before, next_own, next_before;
+} whitening;
+
+static whitening whitening_at(const mukca_projector *p, const mukca_group *group, int i)
+{
+    whitening w = {0};
+    mukca_evidence_whitening(&w.own, &w.before, i, p->root, p->normal->rho);
+    if (i + 1 < group->count)
+        mukca_evidence_whitening(&w.next_own, &w.next_before, i + 1, p->root, p->normal->rho);
+    return w;
+}
+
 /* Weights of the samples in the whitened mean of group g. */
 static void weigh_group(mukca_projector *p, int g)
 {
     const mukca_group *group = &p->m->recording.groups[g];
-    const double rho = p->normal->rho;
-    double sum = 0, own, before, next_own, next_before;
+    double sum = 0;
     for (int i = 0; i < group->count; i++) {
-        mukca_evidence_whitening(&own, &before, i, p->root, rho);
-        sum += (own - before) * (own - before);
+        const whitening w = whitening_at(p, group, i);
+        sum += (w.own - w.before) * (w.own - w.before);
     }
     p->weights[g] = sum;
     for (int i = 0; i < group->count; i++) {
-        mukca_evidence_whitening(&own, &before, i, p->root, rho);
-        mukca_evidence_whitening(&next_own, &next_before, i + 1, p->root, rho);
-        double w = own * (own - before);
-        if (i + 1 < group->count) w -= next_before * (next_own - next_before);
-        p->mean_weight[group->start + i] = w / sum;
+        const whitening w = whitening_at(p, group, i);
+        p->mean_weight[group->start + i] =
+            (w.own * (w.own - w.before) - w.next_before * (w.next_own - w.next_before)) / sum;
     }
 }
 
 /* Q := W X and W y of the samples of a group: the transposed whitening of the whitened columns. */
 static void fill_Q(mukca_projector *p, const mukca_group *group)
 {
-    const double rho = p->normal->rho;
     const size_t step = (size_t)p->m->recording.dim * (size_t)(p->n + 1);
     for (int i = 0; i < group->count; i++) {
-        double own, before, next_own, next_before;
-        mukca_evidence_whitening(&own, &before, i, p->root, rho);
-        mukca_evidence_whitening(&next_own, &next_before, i + 1, p->root, rho);
-        const double *white = p->normal->white + (size_t)(group->start + i) * step,
-                     *next = white + step;
+        const whitening w = whitening_at(p, group, i);
+        const double *white = p->normal->white + (size_t)(group->start + i) * step;
         double *q = p->Q + (size_t)(group->start + i) * step;
-        const double a = p->precision * own, b = p->precision * next_before;
-        if (i + 1 < group->count && rho > 0)
-            for (size_t k = 0; k < step; k++) q[k] = a * white[k] - b * next[k];
-        else
-            for (size_t k = 0; k < step; k++) q[k] = a * white[k];
+        const double a = p->precision * w.own, b = p->precision * w.next_before;
+        for (size_t k = 0; k < step; k++) q[k] = a * white[k];
+        for (size_t k = 0; k < step && b > 0; k++) q[k] -= b * white[k + step];
     }
 }
 
 /* The distance rows' part of Q: each acts on the means of its two sockets. */
 static void add_distances(mukca_projector *p)
 {
-    const mukca_recording *recording = &p->m->recording;
+    const mukca_recording *r = &p->m->recording;
     const int size = p->n + 1;
-    for (int k = 0; k < recording->n_pairs; k++) {
-        const double *row = p->normal->distance + k * size;
-        const double *direction = p->m->linear.direction[k];
+    for (int k = 0; k < r->n_pairs; k++)
         for (int side = 0; side < 2; side++) {
-            const mukca_socket_pair *pair = &recording->pairs[k];
-            const mukca_group *group = &recording->groups[side ? pair->b : pair->a];
+            const double *row = p->normal->distance + k * size;
+            const mukca_group *group = &r->groups[side ? r->pairs[k].b : r->pairs[k].a];
+            const double inverse = side ? -p->inverse[k] : p->inverse[k];
             for (int i = group->start; i < group->start + group->count; i++)
                 for (int c = 0; c < 3; c++) {
-                    const double w =
-                        (side ? -1 : 1) * p->inverse[k] * direction[c] * p->mean_weight[i];
-                    double *q = p->Q + (size_t)(i * recording->dim + c) * (size_t)size;
+                    const double w = inverse * p->m->linear.direction[k][c] * p->mean_weight[i];
+                    double *q = p->Q + (size_t)(i * r->dim + c) * (size_t)size;
                     for (int e = 0; e < size; e++) q[e] += w * row[e];
                 }
         }
-    }
 }
 
 /* Zt := (L^-1 D Q')', a block of rows at a time; u := W y - Zt z.  Columns with prior 0 drop out.
@@ -101,18 +104,19 @@ static void fill_Zt(mukca_projector *p)
 {
     enum { BLOCK = 32 };
     const double *prior = p->m->evidence.prior;
-    const int n = p->n, size = n + 1;
+    const int n = p->n;
+    const size_t size = (size_t)n + 1;
     double *B = p->T;
     for (int start = 0; start < p->rows; start += BLOCK) {
         const int count = p->rows - start < BLOCK ? p->rows - start : BLOCK;
         for (int r = 0; r < count; r++) {
-            const double *q = p->Q + (size_t)(start + r) * (size_t)size;
+            const double *q = p->Q + (size_t)(start + r) * size;
             for (int i = 0; i < n; i++) B[i * count + r] = q[i] * prior[i];
         }
         mukca_dense_forward(B, count, p->m->evidence.factor, n);
         for (int r = 0; r < count; r++) {
             double *x = p->Zt + (size_t)(start + r) * (size_t)n;
-            double sum = p->Q[(size_t)(start + r) * (size_t)size + (size_t)n];
+            double sum = p->Q[(size_t)(start + r + 1) * size - 1];
             for (int i = 0; i < n; i++) {
                 x[i] = B[i * count + r];
                 sum -= x[i] * p->z[i];
@@ -174,17 +178,16 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
 static void project_samples(double *G, mukca_projector *p, const double *E, int k)
 {
     const mukca_recording *recording = &p->m->recording;
-    const int d = recording->dim;
-    const size_t step = (size_t)(d * k);
+    const int d = recording->dim, step = d * k;
     double mean[MUKCA_MAX_COLUMNS];
     for (int g = 0; g < recording->n_groups; g++) {
         const mukca_group *group = &recording->groups[g];
         for (int i = 0; i < group->count; i++) {
-            const double *e = E + (size_t)(group->start + i) * step;
-            double *white = p->white + (size_t)(group->start + i) * step, own, before;
-            mukca_evidence_whitening(&own, &before, i, p->root, p->normal->rho);
-            for (size_t t = 0; t < step; t++)
-                white[t] = own * e[t] - (i ? before * (e - step)[t] : 0);
+            const double *e = E + (group->start + i) * step;
+            double *white = p->white + (group->start + i) * step;
+            const whitening w = whitening_at(p, group, i);
+            for (int t = 0; t < step; t++)
+                white[t] = w.own * e[t] - (i ? w.before * e[t - step] : 0);
         }
     }
     mukca_dense_syrk(G, k, p->white, p->rows, k);
@@ -205,17 +208,15 @@ static void project_samples(double *G, mukca_projector *p, const double *E, int 
 /* along[k]: what the columns do to the distance of a pair of sockets. */
 static void pair_columns(double *along, const mukca_projector *p, const double *E, int k, int pair)
 {
-    const mukca_recording *recording = &p->m->recording;
+    const mukca_recording *r = &p->m->recording;
+    const double *direction = p->m->linear.direction[pair];
     memset(along, 0, sizeof *along * (size_t)k);
     for (int side = 0; side < 2; side++) {
-        const mukca_socket_pair *both = &recording->pairs[pair];
-        const mukca_group *group = &recording->groups[side ? both->b : both->a];
+        const mukca_group *group = &r->groups[side ? r->pairs[pair].b : r->pairs[pair].a];
         for (int i = group->start; i < group->start + group->count; i++)
             for (int c = 0; c < 3; c++) {
-                const double w =
-                    (side ? -1 : 1) * p->mean_weight[i] * p->m->linear.direction[pair][c];
-                const double *e = E + (i * recording->dim + c) * k;
-                for (int t = 0; t < k; t++) along[t] += w * e[t];
+                const double w = (side ? -1 : 1) * p->mean_weight[i] * direction[c];
+                for (int t = 0; t < k; t++) along[t] += w * E[(i * r->dim + c) * k + t];
             }
     }
 }
@@ -260,45 +261,40 @@ void mukca_projector_project(double *G, double *g, mukca_projector *p, const dou
 /* Faults of one socket or row: columns -share(row) * identity, so sums over rows suffice. */
 double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, double *information)
 {
-    const mukca_regression *m = p->m;
-    const mukca_group *group = &m->recording.groups[h->fault.group];
-    const int d = m->recording.dim, n = p->n;
+    const mukca_recording *r = &p->m->recording;
+    const mukca_group *group = &r->groups[h->fault.group];
+    const int d = r->dim, n = p->n;
     double T[3][512], G[9], g[3] = {0, 0, 0}, square = 0, mean = 0, last = 0;
     if (n > 512) return -HUGE_VAL;
     memset(T, 0, sizeof T);
     for (int i = 0; i < group->count; i++) {
-        const int row = m->recording.order[group->start + i];
-        const double share = mukca_candidate_fault_share(h, &m->recording, row);
-        double own, before;
-        mukca_evidence_whitening(&own, &before, i, p->root, p->normal->rho);
-        const double white = own * share - before * last;
+        const double share = mukca_candidate_fault_share(h, r, r->order[group->start + i]);
+        const whitening w = whitening_at(p, group, i);
+        const double white = w.own * share - w.before * last;
         last = share;
         square += white * white;
         if (share == 0) continue;
         if (group->socket >= 0) mean += p->mean_weight[group->start + i] * share;
         for (int c = 0; c < 3; c++) {
-            const size_t r = (size_t)(group->start + i) * (size_t)d + (size_t)c;
-            const double *z = p->Zt + r * (size_t)n;
+            const int at = (group->start + i) * d + c;
+            const double *z = p->Zt + (size_t)at * (size_t)n;
             for (int k = 0; k < n; k++) T[c][k] -= share * z[k];
-            g[c] -= share * p->u[r];
+            g[c] -= share * p->u[at];
         }
     }
-    const double own_part =
-        p->precision *
-        (square - (group->socket >= 0 ? p->weights[h->fault.group] * mean * mean : 0));
+    /* mean is 0 in a pose log, which has no free mean */
+    const double own_part = p->precision * (square - p->weights[h->fault.group] * mean * mean);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) {
             double sum = a == b ? own_part : 0;
             for (int k = 0; k < n; k++) sum -= T[a][k] * T[b][k];
             G[3 * a + b] = sum;
         }
-    for (int r = 0; r < m->recording.n_pairs; r++) {
-        const mukca_socket_pair *pair = &m->recording.pairs[r];
-        if (pair->a != h->fault.group && pair->b != h->fault.group) continue;
+    for (int q = 0; q < r->n_pairs; q++) {
+        const double *direction = p->m->linear.direction[q], w = p->inverse[q] * mean * mean;
+        if (r->pairs[q].a != h->fault.group && r->pairs[q].b != h->fault.group) continue;
         for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++)
-                G[3 * a + b] += p->inverse[r] * mean * mean * m->linear.direction[r][a] *
-                                m->linear.direction[r][b];
+            for (int b = 0; b < 3; b++) G[3 * a + b] += w * direction[a] * direction[b];
     }
     return mukca_projector_block(G, g, h, p->residual, p->normal->dof, information);
 }
@@ -314,24 +310,24 @@ double mukca_projector_field(mukca_projector *p, const mukca_candidate *h, doubl
 void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *normal, double sigma)
 {
     mukca_regression *m = p->m;
+    const mukca_recording *r = &m->recording;
     const int n = p->n;
     p->normal = normal;
     p->precision = 1 / (sigma * sigma);
-    const double sigma2 = 1 / p->precision;
     p->root = sqrt(1 - normal->rho * normal->rho);
     mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL);
     memcpy(p->z, m->evidence.work, sizeof *p->z * (size_t)n);
     p->residual = p->precision * normal->gram[(size_t)(n + 1) * (size_t)(n + 1) - 1];
     const double known = normal->distance_sigma * normal->distance_sigma;
     for (int k = 0; k < normal->n_pairs; k++)
-        p->inverse[k] = 1 / (known + sigma2 * normal->variance[k]);
-    for (int g = 0; g < m->recording.n_groups; g++) {
+        p->inverse[k] = 1 / (known + sigma * sigma * normal->variance[k]);
+    for (int g = 0; g < r->n_groups; g++) {
         weigh_group(p, g);
-        fill_Q(p, &m->recording.groups[g]);
+        fill_Q(p, &r->groups[g]);
     }
     add_distances(p);
     fill_Zt(p);
-    for (int k = 0; k < m->recording.n_pairs; k++) {
+    for (int k = 0; k < r->n_pairs; k++) {
         const double y = normal->distance[k * (n + 1) + n];
         p->residual += p->inverse[k] * y * y;
     }

@@ -32,8 +32,8 @@ typedef struct {
 size_t mukca_projector_size(const mukca_regression *m);
 mukca_projector mukca_projector_lay_out(mukca_regression *m, double *memory);
 
-/* Make it ready for a filled pack and m->evidence.prior. */
-void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *pack, double sigma);
+/* Prepare it for these normal equations and m->evidence.prior. */
+void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *normal, double sigma);
 
 /* Log Bayes factor of a block with projected Gram G[k][k] (leading dimension k) and gradient g[k]
  * (both destroyed), averaged over prior scales; noise profiled, sign of the first coefficient

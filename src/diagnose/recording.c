@@ -4,69 +4,68 @@
 #include <math.h>
 #include <string.h>
 
-mukca_joint_state mukca_recording_state(const mukca_recording *recording, int row)
+mukca_joint_state mukca_recording_state(const mukca_recording *r, int row)
 {
-    const size_t r = (size_t)row, n = (size_t)recording->chain->n_joints;
-    mukca_joint_state state = {.q = recording->data->q + r * n,
-                               .move = recording->move + r * n,
-                               .time = recording->time[row],
-                               .placement = recording->placement[row]};
-    if (recording->have_torques) state.torque = recording->total_torque + r * n;
-    if (recording->have_moments) {
-        state.moment = (const double(*)[3])(recording->total_moment + 3 * r * n);
-        state.base_moment = recording->total_base + 3 * r;
+    const size_t n = (size_t)r->chain->n_joints, at = (size_t)row * n;
+    mukca_joint_state state = {.q = r->data->q + at,
+                               .move = r->move + at,
+                               .command = r->command ? r->command + at : NULL,
+                               .torque = r->have_torques ? r->total_torque + at : NULL,
+                               .time = r->time[row],
+                               .placement = r->placement[row]};
+    if (r->have_moments) {
+        state.moment = (const double(*)[3])(r->total_moment + 3 * at);
+        state.base_moment = r->total_base + 3 * row;
     }
-    if (recording->command) state.command = recording->command + r * n;
     return state;
 }
 
-void mukca_recording_range(double range[2], const mukca_recording *recording, const double *x,
-                           int columns, int column)
+void mukca_recording_range(double range[2], const mukca_recording *r, const double *x, int columns,
+                           int column)
 {
     range[0] = HUGE_VAL, range[1] = -HUGE_VAL;
-    for (int row = 0; row < recording->data->n_rows; row++) {
+    for (int row = 0; row < r->data->n_rows; row++) {
         range[0] = fmin(range[0], x[row * columns + column]);
         range[1] = fmax(range[1], x[row * columns + column]);
     }
 }
 
-void mukca_recording_regroup(mukca_recording *recording)
+void mukca_recording_regroup(mukca_recording *r)
 {
-    const mukca_dataset *data = recording->data;
-    recording->n_samples = recording->n_groups = recording->n_pairs = 0;
+    const mukca_dataset *data = r->data;
+    r->n_samples = r->n_groups = r->n_pairs = 0;
     for (int s = -1; s < data->n_sockets; s++) {
-        mukca_group *group = &recording->groups[recording->n_groups];
-        *group = (mukca_group){.start = recording->n_samples, .socket = s, .placement = -1};
+        mukca_group *group = &r->groups[r->n_groups];
+        *group = (mukca_group){.start = r->n_samples, .socket = s, .placement = -1};
         for (int row = 0; row < data->n_rows; row++)
-            if (recording->keep[row] && data->socket[row] == s) {
-                recording->order[recording->n_samples++] = row;
-                group->placement = recording->placement[row];
+            if (r->keep[row] && data->socket[row] == s) {
+                r->order[r->n_samples++] = row;
+                group->placement = r->placement[row];
             }
-        group->count = recording->n_samples - group->start;
+        group->count = r->n_samples - group->start;
         /* Groups keep their index (faults refer to it), so empty sockets stay in the table. */
-        if (s >= 0 || group->count) recording->n_groups++;
+        if (s >= 0 || group->count) r->n_groups++;
     }
-    const int shift = recording->groups[0].socket < 0; /* a pose log is the first group */
+    const int shift = r->groups[0].socket < 0; /* a pose log is the first group */
     for (int p = 0; p < data->n_distances; p++) {
         const mukca_distance *known = &data->distances[p];
         const mukca_socket_pair pair = {known->a + shift, known->b + shift, known->distance};
-        if (recording->groups[pair.a].count && recording->groups[pair.b].count)
-            recording->pairs[recording->n_pairs++] = pair;
+        if (r->groups[pair.a].count && r->groups[pair.b].count) r->pairs[r->n_pairs++] = pair;
     }
 }
 
 /* Move, command, time and placement of each row. */
-static void fill_motion(mukca_recording *recording)
+static void fill_motion(mukca_recording *r)
 {
-    const size_t n = (size_t)recording->chain->n_joints, size = n * sizeof(double);
+    const size_t n = (size_t)r->chain->n_joints, size = n * sizeof(double);
     mukca_row_state rows;
-    for (int row = 0; row < recording->data->n_rows; row++) {
-        const mukca_joint_state *state = mukca_dataset_state(&rows, recording->data, row);
+    for (int row = 0; row < r->data->n_rows; row++) {
+        const mukca_joint_state *state = mukca_dataset_state(&rows, r->data, row);
         const size_t at = (size_t)row * n;
-        memcpy(recording->move + at, state->move, size);
-        if (recording->command) memcpy(recording->command + at, state->command, size);
-        recording->time[row] = state->time;
-        recording->placement[row] = state->placement;
+        memcpy(r->move + at, state->move, size);
+        if (r->command) memcpy(r->command + at, state->command, size);
+        r->time[row] = state->time;
+        r->placement[row] = state->placement;
     }
 }
 
@@ -80,60 +79,59 @@ static int observed(const mukca_dataset *data)
     return turned ? 6 : 3;
 }
 
-static void list_bodies(mukca_recording *recording)
+static void list_bodies(mukca_recording *r)
 {
-    const mukca_chain *chain = recording->chain;
+    const mukca_chain *chain = r->chain;
     for (int element = 0; element < chain->n_elements; element++) {
         double kg = 0;
         for (int i = 0; i < chain->n_masses; i++)
             if (chain->mass[i].element == element) kg += chain->mass[i].kg;
         const bool payload =
-            recording->data->payload && element == chain->n_elements - 1 && chain->n_masses > 0;
-        if (kg > 0 || payload) recording->body_element[recording->n_bodies++] = element;
+            r->data->payload && element == chain->n_elements - 1 && chain->n_masses > 0;
+        if (kg > 0 || payload) r->body_element[r->n_bodies++] = element;
     }
 }
 
-bool mukca_recording_create(mukca_recording *recording, mukca_pool *pool, const mukca_chain *chain,
+bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_chain *chain,
                             const mukca_dataset *data, const mukca_recording_options *options)
 {
     const int rows = data->n_rows, n_joints = chain->n_joints;
-    *recording =
+    *r =
         (mukca_recording){.chain = chain, .data = data, .options = *options, .dim = observed(data)};
-    list_bodies(recording);
-    const int bodies = recording->n_bodies ? recording->n_bodies : 1;
-    recording->moment = MUKCA_TAKE(pool, double, 3 * rows * bodies * n_joints);
-    recording->torque = MUKCA_TAKE(pool, double, rows *bodies *n_joints);
-    recording->base_moment = MUKCA_TAKE(pool, double, 3 * rows * bodies);
-    recording->total_moment = MUKCA_TAKE(pool, double, 3 * rows * n_joints);
-    recording->total_torque = MUKCA_TAKE(pool, double, rows *n_joints);
-    recording->total_base = MUKCA_TAKE(pool, double, 3 * rows);
-    recording->move = MUKCA_TAKE(pool, double, rows *n_joints);
-    recording->command = data->command ? MUKCA_TAKE(pool, double, rows *n_joints) : NULL;
-    recording->time = MUKCA_TAKE(pool, double, rows);
-    recording->placement = MUKCA_TAKE(pool, int, rows);
-    recording->keep = MUKCA_TAKE(pool, unsigned char, rows);
-    recording->order = MUKCA_TAKE(pool, int, rows);
-    recording->groups = MUKCA_TAKE(pool, mukca_group, data->n_sockets + 2);
-    recording->pairs = MUKCA_TAKE(pool, mukca_socket_pair, data->n_distances + 1);
+    list_bodies(r);
+    const int bodies = r->n_bodies ? r->n_bodies : 1;
+    r->moment = MUKCA_TAKE(pool, double, 3 * rows * bodies * n_joints);
+    r->torque = MUKCA_TAKE(pool, double, rows *bodies *n_joints);
+    r->base_moment = MUKCA_TAKE(pool, double, 3 * rows * bodies);
+    r->total_moment = MUKCA_TAKE(pool, double, 3 * rows * n_joints);
+    r->total_torque = MUKCA_TAKE(pool, double, rows *n_joints);
+    r->total_base = MUKCA_TAKE(pool, double, 3 * rows);
+    r->move = MUKCA_TAKE(pool, double, rows *n_joints);
+    r->command = data->command ? MUKCA_TAKE(pool, double, rows *n_joints) : NULL;
+    r->time = MUKCA_TAKE(pool, double, rows);
+    r->placement = MUKCA_TAKE(pool, int, rows);
+    r->keep = MUKCA_TAKE(pool, unsigned char, rows);
+    r->order = MUKCA_TAKE(pool, int, rows);
+    r->groups = MUKCA_TAKE(pool, mukca_group, data->n_sockets + 2);
+    r->pairs = MUKCA_TAKE(pool, mukca_socket_pair, data->n_distances + 1);
     if (pool->failed) return false;
-    memset(recording->keep, 1, (size_t)rows);
-    fill_motion(recording);
-    mukca_recording_load(recording);
-    mukca_recording_regroup(recording);
+    memset(r->keep, 1, (size_t)rows);
+    fill_motion(r);
+    mukca_recording_load(r);
+    mukca_recording_regroup(r);
     return true;
 }
 
-int mukca_recording_distinct(const mukca_recording *recording)
+int mukca_recording_distinct(const mukca_recording *r)
 {
-    const int n = recording->chain->n_joints;
+    const int n = r->chain->n_joints;
     int distinct = 0;
-    for (int g = 0; g < recording->n_groups; g++)
-        for (int i = 0; i < recording->groups[g].count; i++) {
-            const int *row = recording->order + recording->groups[g].start + i;
-            const double *q = recording->data->q + row[0] * n;
+    for (int g = 0; g < r->n_groups; g++)
+        for (int i = 0; i < r->groups[g].count; i++) {
+            const int *row = r->order + r->groups[g].start + i;
             double most = i ? 0 : HUGE_VAL;
             for (int j = 0; i && j < n; j++)
-                most = fmax(most, fabs(q[j] - recording->data->q[row[-1] * n + j]));
+                most = fmax(most, fabs(r->data->q[row[0] * n + j] - r->data->q[row[-1] * n + j]));
             distinct += most > 1e-5; /* rad: the resolution of any encoder */
         }
     return distinct;

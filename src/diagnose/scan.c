@@ -18,15 +18,14 @@ const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index)
 static void pick_harmonics(mukca_scan *scan, const mukca_joint_view *view, double *mean)
 {
     mukca_regression *m = view->p->m; /* bases outlive the scan in accepted causes */
-    const int n_joints = m->recording.chain->n_joints, j = view->joint;
+    const mukca_recording *r = &m->recording;
+    const int n_joints = r->chain->n_joints, j = view->joint;
     double value[MUKCA_RIPPLE_ORDERS + 1], lo = HUGE_VAL, hi = -HUGE_VAL;
-    const mukca_element *element =
-        &m->recording.chain->element[m->recording.chain->joint_element[j]];
-    for (int i = 0; i < m->recording.n_samples; i++) {
-        lo = fmin(lo, m->recording.data->q[m->recording.order[i] * n_joints + j]);
-        hi = fmax(hi, m->recording.data->q[m->recording.order[i] * n_joints + j]);
+    for (int i = 0; i < r->n_samples; i++) {
+        lo = fmin(lo, r->data->q[r->order[i] * n_joints + j]);
+        hi = fmax(hi, r->data->q[r->order[i] * n_joints + j]);
     }
-    if (element->type == MUKCA_PRISMATIC || hi - lo < 1e-2) return;
+    if (!scan->all->survey.joint[j].turns || hi - lo < 1e-2) return;
     mukca_ripple_scan(value, view, mean, view->p->white);
     for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
         value[order] += mukca_ripple_log_prior(order);
@@ -49,47 +48,57 @@ static void pick_harmonics(mukca_scan *scan, const mukca_joint_view *view, doubl
                                           .joint = j,
                                           .placement = -1,
                                           .variant.order = best}};
-        if (!mukca_candidate_prepare(h, &m->pool, &m->recording)) continue;
+        if (!mukca_candidate_prepare(h, &m->pool, r)) continue;
         h->log_prior = mukca_ripple_log_prior(best) - log(n_joints) - log(scan->all->classes);
         scan->n_harmonic++;
     }
 }
 
-/* Score those functions of one joint's angle that `wanted` marks, several in one product. */
-static void score_angles(double *value, double *information, mukca_scan *scan,
-                         const mukca_joint_view *view, const unsigned char *wanted, double *mean)
+/* Functions of one joint's angle that are scored in one product. */
+typedef struct {
+    int n, width;
+    int index[2 * MUKCA_MAX_COLUMNS], at[2 * MUKCA_MAX_COLUMNS]; /* candidate, its first column */
+} batch;
+
+static void score_batch(mukca_scan *scan, const mukca_joint_view *view, const batch *b,
+                        double *mean)
 {
-    const mukca_projector *p = view->p;
-    const mukca_regression *m = p->m;
+    const mukca_recording *r = &view->p->m->recording;
     double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[2 * MUKCA_MAX_COLUMNS];
-    int batch[2 * MUKCA_MAX_COLUMNS], at[2 * MUKCA_MAX_COLUMNS], n = 0, width = 0;
-    for (int k = 0; k <= scan->n_scores; k++) {
-        const mukca_candidate *h = k < scan->n_scores ? mukca_scan_candidate(scan, k) : NULL;
-        if (h && (!wanted[k] || !mukca_candidate_turns_joint(h) || h->joint != view->joint))
-            continue;
-        if (n && (!h || width + h->terms > 2 * MUKCA_MAX_COLUMNS)) {
-            for (int b = 0; b < n; b++) {
-                const mukca_candidate *x = mukca_scan_candidate(scan, batch[b]);
-                for (int i = 0; i < m->recording.n_samples; i++) {
-                    const float *basis =
-                        x->basis + (size_t)m->recording.order[i] * (size_t)x->terms;
-                    double *f = view->F + (size_t)i * (size_t)width + at[b];
-                    for (int t = 0; t < x->terms; t++) f[t] = (double)basis[t];
-                }
-            }
-            mukca_joint_view_project(g, mean, view, width);
-            for (int b = 0; b < n; b++) {
-                const mukca_candidate *x = mukca_scan_candidate(scan, batch[b]);
-                mukca_joint_view_gram(G, view, mean, width, at[b], x->terms);
-                value[batch[b]] = mukca_projector_block(G, g + at[b], x, p->residual,
-                                                        p->normal->dof, &information[batch[b]]);
-            }
-            n = width = 0;
+    for (int e = 0; e < b->n; e++) {
+        const mukca_candidate *h = mukca_scan_candidate(scan, b->index[e]);
+        for (int i = 0; i < r->n_samples; i++) {
+            const float *basis = h->basis + (size_t)r->order[i] * (size_t)h->terms;
+            double *f = view->F + (size_t)i * (size_t)b->width + b->at[e];
+            for (int t = 0; t < h->terms; t++) f[t] = (double)basis[t];
         }
-        if (!h) break;
-        batch[n] = k, at[n++] = width;
-        width += h->terms;
     }
+    mukca_joint_view_project(g, mean, view, b->width);
+    for (int e = 0; e < b->n; e++) {
+        const int k = b->index[e];
+        const mukca_candidate *h = mukca_scan_candidate(scan, k);
+        mukca_joint_view_gram(G, view, mean, b->width, b->at[e], h->terms);
+        scan->value[k] = mukca_projector_block(G, g + b->at[e], h, view->p->residual,
+                                               view->p->normal->dof, &scan->information[k]);
+    }
+}
+
+/* Score the wanted functions of one joint's angle. */
+static void score_angles(mukca_scan *scan, const mukca_joint_view *view, double *mean)
+{
+    batch b = {0};
+    for (int k = 0; k < scan->n_scores; k++) {
+        const mukca_candidate *h = mukca_scan_candidate(scan, k);
+        if (!scan->wanted[k] || !mukca_candidate_turns_joint(h) || h->joint != view->joint)
+            continue;
+        if (b.width + h->terms > 2 * MUKCA_MAX_COLUMNS) {
+            score_batch(scan, view, &b, mean);
+            b.n = b.width = 0;
+        }
+        b.index[b.n] = k, b.at[b.n++] = b.width;
+        b.width += h->terms;
+    }
+    if (b.n) score_batch(scan, view, &b, mean);
 }
 
 /* Prior sigmas with one cause taken out: a prior of width 0 does that. */
@@ -117,7 +126,7 @@ static bool contends(const mukca_scan *scan, int index, const mukca_accepted *ca
     if (own->kind == MUKCA_CANDIDATE_OUTLIER) return mukca_candidate_same(h, own);
     if (same_effect(h, own)) return true;
     for (int step = cause->step; step < scan->steps && step < MUKCA_SCAN_STEPS; step++)
-        if (scan->seen[step * scan->capacity + index] > NEAR_THE_FRONT) return true;
+        if (scan->history[step * scan->capacity + index] > NEAR_THE_FRONT) return true;
     return false;
 }
 
@@ -135,7 +144,8 @@ static void weigh_rhos(mukca_regression *m, double *sigma, double *value, int *o
         const mukca_normal_equations *normal = mukca_regression_collect(m, i);
         order[i] = i;
         sigma[i] = mukca_evidence_noise(&m->evidence, normal, m->unknowns.sigma, &value[i]);
-        if (without >= 0) { /* the noise is what the full model leaves, not what the hole adds */
+        if (without >=
+            0) { /* the noise is what the full model leaves, not what the missing cause adds */
             sigma[i] = fmin(sigma[i], 1.15 * m->unknowns.sigma);
             value[i] = mukca_evidence_evaluate(&m->evidence, normal, sigma[i], NULL);
         }
@@ -155,7 +165,7 @@ static void score_all(mukca_scan *scan, mukca_projector *p, bool pick)
         const mukca_joint_view view = mukca_joint_view_aim(p, j, view_memory);
         if (pick) pick_harmonics(scan, &view, mean);
         scan->n_scores = scan->all->count + scan->n_harmonic;
-        score_angles(scan->value, scan->information, scan, &view, scan->wanted, mean);
+        score_angles(scan, &view, mean);
     }
     for (int k = 0; k < scan->n_scores; k++) {
         const mukca_candidate *h = mukca_scan_candidate(scan, k);
@@ -216,7 +226,7 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     for (int k = 0; k < scan->n_scores; k++) {
         mukca_score *score = &scan->score[k];
         score->log_odds = score->log_bayes + mukca_scan_candidate(scan, k)->log_prior;
-        if (without < 0) scan->seen[step * scan->capacity + k] = (float)score->log_odds;
+        if (without < 0) scan->history[step * scan->capacity + k] = (float)score->log_odds;
     }
     if (without < 0) scan->steps++;
 }
@@ -241,7 +251,7 @@ mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mu
     scan->capacity = most;
     scan->harmonic = MUKCA_TAKE(&scan->pool, mukca_candidate, harmonics);
     scan->score = MUKCA_TAKE(&scan->pool, mukca_score, most);
-    scan->seen = MUKCA_TAKE(&scan->pool, float, (size_t)most *MUKCA_SCAN_STEPS);
+    scan->history = MUKCA_TAKE(&scan->pool, float, (size_t)most *MUKCA_SCAN_STEPS);
     scan->wanted = MUKCA_TAKE(&scan->pool, unsigned char, most);
     scan->value = MUKCA_TAKE(&scan->pool, double, most);
     scan->information = MUKCA_TAKE(&scan->pool, double, most);
@@ -249,7 +259,8 @@ mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mu
         MUKCA_TAKE(&scan->pool, double,
                    mukca_projector_size(m) + mukca_joint_view_size(m) +
                        (size_t)(m->recording.data->n_sockets + 1) * 6 * MUKCA_MAX_COLUMNS);
-    for (int k = 0; scan->seen && k < most * MUKCA_SCAN_STEPS; k++) scan->seen[k] = -HUGE_VALF;
+    for (int k = 0; scan->history && k < most * MUKCA_SCAN_STEPS; k++)
+        scan->history[k] = -HUGE_VALF;
     if (!scan->pool.failed) return MUKCA_OK;
     mukca_scan_free(scan);
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",

@@ -6,8 +6,8 @@
 #include "diagnose/regression.h"
 
 typedef struct {
-    int index;        /* of the hypothesis in the list; harmonics found by the scan follow it */
-    double log_bayes; /* against the present model (or that without the cause left out) */
+    int index;        /* of the candidate in the list; harmonics found by the scan follow it */
+    double log_bayes; /* against the present model (or that without one cause) */
     double log_odds;  /* with its prior */
     double
         information; /* largest eigenvalue of its projected Gram matrix in units (bound), 1/rad^2 */
@@ -20,21 +20,21 @@ enum {
 
 enum { MUKCA_SCAN_STEPS = 64 }; /* runs that are remembered; later ones count for the last */
 
-/* How much of the list a run scores. */
+/* The part of the list that a run scores. */
 typedef enum {
     MUKCA_SCAN_ALL,       /* everything, all orders of gear ripple included */
     MUKCA_SCAN_LISTED,    /* the list, and the orders that a scan of all has found worth it */
-    MUKCA_SCAN_CONTENDERS /* what came near the front since the cause that is left out was accepted,
-                            and its kin; of a single bad row only itself */
+    MUKCA_SCAN_CONTENDERS /* what came near the front since the excluded cause was accepted, and
+                            the same effect there; of a single bad row only itself */
 } mukca_scan_extent;
 
 typedef struct {
     mukca_candidates *all;
     mukca_candidate *harmonic; /* [n_joints * MUKCA_RIPPLE_MOST], in the order they were found */
     int n_harmonic;
-    int capacity; /* scores at most */
-    float *seen;  /* [MUKCA_SCAN_STEPS][capacity] log odds in each run against the whole model */
-    int steps;    /* such runs so far */
+    int capacity;   /* scores at most */
+    float *history; /* [MUKCA_SCAN_STEPS][capacity] log odds in each run against the whole model */
+    int steps;      /* such runs so far */
     mukca_score *score; /* [all->count + harmonics], unsorted */
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
@@ -50,14 +50,14 @@ mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mu
                                mukca_error *error);
 void mukca_scan_free(mukca_scan *scan);
 
-/* Hypothesis behind a score. */
+/* Candidate of a score. */
 const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index);
 
 /* Score all candidates against the fitted, linearised model; `without` >= 0 leaves that cause out
  * first, so that its score is what the data say of it. */
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent);
 
-/* Largest canonical correlation of two hypotheses, after geometry and the other causes are
+/* Largest canonical correlation of two candidates, after geometry and the other causes are
  * projected out, in the state of the last run with the same `without`; NaN where it is not defined.
  */
 double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,

@@ -26,194 +26,204 @@ static double distance3(const double *a, const double *b)
     return sqrt(mukca_dot3(d, d));
 }
 
-/* Component-wise median of the positions of a group's rows. */
-static void group_median(double median[3], const mukca_regression *m, const mukca_group *g,
-                         double *scratch)
+/* Component-wise median of the predicted positions of each group; NULL: no memory. */
+static double (*group_medians(mukca_regression *m, double *scratch))[3]
 {
-    for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < g->count; i++) scratch[i] = m->linear.tip[3 * (g->start + i) + c];
-        median[c] = mukca_stats_median(scratch, g->count);
+    double(*median)[3] = MUKCA_TAKE(&m->pool, double[3], m->recording.n_groups);
+    for (int g = 0; median && g < m->recording.n_groups; g++) {
+        const mukca_group *group = &m->recording.groups[g];
+        for (int c = 0; c < 3; c++) {
+            for (int i = 0; i < group->count; i++)
+                scratch[i] = m->linear.tip[3 * (group->start + i) + c];
+            median[g][c] = mukca_stats_median(scratch, group->count);
+        }
     }
+    return median;
+}
+
+/* Distance of sample i of group g from the nearest other socket of its placement. */
+static double nearest_other(const mukca_regression *m, double (*median)[3], int g, int i)
+{
+    const mukca_group *groups = m->recording.groups;
+    double nearest = HUGE_VAL;
+    for (int o = 0; o < m->recording.n_groups && groups[g].socket >= 0; o++)
+        if (o != g && groups[o].count && groups[o].placement == groups[g].placement)
+            nearest = fmin(nearest, distance3(m->linear.tip + 3 * i, median[o]));
+    return nearest;
+}
+
+/* Report sample i and take it out of use. */
+static void cut(mukca_faults *faults, mukca_recording *r, mukca_fault_kind kind, int i, double size)
+{
+    mukca_screening_add(faults, r, kind, r->order[i], size);
+    r->keep[r->order[i]] = 0;
 }
 
 /* Own socket more than 20 mm away (some times the error of any nominal geometry) and another one of
  * the placement under 0.4 of that: a wrong label, before anything is fitted. */
 static void wrong_labels(mukca_faults *faults, mukca_regression *m, double *scratch)
 {
-    double(*median)[3] = MUKCA_TAKE(&m->pool, double[3], m->recording.n_groups);
-    if (!median) return;
-    for (int g = 0; g < m->recording.n_groups; g++)
-        if (m->recording.groups[g].count)
-            group_median(median[g], m, &m->recording.groups[g], scratch);
-    for (int g = 0; g < m->recording.n_groups; g++) {
-        const mukca_group *group = &m->recording.groups[g];
-        if (group->socket < 0) continue;
-        for (int i = group->start; i < group->start + group->count; i++) {
+    mukca_recording *r = &m->recording;
+    double(*median)[3] = group_medians(m, scratch);
+    for (int g = 0; median && g < r->n_groups; g++)
+        for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
             const double own = distance3(m->linear.tip + 3 * i, median[g]);
-            for (int o = 0; o < m->recording.n_groups; o++) {
-                const mukca_group *other = &m->recording.groups[o];
-                if (o == g || !other->count || other->placement != group->placement) continue;
-                if (own > 0.02 && distance3(m->linear.tip + 3 * i, median[o]) < 0.4 * own) {
-                    mukca_screening_add(faults, &m->recording, MUKCA_FAULT_WRONG_SOCKET,
-                                        m->recording.order[i], own);
-                    m->recording.keep[m->recording.order[i]] = 0;
-                    break;
-                }
-            }
+            if (own > 0.02 && nearest_other(m, median, g, i) < 0.4 * own)
+                cut(faults, r, MUKCA_FAULT_WRONG_SOCKET, i, own);
         }
+}
+
+/* Geometric median of the predictions of a group, by Weiszfeld's iteration. */
+static void group_centre(double centre[3], const double *tip, int count)
+{
+    memset(centre, 0, 3 * sizeof *centre);
+    for (int i = 0; i < count; i++)
+        for (int c = 0; c < 3; c++) centre[c] += tip[3 * i + c] / count;
+    for (int pass = 0; pass < 6; pass++) {
+        double sum = 0, next[3] = {0, 0, 0};
+        for (int i = 0; i < count; i++) {
+            const double w = 1 / (distance3(tip + 3 * i, centre) + 1e-5);
+            sum += w;
+            for (int c = 0; c < 3; c++) next[c] += w * tip[3 * i + c];
+        }
+        for (int c = 0; c < 3; c++) centre[c] = next[c] / sum;
     }
 }
 
-/* Residual length of each kept row about its socket's centre (geometric median), or about its
- * measurement. */
-static void residuals(double *r, const mukca_regression *m)
+/* residual[n_samples]: distance of each sample from its socket's centre, or its measurement. */
+static void residuals(double *residual, const mukca_regression *m)
 {
-    for (int g = 0; g < m->recording.n_groups; g++) {
-        const mukca_group *group = &m->recording.groups[g];
-        double centre[3] = {0, 0, 0};
-        if (group->socket < 0) {
-            for (int i = group->start; i < group->start + group->count; i++) {
-                const double *measured =
-                    m->recording.data->position + 3 * (size_t)m->recording.order[i];
-                double difference[3], in_base[3];
-                for (int c = 0; c < 3; c++) difference[c] = measured[c] - m->unknowns.tracker.p[c];
-                mukca_mat3_tvec(in_base, m->unknowns.tracker.R, difference);
-                r[i] = distance3(in_base, m->linear.tip + 3 * i);
-            }
-            continue;
-        }
-        for (int i = group->start; i < group->start + group->count; i++)
-            for (int c = 0; c < 3; c++) centre[c] += m->linear.tip[3 * i + c] / group->count;
-        for (int pass = 0; pass < 6; pass++) { /* Weiszfeld */
-            double sum = 0, next[3] = {0, 0, 0};
-            for (int i = group->start; i < group->start + group->count; i++) {
-                const double w = 1 / (distance3(m->linear.tip + 3 * i, centre) + 1e-5);
-                sum += w;
-                for (int c = 0; c < 3; c++) next[c] += w * m->linear.tip[3 * i + c];
-            }
-            for (int c = 0; c < 3; c++) centre[c] = next[c] / sum;
-        }
-        for (int i = group->start; i < group->start + group->count; i++)
-            r[i] = distance3(m->linear.tip + 3 * i, centre);
-    }
-}
-
-/* Wild rows of a robust fit: at another socket (wrong label), or nowhere (outlier). */
-static void wild_rows(mukca_faults *faults, mukca_regression *m, const double *r, double *scratch)
-{
-    memcpy(scratch, r, sizeof *r * (size_t)m->recording.n_samples);
-    const double median = mukca_stats_median(scratch, m->recording.n_samples);
-    const double limit = fmax(12 * median, 4e-3);
-    int wild = 0;
-    for (int i = 0; i < m->recording.n_samples; i++) wild += r[i] > limit;
-    if (wild > fmax(4, 0.05 * m->recording.n_samples))
-        return; /* that many are no outliers but an effect */
-    for (int g = 0; g < m->recording.n_groups; g++) {
-        const mukca_group *group = &m->recording.groups[g];
+    const mukca_recording *r = &m->recording;
+    for (int g = 0; g < r->n_groups; g++) {
+        const mukca_group *group = &r->groups[g];
+        double centre[3];
+        if (group->socket >= 0)
+            group_centre(centre, m->linear.tip + 3 * group->start, group->count);
         for (int i = group->start; i < group->start + group->count; i++) {
-            if (!(r[i] > limit)) continue;
-            double nearest = HUGE_VAL;
-            for (int o = 0; o < m->recording.n_groups && group->socket >= 0; o++) {
-                const mukca_group *other = &m->recording.groups[o];
-                if (o == g || !other->count || other->placement != group->placement) continue;
-                double centre[3];
-                group_median(centre, m, other, scratch);
-                nearest = fmin(nearest, distance3(m->linear.tip + 3 * i, centre));
-            }
-            const bool wrong = nearest < 0.2 * r[i] && nearest < limit;
-            if (!wrong && r[i] < fmax(20 * median, 6e-3)) continue;
-            mukca_screening_add(faults, &m->recording,
-                                wrong ? MUKCA_FAULT_WRONG_SOCKET : MUKCA_FAULT_OUTLIER,
-                                m->recording.order[i], r[i]);
-            m->recording.keep[m->recording.order[i]] = 0;
+            if (group->socket < 0)
+                mukca_unknowns_to_base(centre, &m->unknowns,
+                                       r->data->position + 3 * (size_t)r->order[i]);
+            residual[i] = distance3(centre, m->linear.tip + 3 * i);
         }
     }
+}
+
+static double median_of(const double *x, int n, double *scratch)
+{
+    memcpy(scratch, x, sizeof *x * (size_t)n);
+    return mukca_stats_median(scratch, n);
+}
+
+/* Outliers of a robust fit: at another socket (wrong label), or nowhere (outlier). */
+static void outliers(mukca_faults *faults, mukca_regression *m, const double *residual,
+                     double *scratch)
+{
+    mukca_recording *r = &m->recording;
+    const double usual = median_of(residual, r->n_samples, scratch);
+    const double limit = fmax(12 * usual, 4e-3);
+    int count = 0;
+    for (int i = 0; i < r->n_samples; i++) count += residual[i] > limit;
+    /* more than these are no outliers but an effect */
+    if (count > fmax(4, 0.05 * r->n_samples)) return;
+    double(*median)[3] = group_medians(m, scratch);
+    for (int g = 0; median && g < r->n_groups; g++)
+        for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
+            if (!(residual[i] > limit)) continue;
+            const double nearest = nearest_other(m, median, g, i);
+            if (nearest < 0.2 * residual[i] && nearest < limit)
+                cut(faults, r, MUKCA_FAULT_WRONG_SOCKET, i, residual[i]);
+            else if (residual[i] >= fmax(20 * usual, 6e-3))
+                cut(faults, r, MUKCA_FAULT_OUTLIER, i, residual[i]);
+        }
+}
+
+/* Largest move of a joint since the row before; NAN where that is of another socket. */
+static double move_in_socket(const mukca_recording *r, int row)
+{
+    const int n_joints = r->chain->n_joints;
+    double largest = 0;
+    if (row == 0 || r->data->socket[row] != r->data->socket[row - 1]) return NAN;
+    for (int j = 0; j < n_joints; j++) largest = fmax(largest, fabs(r->move[row * n_joints + j]));
+    return largest;
 }
 
 /* Rows recorded twice: every angle within 0.2 mrad of the row before, where moves are larger. */
-static void duplicates(mukca_faults *faults, const mukca_regression *m, double *scratch)
+static void duplicates(mukca_faults *faults, const mukca_recording *r, double *scratch)
 {
-    const int n_joints = m->recording.chain->n_joints;
     int moves = 0;
-    for (int row = 0; row < m->recording.data->n_rows; row++) {
-        double largest = 0;
-        for (int j = 0; j < n_joints; j++)
-            largest = fmax(largest, fabs(m->recording.move[row * n_joints + j]));
-        if (row && m->recording.data->socket[row] == m->recording.data->socket[row - 1])
-            scratch[moves++] = largest;
+    for (int row = 0; row < r->data->n_rows; row++) {
+        scratch[moves] = move_in_socket(r, row);
+        moves += isfinite(scratch[moves]);
     }
     if (moves < 4) return;
     const double usual = mukca_stats_median(scratch, moves);
-    for (int row = 1; row < m->recording.data->n_rows; row++) {
-        double largest = 0;
-        if (m->recording.data->socket[row] != m->recording.data->socket[row - 1] ||
-            m->recording.data->file[row] != m->recording.data->file[row - 1])
-            continue;
-        for (int j = 0; j < n_joints; j++)
-            largest = fmax(largest, fabs(m->recording.move[row * n_joints + j]));
-        if (largest < 2e-4 && largest < 0.01 * usual)
-            mukca_screening_add(faults, &m->recording, MUKCA_FAULT_DUPLICATE, row, 0);
+    for (int row = 1; row < r->data->n_rows; row++) {
+        const double move = move_in_socket(r, row);
+        if (r->data->file[row] == r->data->file[row - 1] && move < 2e-4 && move < 0.01 * usual)
+            mukca_screening_add(faults, r, MUKCA_FAULT_DUPLICATE, row, 0);
     }
 }
 
 void mukca_screening_run(mukca_faults *faults, mukca_regression *m)
 {
-    double *r = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
-    double *scratch = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
-    double *weight = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
-    if (!r || !scratch || !weight) return;
-    duplicates(faults, m, scratch);
+    mukca_recording *r = &m->recording;
+    const int rows = r->data->n_rows;
+    double *residual = MUKCA_TAKE(&m->pool, double, rows);
+    double *scratch = MUKCA_TAKE(&m->pool, double, rows);
+    double *weight = MUKCA_TAKE(&m->pool, double, rows);
+    if (!residual || !scratch || !weight) return;
+    duplicates(faults, r, scratch);
     mukca_regression_linearise(m);
     wrong_labels(faults, m, scratch);
-    mukca_recording_regroup(&m->recording);
-    if (m->recording.n_samples < 4) return;
+    mukca_recording_regroup(r);
+    if (r->n_samples < 4) return;
 
-    for (int row = 0; row < m->recording.data->n_rows; row++) weight[row] = 1;
+    for (int row = 0; row < rows; row++) weight[row] = 1;
     m->unknowns.weight = weight;
     for (int pass = 0; pass < 12; pass++) { /* iteratively reweighted, heavy-tailed loss */
         mukca_regression_fit(m, 1, pass ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_NOISE);
-        residuals(r, m);
-        memcpy(scratch, r, sizeof *r * (size_t)m->recording.n_samples);
-        const double c = fmax(3 * mukca_stats_median(scratch, m->recording.n_samples), 3e-4);
+        residuals(residual, m);
+        const double scale = fmax(3 * median_of(residual, r->n_samples, scratch), 3e-4);
         double change = 0;
-        for (int i = 0; i < m->recording.n_samples; i++) {
-            const double w = 1 / sqrt(1 + (r[i] / c) * (r[i] / c));
-            change = fmax(change, fabs(w - weight[m->recording.order[i]]));
-            weight[m->recording.order[i]] = w;
+        for (int i = 0; i < r->n_samples; i++) {
+            const double x = residual[i] / scale, w = 1 / sqrt(1 + x * x);
+            change = fmax(change, fabs(w - weight[r->order[i]]));
+            weight[r->order[i]] = w;
         }
         if (change < 1e-3) break;
     }
     m->unknowns.weight = NULL;
-    wild_rows(faults, m, r, scratch);
-    mukca_recording_regroup(&m->recording);
+    outliers(faults, m, residual, scratch);
+    mukca_recording_regroup(r);
 }
 
 int mukca_screening_reinstate(mukca_faults *faults, mukca_regression *m)
 {
+    mukca_recording *r = &m->recording;
     int back = 0;
     for (int f = 0; f < faults->count; f++) {
         mukca_data_fault *fault = &faults->list[f];
-        const bool cut =
+        const bool was_cut =
             fault->kind == MUKCA_FAULT_OUTLIER || fault->kind == MUKCA_FAULT_WRONG_SOCKET;
-        if (!cut || fault->socket < 0 || m->recording.keep[fault->data_row]) continue;
+        if (!was_cut || fault->socket < 0 || r->keep[fault->data_row]) continue;
         double p[3], centre[3] = {0, 0, 0};
         int n = 0;
-        mukca_unknowns_predict(p, &m->unknowns, &m->recording, fault->data_row);
-        for (int i = 0; i < m->recording.n_samples; i++)
-            if (m->recording.data->socket[m->recording.order[i]] == fault->socket) {
+        mukca_unknowns_predict(p, &m->unknowns, r, fault->data_row);
+        for (int i = 0; i < r->n_samples; i++)
+            if (r->data->socket[r->order[i]] == fault->socket) {
                 for (int c = 0; c < 3; c++) centre[c] += m->linear.tip[3 * i + c];
                 n++;
             }
         for (int c = 0; c < 3; c++) centre[c] /= n ? n : 1;
-        const double r = distance3(p, centre);
-        if (n && r < fmax(8 * m->unknowns.sigma, 0.25 * fault->size_m)) {
-            m->recording.keep[fault->data_row] = 1;
+        const double distance = distance3(p, centre);
+        if (n && distance < fmax(8 * m->unknowns.sigma, 0.25 * fault->size_m)) {
+            r->keep[fault->data_row] = 1;
             *fault = faults->list[--faults->count];
             f--, back++;
         } else {
-            fault->size_m = r;
+            fault->size_m = distance;
         }
     }
-    if (back) mukca_recording_regroup(&m->recording);
+    if (back) mukca_recording_regroup(r);
     return back;
 }

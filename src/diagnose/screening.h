@@ -1,4 +1,4 @@
-/* Faults of a recording that must be found before anything is fitted: wrong labels, wild rows,
+/* Faults of a recording that must be found before anything is fitted: wrong labels, outliers,
  * repeated rows. */
 #ifndef MUKCA_DIAGNOSE_SCREENING_H
 #define MUKCA_DIAGNOSE_SCREENING_H
@@ -15,7 +15,7 @@ typedef struct {
 void mukca_screening_add(mukca_faults *faults, const mukca_recording *recording,
                          mukca_fault_kind kind, int row, double size_m);
 
-/* Find wrong labels, wild rows and duplicates; the first two are no longer kept.  Fits a robust
+/* Find wrong labels, outliers and duplicates; the first two are no longer kept.  Fits a robust
  * geometry on the way and leaves the samples regrouped. */
 void mukca_screening_run(mukca_faults *faults, mukca_regression *m);
 

@@ -1,4 +1,4 @@
-/* What was tested, how small an effect would have shown, and what cannot be tested at all. */
+/* What was tested, the detection limits, and what cannot be tested. */
 #include "diagnose/untested.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* What each effect tells the program: one const struct per effect, collected by catalogue.c. */
+/* The members of an effect: one const struct per effect, collected by catalogue.c. */
 #ifndef MUKCA_EFFECT_CATALOGUE_H
 #define MUKCA_EFFECT_CATALOGUE_H
 
@@ -12,7 +12,7 @@
 #define MUKCA_IN_URAD_PER_NM \
     .unit = "rad/(N*m)", .display_factor = 1e6, .display_unit = "urad/(N*m)"
 
-/* How the variants of an effect are written and chosen. */
+/* Text form and choice of the variants of an effect. */
 typedef struct {
     const char *key;      /* in the offsets table, before "="; NULL: the word stands alone */
     const char *expected; /* for help and errors: "@ORDER, 2 to 400" */
@@ -25,7 +25,7 @@ typedef struct {
 
 enum { MUKCA_MAX_SIZES = 8 };
 
-/* How large an effect is in real arms: prior sigmas of a coefficient, ended by 0.  The first
+/* Sizes of an effect in real arms: prior sigmas of a coefficient, ended by 0.  The first
  * `usual` ones are equally probable, the others MUKCA_RARE_SIZE times as much.  In the
  * coefficient's unit; site ANGLES: rms turn of the joints, rad. */
 typedef struct {

@@ -24,7 +24,7 @@ typedef struct {
 bool mukca_effect_candidate(mukca_effect *effect, mukca_effect_kind kind, int joint,
                             const mukca_effect_survey *survey, int i);
 
-/* Why a kind has no candidate in a recording, none at a joint, or why one cannot be seen. */
+/* Why a kind has no candidate in a recording, none at a joint, or why one cannot be detected. */
 const char *mukca_effect_missing(mukca_effect_kind kind, const mukca_effect_survey *survey);
 const char *mukca_effect_untested(mukca_effect_kind kind, const mukca_effect_survey *survey,
                                   int joint);
