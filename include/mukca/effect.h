@@ -55,7 +55,7 @@ enum {
 enum {
     MUKCA_TRAIT_ELASTIC = 1,          /* proportional to gravity's moment: a spring */
     MUKCA_TRAIT_PLAY = 2,             /* free motion between two stops */
-    MUKCA_TRAIT_PERIODIC = 4,         /* in the joint's angle: sines of it, turning joints only */
+    MUKCA_TRAIT_PERIODIC = 4,         /* sines of the joint's angle; turning joints only */
     MUKCA_TRAIT_OWN_ANGLE = 8,        /* a function of the joint's own angle */
     MUKCA_TRAIT_OTHER_ANGLE = 16,     /* a function of another joint's angle */
     MUKCA_TRAIT_OF_TIME = 32,         /* a function of time */

@@ -80,6 +80,11 @@ static void hysteresis_basis(double basis[][3], const mukca_basis_input *in)
     if (in->state->move) basis[0][0] = -0.5 * tanh(in->state->move[in->effect->joint] / windup);
 }
 
+static bool hysteresis_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    return survey->moved && mukca_survey_moved(effect, survey, i);
+}
+
 const mukca_effect_ops mukca_approach_hysteresis_effect = {
     .sizes = &mukca_sizes_backlash,
     .info = {.name = "approach_hysteresis",
@@ -91,5 +96,5 @@ const mukca_effect_ops mukca_approach_hysteresis_effect = {
              .sentence = "the joint rests differently after moving up than after moving down",
              .remedy = "approach targets from one side; check friction and preload"},
     .basis = hysteresis_basis,
-    .candidate = mukca_survey_moved,
+    .candidate = hysteresis_candidate,
 };

@@ -28,10 +28,7 @@ bool mukca_effect_read_integer(int *value, const char *text, int lowest, int hig
 
 bool mukca_survey_moved(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
-    const mukca_effect_info *info = mukca_effect_table[effect->kind];
-    if (i > 0 || survey->joint[effect->joint].range < MUKCA_LEAST_RANGE) return false;
-    if ((info->traits & MUKCA_TRAIT_PERIODIC) && !survey->joint[effect->joint].turns) return false;
-    return survey->moved || !(info->needs & MUKCA_NEEDS_ORDER);
+    return i == 0 && !(survey->joint[effect->joint].range < MUKCA_LEAST_RANGE);
 }
 
 bool mukca_survey_placement(mukca_effect *effect, const mukca_effect_survey *survey, int i)

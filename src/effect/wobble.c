@@ -113,7 +113,7 @@ static int read_old_term(mukca_effect *effect, const char *text)
     int number, term, end = 0;
     if (sscanf(text, "variant=%d term=%d%n", &number, &term, &end) != 2 || text[end]) return -1;
     if (!from_number(&effect->variant, number)) return -1;
-    effect->terms = mukca_effect_terms(effect);
+    effect->terms = effect->variant.frame == MUKCA_WOBBLE_CONE ? 2 : 4;
     return term >= 0 && term < effect->terms ? term : -1;
 }
 
