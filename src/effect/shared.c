@@ -63,7 +63,7 @@ const mukca_effect_sizes mukca_sizes_angle = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10
 const mukca_effect_sizes mukca_sizes_ripple = {4, {0.03e-3, 0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
 /* rad: from a nudge to a bad homing. */
-const mukca_effect_sizes mukca_sizes_zero = {5, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
+const mukca_effect_sizes mukca_sizes_zero = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
 /* m: a ball in its holder. */
 const mukca_effect_sizes mukca_sizes_ball = {3, {0.05e-3, 0.2e-3, 1e-3}};

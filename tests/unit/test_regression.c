@@ -267,7 +267,6 @@ static void never_left_out(void **state)
 {
     enum { POSES = 2 };
     const fixture *f = *state;
-    const unsigned char use[MUKCA_MAX_ACCEPTED] = {0};
     const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
     mukca_dataset data;
     mukca_error error = {0};
@@ -286,7 +285,7 @@ static void never_left_out(void **state)
     mukca_folds_create(&b);
     assert_false(m.pool.failed);
     for (int i = 0; i < 3 * data.n_rows; i++) b.position[i] = 1; /* what came before */
-    mukca_folds_run(b.error, &b, mukca_regression_collect_own(&m), use, false);
+    mukca_folds_run(b.error, &b, false);
     for (int row = 0; row < data.n_rows; row++)
         assert_int_equal(isfinite(b.error[row]) != 0, row >= POSES);
     mukca_regression_free(&m);
