@@ -87,10 +87,10 @@ expect "compensate interrupted: exit 130, one line, no file" test \
 mkdir bin
 printf '#!/bin/sh\n: >drawing\nexec sleep 300\n' >bin/gnuplot
 chmod +x bin/gnuplot
-PATH=$PWD/bin:$PATH timeout 120 "$MUKCA" report $a good -q -o new.html 2>err &
+PATH=$PWD/bin:$PATH timeout --foreground 120 "$MUKCA" report $a good -q -o new.html 2>err &
 process=$!
 until [ -e drawing ]; do sleep 0.02; done
-kill -s TERM $process # timeout hands it on
+kill -s TERM $process # timeout hands it on, once
 wait $process
 expect "report interrupted while it draws: one line, no file" test \
     "$(cat err) $(find . -name '*new*' | wc -l)" = \
