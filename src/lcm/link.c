@@ -52,6 +52,11 @@ int64_t mukca_lcm_link_skipped(const mukca_lcm_link *link)
     return link->log.skipped;
 }
 
+int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128])
+{
+    return link->network ? mukca_lcm_receiver_dropped(link->network, reason) : 0;
+}
+
 /* ---- record ---- */
 
 mukca_status mukca_lcm_link_record(mukca_lcm_link *link, const char *path, bool force,

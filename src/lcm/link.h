@@ -15,8 +15,8 @@ mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const char *url,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);
 
 /* Receive a channel, taken literally; NULL is all channels.  No message is dropped or delivered
- * twice.  The first call on a network may take 10 s (LCM tests itself).  Errors: MUKCA_TRANSPORT,
- * MUKCA_USAGE (no channel name; too many). */
+ * twice, unless more come than the receiver can hold (mukca_lcm_link_dropped).  Errors:
+ * MUKCA_TRANSPORT, MUKCA_USAGE (no channel name; too many). */
 mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mukca_error *error);
 
 /* Stop receiving all channels; those that were named stay. */
@@ -43,6 +43,10 @@ int64_t mukca_lcm_link_clock(const mukca_lcm_link *link);
 
 /* Bytes of the replayed log that were no events. */
 int64_t mukca_lcm_link_skipped(const mukca_lcm_link *link);
+
+/* Messages and datagrams of a network that were dropped so far; where that grew, `reason` says
+ * why. */
+int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128]);
 
 /* NULL is harmless. */
 void mukca_lcm_link_close(mukca_lcm_link *link);

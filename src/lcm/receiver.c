@@ -1,16 +1,22 @@
-/* An LCM network by liblcm. */
+/* An LCM network: liblcm to send, and to receive where it is no UDP multicast. */
 #include "lcm/receiver.h"
 
+#include <arpa/inet.h>
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <lcm/lcm.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
+
+#include "lcm/multicast.h"
 
 struct mukca_lcm_receiver {
     lcm_t *lcm;
-    lcm_subscription_t *all; /* NULL: only channels by name */
+    mukca_lcm_multicast *multicast; /* NULL: liblcm receives */
+    bool listens_to_all;
+    lcm_subscription_t *all; /* liblcm's, to all channels */
     mukca_lcm_receive_fn *receive;
     void *context;
 };
@@ -27,6 +33,34 @@ static lcm_t *create_quietly(const char *url)
     return lcm;
 }
 
+/* Read "udpm://GROUP:PORT?recv_buf_size=N", where each part may be left out; the rest of it
+ * concerns sending.  False: no such URL. */
+static bool read_url(mukca_lcm_multicast_options *options, const char *url)
+{
+    char group[64] = "";
+    struct in_addr address;
+    *options = (mukca_lcm_multicast_options){
+        .group = 0xefff4c43, .port = 7667, .buffer = 2 << 20}; /* 239.255.76.67, as liblcm */
+    const char *host = url + strlen("udpm://");
+    size_t length = strcspn(host, ":?");
+    if (length >= sizeof group) return false;
+    memcpy(group, host, length);
+    if (length && inet_pton(AF_INET, group, &address) != 1) return false;
+    if (length) options->group = ntohl(address.s_addr);
+    if (options->group >> 28 != 0xe) return false; /* 224.0.0.0/4 */
+    if (host[length] == ':') {
+        char *end;
+        unsigned long port = strtoul(host + length + 1, &end, 10);
+        if (end == host + length + 1 || (*end && *end != '?') || !port || port > 65535)
+            return false;
+        options->port = (uint16_t)port;
+    }
+    const char *buffer = strstr(host + length, "recv_buf_size=");
+    long size = buffer ? strtol(buffer + strlen("recv_buf_size="), NULL, 10) : 0;
+    if (size > 0 && size <= 1 << 30) options->buffer = (int)size;
+    return true;
+}
+
 mukca_status mukca_lcm_receiver_open(mukca_lcm_receiver **receiver, const char *url,
                                      mukca_lcm_receive_fn *receive, void *context,
                                      mukca_error *error)
@@ -35,15 +69,23 @@ mukca_status mukca_lcm_receiver_open(mukca_lcm_receiver **receiver, const char *
     *receiver = NULL;
     if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     *r = (mukca_lcm_receiver){.lcm = create_quietly(url), .receive = receive, .context = context};
-    if (r->lcm) {
+    mukca_status status = MUKCA_OK;
+    mukca_lcm_multicast_options options;
+    bool udp = !url || strncmp(url, "udpm://", 7) == 0;
+    if (!r->lcm)
+        status = mukca_fail(error, MUKCA_TRANSPORT,
+                            "LCM cannot use %.80s: is there a multicast route? For one machine: ip "
+                            "link set lo multicast on; ip route add 224.0.0.0/4 dev lo",
+                            url ? url : "its default network");
+    else if (udp && !read_url(&options, url ? url : "udpm://"))
+        status = mukca_fail(error, MUKCA_USAGE, "%.80s: expected udpm://GROUP:PORT?ttl=N", url);
+    else if (udp)
+        status = mukca_lcm_multicast_open(&r->multicast, &options, error);
+    if (status == MUKCA_OK)
         *receiver = r;
-        return MUKCA_OK;
-    }
-    free(r);
-    return mukca_fail(error, MUKCA_TRANSPORT,
-                      "LCM cannot use %.80s: is there a multicast route? For one machine: ip link "
-                      "set lo multicast on; ip route add 224.0.0.0/4 dev lo",
-                      url ? url : "its default network");
+    else
+        mukca_lcm_receiver_close(r);
+    return status;
 }
 
 static void deliver(const lcm_recv_buf_t *buffer, const char *channel, mukca_lcm_receiver *r,
@@ -69,6 +111,8 @@ static void on_any(const lcm_recv_buf_t *buffer, const char *channel, void *rece
 mukca_status mukca_lcm_receiver_subscribe(mukca_lcm_receiver *r, const char *channel,
                                           mukca_error *error)
 {
+    if (!channel) r->listens_to_all = true;
+    if (r->multicast) return mukca_lcm_multicast_listen(r->multicast, channel, error);
     char pattern[2 * 64 + 1] = ".*"; /* subscriptions are regular expressions */
     size_t n = 0;
     for (const char *c = channel; c && *c && n + 2 < sizeof pattern; c++) {
@@ -90,18 +134,32 @@ mukca_status mukca_lcm_receiver_subscribe(mukca_lcm_receiver *r, const char *cha
 
 void mukca_lcm_receiver_unsubscribe_all(mukca_lcm_receiver *r)
 {
+    r->listens_to_all = false;
+    if (r->multicast) mukca_lcm_multicast_unlisten_all(r->multicast);
     if (r->all) lcm_unsubscribe(r->lcm, r->all);
     r->all = NULL;
 }
 
 int mukca_lcm_receiver_descriptor(const mukca_lcm_receiver *r)
 {
-    return lcm_get_fileno(r->lcm);
+    if (r->multicast) return mukca_lcm_multicast_descriptor(r->multicast);
+    return lcm_get_fileno(r->lcm); /* makes liblcm receive: not over UDP */
+}
+
+static void handle_multicast(mukca_lcm_receiver *r)
+{
+    bool named;
+    const mukca_lcm_packet *packet = mukca_lcm_multicast_front(r->multicast, &named);
+    if (!packet) return;
+    if (named || r->listens_to_all) r->receive(r->context, packet, !named);
+    mukca_lcm_multicast_pop(r->multicast);
 }
 
 mukca_status mukca_lcm_receiver_handle(mukca_lcm_receiver *r, mukca_error *error)
 {
-    if (lcm_handle(r->lcm) < 0 && errno != EINTR)
+    if (r->multicast)
+        handle_multicast(r);
+    else if (lcm_handle(r->lcm) < 0 && errno != EINTR)
         return mukca_fail(error, MUKCA_TRANSPORT, "LCM stopped receiving");
     return MUKCA_OK;
 }
@@ -114,8 +172,15 @@ mukca_status mukca_lcm_receiver_publish(mukca_lcm_receiver *r, const mukca_lcm_p
     return MUKCA_OK;
 }
 
+int64_t mukca_lcm_receiver_dropped(mukca_lcm_receiver *r, char reason[128])
+{
+    return r->multicast ? mukca_lcm_multicast_dropped(r->multicast, reason) : 0;
+}
+
 void mukca_lcm_receiver_close(mukca_lcm_receiver *r)
 {
-    if (r) lcm_destroy(r->lcm);
+    if (!r) return;
+    mukca_lcm_multicast_close(r->multicast);
+    if (r->lcm) lcm_destroy(r->lcm);
     free(r);
 }

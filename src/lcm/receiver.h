@@ -1,23 +1,16 @@
-/* An LCM network (udpm://, memq://): the only file that knows liblcm. */
+/* An LCM network: UDP multicast is sent by liblcm and received by code of our own, as liblcm trusts
+ * what it receives; other networks (memq://) are liblcm's both ways.  The only file that knows it.
+ */
 #ifndef MUKCA_LCM_RECEIVER_H
 #define MUKCA_LCM_RECEIVER_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
+#include "lcm/packet.h"
 #include "mukca/status.h"
 
 typedef struct mukca_lcm_receiver mukca_lcm_receiver;
 
-typedef struct {
-    const char *channel;
-    const void *data;
-    size_t size;
-    int64_t time; /* us since 1970: when it was received or logged */
-} mukca_lcm_packet;
-
-/* `all`: delivered by the subscription to all channels, not by that to its name. */
+/* `all`: not delivered for its name.  Over UDP a message comes once, elsewhere once for its name
+ * and once for all channels. */
 typedef void mukca_lcm_receive_fn(void *context, const mukca_lcm_packet *packet, bool all);
 
 /* Connect to `url` (NULL: LCM's default).  Errors: MUKCA_TRANSPORT (no multicast route: what to
@@ -26,8 +19,8 @@ mukca_status mukca_lcm_receiver_open(mukca_lcm_receiver **receiver, const char *
                                      mukca_lcm_receive_fn *receive, void *context,
                                      mukca_error *error);
 
-/* Receive a channel, taken literally; NULL is all channels.  The first call on a network may take
- * 10 s (LCM tests itself).  Errors: MUKCA_TRANSPORT. */
+/* Receive a channel, taken literally; NULL is all channels.  Errors: MUKCA_TRANSPORT, MUKCA_USAGE
+ * (too many channels). */
 mukca_status mukca_lcm_receiver_subscribe(mukca_lcm_receiver *receiver, const char *channel,
                                           mukca_error *error);
 
@@ -43,6 +36,9 @@ mukca_status mukca_lcm_receiver_handle(mukca_lcm_receiver *receiver, mukca_error
 /* Send.  Errors: MUKCA_TRANSPORT. */
 mukca_status mukca_lcm_receiver_publish(mukca_lcm_receiver *receiver,
                                         const mukca_lcm_packet *packet, mukca_error *error);
+
+/* Messages and datagrams that were dropped so far; where that grew, `reason` says why. */
+int64_t mukca_lcm_receiver_dropped(mukca_lcm_receiver *receiver, char reason[128]);
 
 /* NULL is harmless. */
 void mukca_lcm_receiver_close(mukca_lcm_receiver *receiver);

@@ -58,6 +58,7 @@ static mukca_status open_link(mukca_recorder *r, mukca_error *error)
     mukca_lcm_link_close(r->link);
     r->link = NULL;
     r->received = r->refused = r->last_arrival = r->rate_since = r->rate_count = 0;
+    r->dropped = 0;
     r->n_heard = 0;
     r->fit_heard = 0;
     memset(r->reported, 0, sizeof r->reported);
@@ -181,6 +182,16 @@ static void watch(mukca_recorder *r, int64_t age)
     mukca_recorder_report(r, "%s", line);
 }
 
+static void warn_dropped(mukca_recorder *r)
+{
+    char reason[128], line[160];
+    int64_t dropped = mukca_lcm_link_dropped(r->link, reason);
+    if (dropped == r->dropped) return;
+    r->dropped = dropped;
+    snprintf(line, sizeof line, "network: messages dropped: %s", reason);
+    mukca_recorder_warn(r, MUKCA_RECORDER_DROPPED, line);
+}
+
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                  mukca_error *error)
 {
@@ -194,6 +205,7 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
         if (replays) return open_link(r, error); /* from the start, with the channel known */
     }
     if (replays || status) return status;
+    warn_dropped(r);
     if (r->mapped && r->confirmed) r->connected = true;
     watch(r, now - (r->last_arrival ? r->last_arrival : r->opened));
     return MUKCA_OK;

@@ -54,6 +54,7 @@ typedef enum {
     MUKCA_RECORDER_BACKWARDS,
     MUKCA_RECORDER_TWO_SENDERS,
     MUKCA_RECORDER_OWN_MESSAGE,
+    MUKCA_RECORDER_DROPPED,
     MUKCA_RECORDER_TROUBLES
 } mukca_recorder_trouble;
 
@@ -80,6 +81,7 @@ typedef struct {
     int64_t rate_since, rate_count;
     double rate, longest_gap; /* Hz; s between arrivals */
     bool listens_to_all, silent;
+    int64_t dropped; /* datagrams and messages of the network */
     int n_heard;
     mukca_recorder_heard heard[MUKCA_RECORDER_MAX_HEARD];
     int64_t fit_heard; /* us, when the first stream that fits the arm was heard; 0: none */

@@ -1,0 +1,314 @@
+/* Reading a multicast group.  A thread empties the socket into a bounded queue, so that a wait for
+ * the disk loses no joint states and a flood costs no memory. */
+#include "lcm/multicast.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "lcm/queue.h"
+
+enum { DATAGRAM = 65536 /* bytes: above the largest of UDP */, MAX_LOCAL = 64 };
+
+struct mukca_lcm_multicast {
+    mukca_lcm_multicast_options options;
+    int socket;
+    int stop[2], ready[2]; /* pipes: end of the thread; a byte while a message waits */
+    bool running;
+    pthread_t thread;
+    /* of the thread alone */
+    mukca_lcm_reassembly reassembly;
+    uint32_t local[MAX_LOCAL]; /* addresses of this machine */
+    int n_local;
+    int64_t local_read; /* us, when */
+    unsigned char datagram[DATAGRAM];
+    /* shared */
+    pthread_mutex_t lock;
+    mukca_lcm_queue queue;
+    bool all;
+    int n_named;
+    char named[MUKCA_LCM_MAX_NAMED][MUKCA_LCM_CHANNEL_SIZE];
+    int64_t malformed[MUKCA_LCM_DROPS], foreign;
+    uint32_t stranger; /* the last foreign sender */
+    int64_t reported[MUKCA_LCM_DROPS + 2];
+};
+
+static int64_t wall_clock(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_REALTIME, &t);
+    return (int64_t)t.tv_sec * 1000000 + t.tv_nsec / 1000;
+}
+
+/* ---- who may send ---- */
+
+static void read_local(mukca_lcm_multicast *m, int64_t now)
+{
+    struct ifreq list[MAX_LOCAL];
+    struct ifconf request = {.ifc_len = sizeof list, .ifc_req = list};
+    m->local_read = now;
+    if (ioctl(m->socket, SIOCGIFCONF, &request)) return;
+    m->n_local = request.ifc_len / (int)sizeof list[0];
+    for (int i = 0; i < m->n_local; i++) {
+        struct sockaddr_in address;
+        memcpy(&address, &list[i].ifr_addr, sizeof address);
+        m->local[i] = ntohl(address.sin_addr.s_addr);
+    }
+}
+
+static bool contains(const uint32_t *list, int n, uint32_t address)
+{
+    for (int i = 0; i < n; i++)
+        if (list[i] == address) return true;
+    return false;
+}
+
+/* The kernel drops datagrams from outside that bear an address of this machine. */
+static bool may_send(mukca_lcm_multicast *m, uint32_t address, int64_t now)
+{
+    const mukca_lcm_multicast_options *o = &m->options;
+    if (o->n_from) return contains(o->from, o->n_from, address);
+    if (o->interface) return true;
+    /* 0: a sender whose interface has no address; the kernel drops it when it comes from outside */
+    if (!address || address >> 24 == IN_LOOPBACKNET || contains(m->local, m->n_local, address))
+        return true;
+    /* the machine may have got a new address */
+    if (now - m->local_read < 1000000 && now >= m->local_read) return false;
+    read_local(m, now);
+    return contains(m->local, m->n_local, address);
+}
+
+/* ---- the thread ---- */
+
+static bool is_named(const mukca_lcm_multicast *m, const char *channel)
+{
+    for (int i = 0; i < m->n_named; i++)
+        if (strcmp(m->named[i], channel) == 0) return true;
+    return false;
+}
+
+static void take(mukca_lcm_multicast *m, size_t size, const struct sockaddr_in *from)
+{
+    int64_t now = wall_clock();
+    uint32_t address = ntohl(from->sin_addr.s_addr);
+    mukca_lcm_packet packet;
+    mukca_lcm_datagram datagram = {.data = m->datagram,
+                                   .size = size,
+                                   .time = now,
+                                   .sender = (uint64_t)address << 16 | ntohs(from->sin_port)};
+    bool known = may_send(m, address, now);
+    bool whole = known && mukca_lcm_packet_take(&packet, &m->reassembly, &datagram);
+    pthread_mutex_lock(&m->lock);
+    if (!known) {
+        m->foreign++;
+        m->stranger = address;
+    }
+    memcpy(m->malformed, m->reassembly.dropped, sizeof m->malformed);
+    bool first = m->queue.n == 0;
+    if (whole && (m->all || is_named(m, packet.channel)) &&
+        mukca_lcm_queue_push(&m->queue, &packet) && first && write(m->ready[1], "", 1) < 0) {
+        /* cannot be: the pipe holds one byte at most */
+    }
+    pthread_mutex_unlock(&m->lock);
+}
+
+static void *run(void *multicast)
+{
+    mukca_lcm_multicast *m = multicast;
+    struct pollfd p[2] = {{.fd = m->socket, .events = POLLIN},
+                          {.fd = m->stop[0], .events = POLLIN}};
+    for (;;) {
+        if (poll(p, 2, -1) < 0 && errno != EINTR) break;
+        if (p[1].revents) break;
+        for (int i = 0; i < 256; i++) { /* then look at `stop` again */
+            struct sockaddr_in from = {.sin_family = AF_INET};
+            socklen_t length = sizeof from;
+            ssize_t n = recvfrom(m->socket, m->datagram, sizeof m->datagram, MSG_DONTWAIT,
+                                 (struct sockaddr *)&from, &length);
+            if (n < 0) break;
+            take(m, (size_t)n, &from);
+        }
+    }
+    return NULL;
+}
+
+/* ---- open and close ---- */
+
+static bool join(const mukca_lcm_multicast *m, uint32_t interface)
+{
+    struct ip_mreq group = {.imr_multiaddr.s_addr = htonl(m->options.group),
+                            .imr_interface.s_addr = htonl(interface)};
+    return setsockopt(m->socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) == 0;
+}
+
+/* Bound to the group's address, the socket hears no unicast. */
+static bool open_socket(mukca_lcm_multicast *m)
+{
+    const mukca_lcm_multicast_options *o = &m->options;
+    int on = 1, off = 0;
+    struct sockaddr_in address = {
+        .sin_family = AF_INET, .sin_port = htons(o->port), .sin_addr.s_addr = htonl(o->group)};
+    m->socket = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (m->socket < 0) return false;
+    if (setsockopt(m->socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on)) return false;
+    (void)setsockopt(m->socket, SOL_SOCKET, SO_RCVBUF, &o->buffer, sizeof o->buffer);
+#ifdef IP_MULTICAST_ALL /* hear this socket's interfaces only, not those of other programs */
+    if (setsockopt(m->socket, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off)) return false;
+#endif
+    if (bind(m->socket, (const struct sockaddr *)&address, sizeof address)) return false;
+    if (o->interface) return join(m, o->interface);
+    bool routed = join(m, INADDR_ANY);
+    int reason = errno;
+    bool loop = join(m, INADDR_LOOPBACK);
+    if (routed || loop) return true;
+    errno = reason;
+    return false;
+}
+
+static bool open_pipe(int ends[2])
+{
+    if (pipe(ends)) return false;
+    for (int i = 0; i < 2; i++) {
+        fcntl(ends[i], F_SETFD, FD_CLOEXEC);
+        fcntl(ends[i], F_SETFL, O_NONBLOCK);
+    }
+    return true;
+}
+
+/* Signals are the business of the program's own thread. */
+static bool start_thread(mukca_lcm_multicast *m)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    errno = pthread_create(&m->thread, NULL, run, m);
+    m->running = errno == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return m->running;
+}
+
+mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **out,
+                                      const mukca_lcm_multicast_options *options,
+                                      mukca_error *error)
+{
+    mukca_lcm_multicast *m = calloc(1, sizeof *m);
+    *out = NULL;
+    if (!m) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    m->options = *options;
+    m->socket = m->stop[0] = m->stop[1] = m->ready[0] = m->ready[1] = -1;
+    pthread_mutex_init(&m->lock, NULL);
+    m->queue.bytes = malloc(MUKCA_LCM_QUEUE_BYTES);
+    if (!m->queue.bytes) {
+        mukca_lcm_multicast_close(m);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    }
+    if (!open_socket(m) || !open_pipe(m->stop) || !open_pipe(m->ready) || !start_thread(m)) {
+        mukca_fail(error, MUKCA_TRANSPORT,
+                   "LCM cannot join %u.%u.%u.%u port %u: %s (multicast route? --interface?)",
+                   options->group >> 24, options->group >> 16 & 255, options->group >> 8 & 255,
+                   options->group & 255, options->port, strerror(errno));
+        mukca_lcm_multicast_close(m);
+        return MUKCA_TRANSPORT;
+    }
+    *out = m;
+    return MUKCA_OK;
+}
+
+void mukca_lcm_multicast_close(mukca_lcm_multicast *m)
+{
+    if (!m) return;
+    if (m->running && write(m->stop[1], "", 1) == 1) pthread_join(m->thread, NULL);
+    const int descriptors[] = {m->socket, m->stop[0], m->stop[1], m->ready[0], m->ready[1]};
+    for (size_t i = 0; i < sizeof descriptors / sizeof descriptors[0]; i++)
+        if (descriptors[i] >= 0) close(descriptors[i]);
+    mukca_lcm_packet_clear(&m->reassembly);
+    pthread_mutex_destroy(&m->lock);
+    free(m->queue.bytes);
+    free(m);
+}
+
+/* ---- for the program ---- */
+
+mukca_status mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel,
+                                        mukca_error *error)
+{
+    mukca_status status = MUKCA_OK;
+    pthread_mutex_lock(&m->lock);
+    if (!channel)
+        m->all = true;
+    else if (m->n_named == MUKCA_LCM_MAX_NAMED || strlen(channel) >= sizeof m->named[0])
+        status = mukca_fail(error, MUKCA_USAGE, "cannot listen to %.70s", channel);
+    else
+        memcpy(m->named[m->n_named++], channel, strlen(channel) + 1);
+    pthread_mutex_unlock(&m->lock);
+    return status;
+}
+
+void mukca_lcm_multicast_unlisten_all(mukca_lcm_multicast *m)
+{
+    pthread_mutex_lock(&m->lock);
+    m->all = false;
+    pthread_mutex_unlock(&m->lock);
+}
+
+int mukca_lcm_multicast_descriptor(const mukca_lcm_multicast *m)
+{
+    return m->ready[0];
+}
+
+const mukca_lcm_packet *mukca_lcm_multicast_front(mukca_lcm_multicast *m, bool *named)
+{
+    const mukca_lcm_packet *packet;
+    pthread_mutex_lock(&m->lock);
+    packet = mukca_lcm_queue_front(&m->queue);
+    *named = packet && is_named(m, packet->channel);
+    pthread_mutex_unlock(&m->lock);
+    return packet;
+}
+
+void mukca_lcm_multicast_pop(mukca_lcm_multicast *m)
+{
+    char byte;
+    pthread_mutex_lock(&m->lock);
+    mukca_lcm_queue_pop(&m->queue);
+    if (m->queue.n == 0 && read(m->ready[0], &byte, 1) < 0) {
+        /* cannot be: a byte is there while a message waits */
+    }
+    pthread_mutex_unlock(&m->lock);
+}
+
+int64_t mukca_lcm_multicast_dropped(mukca_lcm_multicast *m, char reason[128])
+{
+    int64_t total = 0, now[MUKCA_LCM_DROPS + 2];
+    pthread_mutex_lock(&m->lock);
+    memcpy(now, m->malformed, sizeof m->malformed);
+    uint32_t stranger = m->stranger;
+    now[MUKCA_LCM_DROPS] = m->queue.dropped;
+    now[MUKCA_LCM_DROPS + 1] = m->foreign;
+    pthread_mutex_unlock(&m->lock);
+    for (int i = 0; i < MUKCA_LCM_DROPS + 2; i++) {
+        total += now[i];
+        if (now[i] == m->reported[i]) continue;
+        m->reported[i] = now[i];
+        if (i < MUKCA_LCM_DROPS)
+            snprintf(reason, 128, "%s", mukca_lcm_drop_texts[i]);
+        else if (i == MUKCA_LCM_DROPS)
+            snprintf(reason, 128, "more messages than can be handled");
+        else
+            snprintf(reason, 128, "sent by %u.%u.%u.%u; --interface and --from accept others",
+                     stranger >> 24, stranger >> 16 & 255, stranger >> 8 & 255, stranger & 255);
+    }
+    return total;
+}

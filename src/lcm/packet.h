@@ -1,0 +1,85 @@
+/* LCM's UDP protocol, receiving side: datagrams to whole messages, within fixed bounds. */
+#ifndef MUKCA_LCM_PACKET_H
+#define MUKCA_LCM_PACKET_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    MUKCA_LCM_CHANNEL_SIZE = 64,       /* LCM's own limit, with the NUL */
+    MUKCA_LCM_MAX_MESSAGE = 8 << 20,   /* bytes; the largest of ours is a result with its JSON */
+    MUKCA_LCM_MAX_PARTIALS = 32,       /* incomplete messages of all senders */
+    MUKCA_LCM_SENDER_PARTIALS = 4,     /* of one sender; liblcm sends one at a time */
+    MUKCA_LCM_PARTIAL_BYTES = 16 << 20 /* that incomplete messages may take together */
+};
+
+/* A whole message. */
+typedef struct {
+    const char *channel;
+    const void *data;
+    size_t size;
+    int64_t time;    /* us since 1970: when it was received or logged */
+    uint64_t sender; /* IPv4 address << 16 | port; 0: unknown */
+} mukca_lcm_packet;
+
+typedef struct {
+    const void *data;
+    size_t size;
+    int64_t time; /* us; only differences count */
+    uint64_t sender;
+} mukca_lcm_datagram;
+
+/* Why datagrams and incomplete messages were dropped. */
+#define MUKCA_LCM_DROP_LIST(X)                              \
+    X(SHORT, "too short, or not LCM")                       \
+    X(CHANNEL, "channel empty, too long or without end")    \
+    X(SIZE, "message too large, or fragment outside of it") \
+    X(FRAGMENT, "fragment contradicts the others")          \
+    X(DUPLICATE, "fragment received before")                \
+    X(EXPIRED, "incomplete after one second")               \
+    X(EVICTED, "incomplete, pushed out by too many others")
+
+typedef enum {
+#define MUKCA_LCM_DROP_ENUM(name, text) MUKCA_LCM_DROP_##name,
+    MUKCA_LCM_DROP_LIST(MUKCA_LCM_DROP_ENUM)
+#undef MUKCA_LCM_DROP_ENUM
+        MUKCA_LCM_DROPS
+} mukca_lcm_drop;
+
+extern const char *const mukca_lcm_drop_texts[MUKCA_LCM_DROPS];
+
+/* One fragment's place in its message; `size` 0: not received. */
+typedef struct {
+    uint32_t offset, size;
+} mukca_lcm_piece;
+
+typedef struct {
+    uint64_t sender;
+    uint32_t sequence, size; /* bytes of the whole payload */
+    unsigned n, received;    /* fragments */
+    int64_t time;            /* us, of the last fragment */
+    char channel[MUKCA_LCM_CHANNEL_SIZE];
+    mukca_lcm_piece *piece; /* [n]; NULL: this slot is free */
+    unsigned char *data;    /* [size] */
+} mukca_lcm_partial;
+
+/* Zeroed: nothing received. */
+typedef struct {
+    mukca_lcm_partial partial[MUKCA_LCM_MAX_PARTIALS];
+    size_t bytes;                         /* in use by `partial` */
+    unsigned char *whole;                 /* the last message of several fragments */
+    char channel[MUKCA_LCM_CHANNEL_SIZE]; /* its channel */
+    int64_t dropped[MUKCA_LCM_DROPS];
+} mukca_lcm_reassembly;
+
+/* Take one datagram of any content.  True: it completes a message, which `packet` describes; it
+ * points into the datagram or into `r` and is valid until the next call.  A message of one datagram
+ * costs no allocation.  Bytes of a message that no fragment brought are never delivered. */
+bool mukca_lcm_packet_take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r,
+                           const mukca_lcm_datagram *datagram);
+
+/* Free all memory; the counts stay. */
+void mukca_lcm_packet_clear(mukca_lcm_reassembly *r);
+
+#endif

@@ -1,0 +1,241 @@
+"""Raw hostile datagrams against serve, capture and send: they live, memory stays flat, good messages
+still come."""
+import os
+import select
+import socket
+import struct
+import subprocess
+import sys
+import time
+import types
+
+import foreign
+from foreign import Arm, Client, MUKCA, ROOT, check, demo_rows, finish, fresh, mukca, spawn, stop
+
+URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
+ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
+HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
+GROUP = ("239.255.76.67", 7667)
+LONG = bool(os.environ.get("MUKCA_LONG"))
+MEMORY_KIB = 64 * 1024
+COMMON = ("--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--window", "0.05")
+
+
+def open_socket():
+    s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    s.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+    return s
+
+
+class Network:
+    """What the tests use of liblcm's client, which the attacks would end."""
+
+    def __init__(self):
+        self.sender, self.sequence, self.handlers = open_socket(), 0, {}
+        self.receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.receiver.bind(GROUP)
+        self.receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
+                                 socket.inet_aton(GROUP[0]) + bytes(4))
+
+    def publish(self, channel, data):
+        self.sequence += 1
+        self.sender.sendto(small(channel, data, sequence=self.sequence), GROUP)
+
+    def subscribe(self, channel, handler):
+        self.handlers[channel] = handler
+        return self
+
+    def set_queue_capacity(self, _):
+        pass
+
+    def handle_timeout(self, milliseconds):
+        if not select.select([self.receiver], [], [], milliseconds / 1000)[0]:
+            return 0
+        channel, end, data = self.receiver.recv(65536)[8:].partition(b"\0")
+        handler = self.handlers.get(channel.decode(errors="replace")) if end else None
+        try:
+            if handler:
+                handler(channel.decode(), data)
+        except (ValueError, struct.error):
+            pass  # an attack on this channel
+        return 1
+
+
+foreign.lcm = types.SimpleNamespace(LCM=Network)
+
+
+def small(channel, data=b"", end=b"\0", sequence=1):
+    return b"LC02" + struct.pack(">I", sequence) + channel.encode() + end + data
+
+
+def fragment(data, size, offset, number, count, channel="MUKCA_TRIGGER", end=b"\0", sequence=1):
+    head = b"LC03" + struct.pack(">IIIHH", sequence, size, offset, number, count)
+    return head + (channel.encode() + end if number == 0 else b"") + data
+
+
+def trigger():
+    m = mukca.trigger()
+    m.id, m.placement, m.socket = 1, "a", "0"
+    return m.encode()
+
+
+def long_text():
+    """A trigger whose text claims to be 2 GB long."""
+    data = bytearray(trigger())
+    data[24:28] = struct.pack(">I", 0x7ffffff0)
+    return bytes(data)
+
+
+# name: datagrams
+ATTACKS = {
+    "offset and size wrap 32 bits": [fragment(b"A" * 64, 100, 0xffffffe0, 0, 2)] * 20,
+    "fragment's channel without end": [fragment(b"", 100, 1, 0, 2, end=b"", sequence=i)
+                                       for i in range(50)],
+    "channel without end": [small("MUKCA_TRIGGER", end=b"")] * 200,
+    "text longer than its message": [d for i in range(500) for d in
+                                     (small("MUKCA_TRIGGER", long_text(), sequence=i),
+                                      small("MUKCA_TRIGGER", end=b""))],
+    "more fragments than bytes": [fragment(b"A", 10, 0, 0, 65535, sequence=i) for i in range(50)],
+    "beginnings of large messages": [fragment(b"A" * 64, 8 << 20, 0, 0, 200, sequence=i)
+                                     for i in range(2000)],
+    "overlapping fragments": [fragment(b"A" * 60, 100, 40 * k, k, 2, sequence=i)
+                              for i in range(200) for k in (0, 1)],
+    "short datagrams": [b"LC02\0\0\0\1ARM"[:n] for n in range(12)] * 20 + [b""] * 20,
+    "no LCM at all": [os.urandom(n) for n in range(0, 1500, 7)],
+}
+
+
+def memory(p):
+    with open("/proc/%d/status" % p.pid) as f:
+        return [int(line.split()[1]) for line in f if line.startswith("VmRSS")][0]
+
+
+def take(client, arm, row):
+    """One sample at a posture; whether it was accepted."""
+    arm.go(row[2])
+    for _ in range(60):
+        client.wait(lambda: False, 0.12)
+        sample = client.trigger(row[0], row[1], seconds=2)
+        if sample and sample.accepted:
+            return True
+    return False
+
+
+def attack(s, datagrams, p):
+    for i, d in enumerate(datagrams):
+        s.sendto(d, GROUP)
+        if i % 100 == 99:
+            time.sleep(0.005)
+    time.sleep(0.2)
+    return p.poll() is None
+
+
+def recorders():
+    """Each attack in mid-session, while the raw stream is recorded."""
+    for command in ("serve", "capture"):
+        folder, client, s = fresh("attack_" + command), Client(), open_socket()
+        log = os.path.join(folder, "raw.log")
+        more = ("--state", folder) if command == "serve" else \
+            ("--trigger", "-o", os.path.join(folder, "s.tsv"), "--wait", "20")
+        with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
+            p = spawn(command, *COMMON, *more, "--record", log)
+            check(command + ": begins", client.wait_stream(), p.said)
+            if command == "serve":
+                client.command("start", "x")
+            check(command + ": a sample before", take(client, arm, ROWS[0]), p.said[-3:])
+            before = memory(p)
+            for i, (name, datagrams) in enumerate(ATTACKS.items()):
+                alive = attack(s, datagrams, p)
+                check("%s: %s" % (command, name), alive and take(client, arm, ROWS[i + 1]),
+                      (p.poll(), p.said[-3:]))
+                if not alive:
+                    return
+            check(command + ": memory is flat", memory(p) - before < 8192, (before, memory(p)))
+            check(command + ": drops are reported", any("dropped" in line for line in p.said), p.said)
+            size = os.path.getsize(log)
+            check(command + ": the log holds messages only", size < 300 * arm.sent * 8, size)
+            code = stop(p)
+            check(command + ": ends cleanly", code in (0, 130), (code, p.said[-3:]))
+
+
+def client_of_serve():
+    for name, datagrams in ATTACKS.items():
+        p = subprocess.Popen([MUKCA, "send", "status", "--timeout", "1"], stdout=subprocess.PIPE,
+                             stderr=subprocess.PIPE, text=True)
+        time.sleep(0.2)
+        attack(open_socket(), [d.replace(b"MUKCA_TRIGGER", b"MUKCA_STATUS") for d in datagrams[:300]], p)
+        said = p.communicate(timeout=20)[1]
+        check("send: " + name, p.returncode == 4 and "no answer" in said, (p.returncode, said))
+
+
+def flood(name, make, seconds):
+    """Messages as fast as they can be sent; then the time until a command is answered."""
+    state, client = fresh("flood_" + name), Client()
+    with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
+        p = spawn("serve", *COMMON, "--state", state)
+        check("flood of %s: begins" % name, client.wait_stream(), p.said)
+        client.command("start", "s")
+        check("flood of %s: a sample before" % name, take(client, arm, ROWS[0]), p.said[-3:])
+        s, end, sent, most = open_socket(), time.monotonic() + seconds, 0, 0
+        while time.monotonic() < end and p.poll() is None:
+            for _ in range(200):
+                s.sendto(make(sent), GROUP)
+                sent += 1
+            most = max(most, memory(p))
+        begin = time.monotonic()
+        answer = client.command("socket", "0", seconds=5)
+        wait = time.monotonic() - begin
+        print("# %s: %.0f messages/s, at most %.1f MB, answer after %.2f s, %d lines" %
+              (name, sent / seconds, most / 1024, wait, len(p.said)))
+        check("flood of %s: memory" % name, 0 < most < MEMORY_KIB, most)
+        check("flood of %s: answer within 1 s" % name, answer and wait < 1, (wait, p.said[-3:]))
+        check("flood of %s: a sample after" % name, take(client, arm, ROWS[5]), p.said[-3:])
+        check("flood of %s: few lines" % name, len(p.said) < 500, len(p.said))
+        check("flood of %s: ends cleanly" % name, stop(p) == 0)
+
+
+def command(verb, *arguments):
+    m = mukca.command()
+    m.id, m.verb, m.n, m.argument = 5, verb, len(arguments), list(arguments)
+    return m.encode()
+
+
+def unicast():
+    """A command that another machine sends to the port, not to the group."""
+    if subprocess.run("ip link add v0 type veth peer name v1", shell=True, capture_output=True).returncode:
+        print("skip unicast: no veth in this namespace")
+        return
+    state, client = fresh("unicast"), Client()
+    other = subprocess.Popen(["unshare", "-n", "sleep", "60"])
+    with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
+        p = spawn("serve", *COMMON, "--state", state)
+        client.wait_stream()
+        there = "nsenter -t %d -n " % other.pid
+        path = os.path.join(state, "datagram")
+        with open(path, "wb") as f:
+            f.write(small("MUKCA_COMMAND", command("start", "from_afar")))
+        send = ("import socket; s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); "
+                "s.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 1); "
+                "[s.sendto(open('%s', 'rb').read(), (a, 7667)) for a in ('10.9.0.1', '239.255.76.67')]" % path)
+        for line in ("ip link set v1 netns %d" % other.pid, "ip addr add 10.9.0.1/24 dev v0",
+                     "ip link set v0 up", there + "ip addr add 10.9.0.2/24 dev v1",
+                     there + "ip link set v1 up", there + "ip route add 224.0.0.0/4 dev v1"):
+            subprocess.run(line, shell=True, check=True)
+        time.sleep(0.5)
+        subprocess.run(there + sys.executable + " -c \"%s\"" % send, shell=True, check=True)
+        client.wait(lambda: False, 1.0)
+        check("unicast and multicast of another machine are not obeyed",
+              not os.path.exists(os.path.join(state, "from_afar.tsv")), p.said)
+        stop(p)
+    other.kill()
+    other.wait()
+
+
+recorders()
+client_of_serve()
+flood("triggers", lambda i: small("MUKCA_TRIGGER", trigger()), 30 if LONG else 4)
+flood("junk", lambda i: small("MUKCA_COMMAND", bytes(1400)), 30 if LONG else 3)
+flood("large junk", lambda i: small("MUKCA_COMMAND", bytes(60000)), 30 if LONG else 3)
+unicast()
+finish()

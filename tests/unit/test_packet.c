@@ -1,0 +1,334 @@
+/* LCM's UDP protocol: messages as liblcm sends them come whole, hostile datagrams cost nothing; the
+ * queue behind it keeps its bounds. */
+#include <malloc.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "lcm/queue.h"
+#include "lcm/wire.h"
+
+enum { LARGE = 200000, PAYLOAD = 65487 /* liblcm's, of one fragment */, MAX_DATAGRAM = 65535 };
+
+typedef struct {
+    unsigned char bytes[MAX_DATAGRAM];
+    size_t size;
+} datagram;
+
+/* What a fragment's header says, and how many bytes follow it. */
+typedef struct {
+    uint32_t sequence, size, offset;
+    unsigned number, n;
+    size_t bytes;
+} fragment;
+
+static unsigned char message[LARGE];
+
+static void fill(void)
+{
+    for (size_t i = 0; i < LARGE; i++) message[i] = (unsigned char)(i * 7 + i / 256);
+}
+
+static datagram *small_datagram(const char *channel, size_t channel_size, size_t size)
+{
+    static datagram d;
+    mukca_lcm_wire_put(d.bytes, 0x4c433032, 4);
+    mukca_lcm_wire_put(d.bytes + 4, 1, 4);
+    memcpy(d.bytes + 8, channel, channel_size);
+    memcpy(d.bytes + 8 + channel_size, message, size);
+    d.size = 8 + channel_size + size;
+    return &d;
+}
+
+/* A fragment with bytes of `message` from its offset on, as far as they are inside. */
+static datagram *make_fragment(const char *channel, const fragment *f)
+{
+    static datagram d;
+    size_t name = f->number == 0 ? strlen(channel) + 1 : 0;
+    mukca_lcm_wire_put(d.bytes, 0x4c433033, 4);
+    mukca_lcm_wire_put(d.bytes + 4, f->sequence, 4);
+    mukca_lcm_wire_put(d.bytes + 8, f->size, 4);
+    mukca_lcm_wire_put(d.bytes + 12, f->offset, 4);
+    mukca_lcm_wire_put(d.bytes + 16, f->number, 2);
+    mukca_lcm_wire_put(d.bytes + 18, f->n, 2);
+    memcpy(d.bytes + 20, channel, name);
+    if ((uint64_t)f->offset + f->bytes <= LARGE)
+        memcpy(d.bytes + 20 + name, message + f->offset, f->bytes);
+    d.size = 20 + name + f->bytes;
+    return &d;
+}
+
+/* Fragment `number` of a message of LARGE bytes, as liblcm cuts it. */
+static datagram *cut(uint32_t sequence, unsigned number)
+{
+    const char *channel = "LARGE";
+    size_t first = PAYLOAD - sizeof "LARGE";
+    uint32_t offset = number ? (uint32_t)(first + (number - 1) * PAYLOAD) : 0;
+    size_t bytes = number ? PAYLOAD : first;
+    if (offset + bytes > LARGE) bytes = LARGE - offset;
+    fragment f = {.sequence = sequence,
+                  .size = LARGE,
+                  .offset = offset,
+                  .number = number,
+                  .n = 4,
+                  .bytes = bytes};
+    return make_fragment(channel, &f);
+}
+
+/* Hand over a copy of exact size, so that a sanitizer sees a read behind its end. */
+static bool take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r, const datagram *d,
+                 uint64_t sender, int64_t time)
+{
+    static unsigned char *kept;
+    free(kept);
+    kept = malloc(d->size ? d->size : 1);
+    assert_non_null(kept);
+    memcpy(kept, d->bytes, d->size);
+    mukca_lcm_datagram in = {.data = kept, .size = d->size, .sender = sender, .time = time};
+    return mukca_lcm_packet_take(packet, r, &in);
+}
+
+static void small_messages(void **state)
+{
+    (void)state;
+    mukca_lcm_reassembly r = {.bytes = 0};
+    mukca_lcm_packet p;
+    assert_true(take(&p, &r, small_datagram("ARM", 4, 500), 7, 42));
+    assert_string_equal(p.channel, "ARM");
+    assert_int_equal(p.size, 500);
+    assert_memory_equal(p.data, message, 500);
+    assert_int_equal(p.sender, 7);
+    assert_int_equal(p.time, 42);
+    assert_true(take(&p, &r, small_datagram("EMPTY", 6, 0), 7, 42));
+    assert_int_equal(p.size, 0);
+    mukca_lcm_packet_clear(&r);
+}
+
+static void bad_headers_are_counted(void **state)
+{
+    (void)state;
+    mukca_lcm_reassembly r = {.bytes = 0};
+    mukca_lcm_packet p;
+    char name[100];
+    memset(name, 'x', sizeof name);
+    assert_false(take(&p, &r, small_datagram("ARM", 3, 0), 7, 0)); /* no NUL */
+    assert_false(take(&p, &r, small_datagram("", 1, 20), 7, 0));
+    assert_false(take(&p, &r, small_datagram(name, 80, 20), 7, 0));
+    assert_false(take(&p, &r, small_datagram("", 0, 0), 7, 0));
+    assert_int_equal(r.dropped[MUKCA_LCM_DROP_CHANNEL], 4);
+    for (size_t size = 0; size < 8; size++) {
+        datagram *d = small_datagram("ARM", 4, 0);
+        d->size = size;
+        assert_false(take(&p, &r, d, 7, 0));
+    }
+    for (size_t size = 8; size < 20; size++) {
+        datagram *d = cut(1, 0);
+        d->size = size;
+        assert_false(take(&p, &r, d, 7, 0));
+    }
+    assert_int_equal(r.dropped[MUKCA_LCM_DROP_SHORT], 20);
+    assert_int_equal(r.bytes, 0);
+}
+
+static void fragments_in_any_order(void **state)
+{
+    (void)state;
+    static const unsigned orders[][4] = {{0, 1, 2, 3}, {3, 2, 1, 0}, {2, 0, 3, 1}};
+    mukca_lcm_reassembly r = {.bytes = 0};
+    mukca_lcm_packet p;
+    for (size_t k = 0; k < 3; k++) {
+        for (int i = 0; i < 4; i++) {
+            bool last = i == 3;
+            assert_int_equal(take(&p, &r, cut((uint32_t)k, orders[k][i]), 7, 0), last);
+            if (!last) assert_false(take(&p, &r, cut((uint32_t)k, orders[k][i]), 7, 0));
+        }
+        assert_string_equal(p.channel, "LARGE");
+        assert_int_equal(p.size, LARGE);
+        assert_memory_equal(p.data, message, LARGE);
+        assert_int_equal(r.bytes, 0);
+    }
+    assert_int_equal(r.dropped[MUKCA_LCM_DROP_DUPLICATE], 9);
+    mukca_lcm_packet_clear(&r);
+}
+
+/* Messages of two senders with the same sequence number stay apart; a lost fragment costs its
+ * message, after a second. */
+static void senders_and_losses(void **state)
+{
+    (void)state;
+    mukca_lcm_reassembly r = {.bytes = 0};
+    mukca_lcm_packet p;
+    for (unsigned i = 0; i < 3; i++) {
+        assert_false(take(&p, &r, cut(1, i), 7, 0));
+        assert_false(take(&p, &r, cut(1, i), 8, 0));
+    }
+    assert_true(take(&p, &r, cut(1, 3), 8, 0));
+    assert_int_equal(p.sender, 8);
+    assert_true(r.bytes > 0);
+    assert_true(take(&p, &r, small_datagram("ARM", 4, 1), 9, 1000001));
+    assert_int_equal(r.bytes, 0);
+    assert_int_equal(r.dropped[MUKCA_LCM_DROP_EXPIRED], 1);
+    assert_false(take(&p, &r, cut(1, 3), 7, 1000001));            /* too late */
+    assert_true(take(&p, &r, small_datagram("ARM", 4, 1), 9, 5)); /* the clock went back */
+    assert_int_equal(r.bytes, 0);
+    mukca_lcm_packet_clear(&r);
+}
+
+static void wrapped_and_overlapping_sizes(void **state)
+{
+    (void)state;
+    static const fragment bad[] = {
+        {.size = 100, .offset = 0xffffffe0, .number = 0, .n = 2, .bytes = 64}, /* wraps 32 bits */
+        {.size = 100, .offset = 37, .number = 1, .n = 2, .bytes = 64},
+        {.size = 0xffffffff, .offset = 0, .number = 1, .n = 2, .bytes = 64},
+        {.size = MUKCA_LCM_MAX_MESSAGE + 1, .offset = 0, .number = 1, .n = 2, .bytes = 64},
+        {.size = 100, .offset = 0, .number = 1, .n = 2, .bytes = 0},
+        {.size = 0, .offset = 0, .number = 1, .n = 2, .bytes = 0},
+        {.size = 100, .offset = 0, .number = 2, .n = 2, .bytes = 10},
+        {.size = 100, .offset = 0, .number = 1, .n = 0, .bytes = 10},
+        {.size = 100, .offset = 0, .number = 1, .n = 65535, .bytes = 10},
+    };
+    mukca_lcm_reassembly r = {.bytes = 0};
+    mukca_lcm_packet p;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        assert_false(take(&p, &r, make_fragment("ARM", &bad[i]), 7, 0));
+    assert_int_equal(r.bytes, 0);
+    assert_int_equal(r.dropped[MUKCA_LCM_DROP_SIZE], 6);
+    assert_int_equal(r.dropped[MUKCA_LCM_DROP_FRAGMENT], 3);
+    /* overlap, and so a gap: nothing is delivered */
+    fragment f = {.sequence = 5, .size = 100, .offset = 0, .number = 0, .n = 2, .bytes = 50};
+    assert_false(take(&p, &r, make_fragment("ARM", &f), 7, 0));
+    f.number = 1;
+    f.offset = 40;
+    assert_false(take(&p, &r, make_fragment("ARM", &f), 7, 0));
+    /* a second opinion about the size ends the message */
+    f = (fragment){.sequence = 6, .size = 100, .offset = 0, .number = 0, .n = 2, .bytes = 50};
+    assert_false(take(&p, &r, make_fragment("ARM", &f), 7, 0));
+    f.size = 200;
+    assert_false(take(&p, &r, make_fragment("ARM", &f), 7, 0));
+    assert_int_equal(r.bytes, 0);
+    assert_int_equal(r.dropped[MUKCA_LCM_DROP_FRAGMENT], 5);
+    mukca_lcm_packet_clear(&r);
+}
+
+/* Beginnings of large messages from one sender and from many. */
+static void partial_messages_are_bounded(void **state)
+{
+    (void)state;
+    mukca_lcm_reassembly r = {.bytes = 0};
+    mukca_lcm_packet p;
+    assert_false(take(&p, &r, cut(1, 0), 7, 0)); /* of a well-behaved sender */
+    for (uint32_t i = 0; i < 10000; i++) {
+        fragment f = {
+            .sequence = i, .size = 6 << 20, .offset = 0, .number = 1, .n = 200, .bytes = 9};
+        assert_false(take(&p, &r, make_fragment("ARM", &f), 8, 0));
+        assert_true(r.bytes <= MUKCA_LCM_PARTIAL_BYTES);
+    }
+    for (unsigned i = 1; i < 4; i++) assert_int_equal(take(&p, &r, cut(1, i), 7, 0), i == 3);
+    for (uint32_t i = 0; i < 10000; i++) {
+        fragment f = {
+            .sequence = i, .size = 1 << 20, .offset = 0, .number = 1, .n = 200, .bytes = 9};
+        assert_false(take(&p, &r, make_fragment("ARM", &f), 100 + i % 1000, 0));
+        assert_true(r.bytes <= MUKCA_LCM_PARTIAL_BYTES);
+    }
+    mukca_lcm_packet_clear(&r);
+    assert_int_equal(r.bytes, 0);
+}
+
+static uint32_t chance(void)
+{
+    static uint64_t x = 88172645463325252u; /* xorshift64, Marsaglia 2003 */
+    x ^= x << 13;
+    x ^= x >> 7;
+    x ^= x << 17;
+    return (uint32_t)(x >> 16);
+}
+
+static void a_million_mutations(void **state)
+{
+    (void)state;
+    mukca_lcm_reassembly r = {.bytes = 0};
+    mukca_lcm_packet p;
+    size_t before = 0, sum = 0;
+    int whole = 0;
+    for (int i = 0; i < 1000000; i++) {
+        fragment f = {.sequence = chance() % 3,
+                      .size = 300,
+                      .offset = chance() % 4 * 100,
+                      .number = chance() % 4,
+                      .n = 3,
+                      .bytes = 100};
+        datagram *d = chance() % 3 ? make_fragment("ARM", &f) : small_datagram("ARM", 4, 60);
+        for (uint32_t k = chance() % 4; k > 0; k--)
+            d->bytes[chance() % 2 ? chance() % 24 : chance() % d->size] = (unsigned char)chance();
+        if (chance() % 8 == 0) d->size = chance() % (d->size + 1);
+        if (take(&p, &r, d, chance() % 5, i * 100)) {
+            whole++;
+            assert_true(strlen(p.channel) < MUKCA_LCM_CHANNEL_SIZE);
+            for (size_t k = 0; k < p.size; k++) sum += ((const unsigned char *)p.data)[k];
+        }
+        assert_true(r.bytes <= MUKCA_LCM_PARTIAL_BYTES);
+        if (i == 100000) before = mallinfo2().uordblks;
+    }
+    assert_true(whole > 1000 && sum > 0);
+    mukca_lcm_packet_clear(&r);
+    assert_int_equal(r.bytes, 0);
+    assert_true(mallinfo2().uordblks <= before + 100000);
+}
+
+static void the_queue_keeps_order_and_bounds(void **state)
+{
+    (void)state;
+    mukca_lcm_queue *q = calloc(1, sizeof *q);
+    assert_non_null(q);
+    q->bytes = malloc(MUKCA_LCM_QUEUE_BYTES);
+    assert_non_null(q->bytes);
+    size_t pushed = 0, popped = 0;
+    size_t sizes[LARGE];
+    for (int i = 0; i < 200000; i++) { /* round the ring many times */
+        size_t size = chance() % 50 ? chance() % 2000 : chance() % LARGE;
+        mukca_lcm_packet p = {
+            .channel = "ARM", .data = message, .size = size, .sender = (uint64_t)i % 7};
+        if (pushed < LARGE && mukca_lcm_queue_push(q, &p)) sizes[pushed++] = size;
+        if (chance() % 2 && mukca_lcm_queue_front(q)) {
+            const mukca_lcm_packet *front = mukca_lcm_queue_front(q);
+            assert_string_equal(front->channel, "ARM");
+            assert_int_equal(front->size, sizes[popped++]);
+            assert_memory_equal(front->data, message, front->size);
+            mukca_lcm_queue_pop(q);
+        }
+    }
+    assert_true(q->dropped > 0 && popped > 1000);
+    for (; mukca_lcm_queue_front(q); mukca_lcm_queue_pop(q))
+        assert_int_equal(mukca_lcm_queue_front(q)->size, sizes[popped++]);
+    assert_int_equal(popped, pushed);
+    /* a flood of one sender leaves room for others */
+    mukca_lcm_packet p = {.channel = "ARM", .data = message, .size = 10, .sender = 1};
+    for (int i = 0; i < 100000; i++) mukca_lcm_queue_push(q, &p);
+    assert_int_equal(q->n, MUKCA_LCM_QUEUE_SHARE);
+    p.sender = 2;
+    assert_true(mukca_lcm_queue_push(q, &p));
+    free(q->bytes);
+    free(q);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(small_messages),
+        cmocka_unit_test(bad_headers_are_counted),
+        cmocka_unit_test(fragments_in_any_order),
+        cmocka_unit_test(senders_and_losses),
+        cmocka_unit_test(wrapped_and_overlapping_sizes),
+        cmocka_unit_test(partial_messages_are_bounded),
+        cmocka_unit_test(a_million_mutations),
+        cmocka_unit_test(the_queue_keeps_order_and_bounds),
+    };
+    fill();
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
