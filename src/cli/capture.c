@@ -181,7 +181,7 @@ static mukca_status check_usage(const session *s)
     if (!o->resume && !c->force && access(c->output, F_OK) == 0)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s exists; --resume continues it, --force overwrites it", c->output);
-    const char *url = o->live.recorder.lcm_url;
+    const char *url = o->live.recorder.network.url;
     const char *files[] = {c->output, c->json, o->live.recorder.log,
                            url && strncmp(url, "file://", 7) == 0 ? url + 7 : NULL};
     for (int i = 0; i < 4; i++)

@@ -14,8 +14,13 @@ typedef struct {
 /* Rows of an option table; `type` is the options struct. */
 #define CLI_LIVE_OPTIONS(type)                                                                     \
     CLI_OPTION(                                                                                    \
-        type, live.recorder.lcm_url, "lcm-url", CLI_TEXT, "URL",                                   \
+        type, live.recorder.network.url, "lcm-url", CLI_TEXT, "URL",                               \
         "LCM network, or file://LOG to replay a log (default: LCM_DEFAULT_URL, else LCM's own)"),  \
+        CLI_OPTION(type, live.recorder.network.interface, "interface", CLI_TEXT, "ADDRESS",        \
+                   "receive from other machines, too, on the interface of this address "           \
+                   "(default: from this machine only)"),                                           \
+        CLI_OPTION(type, live.recorder.network.from, "from", CLI_TEXT, "LIST",                     \
+                   "receive from these addresses only, commas between"),                           \
         CLI_OPTION(type, live.recorder.channel, "channel", CLI_TEXT, "NAME",                       \
                    "channel of the joint states (default: the one that fits the arm)"),            \
         CLI_OPTION(type, live.types, "type", CLI_TEXTS, "FILE",                                    \

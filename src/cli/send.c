@@ -14,7 +14,8 @@
 
 typedef struct {
     cli_common common;
-    const char *lcm_url, *prefix;
+    mukca_lcm_network network;
+    const char *prefix;
     double timeout;
 } send_options;
 
@@ -138,7 +139,8 @@ static mukca_status run(cli_call *call)
     c->wants_status = strcmp(call->arguments.items[0], "status") == 0;
     mukca_status status = check_verb(call, call->arguments.items[0]);
     if (status == MUKCA_OK) status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = mukca_lcm_link_open(&c->link, o->lcm_url, on_packet, c, error);
+    if (status == MUKCA_OK)
+        status = mukca_lcm_link_open(&c->link, &o->network, on_packet, c, error);
     if (status == MUKCA_OK && mukca_lcm_link_replays(c->link))
         status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
     mukca_message_channel(channel, c->wants_status ? MUKCA_MESSAGE_STATUS : MUKCA_MESSAGE_RESULT,
@@ -166,8 +168,14 @@ static void release(void *work)
 }
 
 static const cli_option options[] = {
-    CLI_OPTION(send_options, lcm_url, "lcm-url", CLI_TEXT, "URL",
+    CLI_OPTION(send_options, network.url, "lcm-url", CLI_TEXT, "URL",
                "LCM network (default: LCM_DEFAULT_URL, else LCM's own)"),
+    CLI_OPTION(
+        send_options, network.interface, "interface", CLI_TEXT, "ADDRESS",
+        "receive from other machines, too, on the interface of this address (default: from this "
+        "machine only)"),
+    CLI_OPTION(send_options, network.from, "from", CLI_TEXT, "LIST",
+               "receive from these addresses only, commas between"),
     CLI_OPTION(send_options, prefix, "prefix", CLI_TEXT, "NAME",
                "prefix of the channels of serve (default: MUKCA)"),
     CLI_OPTION(send_options, timeout, "timeout", CLI_POSITIVE, "S",

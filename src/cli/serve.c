@@ -9,6 +9,7 @@ typedef struct {
     cli_live live;
     const char *state;
     bool publish_pose;
+    const char *accept;
 } serve_options;
 
 /* The model's options for the server's jobs; numbers are written to the texts. */
@@ -52,7 +53,8 @@ static mukca_status run(cli_call *call)
     cli_model *model = &call->session->model;
     char distance[32], gravity[96];
     mukca_server_options options = {.folder = o->state ? o->state : getenv("STATE_DIRECTORY"),
-                                    .publish_pose = o->publish_pose};
+                                    .publish_pose = o->publish_pose,
+                                    .accept = o->accept};
     const mukca_recorder_hooks hooks = {
         .report = report, .interrupted = cli_interrupted, .context = call};
     if (!options.folder || !*options.folder)
@@ -84,6 +86,9 @@ static const cli_option options[] = {
                "folder of sessions, results and state (default: systemd's STATE_DIRECTORY)"),
     CLI_OPTION(serve_options, publish_pose, "publish-pose", CLI_FLAG, NULL,
                "send the calibrated pose of the tip for each joint state on MUKCA_POSE"),
+    CLI_OPTION(serve_options, accept, "accept", CLI_TEXT, "LIST",
+               "commands to accept over LCM, commas between; trigger: messages on MUKCA_TRIGGER; "
+               "reopen: start of a finished session; all (default: all but delete and reopen)"),
     CLI_DISTANCE_OPTIONS,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,

@@ -127,11 +127,13 @@ static mukca_status open_log(mukca_lcm_link *link, const char *url, mukca_error 
     return mukca_lcm_log_open(&link->log, name, error);
 }
 
-mukca_status mukca_lcm_link_open(mukca_lcm_link **out, const char *url,
+mukca_status mukca_lcm_link_open(mukca_lcm_link **out, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error)
 {
+    const char *url = network->url;
     if (!url) url = getenv("LCM_DEFAULT_URL");
     if (url && !*url) url = NULL;
+    const mukca_lcm_network named = {url, network->interface, network->from};
     mukca_lcm_link *link = calloc(1, sizeof *link);
     *out = NULL;
     if (!link) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
@@ -141,7 +143,7 @@ mukca_status mukca_lcm_link_open(mukca_lcm_link **out, const char *url,
     if (url && strncmp(url, "file://", 7) == 0) {
         status = open_log(link, url, error);
     } else {
-        status = mukca_lcm_receiver_open(&link->network, url, on_packet, link, error);
+        status = mukca_lcm_receiver_open(&link->network, &named, on_packet, link, error);
     }
     if (status != MUKCA_OK) {
         mukca_lcm_link_close(link);

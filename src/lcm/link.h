@@ -8,10 +8,11 @@ typedef struct mukca_lcm_link mukca_lcm_link;
 
 typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 
-/* Connect to `url` (NULL: LCM_DEFAULT_URL, else LCM's default); packets are delivered to `receive`.
+/* Connect to network->url (NULL: LCM_DEFAULT_URL, else LCM's default); packets are delivered to
+ * `receive`.
  * A log is replayed as fast as it can be read; `file://LOG?speed=1` in its own time.
  * Errors: MUKCA_TRANSPORT (no multicast route: what to do), MUKCA_INPUT (log), MUKCA_MEMORY. */
-mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const char *url,
+mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);
 
 /* Receive a channel, taken literally; NULL is all channels.  No message is dropped or delivered

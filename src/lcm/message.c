@@ -174,12 +174,20 @@ size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind, 
 
 /* ---- decode ---- */
 
+/* Whether no character of a text controls a terminal. */
+static bool is_printable(const char *text)
+{
+    for (const char *c = text; *c; c++)
+        if (((unsigned char)*c < 0x20 && *c != '\t' && *c != '\n') || *c == 0x7f) return false;
+    return true;
+}
+
 static bool take_element(mukca_lcm_wire *wire, field_kind kind, char *member)
 {
     if (kind == TEXT) {
         const char *text = mukca_lcm_wire_text(wire);
         memcpy(member, &text, sizeof text);
-        return text != NULL;
+        return text && is_printable(text);
     }
     const unsigned char *at = mukca_lcm_wire_bytes(wire, wire_size[kind]);
     if (!at) return false;

@@ -61,5 +61,5 @@ void mukca_lcm_queue_pop(mukca_lcm_queue *q)
     q->sender[e->sender].n--;
     q->sender[e->sender].bytes -= e->used;
     q->first = (q->first + 1) % MUKCA_LCM_QUEUE_LENGTH;
-    q->n--;
+    if (--q->n == 0) q->first = 0; /* few messages touch little memory */
 }

@@ -33,20 +33,26 @@ static lcm_t *create_quietly(const char *url)
     return lcm;
 }
 
+/* An IPv4 address text[length] as a number; 0: it is none. */
+static uint32_t read_address(const char *text, size_t length)
+{
+    char copy[16];
+    struct in_addr address;
+    if (length >= sizeof copy) return 0;
+    memcpy(copy, text, length);
+    copy[length] = '\0';
+    return inet_pton(AF_INET, copy, &address) == 1 ? ntohl(address.s_addr) : 0;
+}
+
 /* Read "udpm://GROUP:PORT?recv_buf_size=N", where each part may be left out; the rest of it
  * concerns sending.  False: no such URL. */
 static bool read_url(mukca_lcm_multicast_options *options, const char *url)
 {
-    char group[64] = "";
-    struct in_addr address;
     *options = (mukca_lcm_multicast_options){
         .group = 0xefff4c43, .port = 7667, .buffer = 2 << 20}; /* 239.255.76.67, as liblcm */
     const char *host = url + strlen("udpm://");
     size_t length = strcspn(host, ":?");
-    if (length >= sizeof group) return false;
-    memcpy(group, host, length);
-    if (length && inet_pton(AF_INET, group, &address) != 1) return false;
-    if (length) options->group = ntohl(address.s_addr);
+    if (length) options->group = read_address(host, length);
     if (options->group >> 28 != 0xe) return false; /* 224.0.0.0/4 */
     if (host[length] == ':') {
         char *end;
@@ -61,11 +67,28 @@ static bool read_url(mukca_lcm_multicast_options *options, const char *url)
     return true;
 }
 
-mukca_status mukca_lcm_receiver_open(mukca_lcm_receiver **receiver, const char *url,
+static bool read_senders(mukca_lcm_multicast_options *options, const mukca_lcm_network *network)
+{
+    const char *interface = network->interface, *from = network->from;
+    if (interface && !(options->interface = read_address(interface, strlen(interface))))
+        return false;
+    while (from) {
+        size_t length = strcspn(from, ",");
+        uint32_t address = read_address(from, length);
+        if (!address || options->n_from == MUKCA_LCM_MAX_FROM) return false;
+        options->from[options->n_from++] = address;
+        from = from[length] ? from + length + 1 : NULL;
+    }
+    return true;
+}
+
+mukca_status mukca_lcm_receiver_open(mukca_lcm_receiver **receiver,
+                                     const mukca_lcm_network *network,
                                      mukca_lcm_receive_fn *receive, void *context,
                                      mukca_error *error)
 {
     mukca_lcm_receiver *r = calloc(1, sizeof *r);
+    const char *url = network->url;
     *receiver = NULL;
     if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     *r = (mukca_lcm_receiver){.lcm = create_quietly(url), .receive = receive, .context = context};
@@ -79,6 +102,11 @@ mukca_status mukca_lcm_receiver_open(mukca_lcm_receiver **receiver, const char *
                             url ? url : "its default network");
     else if (udp && !read_url(&options, url ? url : "udpm://"))
         status = mukca_fail(error, MUKCA_USAGE, "%.80s: expected udpm://GROUP:PORT?ttl=N", url);
+    else if (udp && !read_senders(&options, network))
+        status = mukca_fail(error, MUKCA_USAGE,
+                            "--interface and --from take addresses such as 192.168.1.5");
+    else if (!udp && (network->interface || network->from))
+        status = mukca_fail(error, MUKCA_USAGE, "--interface and --from belong to a UDP network");
     else if (udp)
         status = mukca_lcm_multicast_open(&r->multicast, &options, error);
     if (status == MUKCA_OK)

@@ -9,13 +9,21 @@
 
 typedef struct mukca_lcm_receiver mukca_lcm_receiver;
 
+/* Any may be NULL.  interface: address of the interface to receive from; NULL: the one of the
+ * multicast route, and from senders of this machine only.  from: addresses to receive from, commas
+ * between, instead. */
+typedef struct {
+    const char *url, *interface, *from;
+} mukca_lcm_network;
+
 /* `all`: not delivered for its name.  Over UDP a message comes once, elsewhere once for its name
  * and once for all channels. */
 typedef void mukca_lcm_receive_fn(void *context, const mukca_lcm_packet *packet, bool all);
 
-/* Connect to `url` (NULL: LCM's default).  Errors: MUKCA_TRANSPORT (no multicast route: what to
- * do), MUKCA_MEMORY. */
-mukca_status mukca_lcm_receiver_open(mukca_lcm_receiver **receiver, const char *url,
+/* Connect to network->url (NULL: LCM's default).  Errors: MUKCA_TRANSPORT (no multicast route: what
+ * to do), MUKCA_USAGE (URL, an address), MUKCA_MEMORY. */
+mukca_status mukca_lcm_receiver_open(mukca_lcm_receiver **receiver,
+                                     const mukca_lcm_network *network,
                                      mukca_lcm_receive_fn *receive, void *context,
                                      mukca_error *error);
 

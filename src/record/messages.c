@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/utf8.h"
 #include "record/recorder.h"
 
 static const int64_t repeat_us = 10000000; /* between two reports of the same trouble */
@@ -16,12 +17,26 @@ const char *mukca_recorder_stream(const mukca_recorder *r)
     return mukca_recorder_streams[r->options->stream];
 }
 
+/* Texts of the network may hold line ends and sequences that control a terminal. */
+static void make_printable(char *text)
+{
+    mukca_utf8_mend(text);
+    for (char *c = text; *c; c++) {
+        unsigned char byte = (unsigned char)*c;
+        bool c1 = byte == 0xc2 && (unsigned char)c[1] < 0xa0;               /* U+0080 to U+009F */
+        bool format = byte == 0xe2 && ((unsigned char)c[1] & 0xfe) == 0x80; /* U+2000 to U+207F */
+        if (byte < 0x20 || byte == 0x7f || c1 || format) *c = '?';
+    }
+    mukca_utf8_mend(text); /* what is left of them */
+}
+
 void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
     vsnprintf(r->last_line, sizeof r->last_line, format, args);
     va_end(args);
+    make_printable(r->last_line);
     if (r->hooks.report) r->hooks.report(r->hooks.context, r->last_line);
 }
 

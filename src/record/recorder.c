@@ -58,7 +58,8 @@ static mukca_status open_link(mukca_recorder *r, mukca_error *error)
     mukca_lcm_link_close(r->link);
     r->link = NULL;
     r->received = r->refused = r->last_arrival = r->rate_since = r->rate_count = 0;
-    r->dropped = 0;
+    r->dropped = r->second_heard = r->arm_heard = 0;
+    r->arm = 0;
     r->n_heard = 0;
     r->fit_heard = 0;
     memset(r->reported, 0, sizeof r->reported);
@@ -67,7 +68,7 @@ static mukca_status open_link(mukca_recorder *r, mukca_error *error)
                               r->options->triggers ? r->trigger_channel : NULL,
                               r->hooks.command ? r->command_channel : NULL};
     mukca_status status =
-        mukca_lcm_link_open(&r->link, r->options->lcm_url, mukca_recorder_receive, r, error);
+        mukca_lcm_link_open(&r->link, &r->options->network, mukca_recorder_receive, r, error);
     for (int i = 0; i < 3 && !status; i++)
         if (channels[i]) status = mukca_lcm_link_listen(r->link, channels[i], error);
     if (!status && !r->mapped) status = mukca_lcm_link_listen(r->link, NULL, error);

@@ -9,12 +9,18 @@
 #include "lcm/link.h"
 #include "lcm/message.h"
 
-enum { MUKCA_RECORDER_MAX_LABELS = 32, MUKCA_RECORDER_MAX_HEARD = 24, MUKCA_RECORDER_LINE = 448 };
+enum {
+    MUKCA_RECORDER_MAX_SENDERS = 32,
+    MUKCA_RECORDER_MAX_LABELS = 32,
+    MUKCA_RECORDER_MAX_HEARD = 24,
+    MUKCA_RECORDER_LINE = 448
+};
 
 /* Zeroed means the defaults; `mukca help capture` describes them.  All texts must outlive the
  * recorder. */
 typedef struct {
-    const char *lcm_url, *channel, *prefix, *position, *names, *map, *placements, *sockets, *log;
+    mukca_lcm_network network;
+    const char *channel, *prefix, *position, *names, *map, *placements, *sockets, *log;
     const char *const *types; /* [n_types] .lcm files */
     int n_types;
     int stream; /* index into mukca_recorder_streams */
@@ -33,6 +39,7 @@ typedef struct {
     mukca_note_fn *report;                                           /* one line for people */
     void (*joints)(void *context, int64_t time_us, const double *q); /* each usable message */
     void (*command)(void *context, const mukca_lcm_packet *packet);  /* of PREFIX_COMMAND */
+    bool (*trigger)(void *context);                                  /* whether one may record */
     bool (*interrupted)(void); /* true ends the search for a stream */
     void *context;
 } mukca_recorder_hooks;
@@ -43,6 +50,13 @@ typedef struct {
     int type; /* -1: unknown */
     int joints;
 } mukca_recorder_heard;
+
+/* A sender of requests: triggers and commands. */
+typedef struct {
+    uint64_t id;
+    int64_t time;    /* us, of its last request */
+    double requests; /* that it may still make now */
+} mukca_recorder_sender;
 
 /* Trouble that is reported once, then at most every ten seconds. */
 typedef enum {
@@ -55,6 +69,7 @@ typedef enum {
     MUKCA_RECORDER_TWO_SENDERS,
     MUKCA_RECORDER_OWN_MESSAGE,
     MUKCA_RECORDER_DROPPED,
+    MUKCA_RECORDER_RATE,
     MUKCA_RECORDER_TROUBLES
 } mukca_recorder_trouble;
 
@@ -81,7 +96,10 @@ typedef struct {
     int64_t rate_since, rate_count;
     double rate, longest_gap; /* Hz; s between arrivals */
     bool listens_to_all, silent;
-    int64_t dropped; /* datagrams and messages of the network */
+    mukca_recorder_sender sender[MUKCA_RECORDER_MAX_SENDERS];
+    uint64_t arm;                    /* sender of the joint states */
+    int64_t arm_heard, second_heard; /* us, it and another one; 0: never */
+    int64_t dropped;                 /* datagrams and messages of the network */
     int n_heard;
     mukca_recorder_heard heard[MUKCA_RECORDER_MAX_HEARD];
     int64_t fit_heard; /* us, when the first stream that fits the arm was heard; 0: none */
@@ -176,6 +194,14 @@ mukca_status mukca_recorder_make_map(mukca_recorder *r);
 
 /* Handler of all packets; `r` is the recorder (stream.c). */
 void mukca_recorder_receive(void *r, const mukca_lcm_packet *packet);
+
+/* Whether a sender may make a request now; and whether a usable joint state is of the sender that
+ * the others are of.  False: the message is refused. */
+bool mukca_recorder_may_request(mukca_recorder *r, const mukca_lcm_packet *packet);
+bool mukca_recorder_one_sender(mukca_recorder *r, const mukca_lcm_packet *packet);
+
+/* Whether a second sender of joint states was heard just now. */
+bool mukca_recorder_doubted(const mukca_recorder *r);
 
 static inline const char *mukca_recorder_joint(const mukca_recorder *r, int j)
 {

@@ -64,6 +64,8 @@ VERB(start)
     if (!r->connected)
         return mukca_fail(answer, MUKCA_TRANSPORT, "no joint states yet: %.200s",
                           r->problem.status ? r->problem.text : "is the robot's driver running?");
+    mukca_status allowed = mukca_server_may_start(s, name, answer);
+    if (allowed != MUKCA_OK) return allowed;
     memset(&s->state, 0, offsetof(mukca_server_state, model));
     snprintf(s->state.session, sizeof s->state.session, "%s", name);
     s->session_begun = false;
@@ -163,13 +165,18 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
                               error.text);
         return;
     }
+    if (!mukca_recorder_may_request(r, packet)) return;
     mukca_status status = mukca_fail(&line, MUKCA_USAGE,
                                      "unknown verb or too many arguments: \"%.40s\"", command.verb);
     for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
         if (strcmp(command.verb, mukca_server_verbs[i]) != 0 || command.n > verbs[i].arguments)
             continue;
         line.text[0] = '\0';
-        status = verbs[i].run(s, &command, &line);
+        if (mukca_server_accepts(s, command.verb))
+            status = verbs[i].run(s, &command, &line);
+        else
+            status = mukca_fail(&line, MUKCA_NEGATIVE,
+                                "not accepted: start serve with --accept naming %s", command.verb);
     }
     keep_place(s);
     if (mukca_server_save_state(s, &error) != MUKCA_OK && status == MUKCA_OK) {
@@ -191,6 +198,11 @@ static void report(void *context, const char *line)
     if (s->hooks.report) s->hooks.report(s->hooks.context, line);
 }
 
+static bool may_trigger(void *context)
+{
+    return mukca_server_accepts(context, "trigger");
+}
+
 static mukca_status check_folder(const char *folder, mukca_error *error)
 {
     if (mkdir(folder, 0777) && errno != EEXIST)
@@ -208,13 +220,15 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     mukca_recorder_hooks own = {.report = report,
                                 .interrupted = hooks->interrupted,
                                 .command = on_command,
+                                .trigger = may_trigger,
                                 .joints = options->publish_pose ? mukca_server_send_pose : NULL,
                                 .context = s};
     memset(s, 0, sizeof *s);
     s->options = options;
     s->hooks = *hooks;
     mukca_row_state_stream(&s->pose.states, chain->n_joints);
-    mukca_status status = check_folder(options->folder, error);
+    mukca_status status = mukca_server_check_accept(s, error);
+    if (status == MUKCA_OK) status = check_folder(options->folder, error);
     if (status == MUKCA_OK)
         status = mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &own, error);
     if (status == MUKCA_OK) status = mukca_server_load_state(s, error);

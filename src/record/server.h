@@ -27,6 +27,10 @@ enum {
     X(diagnose, "", 0, "diagnose the session; the result adds the effects found")             \
     X(result, "", 0, "send the offsets table in use")
 
+/* Rights of --accept besides the verbs, and its default.  Commands that take something away must be
+ * named: delete, and reopen for `start` of a session that is not the current one. */
+#define MUKCA_SERVER_ACCEPT "start,add,trigger,socket,placement,finish,calibrate,diagnose,result"
+
 /* Their names, ended by NULL. */
 extern const char *const mukca_server_verbs[];
 
@@ -34,6 +38,7 @@ typedef struct {
     mukca_recorder_options recorder;
     const char *folder; /* of sessions, results and state */
     bool publish_pose;
+    const char *accept; /* verbs, trigger and reopen, commas between; all; NULL: the default */
     /* options of calibrate and diagnose for the model, as on the command line; ended by NULL */
     const char *arguments[MUKCA_SERVER_ARGUMENTS];
 } mukca_server_options;
@@ -65,12 +70,19 @@ typedef struct {
     int64_t histogram[MUKCA_SERVER_BUCKETS]; /* of s from reception to having been sent */
 } mukca_server_pose;
 
+/* Sessions that may still be made now, and when that was counted, us. */
+typedef struct {
+    double left;
+    int64_t time;
+} mukca_server_budget;
+
 typedef struct {
     mukca_recorder recorder;
     const mukca_server_options *options;
     mukca_recorder_hooks hooks; /* the caller's */
     mukca_server_state state, saved;
     bool session_begun;
+    mukca_server_budget new_sessions;
     mukca_server_job job;
     mukca_server_pose pose;
     mukca_message_result result; /* scratch */
@@ -100,6 +112,16 @@ void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, cons
 
 /* Whether a session may be called so: letters, digits, _ - and . but not first; at most 40. */
 bool mukca_server_name_ok(const char *name);
+
+/* Whether --accept names a verb, trigger or reopen; everything while a log is replayed. */
+bool mukca_server_accepts(const mukca_server *s, const char *right);
+
+/* Errors: MUKCA_USAGE (--accept names something else). */
+mukca_status mukca_server_check_accept(const mukca_server *s, mukca_error *error);
+
+/* Whether `start` may open the session of that name now.  Errors: MUKCA_NEGATIVE (it would be
+ * reopened, too many in a short time, little space is left). */
+mukca_status mukca_server_may_start(mukca_server *s, const char *name, mukca_error *error);
 
 /* Read the state; a folder without one is new.  Errors: MUKCA_INPUT. */
 mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error);

@@ -180,6 +180,8 @@ mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *pl
     mukca_error error;
     char remark[MUKCA_CAPTURE_TEXT] = "";
     mukca_status status = complete_labels(r, &placement, &socket, &error);
+    if (!status && mukca_recorder_doubted(r))
+        status = mukca_fail(&error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
     if (status == MUKCA_OK)
         status = mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &error);
     if (status == MUKCA_OK) status = store(r, &sample, placement, socket, remark, &error);

@@ -154,7 +154,7 @@ static void on_joints(mukca_recorder *r, const mukca_lcm_packet *packet)
         return;
     }
     if (!r->mapped && !map_first(r, type)) return;
-    if (!take_readings(r)) return;
+    if (!take_readings(r) || !mukca_recorder_one_sender(r, packet)) return;
     int64_t time = r->joints.time > 0 ? r->joints.time : packet->time;
     bool use = r->connected && r->confirmed;
     if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, r->q);
@@ -169,6 +169,11 @@ static void on_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
     if (mukca_message_decode(&trigger, MUKCA_MESSAGE_TRIGGER, packet->data, packet->size, &error)) {
         mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel,
                               error.text);
+        return;
+    }
+    if (!mukca_recorder_may_request(r, packet)) return;
+    if (r->hooks.trigger && !r->hooks.trigger(r->hooks.context)) {
+        mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: not accepted", packet->channel);
         return;
     }
     mukca_recorder_sample(r, trigger.id, trigger.placement, trigger.socket, &error);

@@ -184,6 +184,8 @@ def flood(name, make, seconds):
                 sent += 1
             most = max(most, memory(p))
         begin = time.monotonic()
+        while client.lc.handle_timeout(0):
+            pass  # the flood filled this client's socket, too
         answer = client.command("socket", "0", seconds=5)
         wait = time.monotonic() - begin
         print("# %s: %.0f messages/s, at most %.1f MB, answer after %.2f s, %d lines" %
@@ -232,10 +234,70 @@ def unicast():
     other.wait()
 
 
+def rights():
+    """What serve refuses unless --accept names it; lines for people hold no control characters."""
+    state, client = fresh("rights"), Client()
+    with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
+        p = spawn("serve", *COMMON, "--state", state)
+        check("rights: begins", client.wait_stream(), p.said)
+        client.command("start", "a")
+        check("rights: a sample", take(client, arm, ROWS[0]), p.said[-3:])
+        answer = client.command("delete")
+        check("rights: delete must be named", answer.code == 1 and "--accept" in answer.text, answer.text)
+        check("rights: the open session may be started again", client.command("start", "a").code == 0)
+        client.command("finish")
+        answer = client.command("start", "a")
+        check("rights: reopen must be named", answer.code == 1 and "reopen" in answer.text, answer.text)
+        for verb in ("x\nserve: sample 99 recorded", "\x1b[2J", "\x7f", "a\u202eb\u009bc"):
+            client.lc.publish("MUKCA_COMMAND", command(verb))
+        client.wait(lambda: False, 0.5)
+        said = "".join(p.said)
+        check("rights: lines are escaped", not any(c in said for c in "\x1b\x7f\u202e\u009b") and
+              not any(line.startswith("serve: sample 99") for line in p.said), p.said[-5:])
+        codes = [client.command("start", "s%d" % i).code for i in range(30)]
+        made = len([name for name in os.listdir(state) if name.startswith("s") and name != "state.tsv"])
+        check("rights: new sessions are limited", codes[0] == 0 and codes[-1] == 1 and made < 15, (codes, made))
+        stop(p)
+        p = spawn("serve", *COMMON, "--state", state, "--accept", "start,reopen,delete")
+        client.wait_stream()
+        check("rights: reopen named", client.command("start", "a").code == 0)
+        sample = client.trigger("p", "0", seconds=1)
+        check("rights: triggers not named", sample is None, sample)
+        check("rights: delete named", client.command("delete").code == 0)
+        stop(p)
+    p = spawn("serve", *COMMON, "--state", state, "--accept", "dance")
+    check("rights: unknown command", p.wait(10) == 2)
+    for option in ("--interface", "--from"):
+        p = spawn("serve", *COMMON, "--state", state, option, "lo")
+        check("rights: %s takes an address" % option, p.wait(10) == 2)
+
+
+def forged_states():
+    """A second sender of joint states that differ by less than the noise of a gear."""
+    state, client = fresh("forged"), Client()
+    with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
+        p = spawn("serve", *COMMON, "--state", state, "--from", "127.0.0.1,0.0.0.0")
+        p.wait(10)
+        check("forged: 0.0.0.0 is no sender to name", p.returncode == 2)
+        p = spawn("serve", *COMMON, "--state", state)
+        client.wait_stream()
+        client.command("start", "s")
+        check("forged: a sample before", take(client, arm, ROWS[0]), p.said[-3:])
+        with Arm("iiwa", [x + 0.0007 for x in ROWS[0][2]], 200, "IIWA_STATUS"):
+            client.wait(lambda: False, 0.5)
+            samples = [client.trigger("a", "1", seconds=2) for _ in range(5)]
+        check("forged: no sample while two send", not any(x and x.accepted for x in samples))
+        check("forged: it is reported", any("two arms" in line for line in p.said), p.said)
+        check("forged: a sample after", take(client, arm, ROWS[3]), p.said[-3:])
+        stop(p)
+
+
 recorders()
 client_of_serve()
 flood("triggers", lambda i: small("MUKCA_TRIGGER", trigger()), 30 if LONG else 4)
 flood("junk", lambda i: small("MUKCA_COMMAND", bytes(1400)), 30 if LONG else 3)
 flood("large junk", lambda i: small("MUKCA_COMMAND", bytes(60000)), 30 if LONG else 3)
 unicast()
+rights()
+forged_states()
 finish()

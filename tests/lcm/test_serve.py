@@ -14,7 +14,7 @@ ROWS = [ROWS[i * len(ROWS) // 24] for i in range(24)]
 
 def serve(state, *more, **environment):
     return spawn("serve", "--urdf", URDF, "--channel", CHANNEL, "--map", "order", "--state", state,
-                 "--window", "0.05", *more, env=dict(os.environ, **environment))
+                 "--window", "0.05", "--accept", "all", *more, env=dict(os.environ, **environment))
 
 
 def take(client, arm, rows):

@@ -144,7 +144,9 @@ static void links_replay_logs(void **state)
     for (int all = 0; all < 2; all++) {
         heard h = {0};
         mukca_status status;
-        assert_int_equal(mukca_lcm_link_open(&link, url, hear, &h, &error), MUKCA_OK);
+        assert_int_equal(
+            mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = url}, hear, &h, &error),
+            MUKCA_OK);
         assert_true(mukca_lcm_link_replays(link));
         assert_int_equal(mukca_lcm_link_listen(link, all ? NULL : "A+B", &error), MUKCA_OK);
         while ((status = mukca_lcm_link_wait(link, 100, -1, NULL, &error)) == MUKCA_OK) continue;
@@ -156,10 +158,13 @@ static void links_replay_logs(void **state)
         mukca_lcm_link_close(link);
     }
     heard h = {0};
-    assert_int_equal(mukca_lcm_link_open(&link, "file:///nowhere/x", hear, &h, &error),
+    assert_int_equal(mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = "file:///nowhere/x"},
+                                         hear, &h, &error),
                      MUKCA_INPUT);
     assert_non_null(strstr(error.text, "/nowhere/x"));
-    assert_int_equal(mukca_lcm_link_open(&link, "file://x?mode=w", hear, &h, &error), MUKCA_USAGE);
+    assert_int_equal(mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = "file://x?mode=w"},
+                                         hear, &h, &error),
+                     MUKCA_USAGE);
 }
 
 static void drain(mukca_lcm_link *link)
@@ -177,7 +182,9 @@ static void links_listen_literally(void **state)
     mukca_lcm_link *link;
     mukca_error error = {0};
     heard h = {0};
-    assert_int_equal(mukca_lcm_link_open(&link, "memq://", hear, &h, &error), MUKCA_OK);
+    assert_int_equal(
+        mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = "memq://"}, hear, &h, &error),
+        MUKCA_OK);
     assert_int_equal(mukca_lcm_link_listen(link, "A.M", &error), MUKCA_OK);
     for (int i = 0; i < 100; i++) {
         assert_int_equal(mukca_lcm_link_publish(link, "A.M", "x", 1, &error), MUKCA_OK);
@@ -217,7 +224,9 @@ static void full_disk_ends_the_record_only(void **state)
     getrlimit(RLIMIT_FSIZE, &old);
     small.rlim_max = old.rlim_max;
     signal(SIGXFSZ, SIG_IGN);
-    assert_int_equal(mukca_lcm_link_open(&link, "memq://", hear, &h, &error), MUKCA_OK);
+    assert_int_equal(
+        mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = "memq://"}, hear, &h, &error),
+        MUKCA_OK);
     assert_int_equal(mukca_lcm_link_listen(link, "ARM", &error), MUKCA_OK);
     assert_int_equal(mukca_lcm_link_record(link, path, true, count_note, &notes, &error), MUKCA_OK);
     setrlimit(RLIMIT_FSIZE, &small);

@@ -1,0 +1,64 @@
+/* Who may speak to the recorder: requests of one sender are limited, joint states come from one
+ * sender at a time.  Messages of a log have no sender and are not limited. */
+#include <string.h>
+
+#include "record/recorder.h"
+
+/* Of our choice: faster than people and programs that wait for answers, slow enough for a disk. */
+static const double requests_per_s = 50, first_requests = 40, most_requests = 100;
+
+/* A restarted driver has a new port and is accepted after this time, us. */
+static const int64_t handover_us = 500000;
+
+/* For so long after a second sender no sample is recorded, us: longer than any usual window. */
+static const int64_t doubt_us = 1000000;
+
+bool mukca_recorder_may_request(mukca_recorder *r, const mukca_lcm_packet *packet)
+{
+    if (!packet->sender) return true;
+    mukca_recorder_sender *s = &r->sender[0]; /* the known one, else the longest silent one */
+    for (int i = 0; i < MUKCA_RECORDER_MAX_SENDERS; i++) {
+        if (r->sender[i].id == packet->sender) {
+            s = &r->sender[i];
+            break;
+        }
+        if (r->sender[i].time < s->time) s = &r->sender[i];
+    }
+    if (s->id != packet->sender)
+        *s = (mukca_recorder_sender){packet->sender, packet->time, first_requests};
+    double elapsed = 1e-6 * (double)(packet->time - s->time);
+    if (elapsed > 0) s->requests += requests_per_s * elapsed;
+    if (s->requests > most_requests) s->requests = most_requests;
+    s->time = packet->time;
+    if (s->requests < 1) {
+        mukca_recorder_refuse(r, MUKCA_RECORDER_RATE,
+                              "%s: more than %g requests a second of one sender: ignored",
+                              packet->channel, requests_per_s);
+        return false;
+    }
+    s->requests -= 1;
+    return true;
+}
+
+bool mukca_recorder_one_sender(mukca_recorder *r, const mukca_lcm_packet *packet)
+{
+    int64_t silence = packet->time - r->arm_heard;
+    if (!packet->sender || !r->arm || r->arm == packet->sender || silence > handover_us ||
+        silence < -handover_us) {
+        r->arm = packet->sender;
+        r->arm_heard = packet->time;
+        return true;
+    }
+    r->second_heard = packet->time;
+    mukca_recorder_refuse(
+        r, MUKCA_RECORDER_TWO_SENDERS, "%s",
+        "two arms seem to send on this channel: stop one of them, or name another "
+        "--channel");
+    return false;
+}
+
+bool mukca_recorder_doubted(const mukca_recorder *r)
+{
+    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
+    return r->second_heard && now - r->second_heard < doubt_us && now - r->second_heard > -doubt_us;
+}

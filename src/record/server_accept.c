@@ -1,0 +1,81 @@
+/* What senders may ask of the server. */
+#include <string.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "record/server.h"
+
+/* Of our choice: a person begins few sessions, a sample takes some 500 bytes. */
+static const double first_sessions = 10, sessions_per_s = 0.1, free_bytes = 16e6;
+
+/* Whether `list` has the word text[length], commas between. */
+static bool has_word(const char *list, const char *text, size_t length)
+{
+    for (const char *word = list; word; word = strchr(word, ',')) {
+        word += *word == ',';
+        if (strcspn(word, ",") == length && strncmp(word, text, length) == 0) return true;
+    }
+    return false;
+}
+
+static const char *accepted(const mukca_server *s)
+{
+    return s->options->accept ? s->options->accept : MUKCA_SERVER_ACCEPT;
+}
+
+bool mukca_server_accepts(const mukca_server *s, const char *right)
+{
+    if (mukca_lcm_link_replays(s->recorder.link) || has_word(accepted(s), "all", 3)) return true;
+    return has_word(accepted(s), right, strlen(right));
+}
+
+mukca_status mukca_server_check_accept(const mukca_server *s, mukca_error *error)
+{
+    for (const char *word = accepted(s); word; word = strchr(word, ',')) {
+        word += *word == ',';
+        size_t length = strcspn(word, ",");
+        bool known = has_word("all,trigger,reopen,status", word, length);
+        for (int i = 0; mukca_server_verbs[i] && !known; i++)
+            known = has_word(mukca_server_verbs[i], word, length);
+        if (!known)
+            return mukca_fail(error, MUKCA_USAGE,
+                              "--accept: %.40s is no command; delete, reopen and all are possible "
+                              "besides " MUKCA_SERVER_ACCEPT,
+                              word);
+    }
+    return MUKCA_OK;
+}
+
+mukca_status mukca_server_may_start(mukca_server *s, const char *name, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH];
+    struct statvfs disk;
+    mukca_server_budget *budget = &s->new_sessions;
+    bool current =
+        strcmp(name, s->state.session) == 0 && (s->recorder.session.fd || !s->session_begun);
+    mukca_server_path(path, s, name, ".tsv");
+    if (current || mukca_lcm_link_replays(s->recorder.link)) return MUKCA_OK;
+    if (access(path, F_OK) == 0) {
+        if (mukca_server_accepts(s, "reopen")) return MUKCA_OK;
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "%s is finished; choose another name, or start serve with --accept "
+                          "naming reopen",
+                          name);
+    }
+    if (statvfs(s->options->folder, &disk) == 0 &&
+        (double)disk.f_bavail * (double)disk.f_frsize < free_bytes)
+        return mukca_fail(error, MUKCA_NEGATIVE, "less than 16 MB are free in %.200s",
+                          s->options->folder);
+    int64_t now = mukca_lcm_link_clock(s->recorder.link);
+    double elapsed = 1e-6 * (double)(now - budget->time);
+    if (!budget->time || elapsed < 0)
+        budget->left = budget->time ? budget->left : first_sessions;
+    else
+        budget->left += sessions_per_s * elapsed;
+    if (budget->left > first_sessions) budget->left = first_sessions;
+    budget->time = now;
+    if (budget->left < 1)
+        return mukca_fail(error, MUKCA_NEGATIVE, "too many new sessions: wait 10 s");
+    budget->left -= 1;
+    return MUKCA_OK;
+}
