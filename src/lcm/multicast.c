@@ -57,6 +57,7 @@ static int64_t wall_clock(void)
 static void read_local(mukca_lcm_multicast *m, int64_t now)
 {
     struct ifreq list[MAX_LOCAL];
+    memset(list, 0, sizeof list);
     struct ifconf request = {.ifc_len = sizeof list, .ifc_req = list};
     m->local_read = now;
     if (ioctl(m->socket, SIOCGIFCONF, &request)) return;

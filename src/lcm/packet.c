@@ -71,6 +71,13 @@ static void evict(mukca_lcm_reassembly *r, uint64_t sender)
     release(r, oldest, false);
 }
 
+static mukca_lcm_partial *find_free(mukca_lcm_reassembly *r)
+{
+    for (int i = 0; i < MUKCA_LCM_MAX_PARTIALS; i++)
+        if (!r->partial[i].piece) return &r->partial[i];
+    return NULL;
+}
+
 /* A slot for a new message, with memory for it; NULL: no memory. */
 static mukca_lcm_partial *begin(mukca_lcm_reassembly *r, const mukca_lcm_partial *wanted)
 {
@@ -87,23 +94,23 @@ static mukca_lcm_partial *begin(mukca_lcm_reassembly *r, const mukca_lcm_partial
         (own && own_bytes + cost(wanted) > MUKCA_LCM_PARTIAL_BYTES / 2))
         evict(r, wanted->sender);
     while (r->bytes && r->bytes + cost(wanted) > MUKCA_LCM_PARTIAL_BYTES) evict(r, 0);
-    mukca_lcm_partial *slot = NULL;
-    for (int attempt = 0; attempt < 2 && !slot; attempt++) {
-        if (attempt) evict(r, 0);
-        for (int i = 0; i < MUKCA_LCM_MAX_PARTIALS && !slot; i++)
-            if (!r->partial[i].piece) slot = &r->partial[i];
+    mukca_lcm_partial *slot = find_free(r);
+    if (!slot) {
+        evict(r, 0);
+        slot = find_free(r);
+    }
+    mukca_lcm_piece *piece = calloc(wanted->n, sizeof *piece);
+    unsigned char *data = malloc(wanted->size);
+    if (!slot || !piece || !data) {
+        free(piece);
+        free(data);
+        return NULL;
     }
     *slot = *wanted;
-    slot->piece = calloc(slot->n, sizeof *slot->piece);
-    slot->data = malloc(slot->size);
-    if (slot->piece && slot->data) {
-        r->bytes += cost(slot);
-        return slot;
-    }
-    free(slot->piece);
-    free(slot->data);
-    *slot = (mukca_lcm_partial){.piece = NULL};
-    return NULL;
+    slot->piece = piece;
+    slot->data = data;
+    r->bytes += cost(slot);
+    return slot;
 }
 
 /* Whether the fragments follow each other without gap or overlap from 0 to the message's end. */

@@ -142,9 +142,6 @@ VERB(result)
     return MUKCA_OK;
 }
 
-#define VERB_NAME(name, usage, arguments, sentence) #name,
-const char *const mukca_server_verbs[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) NULL};
-
 static const struct {
     int arguments;
     mukca_status (*run)(mukca_server *s, const mukca_message_command *command, mukca_error *answer);

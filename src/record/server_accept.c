@@ -8,6 +8,9 @@
 /* Of our choice: a person begins few sessions, a sample takes some 500 bytes. */
 static const double first_sessions = 10, sessions_per_s = 0.1, free_bytes = 16e6;
 
+#define VERB_NAME(name, usage, arguments, sentence) #name,
+const char *const mukca_server_verbs[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) NULL};
+
 /* Whether `list` has the word text[length], commas between. */
 static bool has_word(const char *list, const char *text, size_t length)
 {

@@ -9,6 +9,8 @@ import sys
 import time
 import types
 
+import lcm
+
 import foreign
 from foreign import Arm, Client, MUKCA, ROOT, check, demo_rows, finish, fresh, mukca, spawn, stop
 
@@ -62,6 +64,7 @@ class Network:
         return 1
 
 
+liblcm = lcm.LCM()  # sends only
 foreign.lcm = types.SimpleNamespace(LCM=Network)
 
 
@@ -151,6 +154,12 @@ def recorders():
                       (p.poll(), p.said[-3:]))
                 if not alive:
                     return
+            large = os.urandom(300000)  # liblcm sends it in five fragments
+            liblcm.publish("MUKCA_TRIGGER", large)
+            time.sleep(1.2)
+            check(command + ": a sample after", take(client, arm, ROWS[20]), p.said[-3:])
+            with open(log, "rb") as f:
+                check(command + ": a large message of liblcm comes whole", large in f.read())
             check(command + ": memory is flat", memory(p) - before < 8192, (before, memory(p)))
             check(command + ": drops are reported", any("dropped" in line for line in p.said), p.said)
             size = os.path.getsize(log)

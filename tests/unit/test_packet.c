@@ -289,7 +289,7 @@ static void the_queue_keeps_order_and_bounds(void **state)
     q->bytes = malloc(MUKCA_LCM_QUEUE_BYTES);
     assert_non_null(q->bytes);
     size_t pushed = 0, popped = 0;
-    size_t sizes[LARGE];
+    static size_t sizes[LARGE];
     for (int i = 0; i < 200000; i++) { /* round the ring many times */
         size_t size = chance() % 50 ? chance() % 2000 : chance() % LARGE;
         mukca_lcm_packet p = {
