@@ -9,8 +9,11 @@ if [ ! -e "$cases/score.py" ]; then
     exit 0
 fi
 for python in ${PYTHON:-python3 /usr/bin/python3}; do
-    "$python" -c 'import numpy, scipy' 2>/dev/null || continue
-    PYTHONDONTWRITEBYTECODE=1 exec "$python" "$cases/score.py" "$program" "$cases/cases"
+    if "$python" -c 'import numpy, scipy' 2>/dev/null; then
+        export PYTHONDONTWRITEBYTECODE=1
+        "$python" "$cases/score.py" "$program" "$cases/cases"
+        exit $?
+    fi
 done
 echo "verify-outside: no python with numpy and scipy (Debian: python3-scipy); set PYTHON" >&2
 exit 1

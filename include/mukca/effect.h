@@ -113,9 +113,9 @@ typedef struct {
     int order;                /* gear_harmonic (2 .. 400), axis_wobble: per turn of the joint */
     mukca_wobble_frame frame; /* axis_wobble */
     int neighbour;            /* joint_coupling: -1 or +1, the joint before or after */
+    bool to_command;          /* readback_lag: along command minus reading, not the last move */
     double torque_scale;      /* backlash: tau0, N m */
     double time_constant;     /* joint_drift: T of 1 - exp(-t / T), s; 0: linear, per 1000 s */
-    bool to_command;          /* readback_lag: along command minus reading, not the last move */
 } mukca_effect_variant;
 
 /* One effect at work. */
@@ -123,8 +123,8 @@ typedef struct {
     mukca_effect_kind kind;
     int joint;     /* -1 where the effect has none */
     int placement; /* MUKCA_TRAIT_PER_PLACEMENT: index into the dataset's placements, else -1 */
-    mukca_effect_variant variant;
     int terms;
+    mukca_effect_variant variant;
     double coefficient[MUKCA_MAX_TERMS];
 } mukca_effect;
 

@@ -148,8 +148,11 @@ static mukca_status fit_data(cli_call *call, mukca_fit *fit)
         .limits = {.stop = cli_stop, .progress = trace, .context = &t}};
     if (o->trace) {
         t.scores = calloc((size_t)(train > test ? train : test) + 1, sizeof *t.scores);
-        status = t.scores ? mukca_output_open(&output, o->trace, call->common->force, &call->error)
-                          : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        if (!t.scores) {
+            status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+            goto out;
+        }
+        status = mukca_output_open(&output, o->trace, call->common->force, &call->error);
         if (status != MUKCA_OK) goto out;
         t.stream = output.stream;
         fputs(

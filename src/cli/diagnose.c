@@ -145,21 +145,23 @@ const cli_command cli_command_diagnose = {
     .min_arguments = 1,
     .max_arguments = -1,
     .description =
-        "Fits the geometry, then compares every effect of the catalogue (`mukca help effects`) by "
-        "its evidence with recording faults and with unknown functions of the joint angles. The "
-        "verdict is none (what remains is noise), named, tied (the data cannot distinguish "
+        "Fits the geometry. Then compares the evidence for every effect of the catalogue (mukca "
+        "help effects), for recording faults, and for unknown functions of the joint angles. The "
+        "verdict is none (the remaining error is noise), named, tied (the data cannot distinguish "
         "several causes), unknown (structure outside the catalogue) or untestable.\n\n"
-        "Errors are held-out errors, one placement left out at a time: of the nominal model, of "
-        "the calibrated geometry, without faulty samples, with the causes, and the noise floor. "
-        "Intervals are 95 %. For a tie, the postures that would decide it are proposed.\n\n"
-        "Compliance, bending and backlash need link masses, from the URDF or --inertials, or "
-        "measured efforts: columns JOINT.effort, N m, the torque that the joint exerts on the arm. "
-        "joint_drift uses the column time_s, readback_lag the columns JOINT.command.\n\n"
+        "Prints held-out errors (each placement is one fold) of the nominal model, the calibrated "
+        "geometry, the geometry without faulty samples, and the geometry with the causes; and the "
+        "noise floor. Intervals are 95 %. For tied causes, prints how many more postures would "
+        "distinguish them (mukca plan --settle).\n\n"
+        "Joint compliance and backlash need link masses, from the URDF or --inertials, or measured "
+        "efforts: columns JOINT.effort, N m, the torque that the joint exerts on the arm. Link "
+        "bending and base compliance need link masses. joint_drift uses the column time_s, "
+        "readback_lag the columns JOINT.command.\n\n"
         "-o writes the geometry and the causes that act on the arm as an offsets table for "
         "evaluate, fk, compensate and export. Its sigma is the standard error; identifiable means "
         "that the data at least halved the prior uncertainty.\n\n"
-        "Exit code 1: the effect of --expect is not among the causes; 5: -o, and nothing could be "
-        "fitted.",
+        "Exit code 1: the effect of --expect is not among the causes. Exit code 5: -o was given "
+        "but nothing could be fitted.",
     .example =
         "mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv",
     .options = options,

@@ -194,9 +194,11 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
         fprintf(stream, "Test data, mm: nominal %.3f, geometry %.3f, with causes %.3f\n",
                 1e3 * d->test_nominal_m, 1e3 * d->test_geometry_m, 1e3 * d->test_explained_m);
     if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
-    mukca_text_put(&text, "Fewer than four placements: the gain is uncertain");
+    mukca_text_put(&text, "Fewer than four placements: this reduction is uncertain");
     if (isfinite(d->noise_shrink_percent))
-        mukca_text_put(&text, "; on pure noise the best effect gains %.0f %% here",
+        mukca_text_put(&text,
+                       " (on pure noise the best effect of the catalogue reduces the error by "
+                       "%.0f %%)",
                        d->noise_shrink_percent);
     flush(stream, NULL, &text);
 }
@@ -308,8 +310,9 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
         const double limit = joint_limit(d, j);
         if (!(limit < useless_limit)) continue;
         mukca_text_put(&text, "%s %s %.2f%s",
-                       n++ ? "," : "Detection limits, mrad rms:", mukca_wording_joint(r->chain, j),
-                       1e3 * limit, mukca_wording_slides(r->chain, j) ? " mm" : "");
+                       n++ ? "," : "Detection limits, mrad rms (median over effects):",
+                       mukca_wording_joint(r->chain, j), 1e3 * limit,
+                       mukca_wording_slides(r->chain, j) ? " mm" : "");
     }
     flush(stream, NULL, &text);
     for (int i = 0, lines = 0; i < d->n_tested && lines < MOST_LINES; i++) {

@@ -100,13 +100,13 @@ static mukca_status matrix_line(double *others, cli_call *call, const matrix *m)
 /* Train on placements a and b, or for size = 2 on all. */
 static mukca_status train_on(cli_call *call, matrix *m, int size, int a, int b)
 {
-    const int n = call->session->data.n_placements;
+    const int n = call->session->data.n_placements, pairs = n * (n - 1) / 2;
     double others;
     if (cli_interrupted()) return MUKCA_INTERRUPTED;
     memset(m->train, size == 2, (size_t)n);
     m->train[a] = m->train[b] = 1;
     mukca_status status = matrix_line(&others, call, m);
-    cli_progress(call, "training and testing", ++m->done, n + n * (n - 1) / 2 + 1);
+    cli_progress(call, "training and testing", ++m->done, n + pairs + 1);
     if (status == MUKCA_OK && isfinite(others)) m->sum[size] += others, m->have[size]++;
     return status;
 }

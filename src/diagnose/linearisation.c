@@ -34,14 +34,17 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
     for (int i = 0; i < recording->n_samples; i++) {
         double *out = E + (size_t)i * (size_t)d * (size_t)ld;
         const int row = recording->order[i];
-        const float *basis = h->basis ? h->basis + (size_t)row * (size_t)(terms * width) : NULL;
         const double *levers = linear->lever + (size_t)(i * n_joints) * (size_t)d;
         const double *lever = NULL; /* [d][width] */
         for (int c = 0; c < d; c++) memset(out + c * ld, 0, sizeof *out * (size_t)terms);
         if (mukca_candidate_is_fault(h)) {
             const double share = mukca_candidate_fault_share(h, recording, row);
             for (int c = 0; c < 3; c++) out[c * ld + c] = -share;
-        } else if (h->kind == MUKCA_CANDIDATE_STRETCH) { /* as x y z of the slot's frame do */
+            continue;
+        }
+        if (!h->basis) continue; /* a distance moves no sample */
+        const float *basis = h->basis + (size_t)row * (size_t)(terms * width);
+        if (h->kind == MUKCA_CANDIDATE_STRETCH) { /* as x y z of the slot's frame do */
             const double *slot =
                 linear->columns + (size_t)(i * d) * (size_t)ldx + 6 * h->stretch.slot;
             for (int c = 0; c < d; c++)

@@ -15,7 +15,8 @@ static void lag_direction(double *direction, int n_joints, const mukca_effect *e
             direction[j] = state->command[j] - state->q[j];
         return;
     }
-    for (int j = 0; j < n_joints && move; j++) largest = fmax(largest, fabs(move[j]));
+    if (!move) return;
+    for (int j = 0; j < n_joints; j++) largest = fmax(largest, fabs(move[j]));
     if (largest > 1e-9) /* rad; less is rounding, no move */
         for (int j = 0; j < n_joints; j++) direction[j] = move[j] / largest;
 }

@@ -25,7 +25,8 @@ const mukca_effect_ops mukca_zero_jump_effect = {
              .remedy = "check homing and brake of the joint, then record this placement again"},
     .basis = zero_basis,
     .candidate = mukca_survey_placement,
-    .faint_at_first = "turns the placement together with its sockets: only a tracker can detect it",
+    .faint_at_first =
+        "indistinguishable from a rotation of the placement; only a tracker can detect it",
 };
 
 static void shift_basis(double basis[][3], const mukca_basis_input *in)

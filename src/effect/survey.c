@@ -18,9 +18,9 @@ const char *mukca_effect_missing(mukca_effect_kind kind, const mukca_effect_surv
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[kind];
     const int needs = ops->info.needs;
-    if (needs & MUKCA_NEEDS_MASSES) return "no masses: give --inertials FILE";
+    if (needs & MUKCA_NEEDS_MASSES) return "no link masses; give --inertials FILE";
     if ((needs & MUKCA_NEEDS_PLACEMENTS) && survey->sockets)
-        return "one placement only: record a second one";
+        return "one placement only; record a second one";
     if (needs & MUKCA_NEEDS_PLACEMENTS) return "a pose log has no placements";
     if ((needs & MUKCA_NEEDS_SOCKETS) && !survey->sockets) return "a pose log has no sockets";
     if (ops->missing) return ops->missing;
@@ -33,10 +33,10 @@ const char *mukca_effect_untested(mukca_effect_kind kind, const mukca_effect_sur
     const mukca_effect_ops *ops = mukca_effect_catalogue[kind];
     const bool loads = ops->info.needs & MUKCA_NEEDS_MASSES;
     if (loads && survey->joint[joint].torque_most < MUKCA_LEAST_TORQUE)
-        return "gravity does not load it in these postures";
+        return "no gravity torque about this joint in these postures";
     if (ops->untested) return ops->untested;
     if (survey->joint[joint].range < MUKCA_LEAST_RANGE)
-        return "it did not move: record postures that turn it";
+        return "this joint did not move; record postures with a wider range of this joint";
     return "these samples do not depend on it";
 }
 
@@ -44,8 +44,7 @@ const char *mukca_effect_faint(mukca_effect_kind kind, int joint)
 {
     const char *at_first = mukca_effect_catalogue[kind]->faint_at_first;
     if (joint == 0 && at_first) return at_first;
-    if (joint < 0) return "too small to detect with these samples: record more";
+    if (joint < 0) return "too small to detect with these samples; record more";
     return "has almost no effect on the ball in these postures; use a wider range of this joint, "
-           "or "
-           "mount the ball off its axis";
+           "or mount the ball off its axis";
 }

@@ -84,7 +84,7 @@ static void turn_tracker(mukca_alignment *a, const problem *p)
 static void place_target(mukca_alignment *a, const problem *p)
 {
     enum { N = 15, SIZE = N + 1 };
-    double R[N * SIZE] = {0}, x[N];
+    double R[N * SIZE] = {0}, x[N] = {0};
     for (int i = 0; i < p->n; i++)
         for (int r = 0; r < 3; r++) {
             double row[SIZE] = {0};
@@ -153,7 +153,7 @@ static void residual(double r[3], double lever[3], const mukca_alignment *a, con
 static double refine(mukca_alignment *a, const problem *p)
 {
     enum { N = 9, SIZE = N + 1 };
-    double R[N * SIZE] = {0}, x[N];
+    double R[N * SIZE] = {0}, x[N] = {0};
     for (int i = 0; i < p->n; i++) {
         double r[3], lever[3], RF[9];
         const pose *e = &p->poses[i];

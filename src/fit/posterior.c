@@ -3,13 +3,18 @@
 
 #include "math/dense.h"
 
+static const double prior[MUKCA_PARAMETERS] = {
+    MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_LENGTH,
+    MUKCA_PRIOR_ANGLE,  MUKCA_PRIOR_ANGLE,  MUKCA_PRIOR_ANGLE,
+};
+
 void mukca_posterior_prior(double *sigma, const mukca_linearisation *at)
 {
     const int tip = mukca_chain_tip_element(at->chain);
     for (int i = 0; i < at->parameters.n; i++) {
         const int index = at->parameters.index[i];
-        sigma[i] = index % MUKCA_PARAMETERS < 3 ? MUKCA_PRIOR_LENGTH : MUKCA_PRIOR_ANGLE;
-        if (index / MUKCA_PARAMETERS == tip) sigma[i] = MUKCA_PRIOR_TOOL;
+        sigma[i] =
+            index / MUKCA_PARAMETERS == tip ? MUKCA_PRIOR_TOOL : prior[index % MUKCA_PARAMETERS];
     }
 }
 

@@ -8,24 +8,21 @@
 #include "base/note.h"
 #include "base/utf8.h"
 
-/* realloc of the list whose pointer lies at `list` to count * size bytes. */
-static mukca_status resize(void *list, size_t count, size_t size,
-                           const mukca_dataset_builder *builder)
+/* The list with room for count * size bytes; NULL, with the error set, where memory runs out. */
+static void *resize(void *list, size_t count, size_t size, const mukca_dataset_builder *builder)
 {
-    void *old;
-    memcpy(&old, list, sizeof old);
-    void *grown = realloc(old, count * size);
-    if (!grown) return mukca_fail(builder->error, MUKCA_MEMORY, "out of memory while reading data");
-    memcpy(list, &grown, sizeof grown);
-    return MUKCA_OK;
+    void *grown = realloc(list, count * size);
+    if (!grown) mukca_fail(builder->error, MUKCA_MEMORY, "out of memory while reading data");
+    return grown;
 }
 
 mukca_status mukca_build_file(mukca_dataset_builder *builder, const char *path)
 {
     mukca_dataset *d = builder->data;
     const size_t n = (size_t)d->n_files;
-    mukca_status status = resize(&d->files, n + 1, sizeof *d->files, builder);
-    if (status != MUKCA_OK) return status;
+    void *grown = resize(d->files, n + 1, sizeof *d->files, builder);
+    if (!grown) return MUKCA_MEMORY;
+    d->files = grown;
     snprintf(d->files[d->n_files++], sizeof *d->files, "%s", path);
     return MUKCA_OK;
 }
@@ -41,7 +38,7 @@ mukca_status mukca_build_placement(mukca_dataset_builder *builder, const char *w
                                    const char *qualified)
 {
     mukca_dataset *d = builder->data;
-    mukca_placement placement;
+    mukca_placement placement = {.name = ""};
     char *name = placement.name;
     snprintf(name, sizeof placement.name, "%s", has_placement(d, wanted) ? qualified : wanted);
     for (int k = 2; has_placement(d, name); k++)
@@ -51,8 +48,9 @@ mukca_status mukca_build_placement(mukca_dataset_builder *builder, const char *w
         mukca_note_format(builder->note, builder->context,
                           "placement '%s' exists already; this one is called '%s'", wanted, name);
     const size_t n = (size_t)d->n_placements;
-    mukca_status status = resize(&d->placements, n + 1, sizeof placement, builder);
-    if (status != MUKCA_OK) return status;
+    void *grown = resize(d->placements, n + 1, sizeof placement, builder);
+    if (!grown) return MUKCA_MEMORY;
+    d->placements = grown;
     d->placements[d->n_placements++] = placement;
     return MUKCA_OK;
 }
@@ -61,8 +59,9 @@ mukca_status mukca_build_socket(mukca_dataset_builder *builder, int placement, c
 {
     mukca_dataset *d = builder->data;
     const size_t n = (size_t)d->n_sockets;
-    mukca_status status = resize(&d->sockets, n + 1, sizeof *d->sockets, builder);
-    if (status != MUKCA_OK) return status;
+    void *grown = resize(d->sockets, n + 1, sizeof *d->sockets, builder);
+    if (!grown) return MUKCA_MEMORY;
+    d->sockets = grown;
     mukca_socket *socket = &d->sockets[d->n_sockets++];
     socket->placement = placement;
     snprintf(socket->label, sizeof socket->label, "%s", label);
@@ -73,8 +72,9 @@ mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, 
 {
     mukca_dataset *d = builder->data;
     const size_t n = (size_t)d->n_distances;
-    mukca_status status = resize(&d->distances, n + 1, sizeof *d->distances, builder);
-    if (status != MUKCA_OK) return status;
+    void *grown = resize(d->distances, n + 1, sizeof *d->distances, builder);
+    if (!grown) return MUKCA_MEMORY;
+    d->distances = grown;
     d->distances[d->n_distances++] = (mukca_distance){.a = a, .b = b, .distance = metres};
     return MUKCA_OK;
 }
@@ -94,9 +94,10 @@ static mukca_status resize_rows(double **list, int width, int capacity,
 {
     const size_t w = (size_t)width, end = (size_t)capacity * w;
     const size_t from = *list ? (size_t)builder->capacity * w : 0;
-    mukca_status status = resize(list, end, sizeof **list, builder);
-    if (status != MUKCA_OK) return status;
-    for (size_t i = from; i < end; i++) (*list)[i] = (double)NAN;
+    double *grown = resize(*list, end, sizeof *grown, builder);
+    if (!grown) return MUKCA_MEMORY;
+    for (size_t i = from; i < end; i++) grown[i] = (double)NAN;
+    *list = grown;
     return MUKCA_OK;
 }
 
@@ -110,8 +111,11 @@ static mukca_status reserve(mukca_dataset_builder *builder, const column optiona
     if (capacity > MOST) return mukca_fail(builder->error, MUKCA_MEMORY, "too many rows");
     mukca_status status = resize_rows(&d->q, d->n_joints, capacity, builder);
     int **const indices[] = {&d->socket, &d->row, &d->file};
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
-        status = resize(indices[i], (size_t)capacity, sizeof **indices[i], builder);
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
+        int *grown = resize(*indices[i], (size_t)capacity, sizeof *grown, builder);
+        if (!grown) return MUKCA_MEMORY;
+        *indices[i] = grown;
+    }
     for (int i = 0; i < OPTIONAL && status == MUKCA_OK; i++)
         if (*optional[i].list)
             status = resize_rows(optional[i].list, optional[i].width, capacity, builder);

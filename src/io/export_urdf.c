@@ -1,4 +1,5 @@
 /* The user's URDF with the origins of the chain patched in place; every other byte stays. */
+#include <math.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -36,6 +37,17 @@ static bool find_attribute(size_t *start, size_t *stop, const char *tag, size_t 
     return false;
 }
 
+/* 0 and -0 differ, as their texts do. */
+static bool is_same(double a, double b)
+{
+    return a == b && signbit(a) == signbit(b);
+}
+
+static bool are_same(const double a[3], const double b[3])
+{
+    return is_same(a[0], b[0]) && is_same(a[1], b[1]) && is_same(a[2], b[2]);
+}
+
 /* Three numbers as text.  One that equals the nominal number is copied from the URDF's own text
  * `old[length]`. */
 static void format_vector(char value[VALUE_SIZE], const double v[3], const double nominal[3],
@@ -44,8 +56,8 @@ static void format_vector(char value[VALUE_SIZE], const double v[3], const doubl
     char words[VALUE_SIZE];
     double read[3];
     snprintf(words, sizeof words, "%.*s", (int)length, old);
-    const bool usable = length < sizeof words && mukca_number_parse_list(read, 3, words) &&
-                        memcmp(read, nominal, sizeof read) == 0;
+    const bool usable =
+        length < sizeof words && mukca_number_parse_list(read, 3, words) && are_same(read, nominal);
     value[0] = '\0';
     char *word = words, *rest;
     for (int i = 0; i < 3; i++) {
@@ -53,7 +65,7 @@ static void format_vector(char value[VALUE_SIZE], const double v[3], const doubl
         const size_t used = strlen(value);
         mukca_number_format(number, v[i]);
         if (usable) word = strtok_r(i ? NULL : words, " \t\r\n", &rest);
-        const bool keep = usable && word && memcmp(&v[i], &nominal[i], sizeof *v) == 0;
+        const bool keep = usable && word && is_same(v[i], nominal[i]);
         snprintf(value + used, VALUE_SIZE - used, "%s%s", i ? " " : "", keep ? word : number);
     }
 }
@@ -81,9 +93,9 @@ static void write_tag(FILE *stream, const char *tag, size_t length,
     edit edits[2];
     int n = 0;
     size_t at = 0;
-    if (memcmp(origin->xyz, nominal->xyz, sizeof origin->xyz) != 0)
+    if (!are_same(origin->xyz, nominal->xyz))
         edit_attribute(&edits[n++], tag, length, "xyz", origin->xyz, nominal->xyz);
-    if (memcmp(origin->rpy, nominal->rpy, sizeof origin->rpy) != 0)
+    if (!are_same(origin->rpy, nominal->rpy))
         edit_attribute(&edits[n++], tag, length, "rpy", origin->rpy, nominal->rpy);
     const int first = n == 2 && edits[1].start < edits[0].start;
     for (int i = 0; i < n; i++) {
@@ -110,8 +122,7 @@ static bool get_changed(mukca_export_origin *origin, const mukca_export_input *i
 {
     const mukca_element *nominal = &input->chain->element[element];
     mukca_export_get_origin(origin, input, element);
-    return memcmp(origin->xyz, nominal->xyz, sizeof origin->xyz) != 0 ||
-           memcmp(origin->rpy, nominal->rpy, sizeof origin->rpy) != 0;
+    return !are_same(origin->xyz, nominal->xyz) || !are_same(origin->rpy, nominal->rpy);
 }
 
 static mukca_status check(const mukca_urdf_text *urdf, const mukca_export_input *input,

@@ -51,11 +51,11 @@ typedef struct {
     bool tips_are_fewer;
     int few, many;
     double lever[3];
-    /* work space, [few + 1][many - few + 1] and [few + 1]; cost[i][k]: the first i paired within
-     * the first i + k */
+    int *partner; /* [few] */
+    /* work space, [few + 1][many - few + 1]; cost[i][k]: the first i paired within the first
+     * i + k */
     double *cost;
     unsigned char *skip;
-    int *partner;
 } pairing;
 
 /* Offset of the pose from the tip in the tip's frame, for one of the few and one of the many. */
@@ -117,7 +117,6 @@ static mukca_status pair(pairing *p, mukca_pool *pool, const char *path, mukca_e
                           mukca_file_shown(path), p->few + p->many);
     p->cost = MUKCA_TAKE(pool, double, size);
     p->skip = MUKCA_TAKE(pool, unsigned char, size);
-    p->partner = MUKCA_TAKE(pool, int, p->few + 1);
     double *work = MUKCA_TAKE(pool, double, p->few + 1);
     if (pool->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     for (int round = 0; round < ROUNDS; round++) {
@@ -149,7 +148,8 @@ mukca_status mukca_pose_file_read(mukca_dataset_builder *b, const char *path, in
     mukca_status status = mukca_table_read(path, NULL, 0, read_row, &l, b->error);
     if (status != MUKCA_OK) goto out;
     mukca_frame *tip = MUKCA_TAKE(&pool, mukca_frame, n + 1);
-    if (!tip) {
+    int *partner = MUKCA_TAKE(&pool, int, n + 1);
+    if (!tip || !partner) {
         status = mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
         goto out;
     }
@@ -161,12 +161,13 @@ mukca_status mukca_pose_file_read(mukca_dataset_builder *b, const char *path, in
                  .pose = (const double(*)[POSE])l.poses,
                  .tips_are_fewer = n <= l.n,
                  .few = n <= l.n ? n : l.n,
-                 .many = n <= l.n ? l.n : n};
+                 .many = n <= l.n ? l.n : n,
+                 .partner = partner};
     status = pair(&p, &pool, path, b->error);
     if (status == MUKCA_OK) note_difference(b, path, n, l.n);
     for (int i = 0; i < p.few && status == MUKCA_OK; i++) {
-        const int row = p.tips_are_fewer ? i : p.partner[i];
-        status = mukca_build_pose(b, first + row, l.poses[p.tips_are_fewer ? p.partner[i] : i]);
+        const int row = p.tips_are_fewer ? i : partner[i];
+        status = mukca_build_pose(b, first + row, l.poses[p.tips_are_fewer ? partner[i] : i]);
     }
 out:
     free(l.poses);

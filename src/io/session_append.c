@@ -276,47 +276,55 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
     return MUKCA_OK;
 }
 
-/* The whole lines of the file as *text; session->length becomes theirs.  `rest`: bytes after them;
- * `ours`: it begins as a session does. */
-static mukca_status load(char **text, int64_t *rest, bool *ours, mukca_session *session,
+/* What a file to be resumed holds. */
+typedef struct {
+    int64_t rest;     /* bytes after its whole lines */
+    bool ours;        /* it begins as a session does */
+    bool has_columns; /* it has the column line */
+} found_file;
+
+/* Read and scan the whole lines of the file; session->length becomes theirs. */
+static mukca_status load(found_file *found, mukca_session *session, const mukca_session_head *head,
                          mukca_error *error)
 {
     const int64_t length = session->length;
     if (length > MAX_SESSION)
         return mukca_fail(error, MUKCA_INPUT, "%s: too large for a session", session->path);
-    *text = malloc((size_t)length + 1);
-    if (!*text) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    if (pread(session->fd - 1, *text, (size_t)length, 0) != length)
-        return fail(session, "cannot be read", error);
-    const size_t head = strlen(first_line);
-    *ours = strncmp(*text, first_line, (size_t)length < head ? (size_t)length : head) == 0;
-    while (session->length > 0 && (*text)[session->length - 1] != '\n') session->length--;
-    (*text)[session->length] = '\0';
-    *rest = length - session->length;
-    return MUKCA_OK;
+    char *text = malloc((size_t)length + 1);
+    if (!text) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = MUKCA_OK;
+    if (pread(session->fd - 1, text, (size_t)length, 0) != length) {
+        status = fail(session, "cannot be read", error);
+        goto out;
+    }
+    const size_t first = strlen(first_line);
+    found->ours = strncmp(text, first_line, (size_t)length < first ? (size_t)length : first) == 0;
+    while (session->length > 0 && text[session->length - 1] != '\n') session->length--;
+    text[session->length] = '\0';
+    found->rest = length - session->length;
+    status = scan(session, &found->has_columns, text, head, error);
+out:
+    free(text);
+    return status;
 }
 
 mukca_status mukca_session_resume(mukca_session *session, const char *path,
                                   const mukca_session_head *head, mukca_note_fn *note,
                                   void *note_context, mukca_error *error)
 {
-    char *text = NULL;
-    int64_t rest = 0;
-    bool ours = true, begun = false;
+    found_file found = {.ours = true};
     mukca_status status = open_file(session, path, 0, head, error);
-    if (status == MUKCA_OK) status = load(&text, &rest, &ours, session, error);
-    if (status == MUKCA_OK) status = scan(session, &begun, text, head, error);
-    if (status == MUKCA_OK && !begun) /* empty, or a header that a power cut left unfinished */
-        status = ours ? begin(session, head, error)
-                      : mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);
-    else if (status == MUKCA_OK && rest) {
+    if (status == MUKCA_OK) status = load(&found, session, head, error);
+    if (status == MUKCA_OK && !found.has_columns) /* empty, or cut off within the header */
+        status = found.ours ? begin(session, head, error)
+                            : mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);
+    else if (status == MUKCA_OK && found.rest) {
         if (ftruncate(session->fd - 1, session->length))
             status = fail(session, "cannot be mended", error);
         else
             mukca_note_format(note, note_context, "%s: %lld bytes of an unfinished row removed",
-                              path, (long long)rest);
+                              path, (long long)found.rest);
     }
-    free(text);
     if (status != MUKCA_OK) mukca_session_close(session);
     return status;
 }

@@ -9,6 +9,7 @@
 #include "base/cells.h"
 #include "base/file.h"
 #include "base/number.h"
+#include "base/text.h"
 
 enum { LONGEST_LINE = 1 << 20 }; /* bytes; more is another kind of file */
 
@@ -37,6 +38,8 @@ static mukca_status out_of_memory(mukca_error *error)
 static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
 {
     char *line = t->buffer;
+    *more = false;
+    if (!line) return MUKCA_OK; /* not open */
     errno = 0;
     *more = fgets(line, LONGEST_LINE, t->stream) != NULL;
     if (ferror(t->stream)) return mukca_file_fail(error, t->path);
@@ -63,9 +66,10 @@ static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
         const mukca_status status = read_line(t, more, error);
         if (status != MUKCA_OK || !*more) return status;
         const char *text = t->buffer + strspn(t->buffer, " \t\r");
-        const size_t used = strlen(t->comments);
-        if (*text == '#' && !t->cell && used + strlen(t->buffer) + 2 <= sizeof t->comments)
-            snprintf(t->comments + used, sizeof t->comments - used, "%s\n", t->buffer);
+        mukca_text comments = {
+            .at = t->comments, .size = sizeof t->comments, .used = strlen(t->comments)};
+        if (*text == '#' && !t->cell && comments.used + strlen(t->buffer) + 2 <= comments.size)
+            mukca_text_put(&comments, "%s\n", t->buffer);
         if (*text && *text != '#') return MUKCA_OK;
     }
 }
@@ -203,7 +207,7 @@ mukca_status mukca_table_read(const char *path, const char *const *names, int n,
     mukca_status status =
         mukca_table_open(&table, path, names ? MUKCA_HEADER : MUKCA_NO_HEADER, error);
     if (status != MUKCA_OK) return status;
-    for (int i = 0; i < n && status == MUKCA_OK; i++)
+    for (int i = 0; names && i < n && status == MUKCA_OK; i++)
         status = mukca_table_require(&column[i], &table, names[i], error);
     while (status == MUKCA_OK) {
         status = mukca_table_next(&table, &more, error);

@@ -111,8 +111,11 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
                          .rows = calloc((size_t)rows, sizeof *plan->rows),
                          .expected_before = mukca_plan_expected(s),
                          .evidence_before = mukca_plan_evidence(weak)};
-    status = plan->rows ? find_candidates(&p, candidates, error)
-                        : mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
+    if (!plan->rows) {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
+        goto out;
+    }
+    status = find_candidates(&p, candidates, error);
     if (status != MUKCA_OK) goto out;
     mukca_plan_choose(&p, rows);
     mukca_plan_exchange(&p);

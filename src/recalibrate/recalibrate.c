@@ -127,10 +127,10 @@ static mukca_status step(double *size, session *s, mukca_pose_system *system, bo
                          mukca_error *error)
 {
     int n = system->n;
+    *size = 0;
     if (n > 0 && system->unknown[n - 1].kind == MUKCA_UNKNOWN_LAG && !with_lag) n--;
     if (!mukca_pose_system_solve(&s->solution, system, n, loosest))
         return mukca_fail(error, MUKCA_INPUT, "the rows hold numbers that are not finite");
-    *size = 0;
     for (int u = 0; u < n; u++) {
         mukca_pose_model_add(&s->model, &system->unknown[u], s->solution.x[u]);
         system->value[u] += s->solution.x[u];

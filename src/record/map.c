@@ -97,7 +97,8 @@ bool mukca_recorder_needs_confirmation(const mukca_recorder *r)
 
 void mukca_recorder_describe_map(const mukca_recorder *r, char *lines, size_t size)
 {
-    mukca_text text = {.at = lines, .size = size};
+    mukca_text text = {.size = size};
+    text.at = lines; /* clang-tidy misses this use in an initialiser */
     mukca_text_put(&text, "%s (%s), %d readings, mapped by %s:\n", r->channel,
                    r->types.type[r->type].name, r->n_readings, r->by_name ? "name" : "order");
     for (int j = 0; j < r->chain->n_joints; j++)

@@ -15,23 +15,21 @@ enum {                       /* us, of our choice */
        PROBLEM_US = 1000000  /* for a good message after a bad one */
 };
 
-/* "no joint state on X"; text[LINE] gets it with "PANDA_STATUS (drake.lcmt_panda_status, 7 joints),
+/* "no joint state on X"; `text` gets it with "PANDA_STATUS (drake.lcmt_panda_status, 7 joints),
  * CAMERA (unknown type)". */
-static void describe_silence(const mukca_recorder *r, char line[MUKCA_RECORDER_LINE],
-                             const char *since)
+static void describe_silence(mukca_text *text, const mukca_recorder *r, const char *since)
 {
-    mukca_text text = {.at = line, .size = MUKCA_RECORDER_LINE};
-    mukca_text_put(&text, "no joint state%s%s%s; heard instead: ", r->channel[0] ? " on " : "",
+    mukca_text_put(text, "no joint state%s%s%s; heard instead: ", r->channel[0] ? " on " : "",
                    r->channel, since);
     for (int i = 0; i < r->n_heard; i++) {
         const mukca_recorder_heard *h = &r->heard[i];
-        mukca_text_put(&text, "%s%s (%s", i ? ", " : "", h->channel,
+        mukca_text_put(text, "%s%s (%s", i ? ", " : "", h->channel,
                        h->type < 0 ? "unknown type" : r->types.type[h->type].name);
-        if (h->joints) mukca_text_put(&text, ", %d joints", h->joints);
-        mukca_text_put(&text, ")");
+        if (h->joints) mukca_text_put(text, ", %d joints", h->joints);
+        mukca_text_put(text, ")");
     }
     if (!r->n_heard)
-        mukca_text_put(&text, "nothing (is the sender on this network, and the multicast route?)");
+        mukca_text_put(text, "nothing (is the sender on this network, and the multicast route?)");
 }
 
 /* The one channel heard whose messages fit the arm. */
@@ -156,7 +154,8 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
     }
     if (status == MUKCA_NEGATIVE) {
         char line[MUKCA_RECORDER_LINE];
-        describe_silence(r, line, "");
+        mukca_text text = MUKCA_TEXT(line);
+        describe_silence(&text, r, "");
         return mukca_fail(error, MUKCA_TRANSPORT, "%s", line);
     }
     r->connected = true;
@@ -177,9 +176,10 @@ static void watch(mukca_recorder *r, int64_t age)
     }
     if (r->silent || age < SILENCE_US) return;
     char line[MUKCA_RECORDER_LINE], since[40];
+    mukca_text text = MUKCA_TEXT(line);
     r->silent = true;
     snprintf(since, sizeof since, " for %.1f s", 1e-6 * (double)age);
-    describe_silence(r, line, since);
+    describe_silence(&text, r, since);
     mukca_recorder_report(r, "%s", line);
 }
 

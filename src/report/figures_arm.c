@@ -127,8 +127,10 @@ static double put_ground(view *v, const mukca_report *r)
         high[k] = step * ceil(high[k] / step);
     }
     fputs("$ground << EOD\n", v->script);
-    for (int k = 0; k < 2; k++)
-        for (double at = low[k]; at < high[k] + 0.5 * step; at += step) {
+    for (int k = 0; k < 2; k++) {
+        const long last = lround((high[k] - low[k]) / step);
+        double at = low[k];
+        for (long line = 0; line <= last; line++, at += step) {
             double p[3] = {at, at, 0};
             for (int end = 0; end < 2; end++) {
                 p[1 - k] = end ? high[1 - k] : low[1 - k];
@@ -136,6 +138,7 @@ static double put_ground(view *v, const mukca_report *r)
             }
             fputs("\n", v->script);
         }
+    }
     fputs("EOD\n", v->script);
     return step;
 }

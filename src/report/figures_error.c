@@ -55,6 +55,7 @@ bool mukca_report_ladder(mukca_plot *plot, const mukca_report *r, int index)
     if (index > 0 || !isfinite(r->diagnosed.diagnosis->geometry_m)) return false;
     rung rungs[MAX_RUNGS];
     const int n = collect_rungs(rungs, r);
+    if (n == 0) return false;
     const double floor = r->diagnosed.diagnosis->noise_floor_m;
     double most = 0;
     for (int k = 1; k < n; k++) most = fmax(most, fmax(rungs[k].value, rungs[k].high));

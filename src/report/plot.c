@@ -231,7 +231,7 @@ mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error)
              plot->width, plot->height);
     mukca_status status = render(&text, terminal, NULL, plot, error);
     if (status != MUKCA_OK) return status;
-    const char *svg = strstr(text, "<svg"), *body = svg ? strchr(svg, '>') : NULL;
+    const char *svg = text ? strstr(text, "<svg") : NULL, *body = svg ? strchr(svg, '>') : NULL;
     if (body) {
         fprintf(out,
                 "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-labelledby=\"%s-t "

@@ -276,10 +276,12 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
     recorder r = {.arm = session->arm, .options = settle(session->options)};
     const int rows = r.options.rows, n_places = session->n_places;
     mukca_status status = begin(&r, data, 2 * rows * n_places, n_places, error);
-    if (status == MUKCA_OK) {
-        data->distances = calloc((size_t)n_places, sizeof *data->distances);
-        data->n_distances = n_places;
-        if (!data->distances) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (status != MUKCA_OK) goto out;
+    data->distances = calloc((size_t)n_places, sizeof *data->distances);
+    data->n_distances = n_places;
+    if (!data->distances) {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+        goto out;
     }
     for (int s = 0; s < 2 * n_places && status == MUKCA_OK; s++) {
         const int p = s / 2;
@@ -290,6 +292,7 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
             status = interrupted(&r) ? MUKCA_INTERRUPTED
                                      : record_socket(&r, session, p, s % 2, row, error);
     }
+out:
     if (status != MUKCA_OK) mukca_dataset_free(data);
     return status;
 }
@@ -306,8 +309,10 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
     if (status != MUKCA_OK) goto out;
     data->position = calloc(3 * count, sizeof *data->position);
     if (!r.options.position_only) data->quaternion = calloc(4 * count, sizeof *data->quaternion);
-    if (!data->position || (!r.options.position_only && !data->quaternion))
+    if (!data->position || (!r.options.position_only && !data->quaternion)) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
+        goto out;
+    }
     for (size_t i = 0; i < count && status == MUKCA_OK; i++) {
         mukca_displacement displacement;
         mukca_frame pose;

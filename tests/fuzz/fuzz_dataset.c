@@ -45,8 +45,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     if (status == MUKCA_OK) check(&data);
     mukca_dataset_free(&data);
     options = (mukca_dataset_options){.distances = path, .partial = true};
-    if (mukca_dataset_load(&data, &chain, &fixed, 1, &options, &error) == MUKCA_OK)
-        check(&data);
+    if (mukca_dataset_load(&data, &chain, &fixed, 1, &options, &error) == MUKCA_OK) check(&data);
     mukca_dataset_free(&data);
     if (mukca_inertials_read(&list, &n, path, &error) == MUKCA_OK) free(list);
     return 0;

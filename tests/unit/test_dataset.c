@@ -203,7 +203,8 @@ static void bad_folders_get_one_clear_line(void **state)
         {"0,nan\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 2: 'nan'"},
         {"0,inf\n1,1\n", "0,0\n1,1\n", "'inf'"},
         {"0;0\n1;1\n", "0,0\n1,1\n", "separated by ';'"},
-        {"0,0\n45,90\n", "0,0\n1,1\n", "hole_0.csv:2: column 1: joint 'j1' is 45, more than two turns"},
+        {"0,0\n45,90\n", "0,0\n1,1\n",
+         "hole_0.csv:2: column 1: joint 'j1' is 45, more than two turns"},
         {"j1,j2\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 1: 'j1' is not"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -222,7 +222,7 @@ static void noise_is_called_noise(void **state)
     json_decref(root);
     char *all = screen(&result);
     assert_part(all, "No effect beyond the geometry was");
-    assert_part(all, "Detection limits, mrad rms: ");
+    assert_part(all, "Detection limits, mrad rms (median over effects): ");
     free(all);
     mukca_dataset_free(&data);
 }
