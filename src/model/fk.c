@@ -54,11 +54,12 @@ static void turn_frame(mukca_frame *frame, const mukca_geometry *geometry, int k
 {
     const int j = geometry->joint[k];
     if (j < 0) return;
-    mukca_frame turn = {.p = {0}};
+    double turn[9], R[9];
     const double angle = q[j] + d->q[j];
     if (d->any_rotation) {
-        mukca_rotation_exp(turn.R, d->rotation[j]);
-        mukca_frame_multiply(frame, frame, &turn);
+        mukca_rotation_exp(turn, d->rotation[j]);
+        mukca_mat3_mul(R, frame->R, turn);
+        memcpy(frame->R, R, sizeof R);
     }
     if (geometry->type[k] == MUKCA_PRISMATIC) {
         double step[3];
@@ -66,8 +67,9 @@ static void turn_frame(mukca_frame *frame, const mukca_geometry *geometry, int k
         for (int i = 0; i < 3; i++) frame->p[i] += angle * step[i];
         return;
     }
-    mukca_rotation_about(turn.R, geometry->axis[k], angle);
-    mukca_frame_multiply(frame, frame, &turn);
+    mukca_rotation_about(turn, geometry->axis[k], angle);
+    mukca_mat3_mul(R, frame->R, turn);
+    memcpy(frame->R, R, sizeof R);
 }
 
 void mukca_fk_frames(mukca_frame *before, mukca_frame *tip, const mukca_geometry *geometry,

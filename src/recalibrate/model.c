@@ -115,9 +115,12 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
     for (int j = 0; j < g->n_joints; j++)
         q[j] = row->q[j] + model->zero[j] + (model->lag != 0 ? model->lag * row->velocity[j] : 0);
     mukca_fk_frames(look->before, &look->flange, g, q, NULL);
-    for (int k = 0; k < g->n_elements; k++)
-        mukca_frame_multiply(&look->before[k], &model->base, &look->before[k]);
-    mukca_frame_multiply(&look->flange, &model->base, &look->flange);
+    if (memcmp(model->base.R, identity.R, sizeof identity.R) ||
+        memcmp(model->base.p, identity.p, sizeof identity.p)) { /* mostly it is not free */
+        for (int k = 0; k < g->n_elements; k++)
+            mukca_frame_multiply(&look->before[k], &model->base, &look->before[k]);
+        mukca_frame_multiply(&look->flange, &model->base, &look->flange);
+    }
     mukca_frame_multiply(&look->tip, &look->flange, &model->tool);
     for (int i = 0; i < 3; i++) {
         look->position[i] = row->position[i] - look->tip.p[i];
