@@ -10,7 +10,7 @@ static void append(mukca_dataset *all, const mukca_dataset *from, int row, int s
                    int placement)
 {
     const size_t values = (size_t)from->n_rows * (size_t)from->n_joints;
-    memcpy(all->q + row * all->n_joints, from->q, values * sizeof *all->q);
+    if (values) memcpy(all->q + row * all->n_joints, from->q, values * sizeof *all->q);
     for (int i = 0; i < from->n_rows; i++)
         all->socket[row + i] = from->socket[i] < 0 ? -1 : socket + from->socket[i];
     for (int i = 0; all->position && i < 3 * from->n_rows; i++)

@@ -76,7 +76,7 @@ mkfifo targets
 process=$!
 exec 3>targets
 printf 'j1,j2,j3\n0,0,0\n' >&3
-until [ -n "$(find . -name '.new.tsv.*.tmp')" ]; do sleep 0.02; done
+until [ -n "$(find . -name '.new.tsv.*.tmp')" ] || ! kill -0 $process; do sleep 0.02; done
 kill -s INT $process
 wait $process
 code=$?
@@ -89,7 +89,7 @@ printf '#!/bin/sh\n: >drawing\nexec sleep 300\n' >bin/gnuplot
 chmod +x bin/gnuplot
 PATH=$PWD/bin:$PATH timeout --foreground 120 "$MUKCA" report $a good -q -o new.html 2>err &
 process=$!
-until [ -e drawing ]; do sleep 0.02; done
+until [ -e drawing ] || ! kill -0 $process; do sleep 0.02; done
 kill -s TERM $process # timeout hands it on, once
 wait $process
 expect "report interrupted while it draws: one line, no file" test \
