@@ -109,6 +109,11 @@ ATTACKS = {
 }
 
 
+# The address sanitizer keeps what was freed: its memory says nothing of ours.
+with open(MUKCA, "rb") as program:
+    SANITIZED = b"__asan_init" in program.read()
+
+
 def memory(p):
     with open("/proc/%d/status" % p.pid) as f:
         return [int(line.split()[1]) for line in f if line.startswith("VmRSS")][0]
@@ -160,7 +165,7 @@ def recorders():
             check(command + ": a sample after", take(client, arm, ROWS[20]), p.said[-3:])
             with open(log, "rb") as f:
                 check(command + ": a large message of liblcm comes whole", large in f.read())
-            check(command + ": memory is flat", memory(p) - before < 8192, (before, memory(p)))
+            check(command + ": memory is flat", SANITIZED or memory(p) - before < 8192, (before, memory(p)))
             check(command + ": drops are reported", any("dropped" in line for line in p.said), p.said)
             size = os.path.getsize(log)
             check(command + ": the log holds messages only", size < 300 * arm.sent * 8, size)
@@ -199,7 +204,7 @@ def flood(name, make, seconds):
         wait = time.monotonic() - begin
         print("# %s: %.0f messages/s, at most %.1f MB, answer after %.2f s, %d lines" %
               (name, sent / seconds, most / 1024, wait, len(p.said)))
-        check("flood of %s: memory" % name, 0 < most < MEMORY_KIB, most)
+        check("flood of %s: memory" % name, SANITIZED or 0 < most < MEMORY_KIB, most)
         check("flood of %s: answer within 1 s" % name, answer and wait < 1, (wait, p.said[-3:]))
         check("flood of %s: a sample after" % name, take(client, arm, ROWS[5]), p.said[-3:])
         check("flood of %s: few lines" % name, len(p.said) < 500, len(p.said))
