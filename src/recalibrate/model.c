@@ -105,6 +105,14 @@ bool mukca_pose_measured(double R[9], const mukca_pose_row *row, mukca_quaternio
     return true;
 }
 
+static bool is_identity(const mukca_frame *T)
+{
+    bool same = true;
+    for (int i = 0; i < 9; i++) same &= !(fabs(T->R[i] - identity.R[i]) > 0);
+    for (int i = 0; i < 3; i++) same &= !(fabs(T->p[i]) > 0);
+    return same;
+}
+
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
                         const mukca_pose_row *row, mukca_quaternion_order order)
 {
@@ -115,8 +123,7 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
     for (int j = 0; j < g->n_joints; j++)
         q[j] = row->q[j] + model->zero[j] + (model->lag != 0 ? model->lag * row->velocity[j] : 0);
     mukca_fk_frames(look->before, &look->flange, g, q, NULL);
-    if (memcmp(model->base.R, identity.R, sizeof identity.R) ||
-        memcmp(model->base.p, identity.p, sizeof identity.p)) { /* mostly it is not free */
+    if (!is_identity(&model->base)) { /* mostly it is not free */
         for (int k = 0; k < g->n_elements; k++)
             mukca_frame_multiply(&look->before[k], &model->base, &look->before[k]);
         mukca_frame_multiply(&look->flange, &model->base, &look->flange);
