@@ -154,10 +154,7 @@ class Loader
     void parse()
     {
         Listener listener;
-        std::string text = text_.text; /* urdfdom separates numbers by single spaces only */
-        for (char &c : text)
-            if (c == '\t' || c == '\n' || c == '\r') c = ' ';
-        model_ = urdf::parseURDF(text);
+        model_ = urdf::parseURDF(text_.elements);
         if (!model_)
             fail("urdfdom cannot read it: " +
                  one_line(listener.first.empty() ? "no reason given" : listener.first));

@@ -12,7 +12,8 @@
 #include "base/file.h"
 #include "base/number.h"
 
-/* Far beyond any real robot.  The depth also bounds the stack of urdfdom's recursive parser. */
+/* Far beyond any real robot.  The depth also bounds the stack of urdfdom's recursive parser, which
+ * is given the elements written anew: it would find elements in processing instructions. */
 enum { DEEPEST = 64, MOST_JOINTS = 4096 };
 
 typedef struct {
@@ -21,6 +22,7 @@ typedef struct {
     xmlParserCtxtPtr parser;
     int depth;
     mukca_urdf_joint *joint; /* open now, or NULL */
+    FILE *elements;          /* writes urdf->elements */
     mukca_status status;
     mukca_error *error;
     const char *path;
@@ -119,6 +121,33 @@ static void check_element(scan *s, const char *tag, const char *prefix, int dept
                            s->path, line));
 }
 
+static void write_name(FILE *out, const xmlChar *prefix, const xmlChar *name)
+{
+    if (prefix) fprintf(out, "%s:", (const char *)prefix);
+    fputs((const char *)name, out);
+}
+
+/* Attributes come with references replaced and white space as blanks, as urdfdom needs numbers. */
+static void write_start(FILE *out, const xmlChar *prefix, const xmlChar *name,
+                        const xmlChar **attributes, int n)
+{
+    fputc('<', out);
+    write_name(out, prefix, name);
+    for (int i = 0; i < n; i++) {
+        const xmlChar *const *a = attributes + 5 * i;
+        fputc(' ', out);
+        write_name(out, a[1], a[0]);
+        fputs("=\"", out);
+        for (const xmlChar *c = a[3]; c < a[4]; c++)
+            if (*c < ' ' || strchr("&<>\"", *c))
+                fprintf(out, "&#%d;", *c);
+            else
+                fputc(*c, out);
+        fputc('"', out);
+    }
+    fputs(">\n", out);
+}
+
 static void start_element(void *context, const xmlChar *name, const xmlChar *prefix,
                           const xmlChar *uri, int n_namespaces, const xmlChar **namespaces,
                           int n_attributes, int n_defaulted, const xmlChar **attributes)
@@ -130,6 +159,7 @@ static void start_element(void *context, const xmlChar *name, const xmlChar *pre
     size_t start;
     check_element(s, tag, (const char *)prefix, depth, line);
     if (s->status != MUKCA_OK) return;
+    write_start(s->elements, prefix, name, attributes, n_attributes);
     if (depth == 1 && strcmp(tag, "joint") == 0) {
         s->joint = new_joint(s);
         if (!s->joint) return;
@@ -144,23 +174,45 @@ static void start_element(void *context, const xmlChar *name, const xmlChar *pre
 static void end_element(void *context, const xmlChar *name, const xmlChar *prefix,
                         const xmlChar *uri)
 {
-    (void)name, (void)prefix, (void)uri;
+    (void)uri;
     scan *s = ((xmlParserCtxtPtr)context)->_private;
+    fputs("</", s->elements);
+    write_name(s->elements, prefix, name);
+    fputs(">\n", s->elements);
     if (--s->depth == 1) s->joint = NULL;
+}
+
+/* Entities could hide elements and expand without end. */
+static void document_type(void *context, const xmlChar *name, const xmlChar *id, const xmlChar *uri)
+{
+    (void)name, (void)id, (void)uri;
+    scan *s = ((xmlParserCtxtPtr)context)->_private;
+    stop(s,
+         mukca_fail(s->error, MUKCA_INPUT,
+                    "%s:%d: has a document type (<!DOCTYPE ...>), which no URDF needs; remove it",
+                    s->path, xmlSAX2GetLineNumber(context)));
 }
 
 static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_error *error)
 {
     scan s = {.urdf = urdf, .length = strlen(urdf->text), .path = path, .error = error};
     xmlSAXHandler handler = {.initialized = XML_SAX2_MAGIC,
+                             .internalSubset = document_type,
                              .startElementNs = start_element,
                              .endElementNs = end_element};
+    size_t size;
     s.parser = xmlCreateMemoryParserCtxt(urdf->text, (int)s.length);
     if (!s.parser) return mukca_fail(error, MUKCA_INPUT, "%s: empty, or no XML", path);
+    s.elements = open_memstream(&urdf->elements, &size);
+    if (!s.elements) {
+        xmlFreeParserCtxt(s.parser);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    }
     xmlSAXHandlerPtr old = s.parser->sax;
     s.parser->sax = &handler;
     s.parser->_private = &s;
-    xmlCtxtUseOptions(s.parser, XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
+    xmlCtxtUseOptions(s.parser,
+                      XML_PARSE_NOENT | XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
     urdf->located = true;
     xmlParseDocument(s.parser);
     const char *encoding = (const char *)s.parser->encoding; /* others are converted on the way */
@@ -174,6 +226,8 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
         s.status =
             mukca_fail(error, MUKCA_INPUT, "%s:%d: broken XML: %s", path, e ? e->line : 0, text);
     }
+    const bool whole = !ferror(s.elements);
+    if (fclose(s.elements) || !whole) s.status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     s.parser->sax = old;
     xmlFreeDoc(s.parser->myDoc);
     s.parser->myDoc = NULL;
@@ -228,6 +282,7 @@ mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca
 void mukca_urdf_text_free(mukca_urdf_text *urdf)
 {
     free(urdf->text);
+    free(urdf->elements);
     free(urdf->joints);
     memset(urdf, 0, sizeof *urdf);
 }

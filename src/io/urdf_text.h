@@ -23,7 +23,8 @@ typedef struct {
 } mukca_urdf_joint;
 
 typedef struct {
-    char *text; /* the file's bytes, ended by a zero byte */
+    char *text;     /* the file's bytes, ended by a zero byte */
+    char *elements; /* its elements and attributes alone, UTF-8: nothing else is there to parse */
     char sha256[65];
     bool located; /* byte offsets below can be trusted (not in other encodings than UTF-8) */
     int n_joints;
@@ -31,7 +32,7 @@ typedef struct {
 } mukca_urdf_text;
 
 /* Read and check a file.  Errors: MUKCA_INPUT (also: broken XML with its line, nested too deeply,
- * too large, unexpanded xacro), MUKCA_MEMORY. */
+ * too large, unexpanded xacro, a document type), MUKCA_MEMORY. */
 mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error);
 void mukca_urdf_text_free(mukca_urdf_text *urdf); /* harmless on a zeroed one */
 

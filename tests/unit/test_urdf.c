@@ -238,6 +238,33 @@ static void hostile_files_are_refused_before_urdfdom_sees_them(void **state)
         MUKCA_INPUT, error, "zero byte");
 }
 
+/* urdfdom's parser finds elements in what XML says is none: it must see elements only. */
+static void urdfdom_sees_elements_only(void **state)
+{
+    (void)state;
+    enum { DEPTH = 50000 };
+    char *text = malloc(DEPTH * 3 + sizeof arm + 400);
+    const char *rest = strstr(arm, "<robot");
+    size_t n = (size_t)sprintf(text, "<?pi >");
+    for (int i = 0; i < DEPTH; i++) n += (size_t)sprintf(text + n, "<x>");
+    sprintf(text + n, "?>%s<?pi > <robot><link name='base'/></robot> ?>", rest);
+    assert_int_equal(load(text, NULL), MUKCA_OK);
+    assert_int_equal(chain.n_joints, 3);
+    sprintf(text, "<!DOCTYPE robot [<!ENTITY a \"> <x>\">]>\n%s", rest);
+    assert_error(load(text, NULL), MUKCA_INPUT, error, "r.urdf:1: has a document type");
+    sprintf(text, "<!DOCTYPE robot SYSTEM 'http://localhost/x.dtd'>\n%s", rest);
+    assert_error(load(text, NULL), MUKCA_INPUT, error, "document type");
+    snprintf(
+        text, 400,
+        "<robot name='a&amp;&#38;&lt;&gt;&quot;&apos;&#233;&#x20AC;'><link name='b'/>"
+        "<link name='c'/><![CDATA[<link name='b'/>]]> text <!-- <link name='b'/> -->%s</robot>",
+        JOINT("a", "fixed", "b", "d", "")
+            JOINT("j", "continuous", "d", "c", "<x:y z:q='1'/>") "<link name='d'/>");
+    assert_int_equal(load(text, NULL), MUKCA_OK);
+    assert_string_equal(chain.robot, "a&&<>\"'\u00e9\u20ac");
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -247,6 +274,7 @@ int main(void)
         cmocka_unit_test(sha256_is_the_files),
         cmocka_unit_test(traps_get_one_clear_line),
         cmocka_unit_test(links_that_are_not_there_are_suggested),
-        cmocka_unit_test(hostile_files_are_refused_before_urdfdom_sees_them)};
+        cmocka_unit_test(hostile_files_are_refused_before_urdfdom_sees_them),
+        cmocka_unit_test(urdfdom_sees_elements_only)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -105,7 +105,10 @@ refuse 3 'bad.tsv:1: holds a zero byte' calibrate $a bad.tsv
 LC_ALL=C sed '2,$s/^p/gr\xfcn/' session.tsv >bad.tsv
 refuse 3 "bad.tsv:2: column 'placement': is not UTF-8" calibrate $a bad.tsv
 LC_ALL=C sed '1s/?>/ encoding="ISO-8859-1"?>/; s/"j1"/"j\xfc"/' arm.urdf >bad.urdf
-refuse 3 "the name .* is not UTF-8; save the file as UTF-8" calibrate --urdf bad.urdf good
+run calibrate --urdf bad.urdf good -o named.tsv --force
+expect "a URDF in another encoding that it names" grep -q "^jü	x" named.tsv
+LC_ALL=C sed 's/"j1"/"j\xfc"/' arm.urdf >bad.urdf
+refuse 3 "bad.urdf:[0-9]*: broken XML: Input is not proper UTF-8" calibrate --urdf bad.urdf good
 # a file's name is what it is, but must not cost a result, nor be cut within a letter
 latin=$(printf 'gr\374n.tsv')
 long=$(printf 'é%.0s' $(seq 40)).tsv
