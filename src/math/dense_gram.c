@@ -7,10 +7,10 @@
 
 enum { STRIP = 64 }; /* rows per pass: 60 columns of them are 30 kB */
 
-#define ADD8(c, lo, hi)                                     \
-    do {                                                    \
-        *(four *)(void *)(c) = LOAD4(c) + (lo);             \
-        *(four *)(void *)((c) + 4) = LOAD4((c) + 4) + (hi); \
+#define ADD8(c, lo, hi)                         \
+    do {                                        \
+        STORE4(c, LOAD4(c) + (lo));             \
+        STORE4((c) + 4, LOAD4((c) + 4) + (hi)); \
     } while (0)
 
 /* C[4][8] += A' B for A[m][4], B[m][8] (row strides ld): eight accumulators live in registers. */

@@ -5,8 +5,6 @@
 #include "math/dense.h"
 #include "math/four.h"
 
-enum { WIDE = 8 }; /* columns that are worked on at once */
-
 /* The reflector 1 - tau (1; v) (1; v)' below a row: v[m] has the row stride `ld`. */
 typedef struct {
     const double *v;
@@ -14,30 +12,41 @@ typedef struct {
     double tau;
 } reflection;
 
-/* Reflect the columns t[c] (the row), A[m][c] (what lies below), c < columns <= WIDE. */
-MUKCA_INLINE void reflect(double *t, double *A, const reflection *h, int columns)
+/* Reflect 4 n columns, n <= 4: t[c] (the row), A[m][c] (what lies below). */
+MUKCA_INLINE void reflect_fours(double *t, double *A, const reflection *h, int n)
 {
     const double *v = h->v;
     const long ld = h->ld;
-    double w[WIDE] = {0};
-    for (int c = 0; c < columns; c++) w[c] = t[c];
+    four w[4];
+    for (int c = 0; c < n; c++) w[c] = LOAD4(t + 4 * c);
     for (int r = 0; r < h->m; r++)
-        for (int c = 0; c < columns; c++) w[c] += v[r * ld] * A[r * ld + c];
-    for (int c = 0; c < columns; c++) t[c] -= w[c] *= h->tau;
-    for (int r = 0; r < h->m; r++)
-        for (int c = 0; c < columns; c++) A[r * ld + c] -= v[r * ld] * w[c];
+        for (int c = 0; c < n; c++) w[c] += v[r * ld] * LOAD4(A + r * ld + 4 * c);
+    for (int c = 0; c < n; c++) STORE4(t + 4 * c, LOAD4(t + 4 * c) - (w[c] *= h->tau));
+    for (int r = 0; r < h->m; r++) {
+        const double f = v[r * ld];
+        for (int c = 0; c < n; c++)
+            STORE4(A + r * ld + 4 * c, LOAD4(A + r * ld + 4 * c) - f * w[c]);
+    }
 }
 
-/* The same on any number of columns. */
-MUKCA_INLINE void reflect_all(double *t, double *A, const reflection *h, int columns)
+/* The same for one column. */
+MUKCA_INLINE void reflect_one(double *t, double *A, const reflection *h)
+{
+    const double *v = h->v;
+    const long ld = h->ld;
+    double w = *t;
+    for (int r = 0; r < h->m; r++) w += v[r * ld] * A[r * ld];
+    *t -= w *= h->tau;
+    for (int r = 0; r < h->m; r++) A[r * ld] -= v[r * ld] * w;
+}
+
+/* The same for any number of columns. */
+MUKCA_INLINE void reflect(double *t, double *A, const reflection *h, int columns)
 {
     int c = 0;
-    for (; c + WIDE <= columns; c += WIDE) reflect(t + c, A + c, h, WIDE);
-    if (c + 4 <= columns) {
-        reflect(t + c, A + c, h, 4);
-        c += 4;
-    }
-    for (; c < columns; c++) reflect(t + c, A + c, h, 1);
+    for (; c + 16 <= columns; c += 16) reflect_fours(t + c, A + c, h, 4);
+    for (; c + 4 <= columns; c += 4) reflect_fours(t + c, A + c, h, 1);
+    for (; c < columns; c++) reflect_one(t + c, A + c, h);
 }
 
 /* Bring (alpha; x) to a largest entry of 1; returns what it was.  For columns whose squares would
@@ -83,7 +92,7 @@ MUKCA_CLONES void mukca_dense_qr_absorb(double *R, double *rss, double *A, int m
         double *top = R + (long)j * width + j, *below = A + j;
         const reflection h = {
             .v = below, .ld = width, .m = m, .tau = reflector(top, below, width, m)};
-        if (h.tau != 0) reflect_all(top + 1, below + 1, &h, width - j - 1);
+        if (h.tau != 0) reflect(top + 1, below + 1, &h, width - j - 1);
     }
     for (int r = 0; r < m && rss; r++)
         for (int c = 0; c < k; c++) {

@@ -7,8 +7,9 @@
 /* Unaligned; the compiler splits it where the processor has no such register. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 
-/* A macro: a function that returns a wide vector has no fixed calling convention. */
+/* Macros: a function that returns a wide vector has no fixed calling convention. */
 #define LOAD4(x) (*(const four *)(const void *)(x))
+#define STORE4(x, value) (*(four *)(void *)(x) = (value))
 
 MUKCA_INLINE double dot4(const double *x, const double *y, int n)
 {

@@ -85,6 +85,13 @@ void mukca_rotation_exp(double R[9], const double w[3])
 
 void mukca_rotation_log(double w[3], const double R[9])
 {
+    const double half[3] = {0.5 * (R[7] - R[5]), 0.5 * (R[2] - R[6]), 0.5 * (R[3] - R[1])};
+    const double s2 = mukca_dot3(half, half);  /* sin^2 */
+    if (s2 < 1e-4 && R[0] + R[4] + R[8] > 0) { /* asin(s) / s, the next term is 3e-18 */
+        const double f = 1 + s2 * (1.0 / 6 + s2 * (3.0 / 40 + s2 * (15.0 / 336)));
+        for (int i = 0; i < 3; i++) w[i] = f * half[i];
+        return;
+    }
     double q[4];
     mukca_rotation_to_quaternion(q, R);
     const double s = sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);

@@ -19,6 +19,13 @@ static inline void turn_vector(double v[3], const double axis[3], int axis_z, do
     for (int i = 0; i < 3; i++) v[i] = c * v[i] + s * cross[i] + along * axis[i];
 }
 
+/* R := R R(axis of element k, angle): the rows of R turn backwards. */
+static inline void turn_rows(double R[9], const mukca_geometry *geometry, int k, double s, double c)
+{
+    for (int row = 0; row < 3; row++)
+        turn_vector(R + 3 * row, geometry->axis[k], geometry->axis_z[k], -s, c);
+}
+
 static const mukca_displacement undisplaced;
 
 void mukca_fk_position(double position[3], const mukca_geometry *geometry, const double *q,
@@ -54,9 +61,9 @@ static void turn_frame(mukca_frame *frame, const mukca_geometry *geometry, int k
 {
     const int j = geometry->joint[k];
     if (j < 0) return;
-    double turn[9], R[9];
     const double angle = q[j] + d->q[j];
     if (d->any_rotation) {
+        double turn[9], R[9];
         mukca_rotation_exp(turn, d->rotation[j]);
         mukca_mat3_mul(R, frame->R, turn);
         memcpy(frame->R, R, sizeof R);
@@ -67,9 +74,7 @@ static void turn_frame(mukca_frame *frame, const mukca_geometry *geometry, int k
         for (int i = 0; i < 3; i++) frame->p[i] += angle * step[i];
         return;
     }
-    mukca_rotation_about(turn, geometry->axis[k], angle);
-    mukca_mat3_mul(R, frame->R, turn);
-    memcpy(frame->R, R, sizeof R);
+    turn_rows(frame->R, geometry, k, sin(angle), cos(angle));
 }
 
 void mukca_fk_frames(mukca_frame *before, mukca_frame *tip, const mukca_geometry *geometry,
@@ -138,8 +143,7 @@ void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geom
         mukca_mat3_mul(turned, R, geometry->origin[k].R);
         memcpy(R, turned, sizeof R);
         if (j < 0 || geometry->type[k] == MUKCA_PRISMATIC) continue;
-        for (int row = 0; row < 3; row++) /* R := R R(axis, q), as rows turned backwards */
-            turn_vector(R + 3 * row, geometry->axis[k], geometry->axis_z[k], -s[j], c[j]);
+        turn_rows(R, geometry, k, s[j], c[j]);
     }
     for (int k = n - 1; k >= 0; k--) {
         const int j = geometry->joint[k];

@@ -141,21 +141,22 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
     mukca_rotation_log(look->rotation, off);
 }
 
-/* Motion of the tip, m per m or rad, and its rotation about its own axes, by a turn about (else a
- * shift along) an axis that is given in frame T. */
+/* Motion of the tip, m per m or rad, and its rotation about its own axes (either may be NULL), by a
+ * turn about (else a shift along) an axis that is given in frame T. */
 static void motion(double position[3], double rotation[3], const mukca_pose_look *look,
                    const mukca_frame *T, const double axis[3], bool turning)
 {
     double world[3], lever[3];
     mukca_mat3_vec(world, T->R, axis);
-    for (int i = 0; i < 3; i++) {
-        lever[i] = look->tip.p[i] - T->p[i];
-        position[i] = world[i];
-        rotation[i] = 0;
-    }
-    if (!turning) return;
-    mukca_cross(position, world, lever);
-    mukca_mat3_tvec(rotation, look->tip.R, world);
+    for (int i = 0; i < 3; i++) lever[i] = look->tip.p[i] - T->p[i];
+    if (position && turning)
+        mukca_cross(position, world, lever);
+    else if (position)
+        memcpy(position, world, sizeof world);
+    if (rotation && turning)
+        mukca_mat3_tvec(rotation, look->tip.R, world);
+    else if (rotation)
+        memset(rotation, 0, sizeof world);
 }
 
 /* Motion of the tip by the joints' velocities. */
@@ -193,7 +194,8 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
             const mukca_frame *T =
                 unknown->element >= 0 ? &look->before[unknown->element] : frames[unknown->kind];
             local_axis(axis, &look->model->geometry, unknown);
-            motion(p, w, look, T, axis, kinds[unknown->kind].angle);
+            motion(position ? p : NULL, rotation ? w : NULL, look, T, axis,
+                   kinds[unknown->kind].angle);
         }
         for (int i = 0; i < 3; i++) {
             if (position) position[i * stride + u] = p[i];

@@ -51,7 +51,7 @@ static void random_chain(mukca_chain *chain, int n)
 static void rotations(void **state)
 {
     (void)state;
-    const double angle[] = {0, 1e-12, 1e-5, 0.3, PI / 2, 3, PI - 1e-9, PI};
+    const double angle[] = {0, 1e-12, 1e-5, 0.0099, 0.0101, 0.3, PI / 2, 3, PI - 1e-9, PI};
     for (size_t i = 0; i < sizeof angle / sizeof *angle; i++)
         for (int trial = 0; trial < 20; trial++) {
             double axis[3] = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
