@@ -29,8 +29,8 @@ mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, muk
 /* The same from a file.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error);
 
-/* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state` tells what some
- * effects need beside q (the last move, time since the start, the command) and may be NULL. */
+/* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state`: what some
+ * effects need in addition to q (last move, time since the start, command); NULL: none. */
 void mukca_corrected_position(double position[3], const mukca_corrected *model, const double *q,
                               const mukca_joint_state *state);
 

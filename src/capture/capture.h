@@ -98,7 +98,7 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
                                 double age, mukca_error *error);
 
 /* After a feed: true once each time that the arm has stood still long enough, differs from all rows
- * of this placement, and its ball is where a socket can be; *socket then tells which one (an index
+ * of this placement, and its ball is where a socket can be; *socket is then its index (an index
  * as below).  `text` gets a line where it stands still elsewhere; else it is empty. */
 bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture);
 

@@ -252,7 +252,8 @@ mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *ca
 
 mukca_status mukca_capture_drop(mukca_capture *capture, mukca_error *error)
 {
-    if (!capture->rows.n_rows) return mukca_fail(error, MUKCA_INPUT, "there is no row to delete");
+    if (!capture->rows.n_rows)
+        return mukca_fail(error, MUKCA_INPUT, "there is no sample to delete");
     capture->rows.n_rows--;
     return MUKCA_OK;
 }

@@ -173,7 +173,7 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r, muk
     const calibrate_options *o = call->options;
     char comments[256];
     snprintf(comments, sizeof comments,
-             "mean error on %d training rows: %.4g m nominal, %.4g m calibrated%s",
+             "mean error on %d training samples: %.4g m nominal, %.4g m calibrated%s",
              r->train->n_rows, r->train_scores.nominal_mean.mae,
              r->train_scores.calibrated_mean.mae, r->fit->converged ? "" : "\nNOT CONVERGED");
     calibrate_fill_offsets(offsets, r->fit);

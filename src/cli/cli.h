@@ -21,7 +21,7 @@
 
 /* The order of the work; title of each group in help. */
 #define CLI_GROUP_LIST(X)                                          \
-    X(MEASURE, "Measure: record the arm, or make one up")          \
+    X(MEASURE, "Measure: record or simulate the arm")              \
     X(CALIBRATE, "Calibrate: fit the model to the arm")            \
     X(UNDERSTAND, "Understand: the causes of the remaining error") \
     X(USE, "Use: carry the result to where it is needed")

@@ -5,7 +5,7 @@
 #include "cli/diagnose.h"
 #include "fit/parameters.h"
 
-/* A parameter counts as identifiable where the rows at least halve what was uncertain before. */
+/* A parameter counts as identifiable where the data at least halve its prior uncertainty. */
 static void fill_geometry(mukca_offsets *o, const mukca_applied *a, const mukca_chain *arm,
                           int shift)
 {
@@ -39,7 +39,7 @@ mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *le
     *left_out = 0;
     if (!a->fitted)
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
-                          "no offsets to write: these rows are too few to fit anything");
+                          "no offsets to write: these samples are too few to fit anything");
     mukca_status status = mukca_chain_with_frames(chain, r->chain, free_base, false, error);
     if (status != MUKCA_OK) return status;
     mukca_offsets_init(o, chain);

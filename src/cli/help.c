@@ -153,7 +153,7 @@ void cli_print_effects(FILE *stream)
         int bit;
         const char *text;
     } needs[] = {{MUKCA_NEEDS_MASSES, "link masses"},
-                 {MUKCA_NEEDS_ORDER, "rows in recording order"},
+                 {MUKCA_NEEDS_ORDER, "samples in recording order"},
                  {MUKCA_NEEDS_PLACEMENTS, "two placements or more"},
                  {MUKCA_NEEDS_SOCKETS, "socket data"}};
     cli_print_wrapped(

@@ -87,7 +87,8 @@ static mukca_status check(cli_call *call)
     if (o->settle && o->separate.n > 0)
         return mukca_fail(e, MUKCA_USAGE, "--settle and --separate exclude each other");
     if (o->settle && call->arguments.n == 0)
-        return mukca_fail(e, MUKCA_USAGE, "--settle needs the DATA of the tie");
+        return mukca_fail(e, MUKCA_USAGE,
+                          "--settle needs the DATA of the indistinguishable causes");
     if (call->arguments.n == 0 && o->places.n == 0 && o->suggest == 0)
         return mukca_fail(
             e, MUKCA_USAGE,
@@ -165,7 +166,7 @@ static mukca_status gather_causes(plan_run *r)
         status = cli_simulated_parse(c, o->separate.items[i], error);
     if (status == MUKCA_OK && c->n_faults > 0)
         status = mukca_fail(error, MUKCA_USAGE,
-                            "--separate: a fault of the recording is settled by recording again");
+                            "--separate: no posture can separate recording faults; record again");
     if (status != MUKCA_OK || !o->settle) return status;
     const mukca_diagnose_options diagnose = {
         .no_folds = true, .progress = cli_show_progress, .progress_context = r->call};
@@ -173,8 +174,8 @@ static mukca_status gather_causes(plan_run *r)
     if (status != MUKCA_OK) return status;
     if (!mukca_next_poses_tie(c->effects, &r->diagnosis))
         return mukca_fail(error, MUKCA_NEGATIVE,
-                          "the diagnosis (%s) ties no causes that poses could tell apart; without "
-                          "--settle poses are chosen for accuracy",
+                          "the diagnosis (%s) has no indistinguishable causes that more postures "
+                          "could separate; without --settle, postures are chosen for accuracy",
                           mukca_verdict_name[r->diagnosis.verdict]);
     c->n_effects = 2;
     r->options.noise = r->diagnosis.sigma_m;

@@ -24,7 +24,7 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data);
 /* A tab and the number, empty where it is not finite. */
 void cli_scores_write(FILE *stream, double value);
 
-/* "panda/front", or "poses" for the rows of pose logs. */
+/* "panda/front", or "poses" for pose logs. */
 const char *cli_scores_name(const mukca_score *score, const mukca_dataset *data);
 
 /* Lines for people: "  consistency mm, train        8.278        0.168     -97.97 %", distortion

@@ -1,4 +1,4 @@
-/* mukca simulate: recordings of a made-up arm whose truth is known. */
+/* mukca simulate: simulated recordings of an arm whose errors are known. */
 #include "cli/simulate.h"
 
 #include <stdlib.h>
@@ -24,45 +24,51 @@ static const char *const recipes[] = {"none",
 
 static const cli_option options[] = {
     OPTION("perturb", CLI_TEXT, "MM,MRAD",
-           "normal errors of the true origins, positions and angles (default: none)", perturb),
+           "standard deviation of the errors of the origins, mm and mrad (default: none)", perturb),
     OPTION("effect", CLI_TEXTS, "EFFECT",
            "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between",
            effects),
-    OPTION("mass-error", CLI_NUMBER, "PERCENT", "normal errors of the true masses", mass_error),
+    OPTION("mass-error", CLI_NUMBER, "PERCENT",
+           "standard deviation of the errors of the masses, percent", mass_error),
     OPTION("placements", CLI_INTEGER, "N",
-           "places of the tool, found by the seed (default: 4, or those of --place)", placements),
+           "placements of the tool, chosen at random (default: 4, or those of --place)",
+           placements),
     OPTION("place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
-           "name a place, or give it: middle of the sockets, which lie on its x axis, m and rad",
+           "name of a placement, and its pose: middle of the sockets, which lie on its x axis, m "
+           "and rad",
            places),
-    OPTION("rows", CLI_INTEGER, "N", "rows of each of the two sockets (default: 30)", rows),
-    OPTION("sweep", CLI_FLAG, NULL, "postures follow each other smoothly, not at random", sweep),
-    OPTION("noise", CLI_NUMBER, "M", "standard deviation at the ball, per axis, m (default: 0)",
+    OPTION("rows", CLI_INTEGER, "N", "samples in each of the two sockets (default: 30)", rows),
+    OPTION("sweep", CLI_FLAG, NULL, "smooth sequence of postures instead of random ones", sweep),
+    OPTION("noise", CLI_NUMBER, "M", "measurement noise of the ball per axis, m (default: 0)",
            noise),
     OPTION("correlation", CLI_NUMBER, "RHO",
-           "of the noise in a row with that in the row before, 0 to below 1", correlation),
+           "correlation of the noise with that of the sample before, 0 to below 1 (default: 0)",
+           correlation),
     OPTION("effort", CLI_FLAG, NULL, "add measured joint efforts", effort),
-    OPTION("effort-noise", CLI_NUMBER, "NM", "their standard deviation, N m; implies --effort",
-           effort_noise),
-    OPTION("command", CLI_FLAG, NULL, "add commanded angles, which a stale reading lags", command),
-    OPTION("interval", CLI_POSITIVE, "S", "mean time between rows, s (default: 5)", interval),
-    OPTION("poses", CLI_INTEGER, "N", "a pose log of N rows instead of sockets", poses),
+    OPTION("effort-noise", CLI_NUMBER, "NM",
+           "measurement noise of the efforts, N m; implies --effort", effort_noise),
+    OPTION("command", CLI_FLAG, NULL,
+           "add commanded angles; with readback_lag the readings lag behind them", command),
+    OPTION("interval", CLI_POSITIVE, "S", "mean time between samples, s (default: 5)", interval),
+    OPTION("poses", CLI_INTEGER, "N", "a pose log of N samples instead of sockets", poses),
     {"recipe", 0, CLI_CHOICE, "NAME",
      "a pose log at the joint angles of a known experiment (default: none)", recipes,
      offsetof(cli_simulate_options, recipe)},
     OPTION("position-only", CLI_FLAG, NULL, "pose log without orientations", position_only),
-    OPTION("rotation-noise", CLI_NUMBER, "RAD", "of the orientations in a pose log, per axis, rad",
-           rotation),
-    OPTION("held-out", CLI_INTEGER, "N", "more places of the same arm, or poses, for --test",
-           held_out),
-    OPTION("test", CLI_TEXT, "FILE", "where to write them", test),
-    OPTION("seed", CLI_INTEGER, "N", "of all random numbers (default: 0)", seed),
+    OPTION("rotation-noise", CLI_NUMBER, "RAD",
+           "measurement noise of the orientations in a pose log, per axis, rad", rotation),
+    OPTION("held-out", CLI_INTEGER, "N",
+           "further placements (or poses) of the same arm, for --test", held_out),
+    OPTION("test", CLI_TEXT, "FILE", "write the held-out data there", test),
+    OPTION("seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)", seed),
     OPTION("truth", CLI_TEXT, "FILE", "write the true arm as an offsets table", truth),
     OPTION("labels", CLI_TEXT, "FILE",
-           "write all that is hidden as JSON, and nothing of it into the recording", labels),
+           "write the true effects and faults as JSON; the recording's comments then omit them",
+           labels),
     CLI_DISTANCE_OPTION,
     CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", "the true arm, effects included, before --perturb"),
     CLI_MODEL_OPTIONS,
-    CLI_OUTPUT_OPTION("where to write the recording (default: standard output)"),
+    CLI_OUTPUT_OPTION("write the recording there (default: standard output)"),
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
@@ -190,15 +196,13 @@ static mukca_status run(cli_call *call)
 const cli_command cli_command_simulate = {
     .name = "simulate",
     .group = CLI_MEASURE,
-    .summary = "make a recording of an arm with chosen errors and noise",
+    .summary = "make a recording with chosen errors, effects and noise",
     .synopsis = "",
     .description =
-        "Records an arm that does not exist: the one of --urdf with other origins (--perturb, or "
-        "--offsets as the truth), with effects of the catalogue, faults of the recording and "
-        "noise. Its ball sits in two sockets at some places of the workspace, or (--poses, "
-        "--recipe) "
-        "a tracker or a controller gives the poses of its tip. The same seed gives the same "
-        "bytes.\n\n"
+        "Simulates the arm of --urdf with other origins (--perturb, or --offsets as the truth), "
+        "effects of the catalogue, recording faults and noise. Its ball sits in two sockets at "
+        "several placements, or (--poses, --recipe) a tracker or a controller measures the poses "
+        "of its tip. The same seed gives the same bytes.\n\n"
         "An EFFECT is NAME[:WHERE][@VARIANT]=VALUE in the unit of `mukca help effects`:\n"
         "  joint_compliance:JOINT=1e-5         link_bending, joint_scale ... alike\n"
         "  base_compliance=1e-5                readback_lag=1e-3, or @command\n"
@@ -209,9 +213,9 @@ const cli_command cli_command_simulate = {
         "                                      cone-1, cone+2, cone+3\n"
         "  joint_drift:JOINT@300s=1e-3         time constant; 0: rad per 1000 s\n"
         "  zero_jump:JOINT/PLACE=1e-3          ball_shift:PLACE=1e-3, or =X,Y,Z\n"
-        "  tool_motion:PLACE/SOCKET@12=1e-3    from row 12 of the socket on, or @creep\n"
+        "  tool_motion:PLACE/SOCKET@12=1e-3    from its sample 12 on, or @creep\n"
         "  wrong_socket:PLACE/SOCKET@5         duplicate alike; outlier with a size\n"
-        "  socket_distance=1e-3                the sockets lie farther apart than stated",
+        "  socket_distance=1e-3                the sockets are farther apart than stated",
     .example =
         "mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 --seed 1 "
         "--perturb 1,2 --noise 1e-4 --effect gear_harmonic:joint_4@160=5e-4",

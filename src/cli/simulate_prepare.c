@@ -28,7 +28,7 @@ static mukca_status check_numbers(const cli_simulate_options *o, mukca_error *er
         return mukca_fail(error, MUKCA_USAGE, "--held-out N and --test FILE go together");
     if (o->recipe && (o->poses || o->held_out || o->sweep))
         return mukca_fail(error, MUKCA_USAGE,
-                          "--recipe sets the rows; leave --poses, --sweep and --held-out out");
+                          "--recipe sets the postures; omit --poses, --sweep and --held-out");
     if (is_log(o) && (o->places.n || o->placements >= 0))
         return mukca_fail(error, MUKCA_USAGE, "a pose log has no placements");
     if (!is_log(o) && (o->position_only || o->rotation > 0))
@@ -85,8 +85,8 @@ static mukca_status name_places(cli_simulation *s, const cli_simulate_options *o
     if (n < o->places.n || (n < 1 && !is_log(o)) || n > CLI_MAX_PLACES - 1 ||
         held_out > CLI_MAX_PLACES - n)
         return mukca_fail(error, MUKCA_USAGE,
-                          "--placements %d: must be 1 to %d with --held-out, and no less than the "
-                          "places given",
+                          "--placements %d: must be 1 to %d with --held-out, and not below the "
+                          "number of --place",
                           n, CLI_MAX_PLACES);
     s->n_places = n;
     for (int i = 0; i < n + held_out; i++) {
@@ -99,7 +99,8 @@ static mukca_status name_places(cli_simulation *s, const cli_simulate_options *o
                      i < n ? i + 1 : i - n + 1);
         for (int k = 0; k < i && status == MUKCA_OK; k++)
             if (strcmp(s->places[k].name, p->name) == 0)
-                status = mukca_fail(error, MUKCA_USAGE, "two places are called '%s'", p->name);
+                status =
+                    mukca_fail(error, MUKCA_USAGE, "two placements have the name '%s'", p->name);
         if (status) return status;
     }
     return mukca_simulate_places(s->places, n + held_out, &s->model.chain, s->recording.distance,
@@ -134,8 +135,8 @@ static mukca_status gather_effects(cli_simulation *s, const cli_simulate_options
     return MUKCA_OK;
 }
 
-/* The true arm as a table: what faults of the recording did is no part of it. */
-static void tell_truth(cli_simulation *s)
+/* The true arm as a table: recording faults are no part of it. */
+static void set_truth(cli_simulation *s)
 {
     for (int p = 0; p < s->n_places; p++)
         memcpy(s->truth.placements[p], s->places[p].name, MUKCA_NAME_SIZE);
@@ -192,6 +193,6 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
                        s->recording.seed);
     status = name_places(s, o, &call->error);
     if (status == MUKCA_OK) status = gather_effects(s, o, &call->error);
-    if (status == MUKCA_OK) tell_truth(s);
+    if (status == MUKCA_OK) set_truth(s);
     return status;
 }

@@ -134,8 +134,8 @@ static mukca_status find_seat(mukca_simulated_fault *fault, const cli_simulated 
     else if (!mukca_number_parse(&row, p->variant) || row != floor(row) || row < kind->first_row ||
              row > s->rows)
         return mukca_fail(error, MUKCA_USAGE,
-                          "--effect %.80s: @ROW must be a row of the socket, %d to %d%s", p->text,
-                          kind->first_row, s->rows, kind->creeps ? ", or creep" : "");
+                          "--effect %.80s: @ROW must be a sample of the socket, %d to %d%s",
+                          p->text, kind->first_row, s->rows, kind->creeps ? ", or creep" : "");
     fault->row = (int)row - 1;
     return MUKCA_OK;
 }

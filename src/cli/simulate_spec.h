@@ -1,4 +1,4 @@
-/* What `mukca simulate --effect` says: effects of the catalogue and faults of the recording.
+/* Syntax of `mukca simulate --effect`: effects of the catalogue and recording faults.
  *
  *     NAME[:WHERE][@VARIANT][=VALUE[,VALUE...]][,NAME...]
  *

@@ -114,7 +114,7 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
         keep_named(m, &s->findings);
     } else if (status == MUKCA_OK) {
         give_up(s, m,
-                "the rows do not fit this arm: check the URDF, the tip, the columns and their "
+                "the samples do not fit this arm: check the URDF, the tip, the columns and their "
                 "order; a tracker's log needs --free-base and --free-tool");
     }
     mukca_scan_free(&scan);
@@ -226,7 +226,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     const mukca_recording *recording = &m.recording;
     if (mukca_recording_distinct(recording) * recording->dim <
         PER_GROUP * recording->n_groups + LEAST_NUMBERS) {
-        give_up(s, NULL, "too few different rows: record 20 or more for each socket");
+        give_up(s, NULL, "too few different samples: record 20 or more for each socket");
     } else {
         mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
         status = identify(s, &m, options, error);

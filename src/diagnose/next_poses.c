@@ -1,4 +1,4 @@
-/* The postures that would settle a tie of a diagnosis. */
+/* The postures that would separate indistinguishable causes of a diagnosis. */
 #include "diagnose/next_poses.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* The postures that would settle a tie of a diagnosis. */
+/* The postures that would separate indistinguishable causes of a diagnosis. */
 #ifndef MUKCA_DIAGNOSE_NEXT_POSES_H
 #define MUKCA_DIAGNOSE_NEXT_POSES_H
 
@@ -8,10 +8,9 @@
 enum { MUKCA_NEXT_POSES = 10 };
 
 typedef struct {
-    int cause,
-        tie; /* that they would distinguish: indices into the diagnosis; -1: nothing to settle */
+    int cause, tie; /* indices into the diagnosis; -1: nothing to distinguish */
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
-    mukca_plan plan; /* rows refer to `sockets`; zeroed where no pose of theirs settles it */
+    mukca_plan plan; /* rows refer to `sockets`; zeroed where no posture distinguishes them */
 } mukca_next_poses;
 
 /* Choose poses in the recorded sockets that best distinguish the first tied cause from its rival.
@@ -21,7 +20,8 @@ typedef struct {
 mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *diagnosis,
                                      const mukca_chain *chain, const mukca_dataset *data,
                                      bool (*stop)(void *context), mukca_error *error);
-/* The first tied cause that poses can settle, and its rival; false where there is none. */
+/* The first tied cause that postures can distinguish from its rival, and that rival; false: none.
+ */
 bool mukca_next_poses_tie(mukca_effect effects[2], const mukca_diagnosis *diagnosis);
 void mukca_next_poses_free(mukca_next_poses *next); /* harmless on a zeroed one */
 

@@ -1,4 +1,4 @@
-/* Faults of the recording, which act on sockets and not on the arm. */
+/* Recording faults, which act on sockets and not on the arm. */
 #include "effect/catalogue.h"
 
 /* No candidates: the diagnosis lists one per sample of each socket. */

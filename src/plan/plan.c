@@ -45,9 +45,9 @@ static mukca_status check(const mukca_chain *chain, int n_sockets, const mukca_p
         double size = 0;
         for (int t = 0; t < f->terms; t++) size = hypot(size, f->coefficient[t]);
         if (info->traits & MUKCA_TRAIT_RECORDING_FAULT)
-            return mukca_fail(error, MUKCA_USAGE,
-                              "%s is a fault of the recording; no pose settles it: record again",
-                              info->name);
+            return mukca_fail(
+                error, MUKCA_USAGE,
+                "%s is a recording fault, which no posture can separate; record again", info->name);
         if (!(size > 0))
             return mukca_fail(error, MUKCA_USAGE, "%s needs a size, as in %s:joint=value",
                               info->name, info->name);

@@ -250,7 +250,7 @@ mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibra
     if (status == MUKCA_OK && p->n == 0)
         status = mukca_fail(error, MUKCA_INPUT,
                             "no row has a measured position: need columns x_m y_m z_m, or "
-                            "hole_*_pose.csv beside the joint files");
+                            "hole_*_pose.csv next to the joint files");
     if (status == MUKCA_OK) {
         for (int i = 0; i < p->n; i++) check->rotations += turned(p, i);
         measure(p, MUKCA_QUATERNION_W_FIRST);

@@ -19,7 +19,7 @@ enum {
 #define MUKCA_SERVER_VERB_LIST(X)                                                             \
     X(start, " [NAME]", 1, "begin or resume the session NAME")                                \
     X(add, " [PLACEMENT [SOCKET]]", 2, "record a sample now")                                 \
-    X(delete, "", 0, "delete the last row")                                                   \
+    X(delete, "", 0, "delete the last sample")                                                \
     X(socket, " [LABEL]", 1, "select a socket of this placement; the next one without LABEL") \
     X(placement, " [NAME]", 1, "select a placement; a new one without NAME")                  \
     X(finish, "", 0, "close the session")                                                     \

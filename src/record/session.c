@@ -159,10 +159,11 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
                                    .effort = sample->effort,
                                    .command = sample->command};
     if (mukca_capture_repeats(c, sample->q))
-        return mukca_fail(error, MUKCA_NEGATIVE,
-                          "the joints read exactly as in row %d: has the arm moved, and does its "
-                          "driver still update?",
-                          c->rows.n_rows);
+        return mukca_fail(
+            error, MUKCA_NEGATIVE,
+            "the joints read exactly as in sample %d: has the arm moved, and does its "
+            "driver still update?",
+            c->rows.n_rows);
     if (c->rows.n_rows == MUKCA_CAPTURE_MAX_ROWS)
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
     mukca_status status = mukca_capture_select(c, placement, socket, error);
@@ -211,7 +212,7 @@ mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer)
     const mukca_dataset *rows = &r->capture.rows;
     if (!r->session.fd || !rows->n_rows)
         return mukca_fail(answer, MUKCA_NEGATIVE, "not deleted: %s",
-                          r->session.fd ? "there is no row" : "no session is being recorded");
+                          r->session.fd ? "there is no sample" : "no session is being recorded");
     const mukca_socket *s = &rows->sockets[rows->socket[rows->n_rows - 1]];
     const char *placement = rows->placements[s->placement].name;
     mukca_status status = mukca_session_undo(&r->session, placement, s->label, &error);

@@ -15,7 +15,7 @@ typedef struct {
 
 /* Errors of one placement, nominal and calibrated. */
 typedef struct {
-    const char *placement; /* "poses" for all rows of a pose log */
+    const char *placement; /* "poses" for all samples of a pose log */
     bool test;
     mukca_score nominal, calibrated;
 } mukca_report_score;

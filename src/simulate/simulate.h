@@ -1,5 +1,5 @@
-/* Recordings made up: an arm whose truth is known (geometry, masses, effects), faults of the
- * recording, and noise.
+/* Simulated recordings: an arm whose true geometry, masses and effects are known, recording
+ * faults and noise.
  *
  * The recorded angles are the encoders'; the true arm, displaced by its effects at those angles,
  * has its ball in the socket up to the noise.  The same seed gives the same rows everywhere; what

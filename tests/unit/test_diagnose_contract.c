@@ -245,7 +245,7 @@ static void nothing_to_test(void **state)
     assert_int_equal(json_array_size(json_object_get(root, "tested")), MUKCA_EFFECT_COUNT);
     json_decref(root);
     char *all = screen(&result);
-    assert_part(all, "Nothing can be tested: too few different rows");
+    assert_part(all, "Nothing can be tested: too few different samples");
     free(all);
     mukca_offsets *offsets = calloc(1, sizeof *offsets);
     mukca_error error = {0};

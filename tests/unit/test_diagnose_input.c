@@ -195,7 +195,7 @@ static void identical_rows(void **state)
         memcpy(data.q + i * n, data.q + i / 25 * 25 * n, (size_t)n * sizeof *data.q);
     const mukca_diagnosis *d = diagnose(&s, &data);
     assert_int_equal(d->verdict, MUKCA_VERDICT_UNTESTABLE);
-    assert_says(d->why, "too few different rows");
+    assert_says(d->why, "too few different samples");
     assert_int_equal(d->n_causes, 0);
     assert_false(d->applied.fitted);
     memset(data.q, 0, (size_t)(data.n_rows * n) * sizeof *data.q);

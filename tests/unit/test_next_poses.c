@@ -103,7 +103,7 @@ static void nothing_where_no_pose_can_settle_it(void **state)
                                 .placement = 0,
                                 .terms = 3,
                                 .coefficient = {1e-3, 0, 0}};
-    set_tie(t, scale, moved); /* a fault of the recording */
+    set_tie(t, scale, moved); /* a recording fault */
     choose(t);
     assert_int_equal(t->next.cause, -1);
     mukca_dataset_free(&t->data);

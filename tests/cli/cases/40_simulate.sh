@@ -50,9 +50,9 @@ refuse 2 "must be from 0 to below 1" simulate --urdf arm.urdf --correlation 1
 refuse 2 "must be 2 or more" simulate --urdf arm.urdf --rows 1
 refuse 2 "must be 1 to" simulate --urdf arm.urdf --placements 0
 refuse 2 "go together" simulate --urdf arm.urdf --held-out 2
-refuse 2 "two places are called 'a'" simulate --urdf arm.urdf --place a --place a
+refuse 2 "two placements have the name 'a'" simulate --urdf arm.urdf --place a --place a
 refuse 2 "needs NAME=X,Y,Z" simulate --urdf arm.urdf --place a=1,2
 refuse 2 "two outputs cannot both go to x.tsv" simulate --urdf arm.urdf -o x.tsv --truth x.tsv
-refuse 2 "leave --poses" simulate --urdf arm.urdf --recipe sweeps --poses 9
+refuse 2 "omit --poses" simulate --urdf arm.urdf --recipe sweeps --poses 9
 refuse 3 "does not reach socket 0" simulate --urdf arm.urdf --place far=9,0,0
 refuse 3 "session.tsv" simulate --urdf arm.urdf -o session.tsv

@@ -7,11 +7,11 @@ refuse 2 "such a placement already" plan --urdf "$demo/arm.urdf" --place a=0.4,0
 refuse 2 "rows 0: must be 1 to 1000" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --rows 0
 refuse 2 "must be degrees" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --tilt 200
 refuse 2 "exclude each other" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --settle --separate joint_scale:joint_2=1e-3
-refuse 2 "settle needs the DATA of the tie" plan --urdf "$demo/arm.urdf" --settle
+refuse 2 "settle needs the DATA" plan --urdf "$demo/arm.urdf" --settle
 refuse 2 "2 to 4 causes, not 1" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --separate joint_scale:joint_2=1e-3
-refuse 2 "settled by recording again" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --separate outlier:front/0@3=1e-3
+refuse 2 "can separate recording faults" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --separate outlier:front/0@3=1e-3
 refuse 3 "placement far: no pose was found" plan --urdf "$demo/arm.urdf" --place far=3,0,0
-refuse 1 "ties no causes" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --settle
+refuse 1 "no indistinguishable causes" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --settle
 answer "^12 postures in 2 sockets; 0 samples recorded" \
     plan --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 12 -o plan.tsv
 expect "a plan tells its unit" grep -q '^# .*joints in rad' plan.tsv
