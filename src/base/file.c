@@ -1,4 +1,4 @@
-/* A whole text file in memory. */
+/* A whole text file in memory; the checked end of a stream. */
 #include "base/file.h"
 
 #include <errno.h>
@@ -19,6 +19,13 @@ mukca_status mukca_file_fail(mukca_error *error, const char *path)
 {
     return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", mukca_file_shown(path),
                       strerror(errno));
+}
+
+bool mukca_file_close(FILE *stream)
+{
+    if (!stream) return false;
+    const bool good = !ferror(stream);
+    return fclose(stream) == 0 && good;
 }
 
 static mukca_status read_stream(char **text, FILE *stream, const char *path, mukca_error *error)

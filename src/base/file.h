@@ -1,6 +1,9 @@
-/* A whole text file in memory. */
+/* A whole text file in memory; the checked end of a stream. */
 #ifndef MUKCA_BASE_FILE_H
 #define MUKCA_BASE_FILE_H
+
+#include <stdbool.h>
+#include <stdio.h>
 
 #include "mukca/status.h"
 
@@ -12,6 +15,10 @@ extern "C" {
  * is NULL.  Errors: MUKCA_INPUT (cannot be read, a folder, larger than 32 MiB, holds a zero byte),
  * MUKCA_MEMORY. */
 mukca_status mukca_file_read(char **text, const char *path, mukca_error *error);
+
+/* Close a stream (NULL: none) and return whether everything was written to it; fclose alone
+ * forgets earlier failures. */
+bool mukca_file_close(FILE *stream);
 
 /* A path short enough for an error line: its last 100 characters. */
 const char *mukca_file_shown(const char *path);

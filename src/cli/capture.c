@@ -235,7 +235,13 @@ static mukca_status run(cli_call *call)
         mukca_recorder_publish_status(&s->recorder, "stopped");
         conclude(s);
         mukca_status written = cli_write_json(call, call->common->json ? summary(s) : NULL);
+        mukca_error lost;
+        mukca_status finished = mukca_recorder_finish(&s->recorder, &lost);
         if (written != MUKCA_OK) status = written;
+        if (status == MUKCA_OK && finished != MUKCA_OK) {
+            call->error = lost;
+            status = finished;
+        }
     }
     if (status == MUKCA_OK && !s->recorder.session.n_rows)
         status = mukca_fail(&call->error, MUKCA_NEGATIVE, "no sample was recorded");

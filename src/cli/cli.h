@@ -300,8 +300,14 @@ mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_off
  * which cannot be repeated.  cli_load_model checks -o and --json.  Errors: MUKCA_USAGE. */
 mukca_status cli_keep_inputs(cli_call *call, const char *path);
 
-/* Write `root` (stolen) to --json, if that was given. */
+/* Write `root` (stolen) to --json, if that was given, or to `path`.  Errors: MUKCA_INPUT,
+ * MUKCA_MEMORY (also: a value is missing, as memory failed while `root` was made). */
 mukca_status cli_write_json(cli_call *call, json_t *root);
+mukca_status cli_write_json_to(cli_call *call, const char *path, json_t *root);
+
+/* Let jansson's memory be watched, before it is first used; whether an allocation has failed. */
+void cli_json_watch(void);
+bool cli_json_incomplete(void);
 
 /* The rows of an offsets table as JSON objects: the contract's `parameters`. */
 json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain);

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "cli/cli.h"
 #include "record/server.h"
 
@@ -19,7 +20,7 @@ static void print_bash_values(const cli_command *c, const cli_option *o)
     puts("\" ;;");
 }
 
-static void print_bash(void)
+static bool print_bash(void)
 {
     puts(
         "# bash completion for mukca\n_mukca() {\n"
@@ -51,6 +52,7 @@ static void print_bash(void)
         "    [[ $files && $word != -* ]] && words=\n"
         "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n}\n"
         "complete -o default -F _mukca mukca");
+    return true;
 }
 
 /* Print text with `special` characters behind a backslash. */
@@ -83,7 +85,7 @@ static void print_zsh_option(const cli_option *o)
     puts("' \\");
 }
 
-static void print_zsh(void)
+static bool print_zsh(void)
 {
     puts(
         "#compdef mukca\n_mukca() {\n    local -a commands=(\n        'help:options and example of "
@@ -103,6 +105,7 @@ static void print_zsh(void)
         puts("        '*:file:_files' ;;");
     }
     puts("    esac\n}\n_mukca \"$@\"");
+    return true;
 }
 
 /* Text for roff: hyphens and backslashes escaped, a leading dot or quote defused. */
@@ -150,9 +153,10 @@ static void print_man_options(const cli_command *c)
     if (n) puts(".");
 }
 
-static void print_man_command(const cli_command *c)
+/* False: out of memory. */
+static bool print_man_command(const cli_command *c)
 {
-    char usage[120], *example;
+    char usage[120], *example = NULL;
     size_t size;
     cli_format_usage(usage, sizeof usage, c);
     printf(".SS \"mukca %s\"\n", c->name);
@@ -173,46 +177,49 @@ static void print_man_command(const cli_command *c)
     print_man_options(c);
     puts(".PP\nExample:\n.PP\n.nf");
     FILE *lines = open_memstream(&example, &size);
-    if (lines) {
-        cli_print_example(lines, 0, 72, c->example);
-        fclose(lines);
-        print_roff(example, strlen(example));
-        free(example);
-    }
+    if (lines) cli_print_example(lines, 0, 72, c->example);
+    const bool good = mukca_file_close(lines);
+    if (good) print_roff(example, strlen(example));
+    free(example);
     puts(".fi");
+    return good;
 }
 
 /* The COMMANDS section of mukca(1). */
-static void print_man(void)
+static bool print_man(void)
 {
+    bool good = true;
     puts(
         ".SH COMMANDS\n.SS \"Common options\"\nThese mean the same in every command that has "
         "them.");
     for (const cli_option *o = cli_common_options; o->name; o++) print_man_option(o);
-    for (const cli_command *const *c = cli_commands; *c; c++) print_man_command(*c);
+    for (const cli_command *const *c = cli_commands; *c; c++) good = print_man_command(*c) && good;
+    return good;
 }
 
 /* command, option, letter, argument: for tests that documents agree. */
-static void print_options(void)
+static bool print_options(void)
 {
     puts("command\toption\tletter\targument");
     for (const cli_command *const *c = cli_commands; *c; c++)
         for (const cli_option *o = (*c)->options; o->name; o++)
             printf("%s\t--%s\t%.1s\t%s\n", (*c)->name, o->name, o->letter ? &o->letter : "",
                    o->argument ? o->argument : "");
+    return true;
 }
 
 /* command and one line of its example, for the test that runs them. */
-static void print_examples(void)
+static bool print_examples(void)
 {
     for (const cli_command *const *c = cli_commands; *c; c++) printf("%s\n", (*c)->example);
+    return true;
 }
 
 mukca_status cli_completion(mukca_error *error, const char *what)
 {
     static const struct {
         const char *name;
-        void (*print)(void);
+        bool (*print)(void);
     } table[] = {{"bash", print_bash},
                  {"zsh", print_zsh},
                  {"man", print_man},
@@ -220,8 +227,7 @@ mukca_status cli_completion(mukca_error *error, const char *what)
                  {"examples", print_examples}};
     for (size_t i = 0; what && i < sizeof table / sizeof *table; i++)
         if (strcmp(table[i].name, what) == 0) {
-            table[i].print();
-            return MUKCA_OK;
+            return table[i].print() ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
         }
     return mukca_fail(error, MUKCA_USAGE,
                       "completion needs one of bash, zsh, man, options, examples");

@@ -130,7 +130,8 @@ void cli_print_overview(FILE *stream)
         "  source <(mukca completion bash)    completes commands and options (or zsh)\n\n"
         "Files, columns and JSON keys: man mukca-formats.\n"
         "Exit codes: 0 done; 1 done, and the answer is a negative verdict; 2 bad usage;\n"
-        "3 bad input; 4 transport or time-out; 5 not identifiable; 130 interrupted.\n",
+        "3 bad input; 4 transport or time-out; 5 not identifiable; 6 out of memory,\n"
+        "or an output could not be written whole; 130 interrupted.\n",
         stream);
 }
 

@@ -7,6 +7,27 @@
 
 #include "base/utf8.h"
 
+/* jansson's functions fail one by one, and a member that could not be added is only missing: one
+ * flag for all of them. */
+static bool incomplete;
+
+static void *allocate(size_t size)
+{
+    void *memory = malloc(size);
+    incomplete |= !memory;
+    return memory;
+}
+
+void cli_json_watch(void)
+{
+    json_set_alloc_funcs(allocate, free);
+}
+
+bool cli_json_incomplete(void)
+{
+    return incomplete;
+}
+
 json_t *cli_json_real(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -23,7 +44,10 @@ json_t *cli_json_text(const char *text)
 {
     if (!text || mukca_utf8_valid(text)) return text ? json_string(text) : json_null();
     char *mended = strdup(text); /* a file's name; jansson takes UTF-8 only */
-    if (mended) mukca_utf8_mend(mended);
+    if (mended)
+        mukca_utf8_mend(mended);
+    else
+        incomplete = true;
     json_t *string = json_string(mended);
     free(mended);
     return string;
@@ -33,6 +57,7 @@ json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
 {
     json_t *array = json_array();
     mukca_offset_row *rows = calloc(MUKCA_MAX_OFFSET_ROWS, sizeof *rows);
+    incomplete |= !rows;
     int n = rows ? mukca_offsets_rows(rows, offsets, chain) : 0;
     for (int i = 0; i < n; i++)
         json_array_append_new(

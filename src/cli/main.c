@@ -54,7 +54,7 @@ static mukca_status run_command(const cli_command *command, int argc, char **arg
         status = cli_run(&call);
     if (call.common && call.common->verbose)
         cli_log(&call, "%s took %.3g s\n", command->name, cli_elapsed(&call));
-    if (status != MUKCA_OK && cli_interrupted()) {
+    if (status != MUKCA_OK && status != MUKCA_MEMORY && cli_interrupted()) {
         if (status != MUKCA_INTERRUPTED || !call.error.text[0])
             snprintf(call.error.text, sizeof call.error.text, "interrupted; nothing was written");
         status = MUKCA_INTERRUPTED;
@@ -103,11 +103,11 @@ int main(int argc, char **argv)
 {
     occupy_standard_streams();
     cli_catch_interrupts();
+    cli_json_watch();
     mukca_status status = dispatch(argc, argv);
-    if ((fflush(stdout) != 0 || ferror(stdout)) &&
-        (status == MUKCA_OK || status == MUKCA_NEGATIVE)) {
+    if (!mukca_output_flush(stdout) && (status == MUKCA_OK || status == MUKCA_NEGATIVE)) {
         fprintf(stderr, "mukca: standard output: cannot write: %s\n", strerror(errno));
-        status = MUKCA_INPUT;
+        status = MUKCA_MEMORY;
     }
     return (int)status;
 }

@@ -67,21 +67,30 @@ mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_off
     return status;
 }
 
+mukca_status cli_write_json_to(cli_call *call, const char *path, json_t *root)
+{
+    mukca_output output = {0};
+    mukca_status status = MUKCA_OK;
+    if (!root || cli_json_incomplete())
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    else
+        status = mukca_output_open(&output, path, call->common->force, &call->error);
+    if (status == MUKCA_OK &&
+        (json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) != 0 ||
+         fputc('\n', output.stream) == EOF) &&
+        !ferror(output.stream)) /* which mukca_output_close reports with its reason */
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
+    mukca_output_abort(&output);
+    json_decref(root);
+    return status;
+}
+
 mukca_status cli_write_json(cli_call *call, json_t *root)
 {
     if (!call->common->json) {
         json_decref(root);
         return MUKCA_OK;
     }
-    if (!root) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    mukca_output output;
-    mukca_status status =
-        mukca_output_open(&output, call->common->json, call->common->force, &call->error);
-    if (status == MUKCA_OK) {
-        json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
-        fputc('\n', output.stream);
-        status = mukca_output_close(&output, &call->error);
-    }
-    json_decref(root);
-    return status;
+    return cli_write_json_to(call, call->common->json, root);
 }

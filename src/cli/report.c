@@ -8,6 +8,7 @@
 
 #include <sha2.h>
 
+#include "base/file.h"
 #include "cli/calibrate.h"
 #include "fit/nlopt_adapter.h"
 #include "io/output.h"
@@ -156,7 +157,7 @@ static mukca_status provenance(cli_call *call)
     w->page.files = files;
     w->page.when = w->when;
 out:
-    if (!line || fclose(line) != 0 || !w->page.files)
+    if (!mukca_file_close(line) || !w->page.files)
         return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     w->page.command = w->command;
     return MUKCA_OK;

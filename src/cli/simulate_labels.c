@@ -50,7 +50,6 @@ static json_t *effect_json(const mukca_effect *effect, const cli_simulation *s)
 mukca_status cli_write_labels(cli_call *call, const cli_simulation *s, const mukca_dataset *data)
 {
     const cli_simulate_options *o = call->options;
-    mukca_output output = {0};
     json_t *effects = json_array(), *faults = json_array();
     for (int i = 0; i < s->arm.n_effects; i++)
         json_array_append_new(effects, effect_json(&s->arm.effects[i], s));
@@ -61,14 +60,5 @@ mukca_status cli_write_labels(cli_call *call, const cli_simulation *s, const muk
                              o->noise, "correlation", o->correlation, "mass_error_percent",
                              o->mass_error, "effects", effects, "data_faults", faults, "parameters",
                              cli_json_offsets(&s->truth, &s->model.chain));
-    if (!root) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    mukca_status status = mukca_output_open(&output, o->labels, call->common->force, &call->error);
-    if (status == MUKCA_OK) {
-        json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
-        fputc('\n', output.stream);
-        status = mukca_output_close(&output, &call->error);
-    }
-    mukca_output_abort(&output);
-    json_decref(root);
-    return status;
+    return cli_write_json_to(call, o->labels, root);
 }

@@ -54,7 +54,7 @@ mukca_status mukca_export_check(mukca_export_difference *difference, const char 
     if (status != MUKCA_OK) return status;
     FILE *stream = open_memstream(&wanted, &size);
     if (stream) status = exporter->format->write(stream, input, error);
-    if (!stream || fclose(stream) != 0) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (!mukca_file_close(stream)) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK) {
         *difference = (mukca_export_difference){.agrees = true};
         if (exporter->format->comment[0])

@@ -118,13 +118,37 @@ mukca_status mukca_output_open(mukca_output *output, const char *path, bool forc
     return status;
 }
 
+bool mukca_output_sync_folder(const char *path)
+{
+    char folder[PATH_MAX];
+    const int length = folder_length(path);
+    snprintf(folder, sizeof folder, "%.*s", length ? length : 1, length ? path : ".");
+    int file = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file < 0) return false;
+    const bool good = fsync(file) == 0 || errno == EINVAL; /* some file systems cannot */
+    const int reason = errno;
+    close(file);
+    errno = reason;
+    return good;
+}
+
+bool mukca_output_flush(FILE *stream)
+{
+    errno = EIO;
+    if (fflush(stream) != 0) return false;
+    if (!ferror(stream)) return true;
+    /* of a write that failed earlier the reason is gone: it fails once more */
+    if (fputc('\n', stream) != EOF) (void)fflush(stream);
+    return false;
+}
+
 mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
 {
     FILE *stream = output->stream;
     bool regular = output->temporary[0] != '\0';
-    bool good = fflush(stream) == 0 && !ferror(stream);
+    bool good = mukca_output_flush(stream);
     if (good && regular) good = fsync(fileno(stream)) == 0;
-    int reason = errno ? errno : EIO;
+    int reason = errno;
     if (good && regular) {
         /* another process may have made the file meanwhile; some file systems have no links */
         const bool linked = !output->force && link(output->temporary, output->path) == 0;
@@ -134,8 +158,9 @@ mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
         }
         good =
             linked ? unlink(output->temporary) == 0 : rename(output->temporary, output->path) == 0;
-        reason = errno;
         if (good) output->temporary[0] = '\0';
+        good = good && mukca_output_sync_folder(output->path);
+        reason = errno;
     }
     mukca_output_abort(output);
     if (good) return MUKCA_OK;

@@ -1,4 +1,5 @@
-/* Files written whole or not at all: a temporary file in the same folder, fsync, rename. */
+/* Files written whole or not at all: a temporary file in the same folder, fsync,
+ * rename, fsync of the folder. */
 #ifndef MUKCA_IO_OUTPUT_H
 #define MUKCA_IO_OUTPUT_H
 
@@ -30,6 +31,12 @@ mukca_status mukca_output_open(mukca_output *output, const char *path, bool forc
  * Writes that failed earlier are detected here.  Errors: MUKCA_MEMORY (not written whole),
  * MUKCA_INPUT (the file exists by now). */
 mukca_status mukca_output_close(mukca_output *output, mukca_error *error);
+
+/* Flush; false where anything was not written, also earlier: errno is the reason. */
+bool mukca_output_flush(FILE *stream);
+
+/* Put the entry of the file `path` in its folder on disk; false: errno is the reason. */
+bool mukca_output_sync_folder(const char *path);
 
 /* Leave nothing behind; harmless on a zeroed or closed one. */
 void mukca_output_abort(mukca_output *output);

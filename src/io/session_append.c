@@ -8,7 +8,6 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <libgen.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -19,6 +18,7 @@
 #include <unistd.h>
 
 #include "base/note.h"
+#include "io/output.h"
 
 enum { LINE_SIZE = 8192, MAX_SESSION = 1 << 27 };
 
@@ -45,6 +45,12 @@ static mukca_status fail(const mukca_session *session, const char *what, mukca_e
     return mukca_fail(error, MUKCA_INPUT, "%s: %s: %s", session->path, what, strerror(errno));
 }
 
+static mukca_status fail_write(const mukca_session *session, const char *what, mukca_error *error)
+{
+    return mukca_fail(error, MUKCA_MEMORY, "%s: %s: %s%s", session->path, what, strerror(errno),
+                      errno == ENOSPC ? "; free some space" : "");
+}
+
 bool mukca_session_label_ok(const char *label)
 {
     size_t n = strlen(label);
@@ -57,12 +63,22 @@ bool mukca_session_label_ok(const char *label)
 
 /* ---- writing ---- */
 
+/* Remove what follows the acknowledged rows. */
+static bool cut(mukca_session *session)
+{
+    if (session->uncut && ftruncate(session->fd - 1, session->length)) return false;
+    session->uncut = false;
+    return true;
+}
+
 /* Append text and put it on disk, or leave the file as it was. */
 static mukca_status commit(mukca_session *session, const char *text, size_t length,
                            mukca_error *error)
 {
     int fd = session->fd - 1;
     size_t done = 0;
+    if (!cut(session)) return fail_write(session, "not recorded", error);
+    session->uncut = true;
     while (done < length) {
         ssize_t n = pwrite(fd, text + done, length - done, session->length + (off_t)done);
         if (n < 0 && errno == EINTR) continue;
@@ -71,10 +87,11 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
     }
     if (done == length && fsync(fd) == 0) {
         session->length += (int64_t)length;
+        session->uncut = false;
         return MUKCA_OK;
     }
-    mukca_status status = fail(session, "not recorded", error);
-    (void)!ftruncate(fd, session->length); /* else no newline follows, and resume removes it */
+    mukca_status status = fail_write(session, "not recorded", error);
+    (void)cut(session); /* else before the next row */
     return status;
 }
 
@@ -114,8 +131,12 @@ mukca_status mukca_session_undo(mukca_session *session, const char *placement, c
     if (!session->n_rows)
         return mukca_fail(error, MUKCA_INPUT, "%s: no row to delete", session->path);
     int fd = session->fd - 1;
-    if (pwrite(fd, "#", 1, session->row_at[session->n_rows - 1]) != 1 || fsync(fd))
-        return fail(session, "not deleted", error);
+    const int64_t at = session->row_at[session->n_rows - 1];
+    if (pwrite(fd, "#", 1, at) != 1 || fsync(fd)) {
+        mukca_status status = fail_write(session, "not deleted", error);
+        (void)!pwrite(fd, placement, 1, at); /* the row begins with it */
+        return status;
+    }
     line l = {.length = 0};
     append(&l, "# undone: row %d, placement %s, socket %s (the line that now begins with #)\n",
            session->n_rows, placement, socket);
@@ -160,14 +181,13 @@ static void list_origins(origin list[ORIGINS], const mukca_session_head *head)
 
 static const char first_line[] = "# mukca session\n";
 
-/* Empty the file and write the header. */
-static mukca_status begin(mukca_session *session, const mukca_session_head *head,
-                          mukca_error *error)
+/* Write the header, whole or not at all, to a new file or over what is there. */
+static mukca_status write_header(mukca_session *session, const mukca_session_head *head,
+                                 mukca_error *error)
 {
     line l = {.length = 0};
     origin list[ORIGINS];
-    if (ftruncate(session->fd - 1, 0)) return fail(session, "cannot be overwritten", error);
-    session->length = 0;
+    mukca_output output;
     append(&l, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, head->chain->robot,
            head->chain->base, head->chain->tip);
     list_origins(list, head);
@@ -176,21 +196,14 @@ static mukca_status begin(mukca_session *session, const mukca_session_head *head
     append(&l,
            "# a row is the mean of a still window; .spread is the standard deviation within it\n");
     format_columns(&l, session, head);
-    mukca_status status = commit(session, l.text, l.length, error);
+    mukca_status status = mukca_output_open(&output, session->path, true, error);
     if (status != MUKCA_OK) return status;
-    /* the file's name must survive a power cut too, where the file system can */
-    char folder[sizeof session->path];
-    memcpy(folder, session->path, sizeof folder);
-    int fd = open(dirname(folder), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd >= 0) {
-        (void)!fsync(fd);
-        close(fd);
-    }
-    return MUKCA_OK;
+    fputs(l.text, output.stream); /* checked by close */
+    return mukca_output_close(&output, error);
 }
 
-static mukca_status open_file(mukca_session *session, const char *path, int flags,
-                              const mukca_session_head *head, mukca_error *error)
+static mukca_status prepare(mukca_session *session, const char *path,
+                            const mukca_session_head *head, mukca_error *error)
 {
     memset(session, 0, sizeof *session);
     size_t n = strlen(path);
@@ -201,29 +214,46 @@ static mukca_status open_file(mukca_session *session, const char *path, int flag
     session->n_joints = head->chain->n_joints;
     session->has_effort = head->has_effort;
     session->has_command = head->has_command;
-    int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | flags, 0666);
-    if (fd < 0 && errno == EEXIST)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s: exists already; --resume continues it, --force overwrites it", path);
+    return MUKCA_OK;
+}
+
+/* Open a file that exists, for this program alone. */
+static mukca_status open_file(mukca_session *session, mukca_error *error)
+{
+    struct stat st;
+    int fd = open(session->path, O_RDWR | O_CLOEXEC);
     if (fd < 0) return fail(session, "cannot be written", error);
     session->fd = fd + 1;
-    struct stat st;
     if (fstat(fd, &st) || !S_ISREG(st.st_mode))
-        return mukca_fail(error, MUKCA_INPUT, "%s: not a regular file", path);
+        return mukca_fail(error, MUKCA_INPUT, "%s: not a regular file", session->path);
     if (flock(fd, LOCK_EX | LOCK_NB))
-        return mukca_fail(error, MUKCA_INPUT, "%s: another mukca is recording it", path);
+        return mukca_fail(error, MUKCA_INPUT, "%s: another mukca is recording it", session->path);
     session->length = st.st_size;
     return MUKCA_OK;
+}
+
+/* Begin the file anew. */
+static mukca_status begin(mukca_session *session, const mukca_session_head *head,
+                          mukca_error *error)
+{
+    mukca_status status = write_header(session, head, error);
+    if (session->fd) close(session->fd - 1);
+    session->fd = 0;
+    return status ? status : open_file(session, error);
 }
 
 mukca_status mukca_session_create(mukca_session *session, const char *path, bool force,
                                   const mukca_session_head *head, mukca_error *error)
 {
-    mukca_status status = open_file(session, path, force ? 0 : O_EXCL, head, error);
-    if (status == MUKCA_OK) {
-        status = begin(session, head, error);
-        if (status != MUKCA_OK && !force) unlink(path);
-    }
+    mukca_status status = prepare(session, path, head, error);
+    const bool exists = status == MUKCA_OK && access(path, F_OK) == 0;
+    if (exists && !force)
+        status =
+            mukca_fail(error, MUKCA_INPUT,
+                       "%s: exists already; --resume continues it, --force overwrites it", path);
+    else if (exists)
+        status = open_file(session, error); /* nobody records it */
+    if (status == MUKCA_OK) status = begin(session, head, error);
     if (status != MUKCA_OK) mukca_session_close(session);
     return status;
 }
@@ -313,8 +343,11 @@ mukca_status mukca_session_resume(mukca_session *session, const char *path,
                                   void *note_context, mukca_error *error)
 {
     found_file found = {.ours = true};
-    mukca_status status = open_file(session, path, 0, head, error);
-    if (status == MUKCA_OK) status = load(&found, session, head, error);
+    mukca_status status = prepare(session, path, head, error);
+    if (status == MUKCA_OK && access(path, F_OK) == 0) {
+        status = open_file(session, error);
+        if (status == MUKCA_OK) status = load(&found, session, head, error);
+    }
     if (status == MUKCA_OK && !found.has_columns) /* empty, or cut off within the header */
         status = found.ours ? begin(session, head, error)
                             : mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);

@@ -32,7 +32,8 @@ typedef struct {
     char separator;
     int n_joints;
     bool has_effort, has_command;
-    int64_t length;  /* of the file, bytes */
+    int64_t length;  /* of the acknowledged text, bytes */
+    bool uncut;      /* more may follow it: of a row that could not be written */
     int n_rows;      /* recorded and not undone */
     int64_t *row_at; /* [n_rows] where each begins */
     int capacity;
@@ -40,7 +41,8 @@ typedef struct {
 
 /* Begin a session; `path` must not exist, unless `force` overwrites it.  A name that ends in .csv
  * gives commas, any other tabs.
- * Errors: MUKCA_INPUT (exists, cannot be written, in use by another program), MUKCA_MEMORY. */
+ * Errors: MUKCA_INPUT (exists, cannot be written, in use by another program), MUKCA_MEMORY (also:
+ * could not be written whole). */
 mukca_status mukca_session_create(mukca_session *session, const char *path, bool force,
                                   const mukca_session_head *head, mukca_error *error);
 
@@ -51,13 +53,12 @@ mukca_status mukca_session_resume(mukca_session *session, const char *path,
                                   const mukca_session_head *head, mukca_note_fn *note,
                                   void *note_context, mukca_error *error);
 
-/* Append a row and put it on disk; after a failure the file is as before.  Errors: MUKCA_INPUT,
- * MUKCA_MEMORY. */
+/* Append a row and put it on disk; after a failure the file is as before.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
                                mukca_error *error);
 
 /* Undo the last row: it becomes a comment, and a second comment records that.
- * Errors: MUKCA_INPUT (no row; cannot be written). */
+ * Errors: MUKCA_INPUT (no row), MUKCA_MEMORY (cannot be written; the row stays). */
 mukca_status mukca_session_undo(mukca_session *session, const char *placement, const char *socket,
                                 mukca_error *error);
 

@@ -25,7 +25,8 @@ struct mukca_lcm_link {
     int64_t clock;             /* time of the last event handed over, us */
     int64_t first, first_wall; /* time of the log's first event, and when it was replayed */
     mukca_lcm_log record;
-    int64_t flushed; /* us */
+    int64_t flushed;    /* us */
+    mukca_error failed; /* why the record ended */
     mukca_note_fn *note;
     void *note_context;
 };
@@ -70,17 +71,24 @@ mukca_status mukca_lcm_link_record(mukca_lcm_link *link, const char *path, bool 
 static void record(mukca_lcm_link *link, const mukca_lcm_packet *packet)
 {
     if (!link->record.file) return;
-    mukca_error error;
+    mukca_error *error = &link->failed;
     mukca_status status = mukca_lcm_log_write(&link->record, packet->channel, packet->time,
-                                              packet->data, packet->size, &error);
+                                              packet->data, packet->size, error);
     if (!status && (packet->time - link->flushed > 500000 || packet->time < link->flushed)) {
-        status = mukca_lcm_log_flush(&link->record, &error);
+        status = mukca_lcm_log_flush(&link->record, error);
         link->flushed = packet->time;
     }
     if (status) {
         mukca_lcm_log_close(&link->record);
-        if (link->note) link->note(link->note_context, error.text);
+        if (link->note) link->note(link->note_context, error->text);
     }
+}
+
+mukca_status mukca_lcm_link_finish_record(mukca_lcm_link *link, mukca_error *error)
+{
+    if (link->record.file) return mukca_lcm_log_finish(&link->record, error);
+    if (link->failed.status) *error = link->failed;
+    return link->failed.status;
 }
 
 static bool is_named(const mukca_lcm_link *link, const char *channel)

@@ -38,6 +38,9 @@ mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, c
 mukca_status mukca_lcm_link_record(mukca_lcm_link *link, const char *path, bool force,
                                    mukca_note_fn *note, void *note_context, mukca_error *error);
 
+/* End the record, if there is one.  Errors: MUKCA_MEMORY (not written whole, now or earlier). */
+mukca_status mukca_lcm_link_finish_record(mukca_lcm_link *link, mukca_error *error);
+
 /* Whether a log is replayed, and the clock: us since 1970, the log's own while replaying. */
 bool mukca_lcm_link_replays(const mukca_lcm_link *link);
 int64_t mukca_lcm_link_clock(const mukca_lcm_link *link);

@@ -102,7 +102,7 @@ bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
 
 static mukca_status write_error(const mukca_lcm_log *log, mukca_error *error)
 {
-    return mukca_fail(error, MUKCA_INPUT, "LCM log %s: %s: recording of the raw stream ends here",
+    return mukca_fail(error, MUKCA_MEMORY, "LCM log %s: %s: recording of the raw stream ends here",
                       log->path, strerror(errno));
 }
 
@@ -126,6 +126,15 @@ mukca_status mukca_lcm_log_write(mukca_lcm_log *log, const char *channel, int64_
 mukca_status mukca_lcm_log_flush(mukca_lcm_log *log, mukca_error *error)
 {
     return fflush(log->file) ? write_error(log, error) : MUKCA_OK;
+}
+
+mukca_status mukca_lcm_log_finish(mukca_lcm_log *log, mukca_error *error)
+{
+    mukca_status status = mukca_lcm_log_flush(log, error);
+    if (status == MUKCA_OK && fsync(fileno(log->file)) && errno != EINVAL) /* a pipe */
+        status = write_error(log, error);
+    mukca_lcm_log_close(log);
+    return status;
 }
 
 void mukca_lcm_log_close(mukca_lcm_log *log)

@@ -35,10 +35,13 @@ mukca_status mukca_lcm_log_create(mukca_lcm_log *log, const char *path, bool for
 /* Next event; false at the end.  Skips to the next sync word where the file is damaged. */
 bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event);
 
-/* Errors: MUKCA_INPUT (disk full and the like).  Buffered: see mukca_lcm_log_flush. */
+/* Errors: MUKCA_MEMORY (disk full and the like).  Buffered: see mukca_lcm_log_flush. */
 mukca_status mukca_lcm_log_write(mukca_lcm_log *log, const char *channel, int64_t time,
                                  const void *data, size_t size, mukca_error *error);
 mukca_status mukca_lcm_log_flush(mukca_lcm_log *log, mukca_error *error);
+
+/* Put all of it on disk and close it.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_lcm_log_finish(mukca_lcm_log *log, mukca_error *error);
 
 /* Harmless on a closed one. */
 void mukca_lcm_log_close(mukca_lcm_log *log);

@@ -212,6 +212,14 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
     return MUKCA_OK;
 }
 
+mukca_status mukca_recorder_finish(mukca_recorder *r, mukca_error *error)
+{
+    mukca_status status = mukca_lcm_link_finish_record(r->link, error);
+    if (!r->unwritten) return status;
+    return mukca_fail(error, MUKCA_MEMORY, "%d sample%s could not be recorded; the first: %s",
+                      r->unwritten, r->unwritten > 1 ? "s" : "", r->first_unwritten.text);
+}
+
 mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error)
 {
     if (!r->options->log) return MUKCA_OK;

@@ -111,6 +111,8 @@ typedef struct {
     char labels[2][512];
     int n_placements, n_sockets;
     const char *placements[MUKCA_RECORDER_MAX_LABELS], *sockets[MUKCA_RECORDER_MAX_LABELS];
+    int unwritten; /* samples that could not be written to the session */
+    mukca_error first_unwritten;
     char last_line[MUKCA_RECORDER_LINE];
     unsigned char outgoing[8192];
 } mukca_recorder;
@@ -135,6 +137,9 @@ bool mukca_recorder_needs_confirmation(const mukca_recorder *r);
 
 /* Begin the raw log, if one is wanted.  Errors: MUKCA_INPUT. */
 mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error);
+
+/* End the raw log.  Errors: MUKCA_MEMORY (it, or a sample, could not be written). */
+mukca_status mukca_recorder_finish(mukca_recorder *r, mukca_error *error);
 
 /* Begin or resume the session file; the capture's rows follow it.  Errors: MUKCA_INPUT (exists
  * without `force`; see mukca_session_resume), MUKCA_MEMORY. */

@@ -286,7 +286,8 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
     mukca_server_notify("STOPPING=1");
     mukca_server_kill_job(s);
     mukca_recorder_publish_status(r, "stopped");
-    return status == MUKCA_NEGATIVE ? MUKCA_OK : status; /* the end of a log */
+    if (status != MUKCA_OK && status != MUKCA_NEGATIVE) return status;
+    return mukca_recorder_finish(r, error); /* MUKCA_NEGATIVE: the end of a log */
 }
 
 void mukca_server_close(mukca_server *s)

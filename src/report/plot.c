@@ -2,6 +2,7 @@
 #include "report/plot.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdarg.h>
@@ -11,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "io/output.h"
 #include "report/html.h"
 
 extern char **environ;
@@ -73,14 +75,29 @@ void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ..
 
 /* ---- gnuplot ---- */
 
-/* All of a stream as text that ends in 0; NULL where it cannot be had. */
-static char *slurp(FILE *in)
+static const char interrupted_text[] = "interrupted; the page was not written";
+
+/* What gnuplot wrote. */
+typedef struct {
+    char *bytes; /* ended by a zero byte */
+    size_t size;
+} drawing;
+
+/* Read the stream to its end.  Errors: MUKCA_MEMORY, MUKCA_INPUT, MUKCA_INTERRUPTED. */
+static mukca_status read_all(drawing *drawn, FILE *in, mukca_error *error)
 {
-    const long size = fseek(in, 0, SEEK_END) == 0 ? ftell(in) : 0;
-    char *text = calloc((size_t)size + 1, 1);
-    rewind(in);
-    if (text) text[fread(text, 1, (size_t)size, in)] = '\0';
-    return text;
+    size_t capacity = 0;
+    while (drawn->size == capacity) {
+        capacity = capacity ? 2 * capacity : 1 << 16;
+        char *grown = realloc(drawn->bytes, capacity + 1);
+        if (!grown) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+        drawn->bytes = grown;
+        drawn->size += fread(grown + drawn->size, 1, capacity - drawn->size, in);
+        grown[drawn->size] = '\0';
+    }
+    if (!ferror(in)) return MUKCA_OK;
+    if (errno == EINTR) return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
+    return mukca_fail(error, MUKCA_INPUT, "cannot read from gnuplot: %s", strerror(errno));
 }
 
 /* Wait for gnuplot; MUKCA_NEGATIVE where it complained. */
@@ -97,68 +114,90 @@ static mukca_status wait_for(pid_t pid, mukca_error *error)
     /* a signal to the whole process group may end gnuplot before it interrupts the wait */
     if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM))
         interrupted = true;
-    if (interrupted)
-        return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
+    if (interrupted) return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
     return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
-/* Run gnuplot on streams[0]; its output goes to streams[1], its complaints to streams[2]. */
-static mukca_status run(FILE *const streams[3], mukca_error *error)
+/* Start gnuplot on the descriptors of a script, of its output and of its complaints. */
+static mukca_status start(pid_t *pid, const int descriptors[3], mukca_error *error)
 {
     char *const arguments[] = {(char[]){"gnuplot"}, NULL};
     posix_spawn_file_actions_t actions;
-    pid_t pid;
-    if (fflush(streams[0]) != 0 || lseek(fileno(streams[0]), 0, SEEK_SET) != 0)
-        return mukca_fail(error, MUKCA_INPUT, "cannot write a script for gnuplot: %s",
-                          strerror(errno));
-    if (posix_spawn_file_actions_init(&actions) != 0)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    for (int k = 0; k < 3; k++)
-        posix_spawn_file_actions_adddup2(&actions, fileno(streams[k]), STDIN_FILENO + k);
-    const int failure = posix_spawnp(&pid, "gnuplot", &actions, NULL, arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failure != 0)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "cannot run gnuplot, which draws the figures: %s; install the package "
-                          "gnuplot-nox",
-                          strerror(failure));
-    const mukca_status status = wait_for(pid, error);
-    if (status != MUKCA_NEGATIVE) return status;
-    char complaint[181] = "";
-    rewind(streams[2]);
-    complaint[fread(complaint, 1, sizeof complaint - 1, streams[2])] = '\0';
-    for (char *c = complaint; *c; c++)
-        if ((unsigned char)*c < ' ') *c = ' ';
-    return mukca_fail(error, MUKCA_INPUT, "gnuplot failed on a figure: %s", complaint);
+    int failure = posix_spawn_file_actions_init(&actions);
+    if (failure == 0) {
+        for (int k = 0; k < 3 && failure == 0; k++)
+            failure = posix_spawn_file_actions_adddup2(&actions, descriptors[k], STDIN_FILENO + k);
+        if (failure == 0)
+            failure = posix_spawnp(pid, "gnuplot", &actions, NULL, arguments, environ);
+        posix_spawn_file_actions_destroy(&actions);
+    }
+    if (failure == 0) return MUKCA_OK;
+    if (failure == ENOMEM) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+    return mukca_fail(error, MUKCA_INPUT,
+                      "cannot run gnuplot, which draws the figures: %s; install the package "
+                      "gnuplot-nox",
+                      strerror(failure));
 }
 
-/* gnuplot's output for `terminal` as text, which the caller frees; or into the file `path`. */
-static mukca_status render(char **text, const char *terminal, const char *path, mukca_plot *plot,
+/* Run gnuplot on a script; its output is read through a pipe, which no full disk cuts off. */
+static mukca_status run(drawing *drawn, FILE *script, FILE *complaints, mukca_error *error)
+{
+    int ends[2];
+    pid_t pid;
+    if (fflush(script) != 0 || ferror(script) || lseek(fileno(script), 0, SEEK_SET) != 0)
+        return mukca_fail(error, MUKCA_MEMORY, "cannot write a script for gnuplot: %s",
+                          strerror(errno));
+    if (pipe(ends) != 0)
+        return mukca_fail(error, MUKCA_INPUT, "cannot run gnuplot: %s", strerror(errno));
+    for (int k = 0; k < 2; k++) (void)fcntl(ends[k], F_SETFD, FD_CLOEXEC);
+    FILE *in = fdopen(ends[0], "r");
+    mukca_status status =
+        in ? start(&pid, (int[]){fileno(script), ends[1], fileno(complaints)}, error)
+           : mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+    close(ends[1]);
+    if (status == MUKCA_OK) {
+        status = read_all(drawn, in, error);
+        if (status != MUKCA_OK) kill(pid, SIGTERM);
+        const mukca_status ended = wait_for(pid, error);
+        if (status == MUKCA_OK) status = ended;
+    }
+    if (in)
+        fclose(in);
+    else
+        close(ends[0]);
+    return status;
+}
+
+/* Draw the figure for `terminal`; the caller frees drawn->bytes. */
+static mukca_status render(drawing *drawn, const char *terminal, mukca_plot *plot,
                            mukca_error *error)
 {
-    FILE *streams[3] = {tmpfile(), tmpfile(), tmpfile()};
+    FILE *script = tmpfile(), *complaints = tmpfile();
     mukca_status status;
-    if (fflush(plot->script) != 0 || fflush(plot->description) != 0) {
+    *drawn = (drawing){.size = 0};
+    if (fflush(plot->script) != 0 || fflush(plot->description) != 0 || ferror(plot->script) ||
+        ferror(plot->description)) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
         goto out;
     }
-    if (!streams[0] || !streams[1] || !streams[2]) {
+    if (!script || !complaints) {
         status =
             mukca_fail(error, MUKCA_INPUT, "cannot make a temporary file: %s", strerror(errno));
         goto out;
     }
-    fprintf(streams[0], "set encoding utf8\nset terminal %s noenhanced\n", terminal);
-    if (path) {
-        fputs("set output ", streams[0]);
-        mukca_plot_quote(streams[0], path);
+    fprintf(script, "set encoding utf8\nset terminal %s noenhanced\n\n%s\n", terminal, plot->text);
+    status = run(drawn, script, complaints, error);
+    if (status == MUKCA_NEGATIVE || (status == MUKCA_OK && !drawn->size)) {
+        char complaint[181] = "";
+        rewind(complaints);
+        complaint[fread(complaint, 1, sizeof complaint - 1, complaints)] = '\0';
+        for (char *c = complaint; *c; c++)
+            if ((unsigned char)*c < ' ') *c = ' ';
+        status = mukca_fail(error, MUKCA_INPUT, "gnuplot failed on a figure: %s", complaint);
     }
-    fprintf(streams[0], "\n%s\n", plot->text);
-    status = run(streams, error);
-    if (status == MUKCA_OK && text && !(*text = slurp(streams[1])))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
 out:
-    for (int k = 0; k < 3; k++)
-        if (streams[k]) fclose(streams[k]);
+    if (script) fclose(script);
+    if (complaints) fclose(complaints);
     return status;
 }
 
@@ -177,8 +216,16 @@ mukca_status mukca_plot_file(const char *path, const char *format, mukca_plot *p
         snprintf(terminal, sizeof terminal,
                  "svg size %d,%d linewidth 1.2 background '#ffffff' font 'sans-serif,13'", width,
                  height);
-    const mukca_status status = render(NULL, terminal, path, plot, error);
-    if (status == MUKCA_INTERRUPTED) unlink(path); /* half of a figure */
+    drawing drawn;
+    mukca_output output = {0};
+    mukca_status status = render(&drawn, terminal, plot, error);
+    if (status == MUKCA_OK) status = mukca_output_open(&output, path, true, error);
+    if (status == MUKCA_OK) {
+        fwrite(drawn.bytes, 1, drawn.size, output.stream); /* checked by close */
+        status = mukca_output_close(&output, error);
+    }
+    mukca_output_abort(&output);
+    free(drawn.bytes);
     return status;
 }
 
@@ -226,12 +273,13 @@ static void put_body(FILE *out, const char *body, const char *id)
 
 mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error)
 {
-    char terminal[160], *text = NULL;
+    char terminal[160];
+    drawing drawn;
     snprintf(terminal, sizeof terminal, "svg size %d,%d dynamic linewidth 1.2 font 'sans-serif,13'",
              plot->width, plot->height);
-    mukca_status status = render(&text, terminal, NULL, plot, error);
-    if (status != MUKCA_OK) return status;
-    const char *svg = text ? strstr(text, "<svg") : NULL, *body = svg ? strchr(svg, '>') : NULL;
+    mukca_status status = render(&drawn, terminal, plot, error);
+    const char *svg = status == MUKCA_OK ? strstr(drawn.bytes, "<svg") : NULL;
+    const char *body = svg ? strchr(svg, '>') : NULL;
     if (body) {
         fprintf(out,
                 "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-labelledby=\"%s-t "
@@ -243,9 +291,9 @@ mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error)
         fputs("</desc>", out);
         put_body(out, body + 1, plot->id);
         fputs("</svg>\n", out);
-    } else {
+    } else if (status == MUKCA_OK) {
         status = mukca_fail(error, MUKCA_INPUT, "gnuplot drew nothing; is its svg terminal there?");
     }
-    free(text);
+    free(drawn.bytes);
     return status;
 }

@@ -197,7 +197,7 @@ static void full_disk_refuses_the_row_only(void **state)
         small.rlim_cur = (rlim_t)session.length + (rlim_t)room;
         small.rlim_max = old.rlim_max;
         setrlimit(RLIMIT_FSIZE, &small);
-        assert_int_equal(add(&session, 2, &error), MUKCA_INPUT);
+        assert_int_equal(add(&session, 2, &error), MUKCA_MEMORY);
         assert_non_null(strstr(error.text, strerror(EFBIG)));
         setrlimit(RLIMIT_FSIZE, &old);
         check_rows((const int[]){1}, 1);

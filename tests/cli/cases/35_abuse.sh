@@ -95,3 +95,12 @@ wait $process
 expect "report interrupted while it draws: one line, no file" test \
     "$(cat err) $(find . -name '*new*' | wc -l)" = \
     "mukca report: interrupted; the page was not written 0"
+
+# every command says that standard output could not be written
+for command in "help" "help fk" "help effects" "--version" "completion bash" "fk $a good/hole_0.csv" \
+    "evaluate $a good" "calibrate $a good" "calibrate $a good -o -" "export $a" "simulate $a" \
+    "compensate $a good/hole_0.csv" "plan $a good" "diagnose $a good" "diagnose $a good --json -"; do
+    "$MUKCA" $command 2>err >/dev/full
+    code=$?
+    expect "a full standard output: $command" test "$code $(grep -c 'standard output: cannot write' err)" = "6 1"
+done
