@@ -28,6 +28,11 @@ enum {
 
 typedef enum { MUKCA_FIXED, MUKCA_REVOLUTE, MUKCA_CONTINUOUS, MUKCA_PRISMATIC } mukca_joint_type;
 
+static inline bool mukca_joint_turns(int type)
+{
+    return type == MUKCA_REVOLUTE || type == MUKCA_CONTINUOUS;
+}
+
 typedef struct {
     char name[MUKCA_NAME_SIZE];  /* of the URDF joint */
     char child[MUKCA_NAME_SIZE]; /* its child link */
@@ -122,20 +127,6 @@ void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip, const mukca_geometry 
  * of each element (m/m, m/rad).  `theta` must be the one that `geometry` was set from. */
 void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geometry *geometry,
                                  const double *theta, const double *q);
-
-/* What the joints hold against gravity in one configuration, N m. */
-typedef struct {
-    double moment[MUKCA_MAX_JOINTS]
-                 [3];                /* about each joint's origin, in its frame before it turns */
-    double torque[MUKCA_MAX_JOINTS]; /* its part about the axis; prismatic: force along it, N */
-    double base[3];                  /* the same about the base origin, in the base frame */
-} mukca_gravity_load;
-
-/* Static load of the masses at q[n_joints].  `mass_scale` (n_masses factors) may be NULL;
- * `payload_kg` sits at the tip.  Linear in elements and masses. */
-void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
-                         const mukca_geometry *geometry, const double *q, const double *mass_scale,
-                         double payload_kg);
 
 #ifdef __cplusplus
 }

@@ -69,12 +69,6 @@ static mukca_compensation outcome(const mukca_inverse_result *found)
                                 .rotation_error = found->rotation_error};
 }
 
-static double distance(const double a[3], const double b[3])
-{
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(mukca_dot3(d, d));
-}
-
 /* End a row whose targets became q. */
 static void end_row(mukca_compensator *c, const double *q)
 {
@@ -98,7 +92,7 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
 
     const mukca_inverse_result found = solve(q, c, &target);
     mukca_compensation result = outcome(&found);
-    result.position_before = distance(uncorrected.p, target.p);
+    result.position_before = mukca_distance3(uncorrected.p, target.p);
     result.rotation_before = c->position_only ? 0 : mukca_rotation_between(uncorrected.R, target.R);
     for (int j = 0; j < n; j++) {
         correction[j] = q[j] - meant[j];
@@ -155,7 +149,7 @@ mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *c, const 
         memcpy(q, tried, (size_t)n * sizeof *q);
     }
     if (best.reach == MUKCA_REACH_OK && c->on_path &&
-        distance(target->p, c->position) < path_step && largest_step(q, c->sent, n) > far)
+        mukca_distance3(target->p, c->position) < path_step && largest_step(q, c->sent, n) > far)
         best.reach = MUKCA_REACH_JUMP;
     memcpy(c->position, target->p, sizeof c->position);
     end_row(c, q);

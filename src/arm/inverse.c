@@ -46,12 +46,12 @@ static void look(point *at, const problem *p)
     mukca_fk_jacobian(at->J, &reached, p->geometry, at->q,
                       p->options->displace ? &displacement : NULL);
     for (int i = 0; i < 3; i++) at->error[i] = p->target->p[i] - reached.p[i];
-    at->position_error = sqrt(mukca_dot3(at->error, at->error));
+    at->position_error = mukca_norm3(at->error);
     at->rotation_error = 0;
     if (p->rows == TASK) {
         double w[3];
         mukca_rotation_difference(w, p->target->R, reached.R);
-        at->rotation_error = sqrt(mukca_dot3(w, w));
+        at->rotation_error = mukca_norm3(w);
         for (int i = 0; i < 3; i++) at->error[3 + i] = lever * w[i];
         for (int i = 3 * n; i < TASK * n; i++) at->J[i] *= lever;
     }

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "cli/diagnose.h"
-#include "fit/parameters.h"
+#include "fit/frames.h"
 
 /* A parameter counts as identifiable where the data at least halve its prior uncertainty. */
 static void fill_geometry(mukca_offsets *o, const mukca_applied *a, const mukca_chain *arm,

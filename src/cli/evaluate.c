@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cli/scores.h"
+#include "fit/frames.h"
 
 typedef struct {
     cli_common common;

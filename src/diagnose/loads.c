@@ -4,6 +4,7 @@
 
 #include "diagnose/recording.h"
 #include "math/dense.h"
+#include "mukca/gravity.h"
 
 /* Assumed: noise of one measured effort, N m, friction included; and how far a mass may be off what
  * the model says, relative (the default mass_spread). */

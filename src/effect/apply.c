@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "mukca/effect.h"
+#include "mukca/gravity.h"
 
 void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *effect,
                         const mukca_chain *chain, const mukca_joint_state *state)

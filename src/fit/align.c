@@ -29,14 +29,6 @@ typedef struct {
     bool tracker, target, turned;
 } problem;
 
-/* C = A' B */
-static void tmul(double C[9], const double A[9], const double B[9])
-{
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            C[3 * i + j] = A[i] * B[j] + A[3 + i] * B[3 + j] + A[6 + i] * B[6 + j];
-}
-
 /* Orientation of the target: relative turns of the measurement are those of the tip seen from the
  * target, so their axes differ by its rotation (Park and Martin 1994). */
 static void turn_target(mukca_alignment *a, const problem *p)
@@ -48,12 +40,12 @@ static void turn_target(mukca_alignment *a, const problem *p)
             const pose *x = &p->poses[i], *y = &p->poses[i + step];
             double tip[9], measured[9], u[3], v[3];
             if (!x->turned || !y->turned) continue;
-            tmul(tip, x->tip.R, y->tip.R);
-            tmul(measured, x->measured.R, y->measured.R);
+            mukca_mat3_tmul(tip, x->tip.R, y->tip.R);
+            mukca_mat3_tmul(measured, x->measured.R, y->measured.R);
             mukca_rotation_log(u, tip);
             mukca_rotation_log(v, measured);
             /* near half a turn the axis may flip; a wrong row turns by another angle */
-            const double tu = sqrt(mukca_dot3(u, u)), tv = sqrt(mukca_dot3(v, v));
+            const double tu = mukca_norm3(u), tv = mukca_norm3(v);
             if (tu > 3.0 || fabs(tu - tv) > 0.05) continue;
             for (int r = 0; r < 3; r++)
                 for (int c = 0; c < 3; c++) H[3 * r + c] += v[r] * u[c];
@@ -202,7 +194,7 @@ static double weigh(const mukca_alignment *a, problem *p, double *length)
     double lever[3], r[3];
     for (int i = 0; i < p->n; i++) {
         residual(r, lever, a, &p->poses[i]);
-        length[i] = p->poses[i].weight = sqrt(mukca_dot3(r, r));
+        length[i] = p->poses[i].weight = mukca_norm3(r);
     }
     const double median = mukca_stats_median(length, p->n), c = fmax(3 * median, 1e-6);
     for (int i = 0; i < p->n; i++) {

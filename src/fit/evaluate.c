@@ -20,12 +20,6 @@ void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
     }
 }
 
-static double distance(const double a[3], const double b[3])
-{
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(mukca_dot3(d, d));
-}
-
 /* Means of the sockets: mean[n_sockets][3], count[n_sockets]. */
 static void socket_means(double (*mean)[3], int *count, const mukca_frame *tips,
                          const mukca_dataset *data)
@@ -61,7 +55,7 @@ static mukca_score score_placement(int placement, double (*mean)[3], const int *
             turns++;
         }
         if (about && isfinite(about[0])) {
-            const double off = distance(tips[i].p, about);
+            const double off = mukca_distance3(tips[i].p, about);
             sum += off, squares += off * off, rows++;
         }
         score.rows += oriented || (about && isfinite(about[0]));
@@ -69,7 +63,7 @@ static mukca_score score_placement(int placement, double (*mean)[3], const int *
     for (int p = 0; p < data->n_distances; p++) {
         const mukca_distance *d = &data->distances[p];
         if (data->sockets[d->a].placement != placement || !count[d->a] || !count[d->b]) continue;
-        distortion += fabs(distance(mean[d->a], mean[d->b]) - d->distance), pairs++;
+        distortion += fabs(mukca_distance3(mean[d->a], mean[d->b]) - d->distance), pairs++;
     }
     score.mae = rows ? sum / rows : (double)NAN;
     score.std = rows ? sqrt(squares / rows) : (double)NAN;

@@ -5,29 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/align.h"
-
-/* theta[6 * n_elements] to start from: nominal, with the free frames aligned to the measured poses.
- * False: no memory. */
-static bool start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
-                  const mukca_fit_options *options)
-{
-    const int tip = mukca_chain_tip_element(chain);
-    mukca_geometry geometry;
-    mukca_alignment a;
-    mukca_chain_theta(theta, chain);
-    if (!options->free_base && !options->free_tool) return true;
-    mukca_geometry_set(&geometry, chain, NULL);
-    if (!mukca_align(
-            &a, &geometry, data,
-            &(mukca_align_options){.tracker = options->free_base, .target = options->free_tool}))
-        return false;
-    if (options->free_base) geometry.origin[0] = a.tracker;
-    if (options->free_tool)
-        mukca_frame_multiply(&geometry.origin[tip], &geometry.origin[tip], &a.target);
-    mukca_geometry_theta(theta, chain, &geometry);
-    return true;
-}
+#include "fit/frames.h"
 
 static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, double *work,
                             mukca_error *error)
@@ -58,11 +36,12 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
         mukca_chain_with_frames(&fit->chain, chain, options->free_base, options->free_tool, error);
     if (status == MUKCA_OK)
         status = mukca_parameters_select(&fit->parameters, &fit->chain, &options->selection, error);
+    if (status == MUKCA_OK)
+        status = mukca_frames_start(fit->theta, &fit->chain, data, options->free_base,
+                                    options->free_tool, error);
     if (status != MUKCA_OK) return status;
 
     const size_t n = (size_t)fit->parameters.n;
-    if (!start(fit->theta, &fit->chain, data, options))
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     mukca_cost_options cost_options = options->cost;
     cost_options.theta = fit->theta;
     const size_t bytes =

@@ -126,7 +126,7 @@ static void predict_pairs(mukca_observations *o)
         const double *a = o->mean + 3 * o->pair[2 * p], *b = o->mean + 3 * o->pair[2 * p + 1];
         double *u = o->pair_direction + 3 * p;
         for (int i = 0; i < 3; i++) u[i] = a[i] - b[i];
-        const double length = sqrt(mukca_dot3(u, u));
+        const double length = mukca_norm3(u);
         for (int i = 0; i < 3; i++) u[i] = length > 0 ? u[i] / length : 0;
         o->pair_residual[p] = length - o->pair_distance[p];
     }
@@ -253,7 +253,7 @@ void mukca_observe_gradient(double *gradient, mukca_observations *o, const doubl
 /* J rows of one orientation: derivative of the rotation vector w, not of the rotation itself. */
 static void turn_rows_of(double *J, int n, const double w[3])
 {
-    const double angle = sqrt(mukca_dot3(w, w));
+    const double angle = mukca_norm3(w);
     const double f = angle < 1e-3
                          ? 1.0 / 12 + angle * angle / 720
                          : 1 / (angle * angle) - (1 + cos(angle)) / (2 * angle * sin(angle));

@@ -128,33 +128,3 @@ void mukca_parameters_text(char text[MUKCA_PARAMETER_TEXT], const mukca_chain *c
     snprintf(text, MUKCA_PARAMETER_TEXT, "%s.%s", chain->element[index / MUKCA_PARAMETERS].name,
              mukca_parameter_name[index % MUKCA_PARAMETERS]);
 }
-
-static void fixed_element(mukca_element *element, const char *name, const char *child)
-{
-    memset(element, 0, sizeof *element);
-    snprintf(element->name, sizeof element->name, "%s", name);
-    snprintf(element->child, sizeof element->child, "%s", child);
-    element->type = MUKCA_FIXED;
-    element->joint = -1;
-    element->axis[2] = 1;
-}
-
-mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain, bool base,
-                                     bool tool, mukca_error *error)
-{
-    tool = tool && mukca_chain_tip_element(chain) < 0;
-    const int n = chain->n_elements + base + tool;
-    if (n > MUKCA_MAX_ELEMENTS)
-        return mukca_fail(error, MUKCA_INPUT, "the chain has %d elements, at most %d are supported",
-                          n, (int)MUKCA_MAX_ELEMENTS);
-    if (out != chain) *out = *chain;
-    if (base) {
-        memmove(out->element + 1, out->element, (size_t)out->n_elements * sizeof *out->element);
-        fixed_element(&out->element[0], MUKCA_BASE_FRAME, chain->base);
-        for (int m = 0; m < out->n_masses; m++) out->mass[m].element++;
-        for (int j = 0; j < out->n_joints; j++) out->joint_element[j]++;
-    }
-    if (tool) fixed_element(&out->element[n - 1], MUKCA_TOOL_FRAME, chain->tip);
-    out->n_elements = n;
-    return MUKCA_OK;
-}

@@ -48,10 +48,4 @@ int mukca_chain_tip_element(const mukca_chain *chain);
 #define MUKCA_BASE_FRAME "base_frame"
 #define MUKCA_TOOL_FRAME "tool_frame"
 
-/* Copy of `chain` with a fixed element in front (the tracker's frame to the arm's base) and, where
- * the chain does not end in a fixed joint that can take it, one behind (the target on the flange).
- * Errors: MUKCA_INPUT (too many elements). */
-mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain, bool base,
-                                     bool tool, mukca_error *error);
-
 #endif

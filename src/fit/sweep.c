@@ -10,11 +10,6 @@ enum { LANES = 8 };
 
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
-static bool turns(int type)
-{
-    return type == MUKCA_REVOLUTE || type == MUKCA_CONTINUOUS;
-}
-
 /* A with A e_z = axis; the identity where the axis is z already. */
 static void align_axis(double A[9], const double axis[3])
 {
@@ -66,7 +61,7 @@ void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double
 {
     const int padded = sweep->padded, last = sweep->n_rows - 1;
     for (int j = 0; j < sweep->n_joints; j++) {
-        const bool turning = turns(sweep->type[chain->joint_element[j]]);
+        const bool turning = mukca_joint_turns(sweep->type[chain->joint_element[j]]);
         for (int i = 0; i < padded; i++) { /* padding repeats the last row */
             const double angle = q[(i < last ? i : last) * sweep->n_joints + j];
             sweep->sine[j * padded + i] = turning ? sin(angle) : angle;
@@ -127,7 +122,7 @@ MUKCA_CLONES void mukca_sweep_forward(mukca_sweep *sweep)
             map_rows(w, sweep->R[k + 1], sweep->p[k + 1], w + 3 * padded, padded);
         else
             memset(w, 0, 3 * (size_t)padded * sizeof *w);
-        if (turns(sweep->type[k])) turn_rows(w, sweep, k, 1);
+        if (mukca_joint_turns(sweep->type[k])) turn_rows(w, sweep, k, 1);
         for (int i = 0; i < padded && sweep->type[k] == MUKCA_PRISMATIC; i++)
             w[2 * padded + i] += sweep->sine[sweep->joint[k] * padded + i];
     }
@@ -142,7 +137,7 @@ MUKCA_INLINE void frames_times(double *Q, const double R[9], const mukca_sweep *
     for (int row = 0; row < 3; row++) {
         double *q = Q + 3 * row * sweep->padded;
         map_rows(q, Rt, NULL, q, sweep->padded);
-        if (k >= 0 && turns(sweep->type[k])) turn_rows(q, sweep, k, -1);
+        if (k >= 0 && mukca_joint_turns(sweep->type[k])) turn_rows(q, sweep, k, -1);
     }
 }
 
@@ -194,7 +189,7 @@ MUKCA_CLONES void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_
         mukca_mat3_mul(adjoint->outer[k], half, At);
         transpose(Rt, sweep->R[k]);
         map_rows(h, Rt, NULL, h, padded);
-        if (turns(sweep->type[k])) turn_rows(h, sweep, k, -1);
+        if (mukca_joint_turns(sweep->type[k])) turn_rows(h, sweep, k, -1);
     }
 }
 

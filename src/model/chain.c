@@ -1,7 +1,6 @@
-/* The chain: look-ups, parameter vectors, and gravity moments. */
+/* The chain: look-ups and parameter vectors. */
 #include "mukca/chain.h"
 
-#include <math.h>
 #include <string.h>
 
 const char *const mukca_joint_type_name[4] = {"fixed", "revolute", "continuous", "prismatic"};
@@ -51,61 +50,4 @@ void mukca_geometry_theta(double *theta, const mukca_chain *chain, const mukca_g
         memcpy(theta + 6 * k, geometry->origin[k].p, 3 * sizeof *theta);
         mukca_rotation_to_rpy(theta + 6 * k + 3, geometry->origin[k].R, chain->element[k].rpy);
     }
-}
-
-/* Rotation of an element's joint, identity where it does not turn. */
-static void joint_rotation(double R[9], const mukca_geometry *geometry, int k, const double *q)
-{
-    if (geometry->type[k] == MUKCA_REVOLUTE || geometry->type[k] == MUKCA_CONTINUOUS) {
-        mukca_rotation_about(R, geometry->axis[k], q[geometry->joint[k]]);
-    } else {
-        static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-        memcpy(R, identity, sizeof identity);
-    }
-}
-
-void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
-                         const mukca_geometry *geometry, const double *q, const double *mass_scale,
-                         double payload_kg)
-{
-    const int n = chain->n_elements;
-    double turn[MUKCA_MAX_ELEMENTS][9], gravity[MUKCA_MAX_ELEMENTS][3];
-    double kg[MUKCA_MAX_ELEMENTS] = {0}, first[MUKCA_MAX_ELEMENTS][3] = {{0}}; /* child frames */
-    double g[3] = {chain->gravity[0], chain->gravity[1], chain->gravity[2]};
-
-    /* Gravity in each joint frame, outwards. */
-    for (int k = 0; k < n; k++) {
-        joint_rotation(turn[k], geometry, k, q);
-        mukca_mat3_tvec(gravity[k], geometry->origin[k].R, g);
-        mukca_mat3_tvec(g, turn[k], gravity[k]);
-    }
-    for (int m = 0; m < chain->n_masses; m++) {
-        const mukca_mass *mass = &chain->mass[m];
-        if (mass->element < 0 || mass->element >= n) continue; /* fixed to the base */
-        const double w = mass->kg * (mass_scale ? mass_scale[m] : 1);
-        kg[mass->element] += w;
-        for (int i = 0; i < 3; i++) first[mass->element][i] += w * mass->com[i];
-    }
-    if (n > 0) kg[n - 1] += payload_kg;
-
-    /* Mass and first moment of all that hangs on each joint, inwards. */
-    double total = 0, carried[3] = {0, 0, 0}; /* of element k + 1, in the child frame of k */
-    for (int k = n - 1; k >= 0; k--) {
-        const double *axis = geometry->axis[k], *p = geometry->origin[k].p;
-        const int j = geometry->joint[k];
-        const bool slides = geometry->type[k] == MUKCA_PRISMATIC;
-        double in_child[3], in_joint[3], in_parent[3];
-        total += kg[k];
-        for (int i = 0; i < 3; i++) in_child[i] = first[k][i] + carried[i];
-        mukca_mat3_vec(in_joint, turn[k], in_child);
-        for (int i = 0; i < 3 && slides; i++) in_joint[i] += total * axis[i] * q[j];
-        if (j >= 0) {
-            mukca_cross(load->moment[j], gravity[k], in_joint); /* in_joint x (-g) */
-            load->torque[j] =
-                slides ? -total * mukca_dot3(axis, gravity[k]) : mukca_dot3(axis, load->moment[j]);
-        }
-        mukca_mat3_vec(in_parent, geometry->origin[k].R, in_joint);
-        for (int i = 0; i < 3; i++) carried[i] = in_parent[i] + total * p[i];
-    }
-    mukca_cross(load->base, chain->gravity, carried);
 }

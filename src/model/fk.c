@@ -1,30 +1,8 @@
-/* Forward kinematics of one configuration: position, pose, frames, Jacobians. */
+/* Forward kinematics of one configuration: position, pose, frames. */
 #include <math.h>
 #include <string.h>
 
-#include "mukca/chain.h"
-
-/* v := R(axis, angle) v given the sine and cosine. */
-static inline void turn_vector(double v[3], const double axis[3], int axis_z, double s, double c)
-{
-    if (axis_z) {
-        const double sz = axis_z * s, x = v[0];
-        v[0] = c * x - sz * v[1];
-        v[1] = sz * x + c * v[1];
-        return;
-    }
-    double cross[3];
-    mukca_cross(cross, axis, v);
-    const double along = (1 - c) * mukca_dot3(axis, v);
-    for (int i = 0; i < 3; i++) v[i] = c * v[i] + s * cross[i] + along * axis[i];
-}
-
-/* R := R R(axis of element k, angle): the rows of R turn backwards. */
-static inline void turn_rows(double R[9], const mukca_geometry *geometry, int k, double s, double c)
-{
-    for (int row = 0; row < 3; row++)
-        turn_vector(R + 3 * row, geometry->axis[k], geometry->axis_z[k], -s, c);
-}
+#include "model/turn.h"
 
 static const mukca_displacement undisplaced;
 
@@ -40,7 +18,7 @@ void mukca_fk_position(double position[3], const mukca_geometry *geometry, const
         if (geometry->type[k] == MUKCA_PRISMATIC)
             for (int i = 0; i < 3; i++) v[i] += angle * geometry->axis[k][i];
         else if (j >= 0)
-            turn_vector(v, geometry->axis[k], geometry->axis_z[k], sin(angle), cos(angle));
+            turn_vector(v, geometry, k, sin(angle), cos(angle));
         if (j >= 0 && d->any_rotation) {
             mukca_rotation_exp(R, d->rotation[j]);
             mukca_mat3_vec(u, R, v);
@@ -99,72 +77,4 @@ void mukca_fk_pose(mukca_frame *T_base_tip, const mukca_geometry *geometry, cons
                    const mukca_displacement *displacement)
 {
     mukca_fk_frames(NULL, T_base_tip, geometry, q, displacement);
-}
-
-void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip, const mukca_geometry *geometry,
-                       const double *q, const mukca_displacement *displacement)
-{
-    mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
-    const int n = geometry->n_joints;
-    mukca_fk_frames(before, &tip, geometry, q, displacement);
-    for (int k = 0; k < geometry->n_elements; k++) {
-        const int j = geometry->joint[k];
-        if (j < 0) continue;
-        const bool slides = geometry->type[k] == MUKCA_PRISMATIC;
-        double R[9], local[3], axis[3], lever[3], swept[3];
-        memcpy(local, geometry->axis[k], sizeof local);
-        if (displacement && displacement->any_rotation) {
-            mukca_rotation_exp(R, displacement->rotation[j]);
-            mukca_mat3_vec(local, R, geometry->axis[k]);
-        }
-        mukca_mat3_vec(axis, before[k].R, local);
-        for (int i = 0; i < 3; i++) lever[i] = tip.p[i] - before[k].p[i];
-        mukca_cross(swept, axis, lever);
-        for (int i = 0; i < 3; i++) {
-            J[i * n + j] = slides ? axis[i] : swept[i];
-            J[(3 + i) * n + j] = slides ? 0 : axis[i];
-        }
-    }
-    if (T_base_tip) *T_base_tip = tip;
-}
-
-void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geometry *geometry,
-                                 const double *theta, const double *q)
-{
-    const int n = geometry->n_elements, width = MUKCA_PARAMETERS * n;
-    double parent[MUKCA_MAX_ELEMENTS][9]; /* orientation of each element's parent frame */
-    double v[3] = {0, 0, 0}, s[MUKCA_MAX_JOINTS], c[MUKCA_MAX_JOINTS];
-    double R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    for (int j = 0; j < geometry->n_joints; j++) s[j] = sin(q[j]), c[j] = cos(q[j]);
-    for (int k = 0; k < n; k++) {
-        const int j = geometry->joint[k];
-        double turned[9];
-        memcpy(parent[k], R, sizeof R);
-        mukca_mat3_mul(turned, R, geometry->origin[k].R);
-        memcpy(R, turned, sizeof R);
-        if (j < 0 || geometry->type[k] == MUKCA_PRISMATIC) continue;
-        turn_rows(R, geometry, k, s[j], c[j]);
-    }
-    for (int k = n - 1; k >= 0; k--) {
-        const int j = geometry->joint[k];
-        const double *O = geometry->origin[k].R, yaw = theta[6 * k + 5];
-        /* roll, pitch and yaw turn about these axes of the parent's frame */
-        const double axes[3][3] = {{O[0], O[3], O[6]}, {-sin(yaw), cos(yaw), 0}, {0, 0, 1}};
-        double u[3], turned[3], column[3];
-        if (j >= 0 && geometry->type[k] == MUKCA_PRISMATIC)
-            for (int i = 0; i < 3; i++) v[i] += q[j] * geometry->axis[k][i];
-        else if (j >= 0)
-            turn_vector(v, geometry->axis[k], geometry->axis_z[k], s[j], c[j]);
-        mukca_mat3_vec(u, O, v);
-        for (int i = 0; i < 3; i++) {
-            mukca_cross(turned, axes[i], u);
-            mukca_mat3_vec(column, parent[k], turned);
-            for (int row = 0; row < 3; row++) {
-                J[row * width + 6 * k + i] = parent[k][3 * row + i];
-                J[row * width + 6 * k + 3 + i] = column[row];
-            }
-        }
-        for (int i = 0; i < 3; i++) v[i] = u[i] + geometry->origin[k].p[i];
-    }
-    if (position) memcpy(position, v, sizeof v);
 }

@@ -46,13 +46,13 @@ double mukca_histogram_median(const mukca_histogram *histogram)
 
 void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look)
 {
-    const double length = sqrt(mukca_dot3(look->position, look->position));
+    const double length = mukca_norm3(look->position);
     mukca_moments_add(&errors->position, length);
     histogram_add(&errors->position_histogram, length);
     for (int i = 0; i < 3; i++)
         mukca_moments_add(&errors->position_axis[i], fabs(look->position[i]));
     if (!isfinite(look->rotation[0])) return;
-    const double angle = sqrt(mukca_dot3(look->rotation, look->rotation));
+    const double angle = mukca_norm3(look->rotation);
     mukca_moments_add(&errors->rotation, angle);
     histogram_add(&errors->rotation_histogram, angle);
     for (int i = 0; i < 3; i++)

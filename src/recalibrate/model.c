@@ -81,16 +81,11 @@ void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown,
     }
 }
 
-static bool turns(const mukca_geometry *geometry, int k)
-{
-    return geometry->type[k] == MUKCA_REVOLUTE || geometry->type[k] == MUKCA_CONTINUOUS;
-}
-
 void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const mukca_chain *chain)
 {
     mukca_geometry g = model->geometry;
     for (int k = 0; k < g.n_elements; k++) {
-        if (!turns(&g, k)) continue;
+        if (!mukca_joint_turns(g.type[k])) continue;
         const mukca_frame zero = turn(g.axis[k], model->zero[g.joint[k]]);
         mukca_frame_multiply(&g.origin[k], &g.origin[k], &zero);
     }
@@ -170,7 +165,7 @@ static void lag_motion(double position[3], double rotation[3], const mukca_pose_
         if (g->joint[k] < 0) continue;
         const double rate = look->row->velocity[g->joint[k]];
         if (!(fabs(rate) > 0)) continue;
-        motion(p, w, look, &look->before[k], g->axis[k], turns(g, k));
+        motion(p, w, look, &look->before[k], g->axis[k], mukca_joint_turns(g->type[k]));
         for (int i = 0; i < 3; i++) {
             position[i] += rate * p[i];
             rotation[i] += rate * w[i];

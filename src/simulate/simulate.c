@@ -7,6 +7,7 @@
 
 #include "arm/inverse.h"
 #include "fit/parameters.h"
+#include "mukca/gravity.h"
 
 /* Attempts at one row, and the slack of its seat (m). */
 enum { ATTEMPTS = 200 };

@@ -12,6 +12,7 @@
 #include "effect/survey.h"
 #include "mukca/chain.h"
 #include "mukca/effect.h"
+#include "mukca/gravity.h"
 
 #define assert_close(a, b, tol) assert_true(!!(fabs((double)(a) - (double)(b)) <= (tol)))
 #define PI 3.14159265358979323846

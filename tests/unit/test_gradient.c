@@ -4,6 +4,7 @@
 
 #include "close.h"
 #include "fit/cost.h"
+#include "fit/frames.h"
 #include "math/random.h"
 #include "reference_cost.h"
 

@@ -1,0 +1,28 @@
+/* Static gravity load of the joints. */
+#ifndef MUKCA_GRAVITY_H
+#define MUKCA_GRAVITY_H
+
+#include "mukca/chain.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What the joints hold against gravity in one configuration, N m. */
+typedef struct {
+    double moment[MUKCA_MAX_JOINTS]
+                 [3];                /* about each joint's origin, in its frame before it turns */
+    double torque[MUKCA_MAX_JOINTS]; /* its part about the axis; prismatic: force along it, N */
+    double base[3];                  /* the same about the base origin, in the base frame */
+} mukca_gravity_load;
+
+/* Static load of the masses at q[n_joints].  `mass_scale` (n_masses factors) may be NULL;
+ * `payload_kg` sits at the tip.  Linear in elements and masses. */
+void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
+                         const mukca_geometry *geometry, const double *q, const double *mass_scale,
+                         double payload_kg);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
