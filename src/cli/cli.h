@@ -73,7 +73,7 @@ typedef struct {
 
 /* The contract's common options: the first member of every command's options struct. */
 typedef struct {
-    const char *urdf, *base, *tip, *inertials, *offsets, *distances, *json, *output;
+    const char *urdf, *base, *tip, *inertials, *offsets, *distances, *json, *output, *payload;
     cli_list test;
     double distance;   /* m; 0: 0.05 */
     double gravity[3]; /* m/s^2; all 0: upright base */
@@ -105,6 +105,11 @@ typedef struct {
     CLI_DISTANCE_OPTION,                           \
         CLI_COMMON(distances, 0, CLI_TEXT, "FILE", \
                    "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)")
+#define CLI_PAYLOAD_OPTION                                                                     \
+    CLI_COMMON(                                                                                \
+        payload, 0, CLI_TEXT, "KG[,KG...]",                                                    \
+        "mass at the tip beyond the model, of all DATA or of each in order (of --test, too), " \
+        "where the file has no payload_kg")
 #define CLI_TEST_OPTION \
     CLI_COMMON(test, 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported")
 #define CLI_JSON_OPTION \
@@ -273,7 +278,7 @@ mukca_status cli_load(cli_call *call);
 /* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_load_model(cli_call *call, cli_model *model);
 
-/* Read DATA paths for the model's chain; --distance and --distances apply.  Free with
+/* Read DATA paths for the model's chain; --distance, --distances and --payload apply.  Free with
  * mukca_dataset_free. */
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);

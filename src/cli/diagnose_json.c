@@ -105,6 +105,18 @@ static json_t *next_poses_array(const mukca_diagnosed *r)
     return array;
 }
 
+/* Several pose logs: which frames each has of its own. */
+static json_t *logs_object(const mukca_logs *logs)
+{
+    static const char *const cases[] = {"shared", "base", "tool", "both"};
+    if (logs->n < 2) return json_null();
+    json_t *evidence = json_object();
+    for (int i = 0; i < 4; i++)
+        json_object_set_new(evidence, cases[i], cli_json_real(logs->log_evidence[i]));
+    return json_pack("{s:i, s:b, s:b, s:o}", "count", logs->n, "base_per_log", logs->base_per_log,
+                     "tool_per_log", logs->tool_per_log, "log_evidence", evidence);
+}
+
 json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -177,6 +189,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_object_set_new(root, "suspected", suspected);
     json_object_set_new(root, "unnamed_m", cli_json_real(d->explained_m - d->structure_m));
     json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
+    json_object_set_new(root, "logs", logs_object(&d->logs));
     json_object_set_new(root, "next_poses", next_poses_array(r));
     json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));
     return root;

@@ -331,6 +331,24 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
                 MUKCA_SECONDS_PER_ROW);
 }
 
+/* Several pose logs: which of the free frames they share. */
+static void print_logs(FILE *stream, const mukca_logs *logs)
+{
+    const double *evidence = logs->log_evidence;
+    if (logs->n < 2 || !(isfinite(evidence[1]) || isfinite(evidence[2]))) return;
+    const int chosen = logs->base_per_log + 2 * logs->tool_per_log;
+    static const char *const own[] = {"", "a tracker's frame", "a target's offset",
+                                      "a tracker's frame and a target's offset"};
+    char line[TEXT] = "";
+    mukca_text text = MUKCA_TEXT(line);
+    if (chosen)
+        mukca_text_put(&text, "each of the %d pose logs has %s of its own (log Bayes factor %.3g)",
+                       logs->n, own[chosen], evidence[chosen] - evidence[0]);
+    else
+        mukca_text_put(&text, "the %d pose logs share the free frames", logs->n);
+    flush(stream, "Logs", &text);
+}
+
 void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
 {
     char words[MUKCA_WORDING];
@@ -347,6 +365,7 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
     }
     fputc('\n', stream);
     print_causes(stream, r);
+    print_logs(stream, &r->diagnosis->logs);
     print_recording(stream, r);
     print_errors(stream, r);
     print_limits(stream, r, caveat);

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/number.h"
 #include "cli/cli.h"
 #include "io/dataset_load.h"
 #include "io/output.h"
@@ -11,6 +12,8 @@
 
 /* Larger values are in mm/s^2 or wrong; no arm works at 100 g. */
 static const double most_gravity = 1e3; /* m/s^2 */
+/* The strongest arms carry 2.3 t. */
+static const double most_payload = 5e3; /* kg */
 
 mukca_status cli_load_model(cli_call *call, cli_model *model)
 {
@@ -43,6 +46,30 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     return status;
 }
 
+/* The masses of --payload, one of each path, into payload[n_paths]. */
+static mukca_status read_payload(double *payload, cli_call *call, int n_paths)
+{
+    const char *text = call->common->payload;
+    int n = 0;
+    for (const char *next = text; next; n++) {
+        char number[64];
+        const size_t length = strcspn(next, ",");
+        double kg;
+        snprintf(number, sizeof number, "%.*s", (int)(length < 63 ? length : 63), next);
+        if (!mukca_number_parse(&kg, number) || !(kg >= 0 && kg <= most_payload))
+            return mukca_fail(&call->error, MUKCA_USAGE, "--payload: '%s' is no mass in kg",
+                              number);
+        if (n < n_paths) payload[n] = kg;
+        next = next[length] == ',' ? next + length + 1 : NULL;
+    }
+    for (int i = 1; n == 1 && i < n_paths; i++) payload[i] = payload[0];
+    if (n == 1 || n == n_paths) return MUKCA_OK;
+    return mukca_fail(&call->error, MUKCA_USAGE,
+                      "--payload %.60s: %d masses for %d recordings; give one for all, or one of "
+                      "each",
+                      text, n, n_paths);
+}
+
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths)
 {
@@ -52,10 +79,19 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--distance %g looks like %s; give m, as in 0.05", c->distance,
                           c->distance > 10 ? "millimetres" : "centimetres");
-    const mukca_dataset_options options = {
+    mukca_dataset_options options = {
         .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
-    const mukca_status status =
-        mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
+    double *payload = c->payload ? calloc((size_t)paths->n + 1, sizeof *payload) : NULL;
+    mukca_status status = MUKCA_OK;
+    if (c->payload && !payload)
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    else if (payload)
+        status = read_payload(payload, call, paths->n);
+    options.payload = payload;
+    if (status == MUKCA_OK)
+        status =
+            mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
+    free(payload);
     for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {
         int rows = 0;
         for (int i = 0; i < data->n_rows; i++) rows += data->file[i] == f;

@@ -12,7 +12,7 @@
 
 const cli_option cli_common_options[] = {CLI_MODEL_OPTIONS,    CLI_OFFSETS_OPTION, CLI_TEST_OPTION,
                                          CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,    CLI_FORCE_OPTION,
-                                         CLI_TALK_OPTIONS,     CLI_END_OPTIONS};
+                                         CLI_PAYLOAD_OPTION,   CLI_TALK_OPTIONS,   CLI_END_OPTIONS};
 
 bool cli_is_common(const cli_option *option)
 {

@@ -50,6 +50,8 @@ static const cli_option options[] = {
            "measurement noise of the efforts, N m; implies --effort", effort_noise),
     OPTION("command", CLI_FLAG, NULL,
            "add commanded angles; with readback_lag the readings lag behind them", command),
+    OPTION("payload", CLI_POSITIVE, "KG", "mass at the tip beyond the model (default: none)",
+           payload),
     OPTION("interval", CLI_POSITIVE, "S", "mean time between samples, s (default: 5)", interval),
     OPTION("poses", CLI_INTEGER, "N", "a pose log of N samples instead of sockets", poses),
     {"recipe", 0, CLI_CHOICE, "NAME",

@@ -180,6 +180,7 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
         .command = o->command,
         .effort_noise = o->effort_noise,
         .position_only = o->position_only,
+        .payload = o->payload,
         .seed = (uint64_t)o->seed,
         .interrupted = cli_interrupted};
     if (s->recording.effort && !s->model.chain.n_masses)

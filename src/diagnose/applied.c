@@ -91,6 +91,6 @@ void mukca_applied_fit(mukca_applied *a, mukca_regression *m)
         }
     }
     a->geometry = u->geometry;
-    a->tracker = u->tracker;
+    a->tracker = u->log.tracker[0];
     a->fitted = true;
 }

@@ -9,6 +9,7 @@
 #include "diagnose/cause.h"
 #include "diagnose/confounding.h"
 #include "diagnose/cross_validation.h"
+#include "diagnose/logs.h"
 #include "diagnose/test_data.h"
 #include "diagnose/untested.h"
 #include "math/stats.h"
@@ -209,14 +210,17 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
                             mukca_error *error)
 {
     const double started = now_s();
-    const mukca_recording_options recording_options = {
+    mukca_recording_options recording_options = {
         .mass_spread = options->mass_spread > 0 ? options->mass_spread : 0.1,
         .distance_sigma = 1e-4, /* m: what a printed or milled tool keeps */
         .free_base = options->free_base,
         .free_tool = options->free_tool};
     mukca_regression m;
     memset(diagnosis, 0, sizeof *diagnosis);
-    mukca_status status = mukca_regression_create(&m, chain, data, &recording_options, error);
+    mukca_status status =
+        mukca_logs_compare(&diagnosis->logs, &recording_options, chain, data, error);
+    if (status == MUKCA_OK)
+        status = mukca_regression_create(&m, chain, data, &recording_options, error);
     if (status != MUKCA_OK) return status;
     steps *s = MUKCA_TAKE(&m.pool, steps, 1);
     if (!s) goto out;
@@ -231,7 +235,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
         status = identify(s, &m, options, error);
         diagnosis->geometry = m.unknowns.geometry;
-        diagnosis->tracker = m.unknowns.tracker;
+        diagnosis->tracker = m.unknowns.log.tracker[0];
         if (status == MUKCA_OK && !options->no_folds)
             status = validate(s, &diagnosis->pool, &m, options, error);
         revise(&s->findings, &s->validation);

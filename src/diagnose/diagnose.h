@@ -125,6 +125,13 @@ typedef struct {
     double correlation[MUKCA_MAX_CONFOUNDED][MUKCA_MAX_CONFOUNDED];
 } mukca_confounding;
 
+/* Several pose logs: which of their free frames differ from log to log. */
+typedef struct {
+    int n; /* logs; 0: no poses */
+    bool base_per_log, tool_per_log;
+    double log_evidence[4]; /* shared frames, a base, a tool, both per log; NaN: not compared */
+} mukca_logs;
+
 typedef struct {
     mukca_verdict verdict;
     const char *why; /* it is `untestable`, else NULL */
@@ -154,8 +161,9 @@ typedef struct {
     double sigma_m, rho;
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN without */
     mukca_geometry geometry;    /* fitted with the causes */
-    mukca_frame tracker;        /* pose logs: T_measured_base */
-    mukca_applied applied;      /* with options->applied */
+    mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */
+    mukca_logs logs;
+    mukca_applied applied;         /* with options->applied */
     mukca_confounding confounding; /* with options->confounding */
     double elapsed_s;
     mukca_pool pool;

@@ -32,13 +32,16 @@ void mukca_folds_create(mukca_folds *b)
 int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket)
 {
     const mukca_dataset *data = m->recording.data;
-    int n = 0, poses = 0;
-    for (int row = 0; row < data->n_rows; row++) poses += data->socket[row] < 0;
+    const int *log = m->recording.log;
+    int n = 0, poses = 0, of_log[MUKCA_MAX_LOGS] = {0}, done[MUKCA_MAX_LOGS] = {0};
+    for (int row = 0; row < data->n_rows; row++)
+        if (data->socket[row] < 0) of_log[log[row]]++, poses++;
     const bool sockets = by_socket || data->n_placements < 2;
     n = sockets ? data->n_sockets : data->n_placements;
-    for (int row = 0, i = 0; row < data->n_rows; row++) {
+    for (int row = 0; row < data->n_rows; row++) {
+        const int g = log[row]; /* a part of each log: its frames need the rest */
         if (data->socket[row] < 0)
-            fold[row] = n + (int)((long long)POSE_FOLDS * i++ / poses);
+            fold[row] = n + (int)((long long)POSE_FOLDS * done[g]++ / of_log[g]);
         else
             fold[row] = sockets ? data->socket[row] : m->recording.placement[row];
     }

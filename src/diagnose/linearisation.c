@@ -77,8 +77,9 @@ static void pose_residual(double *y, const mukca_linearisation *linear,
 {
     const size_t row = (size_t)recording->order[i];
     const double *p = linear->tip + 3 * i, *R = linear->tip_frame + 9 * i;
-    const double *tracker = unknowns->tracker.R;
-    mukca_unknowns_to_base(y, unknowns, recording->data->position + 3 * row);
+    const int log = recording->log[row];
+    const double *tracker = unknowns->log.tracker[log].R;
+    mukca_unknowns_to_base(y, unknowns, log, recording->data->position + 3 * row);
     for (int c = 0; c < 3; c++) y[c] -= p[c];
     if (recording->dim < 6) return;
     double measured[9], base[9], w[3];
@@ -89,6 +90,12 @@ static void pose_residual(double *y, const mukca_linearisation *linear,
                               tracker[6 + a] * measured[6 + b];
     mukca_rotation_difference(w, base, R);
     for (int c = 0; c < 3; c++) y[3 + c] = unknowns->rotation_weight * w[c];
+}
+
+/* The tip's frame becomes that of the log's own target. */
+static void to_target(mukca_frame *tip, const mukca_unknowns *u, int log)
+{
+    if (log > 0 && u->n_targets > 1) mukca_frame_multiply(tip, tip, &u->log.shift[log]);
 }
 
 /* Predictions of the samples, means of their groups, and directions between paired sockets. */
@@ -103,6 +110,7 @@ static void predict(mukca_linearisation *linear, const mukca_recording *recordin
         mukca_unknowns_displacement(&displacement, unknowns, n_joints, row);
         mukca_fk_pose(&tip, &unknowns->geometry, recording->data->q + row * n_joints,
                       &displacement);
+        to_target(&tip, unknowns, recording->log[row]);
         memcpy(linear->tip + 3 * i, tip.p, sizeof tip.p);
         memcpy(linear->tip_frame + 9 * i, tip.R, sizeof tip.R);
     }
@@ -180,11 +188,13 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
                         const mukca_displacement *displacement)
 {
     const mukca_chain *chain = recording->chain;
-    const int d = recording->dim, ld = linear->n_columns + 1;
+    const int d = recording->dim, ld = linear->n_columns + 1,
+              log = recording->log[recording->order[i]];
     double *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
     double *base_lever = linear->base_lever + (size_t)i * (size_t)(3 * d);
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
     mukca_fk_frames(before, &tip, &u->geometry, q, displacement);
+    to_target(&tip, u, log);
     memset(X, 0, sizeof *X * (size_t)d * (size_t)ld);
     double turn[6][3];
     turn_of(turn, &(mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}}, tip.p, u->rotation_weight);
@@ -215,11 +225,18 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
             }
         slot++;
     }
-    for (int c = 0; c < 3; c++) X[c * ld + 6 * (u->n_slots - 1) + u->slot_width] = tip.p[c];
+    for (int c = 0; c < 3; c++) X[c * ld + u->first_tracker - 1] = tip.p[c];
     for (int a = 0; u->free_base && a < 3; a++) {
-        double *frame = X + u->n_geometry - 6 + a;
+        double *frame = X + u->first_tracker + (u->n_trackers > 1 ? 6 * log : 0) + a;
         frame[a * ld] = 1;
         for (int c = 0; c < d; c++) frame[c * ld + 3] = base_lever[c * 3 + a];
+    }
+    for (int a = 0; u->n_targets > 1 && log > 0 && a < 3; a++) {
+        double *shift = X + u->first_target + u->slot_width * (log - 1) + a;
+        for (int c = 0; c < 3; c++) {
+            shift[c * ld] = tip.R[3 * c + a];
+            if (u->slot_width == 6) shift[(3 + c) * ld + 3] = u->rotation_weight * tip.R[3 * c + a];
+        }
     }
 }
 

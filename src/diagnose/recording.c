@@ -69,6 +69,30 @@ static void fill_motion(mukca_recording *r)
     }
 }
 
+int mukca_recording_number_logs(int *log, const mukca_dataset *data)
+{
+    struct {
+        int file;
+        double payload;
+    } known[MUKCA_MAX_LOGS];
+    int n = 0;
+    for (int row = 0; row < data->n_rows; row++) {
+        if (log) log[row] = 0;
+        if (data->socket[row] >= 0) continue;
+        const int file = data->file[row];
+        const double kg = data->payload && isfinite(data->payload[row]) ? data->payload[row] : 0;
+        int i = 0;
+        while (i < n && (known[i].file != file || fabs(known[i].payload - kg) > 0)) i++;
+        if (i == MUKCA_MAX_LOGS) { /* too many to tell apart: one */
+            for (int k = 0; log && k < data->n_rows; k++) log[k] = 0;
+            return 1;
+        }
+        if (i == n) known[n].file = file, known[n++].payload = kg;
+        if (log) log[row] = i;
+    }
+    return n;
+}
+
 /* Six numbers per sample where all rows are poses with orientations, three otherwise. */
 static int observed(const mukca_dataset *data)
 {
@@ -110,6 +134,7 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     r->command = data->command ? MUKCA_TAKE(pool, double, rows *n_joints) : NULL;
     r->time = MUKCA_TAKE(pool, double, rows);
     r->placement = MUKCA_TAKE(pool, int, rows);
+    r->log = MUKCA_TAKE(pool, int, rows);
     r->keep = MUKCA_TAKE(pool, unsigned char, rows);
     r->order = MUKCA_TAKE(pool, int, rows);
     r->groups = MUKCA_TAKE(pool, mukca_group, data->n_sockets + 2);
@@ -117,6 +142,8 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     if (pool->failed) return false;
     memset(r->keep, 1, (size_t)rows);
     fill_motion(r);
+    r->n_logs = mukca_recording_number_logs(r->log, data);
+    if (r->n_logs == 0) r->n_logs = 1;
     mukca_recording_load(r);
     mukca_recording_regroup(r);
     return true;

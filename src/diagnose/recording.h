@@ -9,7 +9,9 @@
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
 
-/* The samples of one socket, or all of a pose log. */
+enum { MUKCA_MAX_LOGS = 16 };
+
+/* The samples of one socket, or all of the pose logs. */
 typedef struct {
     int start, count; /* samples */
     int socket;       /* of the dataset; -1: a pose log, compared with its measured poses */
@@ -26,14 +28,16 @@ typedef struct {
     double mass_spread;        /* relative prior sigma of each mass in elastic effects; 0: exact */
     double distance_sigma;     /* how well the sockets' distance is known, m */
     bool free_base, free_tool; /* pose logs: frame of the tracker, offset of the target */
-    const double *mass_factor; /* [n_bodies] to use instead of estimating them, or NULL */
+    bool base_per_log, tool_per_log; /* where free: a frame, an offset of each log */
+    const double *mass_factor;       /* [n_bodies] to use instead of estimating them, or NULL */
 } mukca_recording_options;
 
 typedef struct {
     const mukca_chain *chain;
     const mukca_dataset *data;
     mukca_recording_options options;
-    int dim; /* observed per sample: 3, or 6 with orientations (pose logs) */
+    int dim;    /* observed per sample: 3, or 6 with orientations (pose logs) */
+    int n_logs; /* 1 without poses */
 
     /* loads: a body is an element that carries mass */
     int n_bodies, body_element[MUKCA_MAX_ELEMENTS];
@@ -50,6 +54,7 @@ typedef struct {
     double *command; /* [n_rows][n_joints] rad; NULL: none recorded */
     double *time;    /* [n_rows] s since the file's start */
     int *placement;  /* [n_rows] */
+    int *log;        /* [n_rows] index of the pose log, 0 for samples of sockets */
 
     /* samples: the rows in use, by group */
     unsigned char *keep; /* [n_rows] */
@@ -75,6 +80,11 @@ void mukca_recording_range(double range[2], const mukca_recording *recording, co
 
 /* Samples that do not repeat the one before them in their group. */
 int mukca_recording_distinct(const mukca_recording *recording);
+
+/* Number the pose logs: rows of one file and one load, since a target with another mass is mounted
+ * anew.  log[n_rows] (may be NULL) gets the index, 0 for samples of sockets.  Returns their number;
+ * more than MUKCA_MAX_LOGS count as one. */
+int mukca_recording_number_logs(int *log, const mukca_dataset *data);
 
 /* Fill moments, torques and mass factors (part of mukca_recording_create). */
 void mukca_recording_load(mukca_recording *recording);

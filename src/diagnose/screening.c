@@ -101,7 +101,7 @@ static void residuals(double *residual, const mukca_regression *m)
             group_centre(centre, m->linear.tip + 3 * group->start, group->count);
         for (int i = group->start; i < group->start + group->count; i++) {
             if (group->socket < 0)
-                mukca_unknowns_to_base(centre, &m->unknowns,
+                mukca_unknowns_to_base(centre, &m->unknowns, r->log[r->order[i]],
                                        r->data->position + 3 * (size_t)r->order[i]);
             residual[i] = distance3(centre, m->linear.tip + 3 * i);
         }

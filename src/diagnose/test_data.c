@@ -2,6 +2,7 @@
 #include "diagnose/test_data.h"
 
 #include "diagnose/folds.h"
+#include "diagnose/logs.h"
 
 /* The causes that act on the arm, prepared for the states of other rows. */
 static bool carry_causes(mukca_regression *t, const mukca_unknowns *from)
@@ -24,6 +25,7 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
 {
     mukca_regression t; /* of its own, for the states; the prediction takes the fitted unknowns */
     mukca_recording_options options = m->recording.options;
+    options.base_per_log = options.tool_per_log = false; /* they take those of the training logs */
     options.mass_factor = m->recording.n_bodies ? m->recording.mass_factor : NULL;
     mukca_status status = mukca_regression_create(&t, m->recording.chain, test, &options, error);
     if (status != MUKCA_OK) return status;
@@ -34,6 +36,8 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
     const mukca_arm_state explained = mukca_unknowns_arm(&m->unknowns);
     const mukca_arm_state *const step[3] = {&nominal, geometry_only, &explained};
     double *const result[3] = {&errors->nominal_m, &errors->geometry_m, &errors->explained_m};
+    mukca_unknowns_set_arm(&t.unknowns, geometry_only);
+    mukca_logs_match(&t, m);
     errors->n_placements = test->n_placements;
     errors->placement_m = MUKCA_TAKE(pool, double, test->n_placements + 1);
     for (int s = 0; s < 3 && !t.pool.failed && !pool->failed; s++) {

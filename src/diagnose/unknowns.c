@@ -23,6 +23,47 @@ static bool take_arrays(mukca_unknowns *u, mukca_pool *pool)
     return !pool->failed;
 }
 
+/* C = inverse(A) B */
+static void between(mukca_frame *C, const mukca_frame *A, const mukca_frame *B)
+{
+    mukca_frame inverse = {
+        .R = {A->R[0], A->R[3], A->R[6], A->R[1], A->R[4], A->R[7], A->R[2], A->R[5], A->R[8]}};
+    mukca_mat3_tvec(inverse.p, A->R, A->p);
+    for (int c = 0; c < 3; c++) inverse.p[c] = -inverse.p[c];
+    mukca_frame_multiply(C, &inverse, B);
+}
+
+/* Free frames by the nominal geometry: shared ones by the first log, where others have their own,
+ * else by all.  False: no memory. */
+static bool align_logs(mukca_unknowns *u, mukca_pool *pool, const mukca_recording *r)
+{
+    const int rows = r->data->n_rows, last = r->chain->n_elements - 1;
+    const bool own_tracker = u->n_trackers > 1, own_target = u->n_targets > 1;
+    unsigned char *keep = MUKCA_TAKE(pool, unsigned char, rows);
+    mukca_alignment first, a;
+    if (!keep) return false;
+    for (int row = 0; row < rows; row++)
+        keep[row] = r->log[row] == 0 || !(own_tracker || own_target);
+    if (!mukca_align(&first, &u->geometry, r->data,
+                     &(mukca_align_options){u->free_base, u->free_tool, keep}))
+        return false;
+    mukca_geometry known = u->geometry; /* with the frames that logs share */
+    if (!own_tracker) mukca_frame_multiply(&known.origin[0], &first.tracker, &known.origin[0]);
+    if (!own_target) mukca_frame_multiply(&known.origin[last], &known.origin[last], &first.target);
+    u->nominal_target = first.target;
+    for (int g = 0; g < r->n_logs; g++) {
+        for (int row = 0; row < rows; row++) keep[row] = r->log[row] == g;
+        a = first;
+        if (g > 0 && (own_tracker || own_target) &&
+            !mukca_align(&a, &known, r->data,
+                         &(mukca_align_options){own_tracker, own_target, keep}))
+            return false;
+        u->nominal.tracker[g] = own_tracker ? a.tracker : first.tracker;
+        between(&u->nominal.shift[g], &first.target, own_target ? &a.target : &first.target);
+    }
+    return true;
+}
+
 bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_recording *recording)
 {
     const mukca_chain *chain = recording->chain;
@@ -36,12 +77,12 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
         .sigma_angle = 5e-3,
         .sigma = 1e-4,
         .rotation_weight = 0.3};
+    u->n_trackers = !u->free_base ? 0 : recording->options.base_per_log ? recording->n_logs : 1;
+    u->n_targets = !u->free_tool ? 0 : recording->options.tool_per_log ? recording->n_logs : 1;
     mukca_geometry_set(&u->geometry, chain, NULL);
-    if (!mukca_align(&u->nominal, &u->geometry, recording->data,
-                     &(mukca_align_options){.tracker = u->free_base, .target = u->free_tool}))
-        return false;
-    u->tracker = u->nominal.tracker;
-    u->target = u->nominal.target;
+    if (!align_logs(u, pool, recording)) return false;
+    u->log = u->nominal;
+    u->target = u->nominal_target;
     /* A first joint's origin moves all sockets alike: only measured poses can see it. */
     for (int j = poses && !u->free_base ? 0 : 1; j < chain->n_joints; j++)
         u->slot_element[u->n_slots++] = chain->joint_element[j];
@@ -49,7 +90,9 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
         u->slot_element[u->n_slots++] = last;
         u->slot_width = recording->dim == 6 ? 6 : 3;
     }
-    u->n_geometry = 6 * (u->n_slots - 1) + u->slot_width + 1 + (u->free_base ? 6 : 0);
+    u->first_tracker = 6 * (u->n_slots - 1) + u->slot_width + 1;
+    u->first_target = u->first_tracker + 6 * u->n_trackers;
+    u->n_geometry = u->first_target + (u->n_targets > 1 ? u->slot_width * (u->n_targets - 1) : 0);
     return take_arrays(u, pool);
 }
 
@@ -80,7 +123,7 @@ int mukca_unknowns_capacity(const mukca_unknowns *u)
 void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
 {
     mukca_geometry_set(&u->geometry, chain, NULL);
-    const double factor = 1 + u->theta[6 * (u->n_slots - 1) + u->slot_width];
+    const double factor = 1 + u->theta[u->first_tracker - 1];
     for (int k = 0; k < chain->n_elements; k++)
         for (int c = 0; c < 3; c++) u->geometry.origin[k].p[c] *= factor;
     for (int k = 0; k < u->n_slots; k++) {
@@ -104,28 +147,34 @@ static void fold(mukca_frame *frame, double *t, bool turns)
 
 void mukca_unknowns_fold_frames(mukca_unknowns *u)
 {
-    if (u->free_base) fold(&u->tracker, u->theta + u->n_geometry - 6, true);
-    if (u->free_tool) fold(&u->target, u->theta + 6 * (u->n_slots - 1), u->slot_width == 6);
+    const bool turns = u->slot_width == 6;
+    for (int g = 0; g < u->n_trackers; g++)
+        fold(&u->log.tracker[g], u->theta + u->first_tracker + 6 * g, true);
+    for (int g = 1; g < MUKCA_MAX_LOGS && u->n_trackers == 1; g++)
+        u->log.tracker[g] = u->log.tracker[0];
+    if (u->free_tool) fold(&u->target, u->theta + 6 * (u->n_slots - 1), turns);
+    for (int g = 1; g < u->n_targets; g++)
+        fold(&u->log.shift[g], u->theta + u->first_target + u->slot_width * (g - 1), turns);
 }
 
 mukca_arm_state mukca_unknowns_nominal_arm(const mukca_unknowns *u, const mukca_chain *chain)
 {
-    mukca_arm_state arm = {.tracker = u->nominal.tracker};
+    mukca_arm_state arm = {.log = u->nominal};
     mukca_geometry_set(&arm.geometry, chain, NULL);
     mukca_frame *last = &arm.geometry.origin[chain->n_elements - 1];
-    mukca_frame_multiply(last, last, &u->nominal.target);
+    mukca_frame_multiply(last, last, &u->nominal_target);
     return arm;
 }
 
 mukca_arm_state mukca_unknowns_arm(const mukca_unknowns *u)
 {
-    return (mukca_arm_state){.geometry = u->geometry, .tracker = u->tracker};
+    return (mukca_arm_state){.geometry = u->geometry, .log = u->log};
 }
 
 void mukca_unknowns_set_arm(mukca_unknowns *u, const mukca_arm_state *arm)
 {
     u->geometry = arm->geometry;
-    u->tracker = arm->tracker;
+    u->log = arm->log;
 }
 
 void mukca_unknowns_set_geometry_prior(mukca_unknowns *u, const mukca_recording *recording)
@@ -144,9 +193,11 @@ void mukca_unknowns_set_geometry_prior(mukca_unknowns *u, const mukca_recording 
                                       ZERO_SIGMA * ZERO_SIGMA * along);
         }
     }
-    u->theta_prior[6 * (u->n_slots - 1) + u->slot_width] = FACTOR_SIGMA;
-    for (int a = 0; u->free_base && a < 6; a++)
-        u->theta_prior[u->n_geometry - 6 + a] = a < 3 ? FREE_LENGTH : FREE_ANGLE;
+    u->theta_prior[u->first_tracker - 1] = FACTOR_SIGMA;
+    for (int i = u->first_tracker; i < u->first_target; i++)
+        u->theta_prior[i] = (i - u->first_tracker) % 6 < 3 ? FREE_LENGTH : FREE_ANGLE;
+    for (int i = u->first_target; i < u->n_geometry; i++)
+        u->theta_prior[i] = (i - u->first_target) % u->slot_width < 3 ? FREE_LENGTH : FREE_ANGLE;
 }
 
 int mukca_unknowns_column(const mukca_unknowns *u, int cause)
@@ -215,11 +266,18 @@ void mukca_unknowns_displacement(mukca_displacement *d, const mukca_unknowns *u,
 void mukca_unknowns_predict(double position[3], const mukca_unknowns *u,
                             const mukca_recording *recording, int row)
 {
-    const int n_joints = recording->chain->n_joints;
+    const int n_joints = recording->chain->n_joints, log = recording->log[row];
+    const double *q = recording->data->q + (size_t)row * (size_t)n_joints;
     mukca_displacement d;
     mukca_unknowns_displacement(&d, u, n_joints, row);
-    mukca_fk_position(position, &u->geometry, recording->data->q + (size_t)row * (size_t)n_joints,
-                      u->n_causes ? &d : NULL);
+    if (log == 0 || u->n_targets < 2) {
+        mukca_fk_position(position, &u->geometry, q, u->n_causes ? &d : NULL);
+        return;
+    }
+    mukca_frame tip;
+    mukca_fk_pose(&tip, &u->geometry, q, u->n_causes ? &d : NULL);
+    mukca_frame_multiply(&tip, &tip, &u->log.shift[log]);
+    memcpy(position, tip.p, sizeof tip.p);
 }
 
 void mukca_unknowns_predict_measured(double position[3], const mukca_unknowns *u,
@@ -229,13 +287,16 @@ void mukca_unknowns_predict_measured(double position[3], const mukca_unknowns *u
     mukca_unknowns_predict(p, u, recording, row);
     memcpy(position, p, sizeof p);
     if (recording->data->socket[row] >= 0) return;
-    mukca_mat3_vec(position, u->tracker.R, p);
-    for (int c = 0; c < 3; c++) position[c] += u->tracker.p[c];
+    const mukca_frame *tracker = &u->log.tracker[recording->log[row]];
+    mukca_mat3_vec(position, tracker->R, p);
+    for (int c = 0; c < 3; c++) position[c] += tracker->p[c];
 }
 
-void mukca_unknowns_to_base(double position[3], const mukca_unknowns *u, const double measured[3])
+void mukca_unknowns_to_base(double position[3], const mukca_unknowns *u, int log,
+                            const double measured[3])
 {
+    const mukca_frame *tracker = &u->log.tracker[log];
     double difference[3];
-    for (int c = 0; c < 3; c++) difference[c] = measured[c] - u->tracker.p[c];
-    mukca_mat3_tvec(position, u->tracker.R, difference);
+    for (int c = 0; c < 3; c++) difference[c] = measured[c] - tracker->p[c];
+    mukca_mat3_tvec(position, tracker->R, difference);
 }

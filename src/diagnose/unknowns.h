@@ -19,11 +19,20 @@ typedef struct {
     double lead; /* log odds by which it led when it was last tested; 0: not yet */
 } mukca_accepted;
 
+/* Frames of the pose logs; those that logs share are equal. */
+typedef struct {
+    mukca_frame tracker[MUKCA_MAX_LOGS]; /* T_measured_base */
+    mukca_frame shift[MUKCA_MAX_LOGS];   /* of the log's target in the first log's */
+} mukca_log_frames;
+
 typedef struct {
     /* The geometry's columns: slot k is an element with a free origin and has six, x y z and the
      * rotation vector, the last slot slot_width of them; then one common factor of all lengths;
-     * with free_base six more, of the tracker's frame. */
+     * then six of each tracker's frame that is free; then slot_width of each log's own target, from
+     * the second log on. */
     int n_geometry, n_slots, slot_width;
+    int n_trackers, n_targets;       /* free frames: of all logs together (1) or of each */
+    int first_tracker, first_target; /* their columns; the factor's is before the first one */
     int slot_element[MUKCA_MAX_JOINTS + 1];
     bool free_base, free_tool;
     double *theta;       /* [n_geometry] offsets about the nominal geometry, in local frames */
@@ -31,9 +40,10 @@ typedef struct {
     double sigma_length, sigma_angle; /* prior scales of the geometry, m and rad */
     mukca_geometry geometry;          /* the arm at theta */
     /* Pose logs: frames are composed with what theta adds, since large rotations do not add. */
-    mukca_frame tracker;     /* T_measured_base */
-    mukca_frame target;      /* free_tool: of the target, in the last slot's nominal frame */
-    mukca_alignment nominal; /* both frames, aligned with the nominal geometry */
+    mukca_log_frames log;     /* of each log */
+    mukca_frame target;       /* free_tool: of the first, in the last slot's nominal frame */
+    mukca_log_frames nominal; /* the same, aligned with the nominal geometry */
+    mukca_frame nominal_target;
 
     int n_causes;
     mukca_accepted *cause; /* [MUKCA_MAX_ACCEPTED] */
@@ -46,7 +56,7 @@ typedef struct {
 /* An arm as it predicts samples: one step of the error breakdown. */
 typedef struct {
     mukca_geometry geometry;
-    mukca_frame tracker;
+    mukca_log_frames log;
 } mukca_arm_state;
 
 mukca_arm_state mukca_unknowns_nominal_arm(const mukca_unknowns *unknowns,
@@ -97,8 +107,8 @@ void mukca_unknowns_predict(double position[3], const mukca_unknowns *unknowns,
 void mukca_unknowns_predict_measured(double position[3], const mukca_unknowns *unknowns,
                                      const mukca_recording *recording, int row);
 
-/* A measured position (m) in the base frame. */
-void mukca_unknowns_to_base(double position[3], const mukca_unknowns *unknowns,
+/* A measured position (m) of a log in the base frame. */
+void mukca_unknowns_to_base(double position[3], const mukca_unknowns *unknowns, int log,
                             const double measured[3]);
 
 /* Columns that all causes and geometry may take. */

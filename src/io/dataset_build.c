@@ -142,9 +142,10 @@ mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *ro
 {
     mukca_dataset *d = builder->data;
     const int n = d->n_joints;
+    const double payload = isnan(row->payload) ? builder->payload : row->payload;
     const column optional[OPTIONAL] = {
         {&d->time, 1, &row->time},        {&d->temperature, 1, &row->temperature},
-        {&d->payload, 1, &row->payload},  {&d->effort, n, row->effort},
+        {&d->payload, 1, &payload},       {&d->effort, n, row->effort},
         {&d->command, n, row->command},   {&d->velocity, n, row->velocity},
         {&d->position, 3, row->position}, {&d->quaternion, 4, row->quaternion}};
     mukca_status status = reserve(builder, optional);

@@ -11,7 +11,8 @@ typedef struct {
     mukca_note_fn *note; /* may be NULL */
     void *context;
     mukca_error *error;
-    int capacity; /* rows allocated */
+    int capacity;   /* rows allocated */
+    double payload; /* kg, for rows that have none of their own; NaN: unknown */
 } mukca_dataset_builder;
 
 /* All return MUKCA_MEMORY on failure; what they add is the last item of its list in the dataset. */

@@ -273,11 +273,15 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
                                .chain = chain,
                                .note = options->note,
                                .context = options->context,
-                               .error = error};
+                               .error = error,
+                               .payload = NAN};
     memset(data, 0, sizeof *data);
     data->n_joints = chain->n_joints;
     mukca_status status = MUKCA_OK;
-    for (int i = 0; i < n_paths && status == MUKCA_OK; i++) status = read_path(&b, paths[i]);
+    for (int i = 0; i < n_paths && status == MUKCA_OK; i++) {
+        b.payload = options->payload ? options->payload[i] : (double)NAN;
+        status = read_path(&b, paths[i]);
+    }
     if (status == MUKCA_OK && !options->partial) status = check_counts(&b);
     if (status == MUKCA_OK)
         status = options->distances

@@ -7,6 +7,7 @@
 typedef struct {
     double distance;       /* m between any two sockets of a placement; 0: 0.05 */
     const char *distances; /* instead: a table of distances by socket labels; or NULL */
+    const double *payload; /* [n_paths] kg, for rows whose file says nothing of it; or NULL */
     bool partial;          /* a session in the making: sockets may be few or have few rows */
     mukca_note_fn *note;   /* may be NULL */
     void *context;

@@ -120,7 +120,7 @@ static void finish_row(recorder *r)
     }
     if (data->effort) {
         mukca_gravity_load load;
-        mukca_chain_moments(&load, &r->arm->chain, &r->arm->geometry, q, NULL, 0);
+        mukca_chain_moments(&load, &r->arm->chain, &r->arm->geometry, q, NULL, r->options.payload);
         for (size_t j = 0; j < n; j++)
             data->effort[at + j] =
                 load.torque[j] + r->options.effort_noise * mukca_random_normal(&r->effort);
@@ -136,6 +136,7 @@ static void tick(recorder *r, double pause)
     *t = r->row > 0 ? t[-1] + round(1e3 * pause * jitter) / 1e3 : 0;
     const mukca_row_reading reading = {.q = r->data->q + (size_t)r->row * (size_t)r->data->n_joints,
                                        .time = *t,
+                                       .payload_kg = r->options.payload,
                                        .placement = mukca_dataset_placement(r->data, r->row),
                                        .number = r->row + 1};
     mukca_row_state_next(&r->states, &reading);
@@ -178,8 +179,11 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placem
     data->time = calloc(count, sizeof *data->time);
     if (r->options.effort) data->effort = calloc(count * n, sizeof *data->effort);
     if (r->options.command) data->command = calloc(count * n, sizeof *data->command);
-    if (!data->time || (r->options.effort && !data->effort) ||
-        (r->options.command && !data->command))
+    if (r->options.payload > 0) data->payload = calloc(count, sizeof *data->payload);
+    for (size_t row = 0; data->payload && row < count; row++)
+        data->payload[row] = r->options.payload;
+    if (!data->time || (r->options.payload > 0 && !data->payload) ||
+        (r->options.effort && !data->effort) || (r->options.command && !data->command))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
     return MUKCA_OK;
 }

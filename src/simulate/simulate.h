@@ -71,6 +71,7 @@ typedef struct {
     bool sweep;         /* postures follow each other smoothly; else each is random */
     bool effort, command;
     double effort_noise; /* sigma, N m */
+    double payload;      /* kg at the tip, recorded where it is not 0 */
     bool position_only;  /* pose logs: no orientations */
     uint64_t seed;
     bool (*interrupted)(void); /* asked at each row; may be NULL */

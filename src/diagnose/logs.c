@@ -1,0 +1,101 @@
+/* Pose logs that are diagnosed together: which frames each log has of its own. */
+#include "diagnose/logs.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "diagnose/candidates.h"
+
+/* Do the loads differ between samples? */
+static bool loads_differ(const mukca_dataset *data)
+{
+    for (int row = 1; data->payload && row < data->n_rows; row++)
+        if (fabs(data->payload[row] - data->payload[0]) > 0) return true;
+    return false;
+}
+
+/* Let every loaded joint and the base be springs. */
+static mukca_status add_springs(mukca_regression *m, mukca_error *error)
+{
+    unsigned char others[MUKCA_EFFECT_COUNT];
+    mukca_candidates all;
+    memset(others, 1, sizeof others);
+    others[MUKCA_EFFECT_JOINT_COMPLIANCE] = others[MUKCA_EFFECT_BASE_COMPLIANCE] = 0;
+    const mukca_status status =
+        mukca_candidates_list(&all, &m->pool, &m->recording, &m->unknowns, others, error);
+    for (int i = 0; i < all.count && status == MUKCA_OK; i++)
+        if (mukca_candidate_class(&all.list[i]) < MUKCA_EFFECT_COUNT &&
+            !mukca_candidate_is_fault(&all.list[i]))
+            mukca_unknowns_add(&m->unknowns, &all.list[i]);
+    return status;
+}
+
+/* Log evidence of one case. */
+static mukca_status weigh_case(double *log_evidence, const mukca_recording_options *options,
+                               const mukca_chain *chain, const mukca_dataset *data,
+                               mukca_error *error)
+{
+    mukca_regression m;
+    mukca_status status = mukca_regression_create(&m, chain, data, options, error);
+    if (status == MUKCA_OK) mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
+    if (status == MUKCA_OK && loads_differ(data)) {
+        status = add_springs(&m, error);
+        if (status == MUKCA_OK) mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
+    }
+    if (status == MUKCA_OK) *log_evidence = mukca_regression_factor(&m);
+    mukca_regression_free(&m);
+    return status;
+}
+
+mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *options,
+                                const mukca_chain *chain, const mukca_dataset *data,
+                                mukca_error *error)
+{
+    const mukca_recording_options given = *options;
+    double best = -HUGE_VAL;
+    *logs = (mukca_logs){.n = mukca_recording_number_logs(NULL, data)};
+    if (logs->n < 2) return MUKCA_OK;
+    for (int i = 0; i < 4; i++) {
+        mukca_recording_options tried = given;
+        logs->log_evidence[i] = NAN;
+        tried.base_per_log = i & 1, tried.tool_per_log = i & 2;
+        if ((tried.base_per_log && !given.free_base) || (tried.tool_per_log && !given.free_tool))
+            continue;
+        const mukca_status status = weigh_case(&logs->log_evidence[i], &tried, chain, data, error);
+        if (status != MUKCA_OK) return status;
+        if (!(logs->log_evidence[i] > best)) continue;
+        best = logs->log_evidence[i];
+        *options = tried;
+    }
+    logs->base_per_log = options->base_per_log;
+    logs->tool_per_log = options->tool_per_log;
+    return MUKCA_OK;
+}
+
+void mukca_logs_match(mukca_regression *test, const mukca_regression *training)
+{
+    const mukca_recording *from = &training->recording;
+    mukca_recording *r = &test->recording;
+    const int rows = r->data->n_rows, n = r->n_logs;
+    test->unknowns.n_targets = training->unknowns.n_targets;
+    int match[MUKCA_MAX_LOGS] = {0};
+    double least[MUKCA_MAX_LOGS];
+    for (int log = 0; log < n; log++) least[log] = HUGE_VAL;
+    const bool own = from->options.base_per_log || from->options.tool_per_log;
+    for (int g = 0; own && g < from->n_logs; g++)
+        for (int log = 0; log < n; log++) {
+            int count = 0;
+            double sum = 0;
+            for (int row = 0; row < rows; row++) {
+                if (r->log[row] != log || r->data->socket[row] >= 0) continue;
+                double p[3];
+                r->log[row] = g;
+                mukca_unknowns_predict_measured(p, &test->unknowns, r, row);
+                r->log[row] = log;
+                for (int c = 0; c < 3; c++) p[c] -= r->data->position[3 * (size_t)row + (size_t)c];
+                sum += sqrt(mukca_dot3(p, p)), count++;
+            }
+            if (count && sum / count < least[log]) least[log] = sum / count, match[log] = g;
+        }
+    for (int row = 0; row < rows; row++) r->log[row] = match[r->log[row]];
+}
