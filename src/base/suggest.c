@@ -2,6 +2,7 @@
 #include "base/suggest.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { LONGEST = 63 };
@@ -39,4 +40,14 @@ int mukca_suggest_better(int *best, const char *word, const char *candidate)
     if (distance > limit || distance >= *best) return 0;
     *best = distance;
     return 1;
+}
+
+const char *mukca_suggest_text(char text[MUKCA_SUGGEST_TEXT], const char *meant,
+                               const char *otherwise)
+{
+    if (meant)
+        snprintf(text, MUKCA_SUGGEST_TEXT, "did you mean %.80s?", meant);
+    else
+        snprintf(text, MUKCA_SUGGEST_TEXT, "%s", otherwise);
+    return text;
 }

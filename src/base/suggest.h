@@ -13,6 +13,11 @@ int mukca_suggest_distance(const char *a, const char *b);
  * with 99), which it then updates. */
 int mukca_suggest_better(int *best, const char *word, const char *candidate);
 
+/* "did you mean MEANT?", or without MEANT (NULL) `otherwise`. */
+enum { MUKCA_SUGGEST_TEXT = 128 };
+const char *mukca_suggest_text(char text[MUKCA_SUGGEST_TEXT], const char *meant,
+                               const char *otherwise);
+
 #ifdef __cplusplus
 }
 #endif

@@ -24,37 +24,36 @@ static const cli_option options[] = {
     CLI_TEST_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),
     CLI_JSON_OPTION,
-    {"trace", 0, CLI_TEXT, "FILE", "write consistency and distortion per iteration (TSV)", NULL,
-     offsetof(calibrate_options, trace)},
+    CLI_OPTION(calibrate_options, trace, "trace", CLI_TEXT, "FILE",
+               "write consistency and distortion per iteration (TSV)"),
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
-    {"free", 0, CLI_TEXT, "LIST",
-     "fit these only: joints, parameters (x y z roll pitch yaw) or joint.parameter, with commas; "
-     "a leading + adds them to the default set",
-     NULL, offsetof(calibrate_options, free)},
-    {"freeze", 0, CLI_TEXT, "LIST", "keep these nominal (same syntax)", NULL,
-     offsetof(calibrate_options, freeze)},
-    {"regularise-tip", 0, CLI_FLAG, NULL, "regularise the last fixed joint, too", NULL,
-     offsetof(calibrate_options, regularise_tip)},
-    {"lambda", 0, CLI_NUMBER, "L",
-     "weight of the regularisation towards the nominal model, per placement (default: 1e-4)", NULL,
-     offsetof(calibrate_options, lambda)},
-    {"means", 0, CLI_CHOICE, "MEANS",
-     "reference of a socket's consistency error: its own mean (default), or its nominal mean (the "
-     "older closed-chain method)",
-     means, offsetof(calibrate_options, means)},
-    {"no-distortion", 0, CLI_FLAG, NULL, "no distortion term in the cost", NULL,
-     offsetof(calibrate_options, no_distortion)},
-    {"free-base", 0, CLI_FLAG, NULL,
-     "pose logs: fit the frame of the tracker, too (joint base_frame)", NULL,
-     offsetof(calibrate_options, free_base)},
-    {"free-tool", 0, CLI_FLAG, NULL,
-     "pose logs: fit the offset of the target (the last fixed joint, else joint tool_frame)", NULL,
-     offsetof(calibrate_options, free_tool)},
-    {"solver", 0, CLI_CHOICE, "SOLVER", "minimiser (default: slsqp)", solvers,
-     offsetof(calibrate_options, solver)},
-    {"gradient", 0, CLI_CHOICE, "GRADIENT", "central differences (default), or analytic", gradients,
-     offsetof(calibrate_options, gradient)},
+    CLI_OPTION(calibrate_options, free, "free", CLI_TEXT, "LIST",
+               "fit these only: joints, parameters (x y z roll pitch yaw) or joint.parameter, with "
+               "commas; "
+               "a leading + adds them to the default set"),
+    CLI_OPTION(calibrate_options, freeze, "freeze", CLI_TEXT, "LIST",
+               "keep these nominal (same syntax)"),
+    CLI_OPTION(calibrate_options, regularise_tip, "regularise-tip", CLI_FLAG, NULL,
+               "regularise the last fixed joint, too"),
+    CLI_RANGE_OPTION(
+        calibrate_options, lambda, "lambda", CLI_NUMBER, "L", 0, INFINITY,
+        "weight of the regularisation towards the nominal model, per placement (default: 1e-4)"),
+    CLI_CHOICE_OPTION(calibrate_options, means, "means", "MEANS", means,
+                      "reference of a socket's consistency error: its own mean (default), or its "
+                      "nominal mean (the "
+                      "older closed-chain method)"),
+    CLI_OPTION(calibrate_options, no_distortion, "no-distortion", CLI_FLAG, NULL,
+               "no distortion term in the cost"),
+    CLI_OPTION(calibrate_options, free_base, "free-base", CLI_FLAG, NULL,
+               "pose logs: fit the frame of the tracker, too (joint base_frame)"),
+    CLI_OPTION(
+        calibrate_options, free_tool, "free-tool", CLI_FLAG, NULL,
+        "pose logs: fit the offset of the target (the last fixed joint, else joint tool_frame)"),
+    CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", solvers,
+                      "minimiser (default: slsqp)"),
+    CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,
+                      "central differences (default), or analytic"),
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
@@ -92,9 +91,6 @@ static mukca_status check(cli_call *call)
 {
     const calibrate_options *o = call->options;
     const cli_common *c = call->common;
-    if (!(o->lambda >= 0))
-        return mukca_fail(&call->error, MUKCA_USAGE, "--lambda %g: must not be negative",
-                          o->lambda);
     if (!o->trace) return MUKCA_OK;
     if (mukca_output_same(o->trace, c->json) || mukca_output_same(o->trace, c->output))
         return mukca_fail(&call->error, MUKCA_USAGE,
@@ -161,9 +157,8 @@ static mukca_status fit_data(cli_call *call, mukca_fit *fit)
             t.stream);
     }
     status = mukca_fit_run(fit, &s->model.chain, &s->data, &fit_options, &call->error);
-    if (status == MUKCA_OK && o->trace) status = mukca_output_close(&output, &call->error);
 out:
-    mukca_output_abort(&output);
+    status = mukca_output_finish(&output, status, &call->error);
     free(t.scores);
     return status;
 }

@@ -117,7 +117,7 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
 {
     const mukca_fit *fit = r->fit;
     const mukca_score *nominal = &r->train_scores.nominal_mean;
-    const double distance = call->common->distance > 0 ? call->common->distance : 0.05;
+    const double distance = call->common->distance;
     if (!enough_samples(fit))
         cli_answer_wrapped(call, "warning: %d samples give %d numbers for %d parameters",
                            r->train->n_rows, fit->n_measured, fit->parameters.n);

@@ -177,7 +177,6 @@ static mukca_status check_usage(const session *s)
         return mukca_fail(error, MUKCA_USAGE,
                           "without a terminal there are no keys; use --trigger (LCM messages) or "
                           "--still");
-    if (o->rows < 0) return mukca_fail(error, MUKCA_USAGE, "--rows must be above 0");
     if (!o->resume && !c->force && access(c->output, F_OK) == 0)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s exists; --resume continues it, --force overwrites it", c->output);
@@ -262,11 +261,11 @@ static const cli_option options[] = {
     CLI_OPTION(capture_options, live.recorder.triggers, "trigger", CLI_FLAG, NULL,
                "record a sample on each message on MUKCA_TRIGGER"),
     CLI_OPTION(capture_options, resume, "resume", CLI_FLAG, NULL, "continue an existing session"),
-    CLI_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N",
-               "finish when the session has N samples"),
+    CLI_RANGE_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N", 1, MUKCA_CAPTURE_MAX_ROWS,
+                     "finish when the session has N samples"),
     CLI_OPTION(capture_options, wait, "wait", CLI_POSITIVE, "S",
                "give up without joint states after S seconds (default: 10)"),
-    CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)"),
+    CLI_DISTANCE_OPTION,
     CLI_JSON_OPTION,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,

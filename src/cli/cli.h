@@ -58,32 +58,41 @@ typedef struct {
     const char *argument;       /* its name in help, NULL for a flag */
     const char *help;           /* one sentence without a full stop; it states the default */
     const char *const *choices; /* CLI_CHOICE: names, ended by NULL */
+    double least, most;         /* range of a number; both 0: any */
     size_t offset;              /* of the member in the command's options */
 } cli_option;
 
 /* Rows of option tables; `member` of the struct `type` gets the value. */
-#define CLI_OPTION(type, member, name, kind, argument, help)        \
-    {                                                               \
-        name, 0, kind, argument, help, NULL, offsetof(type, member) \
+#define CLI_OPTION(type, member, option, value, metavar, text)            \
+    {                                                                     \
+        .name = option, .kind = value, .argument = metavar, .help = text, \
+        .offset = offsetof(type, member)                                  \
     }
-#define CLI_CHOICE_OPTION(type, member, name, argument, choices, help)       \
-    {                                                                        \
-        name, 0, CLI_CHOICE, argument, help, choices, offsetof(type, member) \
+#define CLI_RANGE_OPTION(type, member, option, value, metavar, from, to, text)           \
+    {                                                                                    \
+        .name = option, .kind = value, .argument = metavar, .help = text, .least = from, \
+        .most = to, .offset = offsetof(type, member)                                     \
+    }
+#define CLI_CHOICE_OPTION(type, member, option, metavar, list, text)                            \
+    {                                                                                           \
+        .name = option, .kind = CLI_CHOICE, .argument = metavar, .help = text, .choices = list, \
+        .offset = offsetof(type, member)                                                        \
     }
 
 /* The contract's common options: the first member of every command's options struct. */
 typedef struct {
     const char *urdf, *base, *tip, *inertials, *offsets, *distances, *json, *output, *payload;
     cli_list test;
-    double distance;   /* m; 0: 0.05 */
+    double distance;   /* m */
     double gravity[3]; /* m/s^2; all 0: upright base */
     bool force, quiet, verbose;
 } cli_common;
 
 /* Rows of option tables for them.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION: help text. */
-#define CLI_COMMON(name, letter, kind, argument, help)                        \
-    {                                                                         \
-#name, letter, kind, argument, help, NULL, offsetof(cli_common, name) \
+#define CLI_COMMON(member, short_name, value, metavar, text)                                     \
+    {                                                                                            \
+        .name = #member, .letter = short_name, .kind = value, .argument = metavar, .help = text, \
+        .offset = offsetof(cli_common, member)                                                   \
     }
 #define CLI_MODEL_OPTIONS                                                                         \
     CLI_COMMON(urdf, 0, CLI_TEXT, "FILE", "nominal model of the arm"),                            \
@@ -114,9 +123,10 @@ typedef struct {
     CLI_COMMON(test, 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported")
 #define CLI_JSON_OPTION \
     CLI_COMMON(json, 0, CLI_TEXT, "FILE", "write the result as JSON; - means standard output")
-#define CLI_OUTPUT_OPTION(what)                                                   \
-    {                                                                             \
-        "output", 'o', CLI_TEXT, "FILE", what, NULL, offsetof(cli_common, output) \
+#define CLI_OUTPUT_OPTION(what)                                                              \
+    {                                                                                        \
+        .name = "output", .letter = 'o', .kind = CLI_TEXT, .argument = "FILE", .help = what, \
+        .offset = offsetof(cli_common, output)                                               \
     }
 #define CLI_FORCE_OPTION                 \
     CLI_COMMON(force, 0, CLI_FLAG, NULL, \
@@ -124,9 +134,9 @@ typedef struct {
 #define CLI_TALK_OPTIONS                                         \
     CLI_COMMON(quiet, 'q', CLI_FLAG, NULL, "print errors only"), \
         CLI_COMMON(verbose, 'v', CLI_FLAG, NULL, "print inputs and elapsed time")
-#define CLI_END_OPTIONS                        \
-    {                                          \
-        NULL, 0, CLI_FLAG, NULL, NULL, NULL, 0 \
+#define CLI_END_OPTIONS \
+    {                   \
+        .name = NULL    \
     }
 
 /* The common options that mean the same everywhere, ended as a table is; -o is each command's own.
@@ -195,6 +205,9 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv);
 void cli_call_free(cli_call *call);
 
 const cli_command *cli_find_command(const char *name); /* NULL: none */
+
+/* The error where `option` names no effect: MUKCA_USAGE. */
+mukca_status cli_fail_effect(mukca_error *error, const char *option, const char *name);
 
 /* Run the parsed command with zeroed call->session and call->work, which are freed again. */
 mukca_status cli_run(cli_call *call);

@@ -18,15 +18,12 @@ typedef struct {
 } compensate_options;
 
 static const cli_option options[] = {
-    {"poses", 0, CLI_FLAG, NULL,
-     "rows are poses (x_m y_m z_m, optionally qw qx qy qz), not joint targets", NULL,
-     offsetof(compensate_options, poses)},
-    {"position-only", 0, CLI_FLAG, NULL,
-     "ignore the orientation (always with fewer than six joints)", NULL,
-     offsetof(compensate_options, position_only)},
-    {"tolerance", 0, CLI_POSITIVE, "M",
-     "error at which a target counts as reached, m and rad (default: 1e-8)", NULL,
-     offsetof(compensate_options, tolerance)},
+    CLI_OPTION(compensate_options, poses, "poses", CLI_FLAG, NULL,
+               "rows are poses (x_m y_m z_m, optionally qw qx qy qz), not joint targets"),
+    CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
+               "ignore the orientation (always with fewer than six joints)"),
+    CLI_OPTION(compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
+               "error at which a target counts as reached, m and rad (default: 1e-8)"),
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_JSON_OPTION,
@@ -197,8 +194,7 @@ static mukca_status run(cli_call *call)
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
         status = o->poses ? from_poses(call, output.stream, &t, arm, input.items[i], i == 0)
                           : from_joints(call, output.stream, &t, arm, input.items[i], i == 0);
-    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
-    mukca_output_abort(&output);
+    status = mukca_output_finish(&output, status, &call->error);
     if (status != MUKCA_OK) return status;
     print_tally(call, &t, o->poses);
     return c->json ? cli_write_json(call, as_json(call, &t)) : MUKCA_OK;

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/suggest.h"
-
 /* more samples take minutes and gigabytes */
 enum { MANY_ROWS = 20000 };
 
@@ -15,15 +13,16 @@ typedef struct {
     bool free_base, free_tool;
 } diagnose_options;
 
-#define OWN(member, name, kind, argument, help) \
-    CLI_OPTION(diagnose_options, member, name, kind, argument, help)
 static const cli_option options[] = {
     CLI_TEST_OPTION,
-    OWN(without, "without", CLI_TEXT, "EFFECTS",
-        "exclude these effects from the catalogue (comma-separated)"),
-    OWN(expect, "expect", CLI_TEXT, "EFFECT", "exit code 1 unless this effect is among the causes"),
-    OWN(free_base, "free-base", CLI_FLAG, NULL, "pose logs: fit the frame of the tracker"),
-    OWN(free_tool, "free-tool", CLI_FLAG, NULL, "pose logs: fit the offset of the target"),
+    CLI_OPTION(diagnose_options, without, "without", CLI_TEXT, "EFFECTS",
+               "exclude these effects from the catalogue (comma-separated)"),
+    CLI_OPTION(diagnose_options, expect, "expect", CLI_TEXT, "EFFECT",
+               "exit code 1 unless this effect is among the causes"),
+    CLI_OPTION(diagnose_options, free_base, "free-base", CLI_FLAG, NULL,
+               "pose logs: fit the frame of the tracker"),
+    CLI_OPTION(diagnose_options, free_tool, "free-tool", CLI_FLAG, NULL,
+               "pose logs: fit the offset of the target"),
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
     CLI_PAYLOAD_OPTION,
@@ -33,18 +32,6 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-static mukca_status no_effect(mukca_error *error, const char *option, const char *name)
-{
-    const char *meant = NULL;
-    int best = 99;
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        if (mukca_suggest_better(&best, name, mukca_effect_table[kind]->name))
-            meant = mukca_effect_table[kind]->name;
-    return mukca_fail(error, MUKCA_USAGE, "%s: no effect is called '%.60s'; %s%s%s", option, name,
-                      meant ? "did you mean " : "`mukca help effects` lists them",
-                      meant ? meant : "", meant ? "?" : "");
-}
-
 static mukca_status disable(unsigned char *disabled, const char *list, mukca_error *error)
 {
     char name[64];
@@ -52,7 +39,7 @@ static mukca_status disable(unsigned char *disabled, const char *list, mukca_err
         const size_t length = strcspn(list, ",");
         snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), list);
         const int kind = mukca_effect_find(name);
-        if (kind < 0) return no_effect(error, "--without", name);
+        if (kind < 0) return cli_fail_effect(error, "--without", name);
         disabled[kind] = 1;
         list += length + (list[length] == ',');
     }
@@ -104,7 +91,7 @@ static mukca_status run(cli_call *call)
     const int expected = o->expect ? mukca_effect_find(o->expect) : -1;
     mukca_status status = disable(disabled, o->without, &call->error);
     if (status == MUKCA_OK && o->expect && expected < 0)
-        status = no_effect(&call->error, "--expect", o->expect);
+        status = cli_fail_effect(&call->error, "--expect", o->expect);
     if (status == MUKCA_OK) status = cli_load(call);
     if (status != MUKCA_OK) return status;
     if (s->data.n_rows > MANY_ROWS)

@@ -15,12 +15,11 @@ typedef struct {
 static const cli_option options[] = {
     CLI_OFFSETS_OPTION,
     CLI_TEST_OPTION,
-    {"max-mae", 0, CLI_POSITIVE, "M",
-     "exit code 1 if the mean error (of --test, if given) is above this, m", NULL,
-     offsetof(evaluate_options, max_mae)},
-    {"matrix", 0, CLI_FLAG, NULL,
-     "train on each placement, each pair and all, test on the others: a table of mean errors", NULL,
-     offsetof(evaluate_options, matrix)},
+    CLI_OPTION(evaluate_options, max_mae, "max-mae", CLI_POSITIVE, "M",
+               "exit code 1 if the mean error (of --test, if given) is above this, m"),
+    CLI_OPTION(
+        evaluate_options, matrix, "matrix", CLI_FLAG, NULL,
+        "train on each placement, each pair and all, test on the others: a table of mean errors"),
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
     CLI_JSON_OPTION,
     CLI_MODEL_OPTIONS,
@@ -212,8 +211,7 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
         write_scores(output.stream, "data", &w->data, &s->data);
         write_scores(output.stream, "test", &w->test, &s->test);
     }
-    if (status == MUKCA_OK && output.stream) status = mukca_output_close(&output, &call->error);
-    mukca_output_abort(&output);
+    status = mukca_output_finish(&output, status, &call->error);
     if (status == MUKCA_OK) return cli_write_json(call, json);
     json_decref(json);
     return status;

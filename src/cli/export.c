@@ -18,12 +18,16 @@ static const char *const formats[] = {
         NULL};
 
 static const cli_option options[] = {
-    {"format", 'f', CLI_CHOICE, "FORMAT",
-     "what to write (default: by the ending of the file's name, else urdf)", formats,
-     offsetof(export_options, format)},
-    {"check", 0, CLI_TEXT, "FILE",
-     "write nothing: compare FILE, of that format, with the table; exit code 1 if they differ",
-     NULL, offsetof(export_options, check)},
+    {.name = "format",
+     .letter = 'f',
+     .kind = CLI_CHOICE,
+     .argument = "FORMAT",
+     .help = "what to write (default: by the ending of the file's name, else urdf)",
+     .choices = formats,
+     .offset = offsetof(export_options, format)},
+    CLI_OPTION(
+        export_options, check, "check", CLI_TEXT, "FILE",
+        "write nothing: compare FILE, of that format, with the table; exit code 1 if they differ"),
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
@@ -69,9 +73,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK)
         status =
             mukca_export_write(output.stream, &mukca_exporters[o->format], &input, &call->error);
-    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
-    mukca_output_abort(&output);
-    return status;
+    return mukca_output_finish(&output, status, &call->error);
 }
 
 #define FORMAT_LINE(name, endings, description) "  " #name " (" endings "): " description "\n"

@@ -11,8 +11,8 @@ typedef struct {
 } fk_options;
 
 static const cli_option options[] = {
-    {"pose", 0, CLI_FLAG, NULL, "print orientations too, as quaternions qw qx qy qz", NULL,
-     offsetof(fk_options, pose)},
+    CLI_OPTION(fk_options, pose, "pose", CLI_FLAG, NULL,
+               "print orientations too, as quaternions qw qx qy qz"),
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
@@ -81,9 +81,7 @@ static mukca_status run(cli_call *call)
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
         status = convert(call, output.stream, model, input.items[i], i == 0);
-    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
-    mukca_output_abort(&output);
-    return status;
+    return mukca_output_finish(&output, status, &call->error);
 }
 
 const cli_command cli_command_fk = {

@@ -13,6 +13,7 @@
 static mukca_status unknown_command(const char *name)
 {
     static const char *const others[] = {"help", "completion", "--version", "--help"};
+    char text[MUKCA_SUGGEST_TEXT];
     const char *meant = NULL, *what = name[0] == '-' ? "option" : "command";
     int best = 99;
     for (const cli_command *const *c = cli_commands; *c; c++)
@@ -21,10 +22,8 @@ static mukca_status unknown_command(const char *name)
         if (mukca_suggest_better(&best, name, others[i])) meant = others[i];
     if (strcmp(name, "-V") == 0 || strcmp(name, "version") == 0) meant = "--version";
     if (strncmp(name, "effect", 6) == 0) meant = "help effects";
-    if (meant)
-        fprintf(stderr, "mukca: unknown %s '%s'; did you mean %s?\n", what, name, meant);
-    else
-        fprintf(stderr, "mukca: unknown %s '%s'; `mukca help` lists them\n", what, name);
+    fprintf(stderr, "mukca: unknown %s '%s'; %s\n", what, name,
+            mukca_suggest_text(text, meant, "`mukca help` lists them"));
     return MUKCA_USAGE;
 }
 

@@ -62,9 +62,7 @@ mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_off
     mukca_status status = mukca_output_open(&output, path, call->common->force, &call->error);
     if (status == MUKCA_OK)
         status = mukca_offsets_write(output.stream, offsets, chain, data, comments, &call->error);
-    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
-    mukca_output_abort(&output);
-    return status;
+    return mukca_output_finish(&output, status, &call->error);
 }
 
 mukca_status cli_write_json_to(cli_call *call, const char *path, json_t *root)
@@ -80,17 +78,13 @@ mukca_status cli_write_json_to(cli_call *call, const char *path, json_t *root)
          fputc('\n', output.stream) == EOF) &&
         !ferror(output.stream)) /* which mukca_output_close reports with its reason */
         status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
-    mukca_output_abort(&output);
     json_decref(root);
-    return status;
+    return mukca_output_finish(&output, status, &call->error);
 }
 
 mukca_status cli_write_json(cli_call *call, json_t *root)
 {
-    if (!call->common->json) {
-        json_decref(root);
-        return MUKCA_OK;
-    }
-    return cli_write_json_to(call, call->common->json, root);
+    if (call->common->json) return cli_write_json_to(call, call->common->json, root);
+    json_decref(root);
+    return MUKCA_OK;
 }

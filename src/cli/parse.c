@@ -10,6 +10,9 @@
 #include "base/suggest.h"
 #include "base/text.h"
 
+/* Between the sockets of the published artefact, m. */
+static const double usual_distance = 0.05;
+
 const cli_option cli_common_options[] = {CLI_MODEL_OPTIONS,    CLI_OFFSETS_OPTION, CLI_TEST_OPTION,
                                          CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,    CLI_FORCE_OPTION,
                                          CLI_PAYLOAD_OPTION,   CLI_TALK_OPTIONS,   CLI_END_OPTIONS};
@@ -43,6 +46,18 @@ static mukca_status unknown_option(cli_call *call, const char *word)
                           meant);
     return mukca_fail(&call->error, MUKCA_USAGE, "unknown option %s; see `mukca help %s`", name,
                       call->command->name);
+}
+
+mukca_status cli_fail_effect(mukca_error *error, const char *option, const char *name)
+{
+    const char *meant = NULL;
+    char text[MUKCA_SUGGEST_TEXT];
+    int best = 99;
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
+        if (mukca_suggest_better(&best, name, mukca_effect_table[kind]->name))
+            meant = mukca_effect_table[kind]->name;
+    return mukca_fail(error, MUKCA_USAGE, "%s: no effect is called '%.60s'; %s", option, name,
+                      mukca_suggest_text(text, meant, "`mukca help effects` lists them"));
 }
 
 /* Number at the start of *text up to `stop` exactly; *text moves behind that. */
@@ -104,20 +119,39 @@ static bool store_choice(int *value, const char *const *choices, const char *tex
     return false;
 }
 
+static bool in_range(double value, const cli_option *option)
+{
+    return (option->least == 0 && option->most == 0) ||
+           (value >= option->least && value <= option->most);
+}
+
+/* ", 1 to 1000"; ", at most 180"; "" without a range. */
+static void describe_range(char text[64], const cli_option *option)
+{
+    text[0] = '\0';
+    if (option->least == 0 && option->most == 0) return;
+    if (option->kind == CLI_POSITIVE)
+        snprintf(text, 64, ", at most %.7g", option->most);
+    else if (isinf(option->most))
+        snprintf(text, 64, ", %.7g or more", option->least);
+    else
+        snprintf(text, 64, ", %.7g to %.7g", option->least, option->most);
+}
+
 /* Store a value of a kind that text can be wrong for; false where it is. */
 static bool store(void *at, const cli_option *option, const char *text)
 {
     double *v = at;
     switch (option->kind) {
         case CLI_NUMBER:
-            return parse_number(v, &text, '\0');
+            return parse_number(v, &text, '\0') && in_range(*v, option);
         case CLI_POSITIVE:
-            return parse_number(v, &text, '\0') && *v > 0;
+            return parse_number(v, &text, '\0') && *v > 0 && in_range(*v, option);
         case CLI_VECTOR:
             return parse_number(&v[0], &text, ',') && parse_number(&v[1], &text, ',') &&
                    parse_number(&v[2], &text, '\0') && (v[0] != 0 || v[1] != 0 || v[2] != 0);
         case CLI_INTEGER:
-            return store_integer(at, text);
+            return store_integer(at, text) && in_range(*(int *)at, option);
         case CLI_CHOICE:
             return store_choice(at, option->choices, text);
         default:
@@ -136,7 +170,7 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
         [CLI_CHOICE] = "one of",
     };
     void *at = member(call, option);
-    char list[160] = "";
+    char list[160] = "", range[64];
     mukca_text names = MUKCA_TEXT(list);
     if (!*text) /* as of an unset variable in a script */
         return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s, and not an empty text",
@@ -146,8 +180,9 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
     if (store(at, option, text)) return MUKCA_OK;
     for (int i = 0; option->kind == CLI_CHOICE && option->choices[i]; i++)
         mukca_text_put(&names, "%s %s", i ? "," : "", option->choices[i]);
-    return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be %s%s%s", option->name, text,
-                      wanted[option->kind], list, unit_words(option));
+    describe_range(range, option);
+    return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be %s%s%s%s", option->name, text,
+                      wanted[option->kind], list, range, unit_words(option));
 }
 
 /* Length of the longest beginning of argv that holds no option. */
@@ -221,6 +256,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
     if (!call->options) return out_of_memory(call);
     if (call->command->defaults)
         memcpy(call->options, call->command->defaults, call->command->options_size);
+    call->common->distance = usual_distance;
     bool plain = false;
     for (int i = 0; i < argc;) {
         const char *word = argv[i];

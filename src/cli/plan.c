@@ -18,31 +18,31 @@ static const plan_options defaults = {
     .rows = 20, .noise = 1e-4, .tilt = (double)NAN, .clearance = (double)NAN};
 
 static const cli_option options[] = {
-    {"rows", 0, CLI_INTEGER, "N", "postures to propose, all sockets together (default: 20)", NULL,
-     offsetof(plan_options, rows)},
-    {"place", 0, CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
-     "a placement of the tool: middle of the sockets, which lie on its x axis, m and rad; 1 cm is "
-     "accurate enough",
-     NULL, offsetof(plan_options, places)},
-    {"suggest", 0, CLI_INTEGER, "N",
-     "propose N placements of the tool instead, each with --rows N samples", NULL,
-     offsetof(plan_options, suggest)},
-    {"settle", 0, CLI_FLAG, NULL, "diagnose DATA and separate its first indistinguishable causes",
-     NULL, offsetof(plan_options, settle)},
-    {"separate", 0, CLI_TEXTS, "EFFECT",
-     "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or more, "
-     "with commas or repeated",
-     NULL, offsetof(plan_options, separate)},
-    {"noise", 0, CLI_NUMBER, "M", "measurement noise of the ball per axis, m (default: 1e-4)", NULL,
-     offsetof(plan_options, noise)},
-    {"tilt", 0, CLI_NUMBER, "DEG",
-     "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)", NULL,
-     offsetof(plan_options, tilt)},
-    {"clearance", 0, CLI_NUMBER, "M",
-     "least height of the joints above the base, m (default: 0.05, or less if DATA show it)", NULL,
-     offsetof(plan_options, clearance)},
-    {"seed", 0, CLI_INTEGER, "N", "seed of the random candidates (default: 0)", NULL,
-     offsetof(plan_options, seed)},
+    CLI_RANGE_OPTION(plan_options, rows, "rows", CLI_INTEGER, "N", 1, 1000,
+                     "postures to propose, all sockets together (default: 20)"),
+    CLI_OPTION(plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
+               "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
+               "rad; 1 cm is "
+               "accurate enough"),
+    CLI_RANGE_OPTION(plan_options, suggest, "suggest", CLI_INTEGER, "N", 1,
+                     MUKCA_PLAN_MAX_SOCKETS / 2,
+                     "propose N placements of the tool instead, each with --rows N samples"),
+    CLI_OPTION(plan_options, settle, "settle", CLI_FLAG, NULL,
+               "diagnose DATA and separate its first indistinguishable causes"),
+    CLI_OPTION(
+        plan_options, separate, "separate", CLI_TEXTS, "EFFECT",
+        "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or more, "
+        "with commas or repeated"),
+    CLI_RANGE_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M", 0, 0.1,
+                     "measurement noise of the ball per axis, m (default: 1e-4)"),
+    CLI_RANGE_OPTION(
+        plan_options, tilt, "tilt", CLI_POSITIVE, "DEG", 0, 180,
+        "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)"),
+    CLI_OPTION(
+        plan_options, clearance, "clearance", CLI_NUMBER, "M",
+        "least height of the joints above the base, m (default: 0.05, or less if DATA show it)"),
+    CLI_OPTION(plan_options, seed, "seed", CLI_INTEGER, "N",
+               "seed of the random candidates (default: 0)"),
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
@@ -77,14 +77,6 @@ static mukca_status check(cli_call *call)
 {
     const plan_options *o = call->options;
     mukca_error *e = &call->error;
-    if (o->rows < 1 || o->rows > 1000)
-        return mukca_fail(e, MUKCA_USAGE, "--rows %d: must be 1 to 1000", o->rows);
-    if (o->suggest < 0)
-        return mukca_fail(e, MUKCA_USAGE, "--suggest %d: must be 1 or more", o->suggest);
-    if (!(o->noise > 0) || o->noise > 0.1)
-        return mukca_fail(e, MUKCA_USAGE, "--noise %g: must be m, above 0 to 0.1", o->noise);
-    if (o->tilt <= 0 || o->tilt > 180)
-        return mukca_fail(e, MUKCA_USAGE, "--tilt %g: must be degrees, above 0 to 180", o->tilt);
     if (o->settle && o->separate.n > 0)
         return mukca_fail(e, MUKCA_USAGE, "--settle and --separate exclude each other");
     if (o->settle && call->arguments.n == 0)
@@ -103,7 +95,7 @@ static mukca_status gather_sockets(plan_run *r)
 {
     const plan_options *o = r->call->options;
     mukca_error *error = &r->call->error;
-    const double distance = r->call->common->distance > 0 ? r->call->common->distance : 0.05;
+    const double distance = r->call->common->distance;
     int n = 0, place = 0;
     if (r->data->n_rows > 0) {
         n = mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model->geometry, r->data);
@@ -186,7 +178,7 @@ static mukca_status gather_causes(plan_run *r)
 static mukca_status plan(plan_run *r)
 {
     const plan_options *o = r->call->options;
-    const double distance = r->call->common->distance > 0 ? r->call->common->distance : 0.05;
+    const double distance = r->call->common->distance;
     const double *theta = r->model->offsets.theta;
     double fitted[MUKCA_MAX_THETA];
     r->options = (mukca_plan_options){.rows = o->rows,
@@ -219,11 +211,8 @@ static mukca_status plan(plan_run *r)
                                   .n_sockets = r->n_sockets,
                                   .distance = distance};
     if (o->suggest > 0)
-        return o->suggest > MUKCA_PLAN_MAX_SOCKETS / 2
-                   ? mukca_fail(&r->call->error, MUKCA_USAGE, "--suggest %d: not that many",
-                                o->suggest)
-                   : mukca_plan_places(r->places, &r->n_places, o->suggest, &task, &r->options,
-                                       &r->call->error);
+        return mukca_plan_places(r->places, &r->n_places, o->suggest, &task, &r->options,
+                                 &r->call->error);
     return mukca_plan_run(&r->plan, &task, &r->options, &r->call->error);
 }
 
@@ -263,9 +252,7 @@ static mukca_status write_poses(plan_run *r)
             fputc('\n', out);
         }
     }
-    status = mukca_output_close(&output, &r->call->error);
-    mukca_output_abort(&output);
-    return status;
+    return mukca_output_close(&output, &r->call->error);
 }
 
 static json_t *result_json(const plan_run *r)

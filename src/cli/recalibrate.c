@@ -14,23 +14,22 @@ typedef struct {
     bool iterate, joint, robust, tilts, free_base, free_tool;
 } recalibrate_options;
 
-#define OPTION(name, flag, help)                                                 \
-    {                                                                            \
-        flag, 0, CLI_FLAG, NULL, help, NULL, offsetof(recalibrate_options, name) \
-    }
-
 static const cli_option options[] = {
     CLI_TEST_OPTION,
-    {"target", 0, CLI_REST, "DATA...",
-     "poses of a work volume: fit a second model with a quarter of the weight on these", NULL,
-     offsetof(recalibrate_options, target)},
-    OPTION(iterate, "iterate", "repeat the linearisation until it converges"),
-    OPTION(joint, "joint", "solve for angles and lengths together, not in two steps"),
-    OPTION(robust, "robust", "give outliers less weight (Huber)"),
-    OPTION(tilts, "tilts",
-           "fit the tilt of the joint axes, too (default if no pose has an orientation)"),
-    OPTION(free_base, "free-base", "fit the frame in which the poses were measured"),
-    OPTION(free_tool, "free-tool", "fit the rotation of the measured frame against the tip"),
+    CLI_OPTION(recalibrate_options, target, "target", CLI_REST, "DATA...",
+               "poses of a work volume: fit a second model with a quarter of the weight on these"),
+    CLI_OPTION(recalibrate_options, iterate, "iterate", CLI_FLAG, NULL,
+               "repeat the linearisation until it converges"),
+    CLI_OPTION(recalibrate_options, joint, "joint", CLI_FLAG, NULL,
+               "solve for angles and lengths together, not in two steps"),
+    CLI_OPTION(recalibrate_options, robust, "robust", CLI_FLAG, NULL,
+               "give outliers less weight (Huber)"),
+    CLI_OPTION(recalibrate_options, tilts, "tilts", CLI_FLAG, NULL,
+               "fit the tilt of the joint axes, too (default if no pose has an orientation)"),
+    CLI_OPTION(recalibrate_options, free_base, "free-base", CLI_FLAG, NULL,
+               "fit the frame in which the poses were measured"),
+    CLI_OPTION(recalibrate_options, free_tool, "free-tool", CLI_FLAG, NULL,
+               "fit the rotation of the measured frame against the tip"),
     CLI_MODEL_OPTIONS,
     CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),

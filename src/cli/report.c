@@ -29,17 +29,18 @@ static const char *const formats[] = {"png", "pdf", "svg", NULL};
 static const cli_option options[] = {
     CLI_TEST_OPTION,
     CLI_OUTPUT_OPTION("write the page there (default: standard output)"),
-    {"plots", 0, CLI_TEXT, "FOLDER", "also write each figure there as a file", NULL,
-     offsetof(report_options, plots)},
-    {"format", 0, CLI_CHOICE, "FORMAT", "format of these files (default: png)", formats,
-     offsetof(report_options, format)},
-    {"repeatability", 0, CLI_NUMBER, "M",
-     "repeatability of the data sheet, a line in the convergence plot, m (default: 1e-4; 0: none)",
-     NULL, offsetof(report_options, repeatability)},
-    {"free-base", 0, CLI_FLAG, NULL, "pose logs: fit the frame of the tracker", NULL,
-     offsetof(report_options, free_base)},
-    {"free-tool", 0, CLI_FLAG, NULL, "pose logs: fit the offset of the target", NULL,
-     offsetof(report_options, free_tool)},
+    CLI_OPTION(report_options, plots, "plots", CLI_TEXT, "FOLDER",
+               "also write each figure there as a file"),
+    CLI_CHOICE_OPTION(report_options, format, "format", "FORMAT", formats,
+                      "format of these files (default: png)"),
+    CLI_RANGE_OPTION(
+        report_options, repeatability, "repeatability", CLI_NUMBER, "M", 0, INFINITY,
+        "repeatability of the data sheet, a line in the convergence plot, m (default: 1e-4; "
+        "0: none)"),
+    CLI_OPTION(report_options, free_base, "free-base", CLI_FLAG, NULL,
+               "pose logs: fit the frame of the tracker"),
+    CLI_OPTION(report_options, free_tool, "free-tool", CLI_FLAG, NULL,
+               "pose logs: fit the offset of the target"),
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
@@ -176,9 +177,7 @@ static mukca_status write_page(cli_call *call)
         status = mukca_report_write_figures(o->plots, formats[o->format], page, &call->error);
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
     if (status == MUKCA_OK) status = mukca_report_write(output.stream, page, &call->error);
-    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
-    mukca_output_abort(&output);
-    return status;
+    return mukca_output_finish(&output, status, &call->error);
 }
 
 static mukca_status check(cli_call *call)
@@ -187,9 +186,6 @@ static mukca_status check(cli_call *call)
     if (!call->common->output && isatty(STDOUT_FILENO))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "-o FILE is needed: the page is HTML, not for the terminal");
-    if (!(o->repeatability >= 0))
-        return mukca_fail(&call->error, MUKCA_USAGE, "--repeatability %g: must not be negative",
-                          o->repeatability);
     if (call->common->offsets && (o->free_base || o->free_tool))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--offsets contains its own frames; do not give --free-base or "

@@ -114,6 +114,7 @@ static mukca_status send_command(client *c)
 static mukca_status check_verb(cli_call *call, const char *verb)
 {
     const char *meant = NULL;
+    char text[MUKCA_SUGGEST_TEXT];
     int best = 99;
     if (strcmp(verb, "status") == 0) return MUKCA_OK;
     for (const char *const *v = mukca_server_verbs; *v; v++) {
@@ -121,9 +122,8 @@ static mukca_status check_verb(cli_call *call, const char *verb)
         if (mukca_suggest_better(&best, verb, *v)) meant = *v;
     }
     if (mukca_suggest_better(&best, verb, "status")) meant = "status";
-    return mukca_fail(&call->error, MUKCA_USAGE, "serve knows no command '%.40s'; %s%s%s", verb,
-                      meant ? "did you mean " : "`mukca help serve` lists them", meant ? meant : "",
-                      meant ? "?" : "");
+    return mukca_fail(&call->error, MUKCA_USAGE, "serve has no command '%.40s'; %s", verb,
+                      mukca_suggest_text(text, meant, "`mukca help serve` lists them"));
 }
 
 static mukca_status run(cli_call *call)

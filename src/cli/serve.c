@@ -25,7 +25,7 @@ static void list_arguments(const char **arguments, char distance[32], char gravi
         {"--tip", c->tip},
         {"--inertials", c->inertials},
         {"--distances", c->distances},
-        {"--distance", c->distance > 0 ? distance : NULL},
+        {"--distance", distance},
         {"--gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? gravity : NULL}};
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
         for (int k = 0; k < 2 && options[i][1]; k++) *arguments++ = options[i][k];

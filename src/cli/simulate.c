@@ -1,6 +1,7 @@
 /* mukca simulate: simulated recordings of an arm whose errors are known. */
 #include "cli/simulate.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,12 +11,9 @@
 #include "mukca/version.h"
 #include "recalibrate/recipe.h"
 
-static const cli_simulate_options defaults = {.placements = -1, .rows = 30};
+typedef cli_simulate_options own;
 
-#define OPTION(name, kind, argument, help, member)                                  \
-    {                                                                               \
-        name, 0, kind, argument, help, NULL, offsetof(cli_simulate_options, member) \
-    }
+static const own defaults = {.rows = 30};
 
 static const char *const recipes[] = {"none",
 #define RECIPE_NAME(kind, name, rows, sentence) name,
@@ -24,50 +22,52 @@ static const char *const recipes[] = {"none",
                                           NULL};
 
 static const cli_option options[] = {
-    OPTION("perturb", CLI_TEXT, "MM,MRAD",
-           "standard deviation of the errors of the origins, mm and mrad (default: none)", perturb),
-    OPTION("effect", CLI_TEXTS, "EFFECT",
-           "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between",
-           effects),
-    OPTION("mass-error", CLI_NUMBER, "PERCENT",
-           "standard deviation of the errors of the masses, percent", mass_error),
-    OPTION("placements", CLI_INTEGER, "N",
-           "placements of the tool, chosen at random (default: 4, or those of --place)",
-           placements),
-    OPTION("place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
-           "name of a placement, and its pose: middle of the sockets, which lie on its x axis, m "
-           "and rad",
-           places),
-    OPTION("rows", CLI_INTEGER, "N", "samples in each of the two sockets (default: 30)", rows),
-    OPTION("sweep", CLI_FLAG, NULL, "smooth sequence of postures instead of random ones", sweep),
-    OPTION("noise", CLI_NUMBER, "M", "measurement noise of the ball per axis, m (default: 0)",
-           noise),
-    OPTION("correlation", CLI_NUMBER, "RHO",
-           "correlation of the noise with that of the sample before, 0 to below 1 (default: 0)",
-           correlation),
-    OPTION("effort", CLI_FLAG, NULL, "add measured joint efforts", effort),
-    OPTION("effort-noise", CLI_NUMBER, "NM",
-           "measurement noise of the efforts, N m; implies --effort", effort_noise),
-    OPTION("command", CLI_FLAG, NULL,
-           "add commanded angles; with readback_lag the readings lag behind them", command),
-    OPTION("payload", CLI_POSITIVE, "KG", "mass at the tip beyond the model (default: none)",
-           payload),
-    OPTION("interval", CLI_POSITIVE, "S", "mean time between samples, s (default: 5)", interval),
-    OPTION("poses", CLI_INTEGER, "N", "a pose log of N samples instead of sockets", poses),
-    {"recipe", 0, CLI_CHOICE, "NAME",
-     "a pose log at the joint angles of a known experiment (default: none)", recipes,
-     offsetof(cli_simulate_options, recipe)},
-    OPTION("position-only", CLI_FLAG, NULL, "pose log without orientations", position_only),
-    OPTION("rotation-noise", CLI_NUMBER, "RAD",
-           "measurement noise of the orientations in a pose log, per axis, rad", rotation),
-    OPTION("held-out", CLI_INTEGER, "N",
-           "further placements (or poses) of the same arm, for --test", held_out),
-    OPTION("test", CLI_TEXT, "FILE", "write the held-out data there", test),
-    OPTION("seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)", seed),
-    OPTION("truth", CLI_TEXT, "FILE", "write the true arm as an offsets table", truth),
-    OPTION("labels", CLI_TEXT, "FILE",
-           "write the true effects and faults as JSON; the recording's comments then omit them",
-           labels),
+    CLI_OPTION(own, perturb, "perturb", CLI_TEXT, "MM,MRAD",
+               "standard deviation of the errors of the origins, mm and mrad (default: none)"),
+    CLI_OPTION(
+        own, effects, "effect", CLI_TEXTS, "EFFECT",
+        "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between"),
+    CLI_RANGE_OPTION(own, mass_error, "mass-error", CLI_NUMBER, "PERCENT", 0, 100,
+                     "standard deviation of the errors of the masses, percent"),
+    CLI_RANGE_OPTION(own, placements, "placements", CLI_INTEGER, "N", 1, CLI_MAX_PLACES - 1,
+                     "placements of the tool, chosen at random (default: 4, or those of --place)"),
+    CLI_OPTION(
+        own, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
+        "name of a placement, and its pose: middle of the sockets, which lie on its x axis, m "
+        "and rad"),
+    CLI_RANGE_OPTION(own, rows, "rows", CLI_INTEGER, "N", 2, 100000,
+                     "samples in each of the two sockets (default: 30)"),
+    CLI_OPTION(own, sweep, "sweep", CLI_FLAG, NULL,
+               "smooth sequence of postures instead of random ones"),
+    CLI_RANGE_OPTION(own, noise, "noise", CLI_NUMBER, "M", 0, 1,
+                     "measurement noise of the ball per axis, m (default: 0)"),
+    CLI_RANGE_OPTION(own, correlation, "correlation", CLI_NUMBER, "RHO", 0, 0.999,
+                     "correlation of the noise with that of the sample before (default: 0)"),
+    CLI_OPTION(own, effort, "effort", CLI_FLAG, NULL, "add measured joint efforts"),
+    CLI_RANGE_OPTION(own, effort_noise, "effort-noise", CLI_NUMBER, "NM", 0, INFINITY,
+                     "measurement noise of the efforts, N m; implies --effort"),
+    CLI_OPTION(own, command, "command", CLI_FLAG, NULL,
+               "add commanded angles; with readback_lag the readings lag behind them"),
+    CLI_OPTION(own, payload, "payload", CLI_POSITIVE, "KG",
+               "mass at the tip beyond the model (default: none)"),
+    CLI_OPTION(own, interval, "interval", CLI_POSITIVE, "S",
+               "mean time between samples, s (default: 5)"),
+    CLI_RANGE_OPTION(own, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
+                     "a pose log of N samples instead of sockets"),
+    CLI_CHOICE_OPTION(own, recipe, "recipe", "NAME", recipes,
+                      "a pose log at the joint angles of a known experiment (default: none)"),
+    CLI_OPTION(own, position_only, "position-only", CLI_FLAG, NULL,
+               "pose log without orientations"),
+    CLI_RANGE_OPTION(own, rotation, "rotation-noise", CLI_NUMBER, "RAD", 0, 1,
+                     "measurement noise of the orientations in a pose log, per axis, rad"),
+    CLI_RANGE_OPTION(own, held_out, "held-out", CLI_INTEGER, "N", 1, 10000000,
+                     "further placements (or poses) of the same arm, for --test"),
+    CLI_OPTION(own, test, "test", CLI_TEXT, "FILE", "write the held-out data there"),
+    CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
+    CLI_OPTION(own, truth, "truth", CLI_TEXT, "FILE", "write the true arm as an offsets table"),
+    CLI_OPTION(
+        own, labels, "labels", CLI_TEXT, "FILE",
+        "write the true effects and faults as JSON; the recording's comments then omit them"),
     CLI_DISTANCE_OPTION,
     CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", "the true arm, effects included, before --perturb"),
     CLI_MODEL_OPTIONS,
@@ -112,26 +112,11 @@ static mukca_status write_data(cli_call *call, const char *path, const mukca_dat
     mukca_status status = complete
                               ? mukca_output_open(&output, path, call->common->force, &call->error)
                               : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK) {
+    if (status == MUKCA_OK)
         mukca_dataset_write(output.stream, data, &s->model.chain, is_csv(path) ? ',' : '\t',
                             comments);
-        status = mukca_output_close(&output, &call->error);
-    }
-    mukca_output_abort(&output);
     free(comments);
-    return status;
-}
-
-static mukca_status write_truth(cli_call *call, const cli_simulation *s, const char *path)
-{
-    mukca_output output = {0};
-    mukca_status status = mukca_output_open(&output, path, call->common->force, &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_offsets_write(output.stream, &s->truth, &s->model.chain, NULL,
-                                     "the true arm of a simulation", &call->error);
-    if (status == MUKCA_OK) status = mukca_output_close(&output, &call->error);
-    mukca_output_abort(&output);
-    return status;
+    return mukca_output_finish(&output, status, &call->error);
 }
 
 /* A pose log at the angles of the recipe. */
@@ -188,7 +173,9 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK)
         status = write_data(call, call->common->output ? call->common->output : "-", &data, s);
     if (status == MUKCA_OK && o->test) status = write_data(call, o->test, &test, s);
-    if (status == MUKCA_OK && o->truth) status = write_truth(call, s, o->truth);
+    if (status == MUKCA_OK)
+        status = cli_write_offsets(call, o->truth, &s->truth, &s->model.chain, NULL,
+                                   "the true arm of a simulation");
     if (status == MUKCA_OK && o->labels) status = cli_write_labels(call, s, &data);
     mukca_dataset_free(&data);
     mukca_dataset_free(&test);

@@ -2,7 +2,6 @@
 #include <math.h>
 
 #include "cli/simulate.h"
-#include "io/output.h"
 
 static const char *joint_name(const mukca_chain *chain, int joint)
 {

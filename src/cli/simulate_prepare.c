@@ -11,25 +11,14 @@ static bool is_log(const cli_simulate_options *o)
     return o->poses || o->recipe;
 }
 
-static mukca_status check_numbers(const cli_simulate_options *o, mukca_error *error)
+static mukca_status check(const cli_simulate_options *o, mukca_error *error)
 {
-    if (o->rows < 2) return mukca_fail(error, MUKCA_USAGE, "--rows %d: must be 2 or more", o->rows);
-    if (o->noise < 0 || o->noise > 1)
-        return mukca_fail(error, MUKCA_USAGE, "--noise %g: must be m, from 0 to 1", o->noise);
-    if (o->correlation < 0 || o->correlation >= 1)
-        return mukca_fail(error, MUKCA_USAGE, "--correlation %g: must be from 0 to below 1",
-                          o->correlation);
-    if (o->mass_error < 0 || o->effort_noise < 0 || o->rotation < 0)
-        return mukca_fail(error, MUKCA_USAGE,
-                          "--mass-error, --effort-noise and --rotation-noise cannot be negative");
-    if (o->poses < 0 || o->poses > 10000000 || o->rows > 100000)
-        return mukca_fail(error, MUKCA_USAGE, "--poses and --rows: not that many");
-    if (o->held_out < 0 || (o->held_out > 0) != (o->test != NULL))
+    if ((o->held_out > 0) != (o->test != NULL))
         return mukca_fail(error, MUKCA_USAGE, "--held-out N and --test FILE go together");
     if (o->recipe && (o->poses || o->held_out || o->sweep))
         return mukca_fail(error, MUKCA_USAGE,
                           "--recipe sets the postures; omit --poses, --sweep and --held-out");
-    if (is_log(o) && (o->places.n || o->placements >= 0))
+    if (is_log(o) && (o->places.n || o->placements))
         return mukca_fail(error, MUKCA_USAGE, "a pose log has no placements");
     if (!is_log(o) && (o->position_only || o->rotation > 0))
         return mukca_fail(
@@ -79,13 +68,11 @@ mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *e
 static mukca_status name_places(cli_simulation *s, const cli_simulate_options *o,
                                 mukca_error *error)
 {
-    int n = o->placements >= 0 ? o->placements : o->places.n ? o->places.n : 4;
     const int held_out = is_log(o) ? 0 : o->held_out;
-    if (is_log(o)) n = 0;
-    if (n < o->places.n || (n < 1 && !is_log(o)) || n > CLI_MAX_PLACES - 1 ||
-        held_out > CLI_MAX_PLACES - n)
+    const int n = is_log(o) ? 0 : o->placements ? o->placements : o->places.n ? o->places.n : 4;
+    if (n < o->places.n || n >= CLI_MAX_PLACES || held_out > CLI_MAX_PLACES - n)
         return mukca_fail(error, MUKCA_USAGE,
-                          "--placements %d: must be 1 to %d with --held-out, and not below the "
+                          "--placements %d: must be at most %d with --held-out, and not below the "
                           "number of --place",
                           n, CLI_MAX_PLACES);
     s->n_places = n;
@@ -151,7 +138,7 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
 {
     const cli_simulate_options *o = call->options;
     double perturb[2] = {0, 0};
-    mukca_status status = check_numbers(o, &call->error);
+    mukca_status status = check(o, &call->error);
     if (status == MUKCA_OK && o->perturb && read_list(perturb, 2, o->perturb) != 2)
         status = mukca_fail(&call->error, MUKCA_USAGE,
                             "--perturb %.40s: must be MM,MRAD, two numbers", o->perturb);
@@ -168,21 +155,20 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
     }
     if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
     if (status) return status;
-    s->recording = (mukca_simulate_options){
-        .rows = o->rows,
-        .distance = call->common->distance > 0 ? call->common->distance : 0.05,
-        .noise = o->noise,
-        .rotation = o->rotation,
-        .correlation = o->correlation,
-        .interval = o->interval,
-        .sweep = o->sweep,
-        .effort = o->effort || o->effort_noise > 0,
-        .command = o->command,
-        .effort_noise = o->effort_noise,
-        .position_only = o->position_only,
-        .payload = o->payload,
-        .seed = (uint64_t)o->seed,
-        .interrupted = cli_interrupted};
+    s->recording = (mukca_simulate_options){.rows = o->rows,
+                                            .distance = call->common->distance,
+                                            .noise = o->noise,
+                                            .rotation = o->rotation,
+                                            .correlation = o->correlation,
+                                            .interval = o->interval,
+                                            .sweep = o->sweep,
+                                            .effort = o->effort || o->effort_noise > 0,
+                                            .command = o->command,
+                                            .effort_noise = o->effort_noise,
+                                            .position_only = o->position_only,
+                                            .payload = o->payload,
+                                            .seed = (uint64_t)o->seed,
+                                            .interrupted = cli_interrupted};
     if (s->recording.effort && !s->model.chain.n_masses)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--effort needs link masses; give --inertials FILE");

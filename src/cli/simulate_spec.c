@@ -232,20 +232,6 @@ static mukca_status add_effect(cli_simulated *s, const piece *p, mukca_effect_ki
     return status;
 }
 
-static mukca_status unknown(const piece *p, mukca_error *error)
-{
-    const char *meant = NULL;
-    int best = 99;
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        if (mukca_suggest_better(&best, p->name, mukca_effect_table[kind]->name))
-            meant = mukca_effect_table[kind]->name;
-    for (size_t k = 0; k < sizeof faults / sizeof *faults; k++)
-        if (mukca_suggest_better(&best, p->name, faults[k].name)) meant = faults[k].name;
-    return mukca_fail(error, MUKCA_USAGE, "--effect: no effect is called '%.60s'; %s%s%s", p->name,
-                      meant ? "did you mean " : "`mukca help effects` lists them",
-                      meant ? meant : "", meant ? "?" : "");
-}
-
 mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error *error)
 {
     mukca_status status = MUKCA_OK;
@@ -257,7 +243,7 @@ mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error
         const fault_kind *fault = find_fault(p.name);
         status = fault       ? add_fault(s, &p, fault, error)
                  : kind >= 0 ? add_effect(s, &p, (mukca_effect_kind)kind, error)
-                             : unknown(&p, error);
+                             : cli_fail_effect(error, "--effect", p.name);
     } while (status == MUKCA_OK && *text);
     return status;
 }

@@ -174,3 +174,10 @@ void mukca_output_abort(mukca_output *output)
     if (output->stream && output->temporary[0]) unlink(output->temporary);
     output->stream = NULL;
 }
+
+mukca_status mukca_output_finish(mukca_output *output, mukca_status status, mukca_error *error)
+{
+    if (status == MUKCA_OK && output->stream) return mukca_output_close(output, error);
+    mukca_output_abort(output);
+    return status;
+}

@@ -41,4 +41,7 @@ bool mukca_output_sync_folder(const char *path);
 /* Leave nothing behind; harmless on a zeroed or closed one. */
 void mukca_output_abort(mukca_output *output);
 
+/* Close an open output where all went well until now, else abort it; returns the first error. */
+mukca_status mukca_output_finish(mukca_output *output, mukca_status status, mukca_error *error);
+
 #endif

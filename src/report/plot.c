@@ -220,13 +220,9 @@ mukca_status mukca_plot_file(const char *path, const char *format, mukca_plot *p
     mukca_output output = {0};
     mukca_status status = render(&drawn, terminal, plot, error);
     if (status == MUKCA_OK) status = mukca_output_open(&output, path, true, error);
-    if (status == MUKCA_OK) {
-        fwrite(drawn.bytes, 1, drawn.size, output.stream); /* checked by close */
-        status = mukca_output_close(&output, error);
-    }
-    mukca_output_abort(&output);
+    if (status == MUKCA_OK) fwrite(drawn.bytes, 1, drawn.size, output.stream);
     free(drawn.bytes);
-    return status;
+    return mukca_output_finish(&output, status, error);
 }
 
 /* ---- SVG for the page ---- */

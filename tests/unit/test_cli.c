@@ -1,4 +1,5 @@
 /* Command lines: parsed by the option tables, told in one line where they are wrong. */
+#include <math.h>
 #include "cli/cli.h"
 
 #include "scratch.h"
@@ -7,29 +8,36 @@ typedef struct {
     cli_common common;
     bool flag;
     const char *text;
-    double number;
-    int integer, choice;
-    cli_list texts, rest;
+    double number, weight, angle;
+    int integer, colour, some;
+    cli_list each, test;
 } test_options;
 
 static const char *const colours[] = {"red", "green", "blue", NULL};
 
-#define AT(member) offsetof(test_options, member)
+#define ROW(member, letter, kind, argument, choices)                  \
+    {                                                                 \
+#member, letter, kind, argument, "a " #member, choices, 0, 0, \
+            offsetof(test_options, member)                            \
+    }
 static const cli_option options[] = {
-    {"flag", 'f', CLI_FLAG, NULL, "a flag", NULL, AT(flag)},
-    {"text", 't', CLI_TEXT, "TEXT", "a text", NULL, AT(text)},
-    {"number", 0, CLI_NUMBER, "N", "a number", NULL, AT(number)},
-    {"integer", 'i', CLI_INTEGER, "N", "a whole number", NULL, AT(integer)},
-    {"colour", 0, CLI_CHOICE, "COLOUR", "a colour", colours, AT(choice)},
-    {"each", 'e', CLI_TEXTS, "TEXT", "texts", NULL, AT(texts)},
-    {"test", 0, CLI_REST, "DATA...", "data", NULL, AT(rest)},
+    ROW(flag, 'f', CLI_FLAG, NULL, NULL),
+    ROW(text, 't', CLI_TEXT, "TEXT", NULL),
+    ROW(number, 0, CLI_NUMBER, "N", NULL),
+    ROW(integer, 'i', CLI_INTEGER, "N", NULL),
+    ROW(colour, 0, CLI_CHOICE, "COLOUR", colours),
+    ROW(each, 'e', CLI_TEXTS, "TEXT", NULL),
+    ROW(test, 0, CLI_REST, "DATA...", NULL),
+    CLI_RANGE_OPTION(test_options, some, "some", CLI_INTEGER, "N", 2, 9, "a few"),
+    CLI_RANGE_OPTION(test_options, weight, "weight", CLI_NUMBER, "W", 0, INFINITY, "a weight"),
+    CLI_RANGE_OPTION(test_options, angle, "angle", CLI_POSITIVE, "DEG", 0, 180, "an angle"),
     CLI_DISTANCE_OPTIONS,
     CLI_MODEL_OPTIONS,
     CLI_OUTPUT_OPTION("output"),
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-static const test_options defaults = {.number = 7, .choice = 1};
+static const test_options defaults = {.number = 7, .colour = 1};
 
 static const cli_command command = {.name = "try",
                                     .synopsis = "DATA...",
@@ -62,9 +70,9 @@ static void good_lines_are_understood(void **state)
     const test_options *o = call.options;
     assert_true(o->flag);
     assert_string_equal(o->text, "hello");
-    assert_true(o->number == -1.5 && o->integer == 12 && o->choice == 2);
-    assert_int_equal(o->texts.n, 2);
-    assert_string_equal(o->texts.items[1], "y");
+    assert_true(o->number == -1.5 && o->integer == 12 && o->colour == 2);
+    assert_int_equal(o->each.n, 2);
+    assert_string_equal(o->each.items[1], "y");
     assert_int_equal(call.arguments.n, 2);
     assert_string_equal(call.arguments.items[1], "b");
     assert_false(help);
@@ -72,20 +80,20 @@ static void good_lines_are_understood(void **state)
 
     assert_int_equal(parse("a"), MUKCA_OK);
     o = call.options;
-    assert_true(o->number == 7 && o->choice == 1 && !o->flag && !o->text);
+    assert_true(o->number == 7 && o->colour == 1 && !o->flag && !o->text);
     cli_call_free(&call);
 
     assert_int_equal(parse("a --test b c - --flag d --test e"), MUKCA_OK);
     o = call.options;
-    assert_int_equal(o->rest.n, 4);
-    assert_string_equal(o->rest.items[2], "-");
-    assert_string_equal(o->rest.items[3], "e");
+    assert_int_equal(o->test.n, 4);
+    assert_string_equal(o->test.items[2], "-");
+    assert_string_equal(o->test.items[3], "e");
     assert_int_equal(call.arguments.n, 2);
     cli_call_free(&call);
 
     assert_int_equal(parse("--test b -- -x --flag"), MUKCA_OK);
     o = call.options;
-    assert_int_equal(o->rest.n, 1);
+    assert_int_equal(o->test.n, 1);
     assert_string_equal(call.arguments.items[1], "--flag");
     assert_false(o->flag);
     cli_call_free(&call);
@@ -96,6 +104,11 @@ static void good_lines_are_understood(void **state)
     assert_true(o->common.gravity[1] == 9.8 && o->common.gravity[2] == -1e-3);
     assert_true(call.common->distance == 0.08);
     assert_string_equal(call.common->output, "-");
+    cli_call_free(&call);
+
+    assert_int_equal(parse("a --some 2 --weight 0 --angle 180"), MUKCA_OK);
+    o = call.options;
+    assert_true(o->some == 2 && o->weight == 0 && o->angle == 180);
     cli_call_free(&call);
 
     assert_int_equal(parse("--help"), MUKCA_OK);
@@ -129,6 +142,11 @@ static void bad_lines_get_one_clear_line(void **state)
         {"a --number 1e999", "must be a number"},
         {"a --integer 1.5", "must be a whole number"},
         {"a --integer 99999999999", "must be a whole number"},
+        {"a --some 1", "--some 1: must be a whole number, 2 to 9"},
+        {"a --some 10", "2 to 9"},
+        {"a --weight -1", "--weight -1: must be a number, 0 or more"},
+        {"a --angle 0", "--angle 0: must be a number above 0, at most 180, in degrees"},
+        {"a --angle 181", "at most 180"},
         {"a --colour pink", "--colour pink: must be one of red, green, blue"},
         {"a --test --flag", "--test needs DATA..."},
         {"a --distance 0", "--distance 0: must be a number above 0"},

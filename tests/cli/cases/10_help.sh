@@ -8,7 +8,7 @@ refuse 2 "unknown command 'zzz'" help zzz
 refuse 2 "unknown command 'version'; did you mean --version?" version
 refuse 2 "unknown option '--verzion'; did you mean --version?" --verzion
 refuse 2 "unknown command 'effect'; did you mean help effects?" help effect
-refuse 2 "serve knows no command 'statsu'; did you mean status?" send statsu
+refuse 2 "serve has no command 'statsu'; did you mean status?" send statsu
 refuse 2 "no effect is called 'joint_complience'; did you mean joint_compliance?" diagnose --expect joint_complience x
 refuse 2 "no effect is called 'lag'" diagnose --without backlash,lag x
 refuse 2 "mukca fk: unknown option --urfd; did you mean --urdf?" fk --urfd x

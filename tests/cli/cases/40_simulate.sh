@@ -45,10 +45,10 @@ refuse 2 "no joint 'elbow' in the chain" simulate --urdf arm.urdf --effect joint
 refuse 2 "no placement 'left'; the first one is 'p1'" simulate --urdf arm.urdf --effect ball_shift:left=1e-3
 refuse 2 "a pose log has no placements and no sockets" simulate --urdf arm.urdf --poses 9 --effect tool_motion:p1/0@2=1e-3
 refuse 2 "must be MM,MRAD" simulate --urdf arm.urdf --perturb 1
-refuse 2 "must be m, from 0 to 1" simulate --urdf arm.urdf --noise -1
-refuse 2 "must be from 0 to below 1" simulate --urdf arm.urdf --correlation 1
-refuse 2 "must be 2 or more" simulate --urdf arm.urdf --rows 1
-refuse 2 "must be 1 to" simulate --urdf arm.urdf --placements 0
+refuse 2 "must be a number, 0 to 1, in m" simulate --urdf arm.urdf --noise -1
+refuse 2 "must be a number, 0 to 0.999" simulate --urdf arm.urdf --correlation 1
+refuse 2 "must be a whole number, 2 to 100000" simulate --urdf arm.urdf --rows 1
+refuse 2 "must be a whole number, 1 to" simulate --urdf arm.urdf --placements 0
 refuse 2 "go together" simulate --urdf arm.urdf --held-out 2
 refuse 2 "two placements have the name 'a'" simulate --urdf arm.urdf --place a --place a
 refuse 2 "needs NAME=X,Y,Z" simulate --urdf arm.urdf --place a=1,2
