@@ -1,22 +1,10 @@
-/* Status texts, the error record and notes. */
+/* The error record and notes. */
 #include "mukca/status.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 
 #include "base/note.h"
-
-const char *mukca_status_text(mukca_status status)
-{
-    switch (status) {
-#define STATUS_CASE(name, value, text) \
-    case MUKCA_##name:                 \
-        return text;
-        MUKCA_STATUS_LIST(STATUS_CASE)
-#undef STATUS_CASE
-    }
-    return "unknown status";
-}
 
 mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *format, ...)
 {

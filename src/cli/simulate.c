@@ -9,7 +9,7 @@
 #include "io/dataset_write.h"
 #include "io/output.h"
 #include "mukca/version.h"
-#include "recalibrate/recipe.h"
+#include "simulate/recipe.h"
 
 typedef cli_simulate_options own;
 

@@ -7,7 +7,7 @@
 #include "math/random.h"
 #include "recalibrate/check.h"
 #include "recalibrate/recalibrate.h"
-#include "recalibrate/recipe.h"
+#include "simulate/recipe.h"
 
 enum { MAX_ROWS = 2000 };
 

@@ -1,5 +1,5 @@
 /* Joint angles of the experiments of Kana et al. (2022). */
-#include "recalibrate/recipe.h"
+#include "simulate/recipe.h"
 
 #include <math.h>
 #include <string.h>

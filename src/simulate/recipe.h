@@ -1,6 +1,6 @@
 /* Recipes: rows of joint angles of known experiments. */
-#ifndef MUKCA_RECALIBRATE_RECIPE_H
-#define MUKCA_RECALIBRATE_RECIPE_H
+#ifndef MUKCA_SIMULATE_RECIPE_H
+#define MUKCA_SIMULATE_RECIPE_H
 
 #include "mukca/chain.h"
 

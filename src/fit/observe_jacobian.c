@@ -1,0 +1,93 @@
+/* The Jacobian of the residuals, and their weights. */
+#include <math.h>
+#include <string.h>
+
+#include "fit/observe.h"
+
+/* J rows of one orientation: derivative of the rotation vector w, not of the rotation itself. */
+static void turn_rows_of(double *J, int n, const double w[3])
+{
+    const double angle = mukca_norm3(w);
+    const double f = angle < 1e-3
+                         ? 1.0 / 12 + angle * angle / 720
+                         : 1 / (angle * angle) - (1 + cos(angle)) / (2 * angle * sin(angle));
+    double M[9];
+    for (int r = 0; r < 3; r++) /* I - [w]x / 2 + f [w]x^2 */
+        for (int c = 0; c < 3; c++)
+            M[3 * r + c] = (r == c) * (1 - f * angle * angle) + f * w[r] * w[c];
+    M[1] += w[2] / 2, M[2] -= w[1] / 2, M[3] -= w[2] / 2;
+    M[5] += w[0] / 2, M[6] += w[1] / 2, M[7] -= w[0] / 2;
+    for (int i = 0; i < n; i++) {
+        double v[3] = {J[i], J[n + i], J[2 * n + i]}, u[3];
+        mukca_mat3_vec(u, M, v);
+        for (int a = 0; a < 3; a++) J[a * n + i] = MUKCA_METRES_PER_RADIAN * u[a];
+    }
+}
+
+static void jacobian_of(double *J, mukca_observations *o, const double *theta,
+                        const mukca_parameters *parameters, mukca_gradient kind)
+{
+    const int n = parameters->n, padded = o->sweep.padded;
+    double *JO = o->oriented ? J + 3 * o->n_rows * n : NULL;
+    mukca_sweep_jacobian(J, JO, &o->sweep, theta, parameters, kind);
+    memset(o->mean_rows, 0, 3 * (size_t)(o->n_sockets * n) * sizeof *o->mean_rows);
+    for (int i = 0; i < o->n_rows; i++) {
+        if (o->socket[i] < 0) continue;
+        double *mean = o->mean_rows + 3 * o->socket[i] * n;
+        for (int c = 0; c < 3 * n; c++) mean[c] += J[3 * i * n + c];
+    }
+    for (int s = 0; s < o->n_sockets; s++)
+        for (int c = 0; c < 3 * n && o->count[s] > 0; c++)
+            o->mean_rows[3 * s * n + c] /= o->count[s];
+    for (int i = 0; i < o->n_rows; i++) {
+        double *rows = J + 3 * i * n;
+        if (o->socket[i] >= 0 && !o->fixed_mean) {
+            const double *mean = o->mean_rows + 3 * o->socket[i] * n;
+            for (int c = 0; c < 3 * n; c++) rows[c] -= mean[c];
+        }
+        if (!(o->share[i] > 0)) memset(rows, 0, 3 * (size_t)n * sizeof *rows);
+        if (!JO) continue;
+        double w[3];
+        for (int a = 0; a < 3; a++)
+            w[a] = o->turn_residual[a * padded + i] / MUKCA_METRES_PER_RADIAN;
+        if (o->turn_share[i] > 0)
+            turn_rows_of(JO + 3 * i * n, n, w);
+        else
+            memset(JO + 3 * i * n, 0, 3 * (size_t)n * sizeof *JO);
+    }
+    double *row = J + (o->oriented ? 6 : 3) * o->n_rows * n;
+    for (int p = 0; p < o->n_pairs; p++, row += n) {
+        const double *a = o->mean_rows + 3 * o->pair[2 * p] * n;
+        const double *b = o->mean_rows + 3 * o->pair[2 * p + 1] * n;
+        const double *u = o->pair_direction + 3 * p;
+        for (int c = 0; c < n; c++)
+            row[c] = u[0] * (a[c] - b[c]) + u[1] * (a[n + c] - b[n + c]) +
+                     u[2] * (a[2 * n + c] - b[2 * n + c]);
+    }
+}
+
+void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const double *theta,
+                             const mukca_parameters *parameters, mukca_gradient kind)
+{
+    const int padded = o->sweep.padded, n = o->n_rows;
+    mukca_observe_predict(o, theta);
+    for (int i = 0; i < n; i++)
+        for (int a = 0; a < 3; a++) {
+            r[3 * i + a] = o->residual[a * padded + i];
+            if (o->oriented) r[3 * n + 3 * i + a] = o->turn_residual[a * padded + i];
+        }
+    memcpy(r + (o->oriented ? 6 : 3) * n, o->pair_residual,
+           (size_t)o->n_pairs * sizeof *o->pair_residual);
+    if (J) jacobian_of(J, o, theta, parameters, kind);
+}
+
+void mukca_observe_weights(double *weight, const mukca_observations *o, double pair_weight)
+{
+    for (int i = 0; i < o->n_rows; i++)
+        for (int a = 0; a < 3; a++) {
+            weight[3 * i + a] = sqrt(o->share[i]);
+            if (o->oriented) weight[3 * (o->n_rows + i) + a] = sqrt(o->turn_share[i]);
+        }
+    for (int p = 0; p < o->n_pairs; p++)
+        weight[(o->oriented ? 6 : 3) * o->n_rows + p] = sqrt(pair_weight);
+}
