@@ -105,7 +105,10 @@ const cli_command cli_command_serve = {
         "sends them). It records sessions, calibrates and diagnoses. It sends its status twice a "
         "second on MUKCA_STATUS, samples on MUKCA_SAMPLE and results on MUKCA_RESULT; a message on "
         "MUKCA_TRIGGER records a sample. The message types are in data/lcm (installed: "
-        "share/mukca/lcm). After a restart it resumes its session; SIGTERM ends it cleanly.\n\n"
+        "share/mukca/lcm). After a restart it resumes its session, unless that was finished; "
+        "SIGTERM ends it "
+        "cleanly. The folder of --state holds sessions/NAME.tsv, results/NAME.* and state.tsv. One "
+        "server uses it at a time; a second one ends with exit code 3.\n\n"
         "Commands:\n"
 #define VERB_HELP(name, usage, arguments, sentence) "  " #name usage "\n      " sentence "\n"
     MUKCA_SERVER_VERB_LIST(VERB_HELP)

@@ -1,11 +1,9 @@
 /* The server: commands over LCM, the loop. */
 #include "record/server.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -37,8 +35,9 @@ static mukca_status begin(mukca_server *s, mukca_error *answer)
 {
     char path[MUKCA_SERVER_PATH];
     mukca_recorder *r = &s->recorder;
-    if (s->session_begun || !s->state.session[0] || !r->connected) return MUKCA_OK;
-    mukca_server_path(path, s, s->state.session, ".tsv");
+    if (s->session_begun || !s->state.session[0] || s->state.finished[0] || !r->connected)
+        return MUKCA_OK;
+    mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, s->state.session, ".tsv");
     s->session_begun = true;
     mukca_status status = mukca_recorder_begin(r, path, true, false, answer);
     if (status == MUKCA_OK) {
@@ -110,6 +109,7 @@ VERB(finish)
     if (!session->fd) return mukca_fail(answer, MUKCA_NEGATIVE, "no session is being recorded");
     mukca_fail(answer, MUKCA_OK, "%d samples in %s", session->n_rows, session->path);
     mukca_session_close(session);
+    s->state.finished[0] = '1';
     return MUKCA_OK;
 }
 
@@ -200,16 +200,6 @@ static bool may_trigger(void *context)
     return mukca_server_accepts(context, "trigger");
 }
 
-static mukca_status check_folder(const char *folder, mukca_error *error)
-{
-    if (mkdir(folder, 0777) && errno != EEXIST)
-        return mukca_fail(error, MUKCA_INPUT, "--state %s: %s", folder, strerror(errno));
-    if (access(folder, R_OK | W_OK | X_OK))
-        return mukca_fail(error, MUKCA_INPUT, "--state %s: must be a folder that can be written",
-                          folder);
-    return MUKCA_OK;
-}
-
 mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *options,
                                const mukca_chain *chain, const double *theta,
                                const mukca_recorder_hooks *hooks, mukca_error *error)
@@ -225,7 +215,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     s->hooks = *hooks;
     mukca_row_state_stream(&s->pose.states, chain->n_joints);
     mukca_status status = mukca_server_check_accept(s, error);
-    if (status == MUKCA_OK) status = check_folder(options->folder, error);
+    if (status == MUKCA_OK) status = mukca_server_open_folder(s, error);
     if (status == MUKCA_OK)
         status = mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &own, error);
     if (status == MUKCA_OK) status = mukca_server_load_state(s, error);
@@ -293,4 +283,6 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
 void mukca_server_close(mukca_server *s)
 {
     mukca_recorder_close(&s->recorder);
+    if (s->lock) close(s->lock - 1);
+    s->lock = 0;
 }

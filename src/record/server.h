@@ -48,6 +48,7 @@ typedef struct {
     char session[MUKCA_NAME_SIZE]; /* name, without ending; empty: none */
     char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* current ... */
     char rows[16];                    /* ... when the session had so many rows */
+    char finished[2];                 /* not empty: no samples are added to the session */
     char model[MUKCA_NAME_SIZE + 16]; /* file of the offsets table in use; empty: none */
     char model_stream[16];            /* the kind of stream its rows were recorded from */
 } mukca_server_state;
@@ -82,6 +83,7 @@ typedef struct {
     mukca_recorder_hooks hooks; /* the caller's */
     mukca_server_state state, saved;
     bool session_begun;
+    int lock; /* descriptor + 1, so that zero is none */
     mukca_server_budget new_sessions;
     mukca_server_job job;
     mukca_server_pose pose;
@@ -104,11 +106,20 @@ void mukca_server_close(mukca_server *s);
 /* Latency at or below which the share p of all poses was sent, s; NaN without any */
 double mukca_server_latency(const mukca_server_pose *pose, double p);
 
-/* ---- parts of it (server_state.c, server_pose.c, server_job.c) ---- */
+/* ---- parts of it (server_folder.c, server_state.c, server_pose.c, server_job.c) ---- */
 
-/* "FOLDER/NAMEending" */
-void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *name,
-                       const char *ending);
+/* Folders of --state: a session's name must not meet other files. */
+#define MUKCA_SERVER_SESSIONS "sessions"
+#define MUKCA_SERVER_RESULTS "results"
+
+/* "DIR/folder/NAMEending" */
+void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *folder,
+                       const char *name, const char *ending);
+
+/* Make the folder, hold it until mukca_server_close, remove what is left of killed writers, and
+ * move the files of an earlier version to their places.  Errors: MUKCA_INPUT (also: another server
+ * holds it). */
+mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error);
 
 /* Whether a session may be called so: letters, digits, _ - and . but not first; at most 40. */
 bool mukca_server_name_ok(const char *name);

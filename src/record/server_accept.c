@@ -54,9 +54,8 @@ mukca_status mukca_server_may_start(mukca_server *s, const char *name, mukca_err
     char path[MUKCA_SERVER_PATH];
     struct statvfs disk;
     mukca_server_budget *budget = &s->new_sessions;
-    bool current =
-        strcmp(name, s->state.session) == 0 && (s->recorder.session.fd || !s->session_begun);
-    mukca_server_path(path, s, name, ".tsv");
+    bool current = strcmp(name, s->state.session) == 0 && !s->state.finished[0];
+    mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, name, ".tsv");
     if (current || mukca_lcm_link_replays(s->recorder.link)) return MUKCA_OK;
     if (access(path, F_OK) == 0) {
         if (mukca_server_accepts(s, "reopen")) return MUKCA_OK;

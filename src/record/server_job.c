@@ -50,10 +50,12 @@ mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
     if (!session[0]) return mukca_fail(error, MUKCA_NEGATIVE, "there is no session: start one");
     job->id = id;
     job->diagnosis = diagnosis;
-    mukca_server_path(path, s, session, ".tsv");
-    mukca_server_path(job->offsets, s, session, diagnosis ? ".effects.tsv" : ".offsets.tsv");
-    mukca_server_path(job->json, s, session, diagnosis ? ".diagnose.json" : ".calibrate.json");
-    mukca_server_path(job->errors, s, session, ".errors.txt");
+    mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, session, ".tsv");
+    mukca_server_path(job->offsets, s, MUKCA_SERVER_RESULTS, session,
+                      diagnosis ? ".effects.tsv" : ".offsets.tsv");
+    mukca_server_path(job->json, s, MUKCA_SERVER_RESULTS, session,
+                      diagnosis ? ".diagnose.json" : ".calibrate.json");
+    mukca_server_path(job->errors, s, MUKCA_SERVER_RESULTS, session, ".errors.txt");
     const char *const last[] = {"-o",      job->offsets, "--json", job->json,
                                 "--force", "-q",         "--",     path};
     const char *arguments[MUKCA_SERVER_ARGUMENTS + 12] = {"mukca", verb_of(job)};

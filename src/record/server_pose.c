@@ -15,7 +15,7 @@ mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
                           "count twice or not at all",
                           s->state.model, s->state.model_stream,
                           mukca_recorder_stream(&s->recorder));
-    mukca_server_path(path, s, s->state.model, "");
+    mukca_server_path(path, s, MUKCA_SERVER_RESULTS, s->state.model, "");
     mukca_status status =
         mukca_offsets_read(&s->pose.offsets, s->recorder.chain, path, false, NULL, NULL, error);
     if (status != MUKCA_OK) return status;

@@ -1,5 +1,6 @@
 /* What the server keeps across restarts; notices to the service manager. */
 #include <ctype.h>
+#include <errno.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,13 +8,15 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "io/output.h"
 #include "record/server.h"
 
-void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *name,
-                       const char *ending)
+void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *folder,
+                       const char *name, const char *ending)
 {
-    snprintf(path, MUKCA_SERVER_PATH, "%.800s/%s%s", s->options->folder, name, ending);
+    snprintf(path, MUKCA_SERVER_PATH, "%.700s/%s/%.255s%s", s->options->folder, folder, name,
+             ending);
 }
 
 bool mukca_server_name_ok(const char *name)
@@ -29,19 +32,25 @@ bool mukca_server_name_ok(const char *name)
     {                                                                                      \
 #name, offsetof(mukca_server_state, name), sizeof(((mukca_server_state *)0)->name) \
     }
+static void state_path(char path[MUKCA_SERVER_PATH], const mukca_server *s)
+{
+    snprintf(path, MUKCA_SERVER_PATH, "%.800s/state.tsv", s->options->folder);
+}
+
 static const struct {
     const char *key;
     size_t offset, size;
-} fields[] = {FIELD(session), FIELD(placement), FIELD(socket),
-              FIELD(rows),    FIELD(model),     FIELD(model_stream)};
+} fields[] = {FIELD(session),  FIELD(placement), FIELD(socket),      FIELD(rows),
+              FIELD(finished), FIELD(model),     FIELD(model_stream)};
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error)
 {
     char path[MUKCA_SERVER_PATH], line[512];
     memset(&s->state, 0, sizeof s->state);
-    mukca_server_path(path, s, "state", ".tsv");
+    state_path(path, s);
     FILE *file = fopen(path, "r");
+    if (!file && errno != ENOENT) return mukca_file_fail(error, path);
     while (file && fgets(line, sizeof line, file)) {
         char *value = strchr(line, '\t');
         line[strcspn(line, "\n")] = '\0';
@@ -51,7 +60,7 @@ mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error)
             if (strcmp(line, fields[i].key) == 0)
                 snprintf((char *)&s->state + fields[i].offset, fields[i].size, "%s", value);
     }
-    if (file) fclose(file);
+    if (file && !mukca_file_close(file)) return mukca_file_fail(error, path);
     if (s->state.session[0] && !mukca_server_name_ok(s->state.session))
         return mukca_fail(error, MUKCA_INPUT, "%s is damaged; remove it", path);
     s->saved = s->state;
@@ -63,7 +72,7 @@ mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error)
     char path[MUKCA_SERVER_PATH];
     mukca_output output;
     if (memcmp(&s->state, &s->saved, sizeof s->state) == 0) return MUKCA_OK;
-    mukca_server_path(path, s, "state", ".tsv");
+    state_path(path, s);
     mukca_status status = mukca_output_open(&output, path, true, error);
     if (status != MUKCA_OK) return status;
     for (int i = 0; i < FIELDS; i++)

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/select.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -83,54 +84,63 @@ typedef struct {
     size_t size;
 } drawing;
 
-/* Read the stream to its end.  Errors: MUKCA_MEMORY, MUKCA_INPUT, MUKCA_INTERRUPTED. */
-static mukca_status read_all(drawing *drawn, FILE *in, mukca_error *error)
+/* Read from gnuplot to the end, under the signal mask `unblocked`: an interrupt ends it.
+ * Errors: MUKCA_MEMORY, MUKCA_INPUT, MUKCA_INTERRUPTED. */
+static mukca_status read_all(drawing *drawn, int in, const sigset_t *unblocked, mukca_error *error)
 {
     size_t capacity = 0;
-    while (drawn->size == capacity) {
-        capacity = capacity ? 2 * capacity : 1 << 16;
-        char *grown = realloc(drawn->bytes, capacity + 1);
-        if (!grown) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-        drawn->bytes = grown;
-        drawn->size += fread(grown + drawn->size, 1, capacity - drawn->size, in);
-        grown[drawn->size] = '\0';
+    for (;;) {
+        if (drawn->size == capacity) {
+            capacity = capacity ? 2 * capacity : 1 << 16;
+            char *grown = realloc(drawn->bytes, capacity + 1);
+            if (!grown) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+            drawn->bytes = grown;
+        }
+        fd_set ready;
+        FD_ZERO(&ready);
+        FD_SET(in, &ready);
+        ssize_t n = pselect(in + 1, &ready, NULL, NULL, NULL, unblocked);
+        if (n > 0) n = read(in, drawn->bytes + drawn->size, capacity - drawn->size);
+        if (n < 0 && errno == EINTR)
+            return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
+        if (n < 0)
+            return mukca_fail(error, MUKCA_INPUT, "cannot read from gnuplot: %s", strerror(errno));
+        drawn->size += (size_t)n;
+        drawn->bytes[drawn->size] = '\0';
+        if (n == 0) return MUKCA_OK;
     }
-    if (!ferror(in)) return MUKCA_OK;
-    if (errno == EINTR) return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
-    return mukca_fail(error, MUKCA_INPUT, "cannot read from gnuplot: %s", strerror(errno));
 }
 
 /* Wait for gnuplot; MUKCA_NEGATIVE where it complained. */
 static mukca_status wait_for(pid_t pid, mukca_error *error)
 {
     int status = 0;
-    bool interrupted = false;
-    while (waitpid(pid, &status, 0) < 0) {
-        if (errno != EINTR)
-            return mukca_fail(error, MUKCA_INPUT, "lost gnuplot: %s", strerror(errno));
-        interrupted = true; /* a signal to us alone: gnuplot does not know of it */
-        kill(pid, SIGTERM);
-    }
-    /* a signal to the whole process group may end gnuplot before it interrupts the wait */
+    if (waitpid(pid, &status, 0) < 0)
+        return mukca_fail(error, MUKCA_INPUT, "lost gnuplot: %s", strerror(errno));
+    /* a signal to the whole process group may end gnuplot before it interrupts the reading */
     if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM))
-        interrupted = true;
-    if (interrupted) return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
+        return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
     return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
 /* Start gnuplot on the descriptors of a script, of its output and of its complaints. */
-static mukca_status start(pid_t *pid, const int descriptors[3], mukca_error *error)
+static mukca_status start(pid_t *pid, const int descriptors[3], const sigset_t *mask,
+                          mukca_error *error)
 {
     char *const arguments[] = {(char[]){"gnuplot"}, NULL};
     posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
     int failure = posix_spawn_file_actions_init(&actions);
-    if (failure == 0) {
-        for (int k = 0; k < 3 && failure == 0; k++)
-            failure = posix_spawn_file_actions_adddup2(&actions, descriptors[k], STDIN_FILENO + k);
-        if (failure == 0)
-            failure = posix_spawnp(pid, "gnuplot", &actions, NULL, arguments, environ);
-        posix_spawn_file_actions_destroy(&actions);
-    }
+    if (failure) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+    posix_spawnattr_init(&attributes); /* it allocates nothing, and cannot fail */
+    posix_spawnattr_setsigmask(&attributes, mask);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    for (int k = 0; k < 3 && failure == 0; k++)
+        failure = posix_spawn_file_actions_adddup2(&actions, descriptors[k], STDIN_FILENO + k);
+    if (failure == 0)
+        failure = posix_spawnp(pid, "gnuplot", &actions, &attributes, arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
     if (failure == 0) return MUKCA_OK;
     if (failure == ENOMEM) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
     return mukca_fail(error, MUKCA_INPUT,
@@ -139,32 +149,38 @@ static mukca_status start(pid_t *pid, const int descriptors[3], mukca_error *err
                       strerror(failure));
 }
 
-/* Run gnuplot on a script; its output is read through a pipe, which no full disk cuts off. */
+/* Run gnuplot on a script; its output is read through a pipe, which no full disk cuts off.
+ * Signals are blocked meanwhile but in pselect, so that none comes unnoticed before it. */
 static mukca_status run(drawing *drawn, FILE *script, FILE *complaints, mukca_error *error)
 {
     int ends[2];
     pid_t pid;
+    sigset_t interrupts, before;
     if (fflush(script) != 0 || ferror(script) || lseek(fileno(script), 0, SEEK_SET) != 0)
         return mukca_fail(error, MUKCA_MEMORY, "cannot write a script for gnuplot: %s",
                           strerror(errno));
     if (pipe(ends) != 0)
         return mukca_fail(error, MUKCA_INPUT, "cannot run gnuplot: %s", strerror(errno));
     for (int k = 0; k < 2; k++) (void)fcntl(ends[k], F_SETFD, FD_CLOEXEC);
-    FILE *in = fdopen(ends[0], "r");
+    sigemptyset(&interrupts);
+    sigaddset(&interrupts, SIGINT);
+    sigaddset(&interrupts, SIGTERM);
+    sigprocmask(SIG_BLOCK, &interrupts, &before);
     mukca_status status =
-        in ? start(&pid, (int[]){fileno(script), ends[1], fileno(complaints)}, error)
-           : mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+        start(&pid, (int[]){fileno(script), ends[1], fileno(complaints)}, &before, error);
     close(ends[1]);
     if (status == MUKCA_OK) {
-        status = read_all(drawn, in, error);
+        status = read_all(drawn, ends[0], &before, error);
         if (status != MUKCA_OK) kill(pid, SIGTERM);
-        const mukca_status ended = wait_for(pid, error);
-        if (status == MUKCA_OK) status = ended;
+        mukca_error ending = {.text = ""};
+        const mukca_status ended = wait_for(pid, &ending);
+        if (status == MUKCA_OK && ended != MUKCA_OK) {
+            status = ended;
+            if (error) *error = ending;
+        }
     }
-    if (in)
-        fclose(in);
-    else
-        close(ends[0]);
+    close(ends[0]);
+    sigprocmask(SIG_SETMASK, &before, NULL);
     return status;
 }
 

@@ -242,7 +242,7 @@ def unicast():
         subprocess.run(there + sys.executable + " -c \"%s\"" % send, shell=True, check=True)
         client.wait(lambda: False, 1.0)
         check("unicast and multicast of another machine are not obeyed",
-              not os.path.exists(os.path.join(state, "from_afar.tsv")), p.said)
+              not os.path.exists(os.path.join(state, "sessions", "from_afar.tsv")), p.said)
         stop(p)
     other.kill()
     other.wait()
@@ -269,7 +269,7 @@ def rights():
         check("rights: lines are escaped", not any(c in said for c in "\x1b\x7f\u202e\u009b") and
               not any(line.startswith("serve: sample 99") for line in p.said), p.said[-5:])
         codes = [client.command("start", "s%d" % i).code for i in range(30)]
-        made = len([name for name in os.listdir(state) if name.startswith("s") and name != "state.tsv"])
+        made = len(os.listdir(os.path.join(state, "sessions"))) - 1
         check("rights: new sessions are limited", codes[0] == 0 and codes[-1] == 1 and made < 15, (codes, made))
         stop(p)
         p = spawn("serve", *COMMON, "--state", state, "--accept", "start,reopen,delete")

@@ -28,7 +28,7 @@ def run(command):
 run("capture")
 run("serve")
 captured = os.path.join(work, "build", "guided.tsv")
-served = os.path.join(work, "build", "served", "guided.tsv")
+served = os.path.join(work, "build", "served", "sessions", "guided.tsv")
 check("both take the same rows from the demo's log", len(table(captured)[1]) > 20 and
       table(captured) == table(served))
 p = spawn("serve", "--urdf", os.path.join(work, "data", "demo", "arm.urdf"), "--state", work,

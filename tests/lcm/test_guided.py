@@ -41,7 +41,7 @@ def play(name, kind, rate, channel, urdf, rows):
         client.wait(lambda: False, 0.8)
         received = client.status.received
     check(name + ": serve ends cleanly", stop(serve) == 0, serve.said)
-    session = os.path.join(state, "guided.tsv")
+    session = os.path.join(state, "sessions", "guided.tsv")
     header, written = table(session)
     n = len(rows[0][2])
     check(name + ": the file holds what was acknowledged",

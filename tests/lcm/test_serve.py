@@ -115,7 +115,7 @@ def poses(client, arm, state):
     client.lc.unsubscribe(a)
     client.lc.unsubscribe(b)
     check("poses come for each joint state", len(got) >= 300, len(got))
-    header = table(os.path.join(state, "first.tsv"))[0]
+    header = table(os.path.join(state, "sessions", "first.tsv"))[0]
     n = len(ROWS[0][2])
     source = os.path.join(state, "poses.tsv")
     pairs = [(g, joints[g.utime]) for g in got if g.utime in joints]
@@ -126,7 +126,7 @@ def poses(client, arm, state):
     # mukca fk applies the same table
     model = [line.split("\t")[1].strip() for line in open(os.path.join(state, "state.tsv"))
              if line.startswith("model\t")][0]
-    answer = subprocess.run([MUKCA, "fk", "--urdf", URDF, "--offsets", os.path.join(state, model), "--pose",
+    answer = subprocess.run([MUKCA, "fk", "--urdf", URDF, "--offsets", os.path.join(state, "results", model), "--pose",
                              source], capture_output=True, text=True)
     lines = [line.split("\t") for line in answer.stdout.splitlines() if not line.startswith("#")]
     columns = [lines[0].index(c) for c in ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")]
@@ -203,8 +203,8 @@ def replays(client, arm):
     p.wait(60)
     p.reader.join()
     check("replay: ends with the log", p.returncode == 0, p.said)
-    check("replay: the same session", open(os.path.join(state, "s.tsv")).read() ==
-          open(os.path.join(again, "s.tsv")).read())
+    check("replay: the same session", open(os.path.join(state, "sessions", "s.tsv")).read() ==
+          open(os.path.join(again, "sessions", "s.tsv")).read())
     import lcm
     results = [mukca.result.decode(e.data) for e in lcm.EventLog(log2) if e.channel == "MUKCA_RESULT"]
     good = [r for r in results if r.verb == "calibrate"]

@@ -35,8 +35,9 @@ def main():
         print(f"  {'decode ' + name:34}{1e6 * float(seconds):10.3f} us   {1e-6 / float(seconds):.1f} million "
               f"messages of {size} bytes a second")
     with tempfile.TemporaryDirectory() as state:
+        os.mkdir(os.path.join(state, "results"))
         output(MUKCA, "calibrate", "-q", "--urdf", urdf, os.path.join(DEMO, "train.tsv"), "-o",
-               os.path.join(state, "demo.offsets.tsv"))
+               os.path.join(state, "results", "demo.offsets.tsv"))
         with open(os.path.join(state, "state.tsv"), "w") as f:
             f.write("model\tdemo.offsets.tsv\nmodel_stream\traw\n")
         done = subprocess.run(["unshare", "-rn", "sh", "-c", POSES, "sh", urdf, state, PROGRAM],

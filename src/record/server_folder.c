@@ -1,0 +1,130 @@
+/* The server's folder: one server at a time, sessions and results apart, nothing left of a crash.
+ *
+ *   DIR/state.tsv      what survives a restart
+ *   DIR/lock           held while a server runs; its text is the process
+ *   DIR/sessions/      NAME.tsv
+ *   DIR/results/       NAME.offsets.tsv and what else calculations write
+ *
+ * Names of sessions come from the network, so they must not meet other files. */
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "io/output.h"
+#include "record/server.h"
+
+static mukca_status fail(const char *path, mukca_error *error)
+{
+    return mukca_fail(error, MUKCA_INPUT, "--state %.200s: %s", path, strerror(errno));
+}
+
+/* Make the folder `path` if there is none. */
+static mukca_status make_folder(const char *path, mukca_error *error)
+{
+    if (mkdir(path, 0777) == 0 ? !mukca_output_sync_folder(path) : errno != EEXIST)
+        return fail(path, error);
+    if (access(path, R_OK | W_OK | X_OK))
+        return mukca_fail(error, MUKCA_INPUT,
+                          "--state %.200s: must be a folder that can be written", path);
+    return MUKCA_OK;
+}
+
+/* Hold the folder until the server is closed. */
+static mukca_status lock(mukca_server *s, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH], holder[32] = "";
+    snprintf(path, sizeof path, "%.800s/lock", s->options->folder);
+    int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (fd < 0) return fail(path, error);
+    s->lock = fd + 1;
+    if (flock(fd, LOCK_EX | LOCK_NB)) {
+        ssize_t n = pread(fd, holder, sizeof holder - 1, 0);
+        long process = n > 0 ? strtol(holder, NULL, 10) : 0;
+        return mukca_fail(error, MUKCA_INPUT,
+                          "--state %.150s: in use by another mukca serve, process %ld; stop it, or "
+                          "name another folder",
+                          s->options->folder, process);
+    }
+    int n = snprintf(holder, sizeof holder, "%ld\n", (long)getpid());
+    if (ftruncate(fd, 0) || pwrite(fd, holder, (size_t)n, 0) != n) return fail(path, error);
+    return MUKCA_OK;
+}
+
+static bool ends_with(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), end = strlen(ending);
+    return length > end && strcmp(name + length - end, ending) == 0;
+}
+
+/* Where a file of the folder belongs that an earlier version kept beside the state; NULL: here. */
+static const char *place_of(const char *path, const char *name)
+{
+    static const char *const results[] = {".offsets.tsv", ".effects.tsv", ".calibrate.json",
+                                          ".diagnose.json", ".errors.txt"};
+    char first[64] = "";
+    FILE *file = ends_with(name, ".tsv") ? fopen(path, "r") : NULL;
+    if (file) {
+        if (!fgets(first, sizeof first, file)) first[0] = '\0';
+        fclose(file);
+    }
+    if (strcmp(first, "# mukca session\n") == 0) return MUKCA_SERVER_SESSIONS;
+    for (size_t i = 0; i < sizeof results / sizeof results[0]; i++)
+        if (ends_with(name, results[i])) return MUKCA_SERVER_RESULTS;
+    return NULL;
+}
+
+/* Move a file of an earlier version to its place; at every moment it is in one of both. */
+static mukca_status move(const mukca_server *s, const char *name, mukca_error *error)
+{
+    char from[MUKCA_SERVER_PATH], to[MUKCA_SERVER_PATH];
+    struct stat old, new;
+    snprintf(from, sizeof from, "%.700s/%.255s", s->options->folder, name);
+    if (lstat(from, &old) || !S_ISREG(old.st_mode)) return MUKCA_OK;
+    const char *place = place_of(from, name);
+    if (!place) return MUKCA_OK;
+    mukca_server_path(to, s, place, name, "");
+    if (link(from, to) && (errno != EEXIST || stat(to, &new) || new.st_ino != old.st_ino))
+        return mukca_fail(error, MUKCA_INPUT, "%.150s: cannot be moved to %s/: %s", from, place,
+                          strerror(errno));
+    if (!mukca_output_sync_folder(to) || unlink(from)) return fail(from, error);
+    return MUKCA_OK;
+}
+
+/* Remove what writers that were killed left in DIR/folder; with `old`, move an earlier version's
+ * files. */
+static mukca_status tidy(const mukca_server *s, const char *folder, bool old, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH];
+    mukca_status status = MUKCA_OK;
+    snprintf(path, sizeof path, "%.800s/%s", s->options->folder, folder);
+    DIR *entries = opendir(path);
+    if (!entries) return fail(path, error);
+    for (const struct dirent *e; status == MUKCA_OK && (e = readdir(entries));) {
+        const char *name = e->d_name;
+        if (name[0] == '.' && ends_with(name, ".tmp"))
+            (void)!unlinkat(dirfd(entries), name, 0); /* it is only litter */
+        else if (old && strcmp(name, "state.tsv") != 0)
+            status = move(s, name, error);
+    }
+    closedir(entries);
+    return status;
+}
+
+mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error)
+{
+    static const char *const folders[] = {"", MUKCA_SERVER_SESSIONS, MUKCA_SERVER_RESULTS};
+    mukca_status status = make_folder(s->options->folder, error);
+    if (status == MUKCA_OK) status = lock(s, error);
+    for (int i = 1; i < 3 && status == MUKCA_OK; i++) {
+        char path[MUKCA_SERVER_PATH];
+        snprintf(path, sizeof path, "%.800s/%s", s->options->folder, folders[i]);
+        status = make_folder(path, error);
+    }
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++) status = tidy(s, folders[i], i == 0, error);
+    return status;
+}

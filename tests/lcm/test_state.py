@@ -1,0 +1,138 @@
+"""The folder of serve: names that meet no other file, one server, earlier versions, finished sessions."""
+import os
+
+from foreign import Arm, Client, ROOT, check, demo_rows, finish, fresh, spawn, stop, table
+
+URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
+ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
+
+
+def serve(state, *more):
+    return spawn("serve", "--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--state", state,
+                 "--window", "0.05", *more)
+
+
+def take(client, arm, rows):
+    """Record the rows; the angles of those that were acknowledged."""
+    kept = []
+    for placement, label, q in rows:
+        arm.go(q)
+        for _ in range(40):
+            client.wait(lambda: False, 0.12)
+            sample = client.trigger(placement, label, seconds=2)
+            if sample and sample.accepted:
+                kept.append(list(sample.position))
+                break
+    return kept
+
+
+def recorded(state, name):
+    return [[float(x) for x in row[3:10]] for row in table(os.path.join(state, "sessions", name + ".tsv"))[1]]
+
+
+def names(client, arm):
+    """Sessions that are called like other files of the server."""
+    state = fresh("state_names")
+    wanted = {}
+    p = serve(state)
+    client.wait_stream()
+    for i, name in enumerate(("state", "a.offsets", "lock", "sessions", "results", "a.calibrate.json")):
+        answer = client.command("start", name)
+        check("names: start " + name, answer.code == 0, answer.text)
+        wanted[name] = take(client, arm, ROWS[4 * i:4 * i + 3])
+        client.wait(lambda: False, 0.6)  # the state is saved
+    client.command("start", "a")
+    wanted["a"] = take(client, arm, [ROWS[i * len(ROWS) // 14] for i in range(14)])
+    answer = client.command("calibrate")
+    check("names: calibrate", answer.code == 0, answer.text)
+    stop(p)
+    for name, rows in wanted.items():
+        check("names: all samples of %s are kept" % name, len(rows) >= 3 and recorded(state, name) == rows,
+              (len(rows), name))
+    return state
+
+
+def one_server(client, state):
+    """A second server says who holds the folder; litter of killed writers goes."""
+    litter = [os.path.join(state, folder, ".x.tsv.1.tmp") for folder in ("", "sessions", "results")]
+    for path in litter:
+        open(path, "w").close()
+    p = serve(state)
+    client.wait_stream()
+    check("folder: what killed writers left is removed", not any(os.path.exists(path) for path in litter))
+    second = serve(state)
+    code = second.wait(20)
+    second.reader.join(5)
+    check("folder: a second serve is refused and names the first", code == 3 and len(second.said) == 1 and
+          "process %d" % p.pid in second.said[0], (code, second.said))
+    check("folder: the first goes on", p.poll() is None and client.command("start", "x").code == 0)
+    stop(p)
+    p = serve(state)
+    check("folder: free again", client.wait_stream(), p.said)
+    stop(p)
+
+
+def earlier(client, arm, state):
+    """A folder of a version that kept all files together; twice, as it is moved once."""
+    old = fresh("state_old")
+    for folder in ("sessions", "results"):
+        for name in os.listdir(os.path.join(state, folder)):
+            if "json" not in name or folder == "results":
+                os.rename(os.path.join(state, folder, name), os.path.join(old, name))
+    wanted = table(os.path.join(old, "a.tsv"))
+    with open(os.path.join(old, "state.tsv"), "w") as f:
+        f.write("session\ta\nplacement\tp\nsocket\t0\nrows\t0\nmodel\ta.offsets.tsv\nmodel_stream\traw\n")
+    with open(os.path.join(old, "notes.tsv"), "w") as f:
+        f.write("mine\n")
+    for turn in (1, 2):
+        p = serve(old)
+        check("earlier version %d: begins" % turn, client.wait_stream(), p.said)
+        check("earlier version %d: the session goes on" % turn,
+              client.wait(lambda: client.status.rows == len(wanted[1]), 5) and
+              table(os.path.join(old, "sessions", "a.tsv")) == wanted, p.said)
+        check("earlier version %d: the table is in use" % turn, client.command("result").code == 0)
+        stop(p)
+    check("earlier version: files of others stay", sorted(os.listdir(old)) ==
+          ["lock", "notes.tsv", "results", "sessions", "state.tsv"], os.listdir(old))
+
+
+def finished(client, arm):
+    """A finished session after a restart: calculations work, and samples are added only if it is reopened."""
+    state = fresh("state_finished")
+    p = serve(state)
+    client.wait_stream()
+    client.command("start", "a")
+    rows = take(client, arm, [ROWS[i * len(ROWS) // 14] for i in range(14)])
+    check("finished: finish", len(rows) == 14 and client.command("finish").code == 0)
+    check("finished: calibrate", client.command("calibrate").code == 0)
+    stop(p)
+    p = serve(state)
+    client.wait_stream()
+    client.wait(lambda: False, 1)
+    sample = client.trigger("p", "0", seconds=2)
+    check("finished: a restart does not open it again", client.status.session == "" and not sample.accepted,
+          client.status.session)
+    check("finished: results after a restart", [client.command(verb).code for verb in
+                                                ("result", "calibrate", "diagnose")] == [0, 0, 0])
+    check("finished: reopen must be named", client.command("start", "a").code == 1)
+    check("finished: another begins", client.command("start", "b").code == 0)
+    stop(p, 9)
+    p = serve(state, "--accept", "start,trigger,reopen,finish")
+    client.wait_stream()
+    check("finished: one that is not goes on after a kill", client.wait(lambda: "b.tsv" in client.status.session, 5))
+    check("finished: reopened", client.command("start", "a").code == 0)
+    check("finished: and continued", len(take(client, arm, ROWS[1:2])) == 1 and len(recorded(state, "a")) == 15)
+    stop(p)
+
+
+def main():
+    client = Client()
+    with Arm("iiwa", ROWS[0][2], 200, "IIWA_STATUS") as arm:
+        state = names(client, arm)
+        one_server(client, state)
+        earlier(client, arm, state)
+        finished(client, arm)
+    finish()
+
+
+main()
