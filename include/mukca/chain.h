@@ -113,11 +113,6 @@ void mukca_fk_pose(mukca_frame *T_base_tip, const mukca_geometry *geometry, cons
 void mukca_fk_frames(mukca_frame *before, mukca_frame *tip, const mukca_geometry *geometry,
                      const double *q, const mukca_displacement *displacement);
 
-/* Positions of `rows` configurations q[rows][n_joints] -> positions[rows][3]; blocks of 8 rows,
- * vectorised; agrees with mukca_fk_position to 1e-14 m per metre of arm. */
-void mukca_fk_positions(double *positions, const mukca_geometry *geometry, const double *q,
-                        int rows);
-
 /* Geometric Jacobian of the tip in base coordinates, J[6][n_joints] row-major: linear velocity
  * (m/rad or m/m) first, then angular.  `T_base_tip` (may be NULL) is the pose it belongs to. */
 void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip, const mukca_geometry *geometry,

@@ -100,13 +100,12 @@ static void kinematics(void **state)
     mukca_chain chain;
     mukca_geometry geometry;
     random_chain(&chain, 7);
-    double theta[6 * MUKCA_MAX_ELEMENTS], q[40][7], many[40][3];
+    double theta[6 * MUKCA_MAX_ELEMENTS], q[37][7];
     mukca_chain_theta(theta, &chain);
     mukca_geometry_set(&geometry, &chain, NULL);
     for (int r = 0; r < 37; r++)
         for (int j = 0; j < 7; j++) q[r][j] = uniform(-4, 4);
-    q[36][4] = 3e6; /* beyond the fast reduction */
-    mukca_fk_positions(&many[0][0], &geometry, &q[0][0], 37);
+    q[36][4] = 3e6;
     for (int r = 0; r < 37; r++) {
         mukca_displacement d = {.any_rotation = true};
         mukca_frame tip;
@@ -114,7 +113,6 @@ static void kinematics(void **state)
         mukca_fk_position(p, &geometry, q[r], NULL);
         mukca_fk_pose(&tip, &geometry, q[r], NULL);
         for (int i = 0; i < 3; i++) assert_close(p[i], tip.p[i], 5e-14);
-        for (int i = 0; i < 3; i++) assert_close(p[i], many[r][i], r == 36 ? 1e-12 : 5e-14);
 
         for (int j = 0; j < 7; j++) {
             d.q[j] = uniform(-1e-2, 1e-2);
@@ -153,7 +151,7 @@ static void kinematics(void **state)
         }
     }
     double nan_q[7] = {0, 0, NAN, 0, 0, 0, 0}, p[3];
-    mukca_fk_positions(p, &geometry, nan_q, 1);
+    mukca_fk_position(p, &geometry, nan_q, NULL);
     assert_true(isnan(p[0]));
 }
 

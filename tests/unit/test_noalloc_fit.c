@@ -36,7 +36,7 @@ static void test_nothing_allocated(void **state)
     mukca_random random;
     mukca_identification identification;
     mukca_solver_outcome outcome;
-    double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE], positions[3 * ROWS], J[6 * 7], sum = 0;
+    double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE], position[3], J[6 * 7], sum = 0;
     make_arm(&chain);
     mukca_random_seed(&random, 6);
     assert_int_equal(mukca_dataset_create(&data, ROWS, 7, 2, 1, NULL), MUKCA_OK);
@@ -65,7 +65,7 @@ static void test_nothing_allocated(void **state)
     mukca_identify(&identification, NULL, &cost, x, work, NULL);
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &chain, cost.theta);
-    mukca_fk_positions(positions, &geometry, data.q, ROWS);
+    mukca_fk_position(position, &geometry, data.q, NULL);
     mukca_fk_jacobian(J, NULL, &geometry, data.q, NULL);
     assert_int_equal(calls, 0);
     assert_true(isfinite(sum));

@@ -58,11 +58,6 @@ static void one_by_one(bench *b)
         mukca_fk_position(b->positions + 3 * r, &b->geometry, b->q + r * b->chain.n_joints, NULL);
 }
 
-static void many(bench *b)
-{
-    mukca_fk_positions(b->positions, &b->geometry, b->q, b->rows);
-}
-
 static void jacobians(bench *b)
 {
     for (int r = 0; r < b->rows; r++)
@@ -144,7 +139,6 @@ int main(int argc, char **argv)
     mukca_chain_theta(b.theta, &b.chain);
     mukca_geometry_set(&b.geometry, &b.chain, NULL);
     measure(&b, "position_one", one_by_one);
-    measure(&b, "position_many", many);
     measure(&b, "jacobian", jacobians);
     double sum[3] = {0, 0, 0};
     for (int i = 0; i < 3 * b.rows; i++) sum[i % 3] += b.positions[i];

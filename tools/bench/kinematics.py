@@ -69,10 +69,9 @@ def main():
         if name in values:
             ns = float(values[name][0])
             print(f"  {words:62}{ns:9.1f} ns" + (f"{ns / best:8.1f} times ours" if name not in mine else ""))
-    mine = ("position_one", "position_many", "jacobian")
+    mine = ("position_one", "jacobian")
     one, jacobian = float(values["position_one"][0]), float(values["jacobian"][0])
-    line("position, one by one", "position_one", one)
-    line("position, many in one call", "position_many", one)
+    line("position", "position_one", one)
     line("  CasADi's generated C, parameters folded into the code", "casadi_position", one)
     line("  Pinocchio, forwardKinematics and the tip's frame", "pinocchio_position", one)
     line(f"position and Jacobian by {6 * (JOINTS + 1)} parameters", "jacobian", jacobian)
