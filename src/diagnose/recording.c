@@ -30,6 +30,19 @@ void mukca_recording_range(double range[2], const mukca_recording *r, const doub
     }
 }
 
+/* Written with comparisons: the fmin and fmax of two gathered reductions in one loop crash gcc 12's
+ * vectoriser for aarch64. */
+void mukca_recording_travel(double range[2], const mukca_recording *r, int joint)
+{
+    const int n_joints = r->chain->n_joints;
+    range[0] = HUGE_VAL, range[1] = -HUGE_VAL;
+    for (int i = 0; i < r->n_samples; i++) {
+        const double q = r->data->q[r->order[i] * n_joints + joint];
+        if (q < range[0]) range[0] = q;
+        if (q > range[1]) range[1] = q;
+    }
+}
+
 void mukca_recording_regroup(mukca_recording *r)
 {
     const mukca_dataset *data = r->data;

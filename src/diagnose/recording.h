@@ -78,6 +78,9 @@ mukca_joint_state mukca_recording_state(const mukca_recording *recording, int ro
 void mukca_recording_range(double range[2], const mukca_recording *recording, const double *x,
                            int columns, int column);
 
+/* Smallest and largest angle of a joint in the samples in use. */
+void mukca_recording_travel(double range[2], const mukca_recording *recording, int joint);
+
 /* Samples that do not repeat the one before them in their group. */
 int mukca_recording_distinct(const mukca_recording *recording);
 

@@ -20,12 +20,9 @@ static void pick_harmonics(mukca_scan *scan, const mukca_joint_view *view, doubl
     mukca_regression *m = view->p->m; /* bases outlive the scan in accepted causes */
     const mukca_recording *r = &m->recording;
     const int n_joints = r->chain->n_joints, j = view->joint;
-    double value[MUKCA_RIPPLE_ORDERS + 1], lo = HUGE_VAL, hi = -HUGE_VAL;
-    for (int i = 0; i < r->n_samples; i++) {
-        lo = fmin(lo, r->data->q[r->order[i] * n_joints + j]);
-        hi = fmax(hi, r->data->q[r->order[i] * n_joints + j]);
-    }
-    if (!scan->all->survey.joint[j].turns || hi - lo < 1e-2) return;
+    double value[MUKCA_RIPPLE_ORDERS + 1], travel[2];
+    mukca_recording_travel(travel, r, j);
+    if (!scan->all->survey.joint[j].turns || travel[1] - travel[0] < 1e-2) return;
     mukca_ripple_scan(value, view, mean, view->p->white);
     for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
         value[order] += mukca_ripple_log_prior(order);

@@ -85,11 +85,7 @@ static void find_where(mukca_findings *findings, const mukca_regression *m, cons
         for (int c = 0; c < n; c++)
             if (m->unknowns.cause[c].candidate.joint == j)
                 widen_by_unknown(range, recording, &m->unknowns.cause[c]);
-        if (range[0] > range[1])
-            for (int i = 0; i < recording->n_samples; i++) {
-                const double q = recording->data->q[recording->order[i] * n_joints + j];
-                range[0] = fmin(range[0], q), range[1] = fmax(range[1], q);
-            }
+        if (range[0] > range[1]) mukca_recording_travel(range, recording, j);
         findings->where[findings->n_where++] =
             (mukca_where){.joint = j, .share = share[j] / total, .range_rad = {range[0], range[1]}};
     }
