@@ -21,6 +21,9 @@ typedef struct {
                    "(default: from this machine only)"),                                           \
         CLI_OPTION(type, live.recorder.network.from, "from", CLI_TEXT, "LIST",                     \
                    "receive from these addresses only, commas between"),                           \
+        CLI_OPTION(type, live.recorder.key, "key", CLI_TEXT, "FILE",                               \
+                   "obey only triggers and commands signed with the key in this file "             \
+                   "(mukca-formats(5))"),                                                          \
         CLI_OPTION(type, live.recorder.channel, "channel", CLI_TEXT, "NAME",                       \
                    "channel of the joint states (default: the one that fits the arm)"),            \
         CLI_OPTION(type, live.types, "type", CLI_TEXTS, "FILE",                                    \

@@ -10,18 +10,20 @@
 #include "io/output.h"
 #include "lcm/link.h"
 #include "lcm/message.h"
+#include "lcm/signature.h"
 #include "record/server.h"
 
 typedef struct {
     cli_common common;
     mukca_lcm_network network;
-    const char *prefix;
+    const char *prefix, *key;
     double timeout;
 } send_options;
 
 typedef struct {
     cli_call *call;
     mukca_lcm_link *link;
+    mukca_lcm_key key;
     int64_t id;
     bool wants_status;
     bool answered;
@@ -97,17 +99,22 @@ static mukca_status send_command(client *c)
     const cli_list *words = &c->call->arguments;
     const send_options *o = c->call->options;
     char channel[64];
-    unsigned char buffer[4096];
+    unsigned char buffer[4096 + MUKCA_LCM_SIGNATURE];
     mukca_message_command command = {
         .utime = mukca_lcm_link_clock(c->link), .id = c->id, .verb = words->items[0]};
     if (words->n - 1 > MUKCA_MESSAGE_ARGUMENTS)
         return mukca_fail(&c->call->error, MUKCA_USAGE, "at most %d arguments",
                           MUKCA_MESSAGE_ARGUMENTS);
     for (int i = 1; i < words->n; i++) command.argument[command.n++] = words->items[i];
-    size_t size = mukca_message_encode(buffer, sizeof buffer, MUKCA_MESSAGE_COMMAND, &command);
-    if (!size || size > sizeof buffer)
+    size_t size = mukca_message_encode(buffer, 4096, MUKCA_MESSAGE_COMMAND, &command);
+    if (!size || size > 4096)
         return mukca_fail(&c->call->error, MUKCA_USAGE, "the arguments are too long");
     mukca_message_channel(channel, MUKCA_MESSAGE_COMMAND, o->prefix);
+    if (o->key) {
+        const mukca_lcm_packet packet = {.channel = channel, .data = buffer, .size = size};
+        mukca_lcm_signature_make(buffer + size, &c->key, &packet);
+        size += MUKCA_LCM_SIGNATURE;
+    }
     return mukca_lcm_link_publish(c->link, channel, buffer, size, &c->call->error);
 }
 
@@ -139,6 +146,7 @@ static mukca_status run(cli_call *call)
     c->wants_status = strcmp(call->arguments.items[0], "status") == 0;
     mukca_status status = check_verb(call, call->arguments.items[0]);
     if (status == MUKCA_OK) status = cli_check_outputs(call);
+    if (status == MUKCA_OK && o->key) status = mukca_lcm_key_read(&c->key, o->key, error);
     if (status == MUKCA_OK)
         status = mukca_lcm_link_open(&c->link, &o->network, on_packet, c, error);
     if (status == MUKCA_OK && mukca_lcm_link_replays(c->link))
@@ -176,6 +184,8 @@ static const cli_option options[] = {
         "machine only)"),
     CLI_OPTION(send_options, network.from, "from", CLI_TEXT, "LIST",
                "receive from these addresses only, commas between"),
+    CLI_OPTION(send_options, key, "key", CLI_TEXT, "FILE",
+               "sign the command with the key in this file, as serve --key requires"),
     CLI_OPTION(send_options, prefix, "prefix", CLI_TEXT, "NAME",
                "prefix of the channels of serve (default: MUKCA)"),
     CLI_OPTION(send_options, timeout, "timeout", CLI_POSITIVE, "S",

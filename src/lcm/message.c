@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "lcm/signature.h"
 #include "lcm/wire.h"
 
 typedef enum { INT64, INT32, REAL, FLAG, TEXT, COUNT } field_kind;
@@ -218,6 +219,8 @@ mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const 
             good = take_element(&wire, f->kind, member + (size_t)k * member_size[f->kind]);
         if (good && f->kind == COUNT) good = elements(f, member, &n) == 1;
     }
+    const bool request = kind == MUKCA_MESSAGE_TRIGGER || kind == MUKCA_MESSAGE_COMMAND;
+    if (request && wire.left == MUKCA_LCM_SIGNATURE) wire.left = 0;
     if (!good || wire.left)
         return mukca_fail(error, MUKCA_INPUT, "malformed %s message", kinds[kind].name);
     return MUKCA_OK;

@@ -99,7 +99,8 @@ const char *mukca_message_identify(const void *data, size_t size);
 size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind,
                             const void *message);
 
-/* Decode data[size] into the struct of `kind`.  Errors: MUKCA_INPUT (another type, malformed). */
+/* Decode data[size] into the struct of `kind`; a signature behind a request (lcm/signature.h) is
+ * not checked.  Errors: MUKCA_INPUT (another type, malformed). */
 mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const void *data,
                                   size_t size, mukca_error *error);
 

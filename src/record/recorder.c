@@ -121,7 +121,11 @@ mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options
     if (options->channel) memcpy(r->channel, options->channel, strlen(options->channel) + 1);
     mukca_message_channel(r->trigger_channel, MUKCA_MESSAGE_TRIGGER, options->prefix);
     mukca_message_channel(r->command_channel, MUKCA_MESSAGE_COMMAND, options->prefix);
-    return open_link(r, error);
+    if (options->key) status = mukca_lcm_key_read(&r->key, options->key, error);
+    if (status == MUKCA_OK) status = open_link(r, error);
+    /* what was signed before the start may have been accepted before */
+    if (status == MUKCA_OK && !mukca_lcm_link_replays(r->link)) r->last_signed = r->opened;
+    return status;
 }
 
 void mukca_recorder_close(mukca_recorder *r)
@@ -152,7 +156,7 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
         *error = r->problem;
         return r->problem.status;
     }
-    if (status == MUKCA_NEGATIVE) {
+    if (status == MUKCA_NEGATIVE && !r->mapped) { /* a short log may end at once */
         char line[MUKCA_RECORDER_LINE];
         mukca_text text = MUKCA_TEXT(line);
         describe_silence(&text, r, "");

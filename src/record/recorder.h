@@ -8,6 +8,7 @@
 #include "lcm/decode.h"
 #include "lcm/link.h"
 #include "lcm/message.h"
+#include "lcm/signature.h"
 
 enum {
     MUKCA_RECORDER_MAX_SENDERS = 32,
@@ -21,6 +22,7 @@ enum {
 typedef struct {
     mukca_lcm_network network;
     const char *channel, *prefix, *position, *names, *map, *placements, *sockets, *log;
+    const char *key;          /* file; requests must be signed with it, NULL: need not */
     const char *const *types; /* [n_types] .lcm files */
     int n_types;
     int stream; /* index into mukca_recorder_streams */
@@ -39,7 +41,8 @@ typedef struct {
     mukca_note_fn *report;                                           /* one line for people */
     void (*joints)(void *context, int64_t time_us, const double *q); /* each usable message */
     void (*command)(void *context, const mukca_lcm_packet *packet);  /* of PREFIX_COMMAND */
-    bool (*trigger)(void *context);                                  /* whether one may record */
+    /* whether a trigger may record; MUKCA_NEGATIVE: not */
+    mukca_status (*trigger)(void *context, const mukca_lcm_packet *packet, mukca_error *error);
     bool (*interrupted)(void); /* true ends the search for a stream */
     void *context;
 } mukca_recorder_hooks;
@@ -97,6 +100,8 @@ typedef struct {
     double rate, longest_gap; /* Hz; s between arrivals */
     bool listens_to_all, silent;
     mukca_recorder_sender sender[MUKCA_RECORDER_MAX_SENDERS];
+    mukca_lcm_key key;
+    int64_t last_signed;             /* us, time stamp of the last signed request */
     uint64_t arm;                    /* sender of the joint states */
     int64_t arm_heard, second_heard; /* us, it and another one; 0: never */
     int64_t dropped;                 /* datagrams and messages of the network */
@@ -204,6 +209,14 @@ void mukca_recorder_receive(void *r, const mukca_lcm_packet *packet);
  * the others are of.  False: the message is refused. */
 bool mukca_recorder_may_request(mukca_recorder *r, const mukca_lcm_packet *packet);
 bool mukca_recorder_one_sender(mukca_recorder *r, const mukca_lcm_packet *packet);
+
+/* Check the signature of a request with that time stamp, us, if the options name a key: each is
+ * accepted once, and only while it is fresh.  Errors: MUKCA_NEGATIVE. */
+mukca_status mukca_recorder_check_signature(mukca_recorder *r, const mukca_lcm_packet *packet,
+                                            int64_t utime, mukca_error *error);
+
+/* Answer a trigger that is refused before it is read. */
+void mukca_recorder_refuse_sample(mukca_recorder *r, int64_t id, const char *text);
 
 /* Whether a second sender of joint states was heard just now. */
 bool mukca_recorder_doubted(const mukca_recorder *r);

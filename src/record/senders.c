@@ -1,5 +1,6 @@
 /* Who may speak to the recorder: requests of one sender are limited, joint states come from one
  * sender at a time.  Messages of a log have no sender and are not limited. */
+#include <math.h>
 #include <string.h>
 
 #include "record/recorder.h"
@@ -9,6 +10,10 @@ static const double requests_per_s = 50, first_requests = 40, most_requests = 10
 
 /* A restarted driver has a new port and is accepted after this time, us. */
 static const int64_t handover_us = 500000;
+
+/* Difference of clocks that is allowed between signer and receiver, us: clocks set by hand agree to
+ * some seconds.  What was recorded before cannot be sent again, so it may be long. */
+static const int64_t fresh_us = 10000000;
 
 /* For so long after a second sender no sample is recorded, us: longer than any usual window. */
 static const int64_t doubt_us = 1000000;
@@ -38,6 +43,25 @@ bool mukca_recorder_may_request(mukca_recorder *r, const mukca_lcm_packet *packe
     }
     s->requests -= 1;
     return true;
+}
+
+mukca_status mukca_recorder_check_signature(mukca_recorder *r, const mukca_lcm_packet *packet,
+                                            int64_t utime, mukca_error *error)
+{
+    if (!r->options->key) return MUKCA_OK;
+    if (!mukca_lcm_signature_check(&r->key, packet))
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "not signed with the key that is required here: send it with --key FILE");
+    int64_t ahead = utime - packet->time;
+    if (ahead > fresh_us || ahead < -fresh_us)
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "signed %.0f s %s: synchronise the clocks of both machines",
+                          1e-6 * fabs((double)ahead), ahead > 0 ? "in the future" : "ago");
+    if (utime <= r->last_signed)
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "not newer than the last signed request, or sent twice: send another");
+    r->last_signed = utime;
+    return MUKCA_OK;
 }
 
 bool mukca_recorder_one_sender(mukca_recorder *r, const mukca_lcm_packet *packet)

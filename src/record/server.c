@@ -151,6 +151,27 @@ static const struct {
 #undef VERB_ROW
 };
 
+/* Run a command if its sender may give it. */
+static mukca_status obey(mukca_server *s, const mukca_lcm_packet *packet,
+                         const mukca_message_command *command, mukca_error *answer)
+{
+    const char *verb = command->verb;
+    mukca_status status =
+        mukca_recorder_check_signature(&s->recorder, packet, command->utime, answer);
+    if (status != MUKCA_OK) return status;
+    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
+        if (strcmp(verb, mukca_server_verbs[i]) != 0 || command->n > verbs[i].arguments) continue;
+        if (!mukca_server_accepts(s, verb))
+            return mukca_fail(answer, MUKCA_NEGATIVE,
+                              "not accepted: start serve with --accept naming %s", verb);
+        if (strcmp(verb, "result") != 0) status = mukca_server_control(s, packet, answer);
+        if (status != MUKCA_OK) return status;
+        answer->text[0] = '\0';
+        return verbs[i].run(s, command, answer);
+    }
+    return mukca_fail(answer, MUKCA_USAGE, "unknown verb or too many arguments: \"%.40s\"", verb);
+}
+
 static void on_command(void *context, const mukca_lcm_packet *packet)
 {
     mukca_server *s = context;
@@ -163,18 +184,7 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
         return;
     }
     if (!mukca_recorder_may_request(r, packet)) return;
-    mukca_status status = mukca_fail(&line, MUKCA_USAGE,
-                                     "unknown verb or too many arguments: \"%.40s\"", command.verb);
-    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
-        if (strcmp(command.verb, mukca_server_verbs[i]) != 0 || command.n > verbs[i].arguments)
-            continue;
-        line.text[0] = '\0';
-        if (mukca_server_accepts(s, command.verb))
-            status = verbs[i].run(s, &command, &line);
-        else
-            status = mukca_fail(&line, MUKCA_NEGATIVE,
-                                "not accepted: start serve with --accept naming %s", command.verb);
-    }
+    mukca_status status = obey(s, packet, &command, &line);
     keep_place(s);
     if (mukca_server_save_state(s, &error) != MUKCA_OK && status == MUKCA_OK) {
         status = error.status;
@@ -195,9 +205,12 @@ static void report(void *context, const char *line)
     if (s->hooks.report) s->hooks.report(s->hooks.context, line);
 }
 
-static bool may_trigger(void *context)
+static mukca_status may_trigger(void *context, const mukca_lcm_packet *packet, mukca_error *error)
 {
-    return mukca_server_accepts(context, "trigger");
+    if (!mukca_server_accepts(context, "trigger"))
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "not accepted: start serve with --accept naming trigger");
+    return mukca_server_control(context, packet, error);
 }
 
 mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *options,

@@ -77,6 +77,12 @@ typedef struct {
     int64_t time;
 } mukca_server_budget;
 
+/* Who may change the open session. */
+typedef struct {
+    uint32_t address; /* IPv4 */
+    int64_t heard;    /* us, its last request; 0: nobody yet */
+} mukca_server_controller;
+
 typedef struct {
     mukca_recorder recorder;
     const mukca_server_options *options;
@@ -85,6 +91,7 @@ typedef struct {
     bool session_begun;
     int lock; /* descriptor + 1, so that zero is none */
     mukca_server_budget new_sessions;
+    mukca_server_controller controller;
     mukca_server_job job;
     mukca_server_pose pose;
     mukca_message_result result; /* scratch */
@@ -129,6 +136,11 @@ bool mukca_server_accepts(const mukca_server *s, const char *right);
 
 /* Errors: MUKCA_USAGE (--accept names something else). */
 mukca_status mukca_server_check_accept(const mukca_server *s, mukca_error *error);
+
+/* Whether the packet's sender may change the open session: the one who began it, until it is
+ * finished or he has been silent for long.  He becomes its controller.  Errors: MUKCA_NEGATIVE. */
+mukca_status mukca_server_control(mukca_server *s, const mukca_lcm_packet *packet,
+                                  mukca_error *error);
 
 /* Whether `start` may open the session of that name now.  Errors: MUKCA_NEGATIVE (it would be
  * reopened, too many in a short time, little space is left). */

@@ -8,6 +8,9 @@
 /* Of our choice: a person begins few sessions, a sample takes some 500 bytes. */
 static const double first_sessions = 10, sessions_per_s = 0.1, free_bytes = 16e6;
 
+/* Of our choice, s: longer than people pause between two samples. */
+static const double longest_silence = 300;
+
 #define VERB_NAME(name, usage, arguments, sentence) #name,
 const char *const mukca_server_verbs[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) NULL};
 
@@ -46,6 +49,25 @@ mukca_status mukca_server_check_accept(const mukca_server *s, mukca_error *error
                               "besides " MUKCA_SERVER_ACCEPT,
                               word);
     }
+    return MUKCA_OK;
+}
+
+mukca_status mukca_server_control(mukca_server *s, const mukca_lcm_packet *packet,
+                                  mukca_error *error)
+{
+    mukca_server_controller *c = &s->controller;
+    const uint32_t address = (uint32_t)(packet->sender >> 16); /* a client has a port of its own */
+    const double silence = 1e-6 * (double)(packet->time - c->heard);
+    if (!packet->sender) return MUKCA_OK;
+    if (s->recorder.session.fd && c->heard && c->address != address && silence >= 0 &&
+        silence < longest_silence)
+        return mukca_fail(
+            error, MUKCA_NEGATIVE,
+            "session %s is controlled from %u.%u.%u.%u: wait until it is finished, or "
+            "for %.0f s without a request from there",
+            s->state.session, c->address >> 24, c->address >> 16 & 255, c->address >> 8 & 255,
+            c->address & 255, longest_silence);
+    *c = (mukca_server_controller){address, packet->time};
     return MUKCA_OK;
 }
 

@@ -175,6 +175,12 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
     return status;
 }
 
+void mukca_recorder_refuse_sample(mukca_recorder *r, int64_t id, const char *text)
+{
+    const mukca_message_sample message = {.id = id, .text = text};
+    mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
+}
+
 mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
                                    const char *socket, mukca_error *answer)
 {

@@ -172,8 +172,12 @@ static void on_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
         return;
     }
     if (!mukca_recorder_may_request(r, packet)) return;
-    if (r->hooks.trigger && !r->hooks.trigger(r->hooks.context)) {
-        mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: not accepted", packet->channel);
+    mukca_status status = mukca_recorder_check_signature(r, packet, trigger.utime, &error);
+    if (status == MUKCA_OK && r->hooks.trigger)
+        status = r->hooks.trigger(r->hooks.context, packet, &error);
+    if (status != MUKCA_OK) {
+        mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s", packet->channel, error.text);
+        mukca_recorder_refuse_sample(r, trigger.id, error.text);
         return;
     }
     mukca_recorder_sample(r, trigger.id, trigger.placement, trigger.socket, &error);

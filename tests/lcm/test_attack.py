@@ -1,5 +1,6 @@
 """Raw hostile datagrams against serve, capture and send: they live, memory stays flat, good messages
 still come."""
+import hmac
 import os
 import select
 import socket
@@ -276,7 +277,7 @@ def rights():
         client.wait_stream()
         check("rights: reopen named", client.command("start", "a").code == 0)
         sample = client.trigger("p", "0", seconds=1)
-        check("rights: triggers not named", sample is None, sample)
+        check("rights: triggers not named", sample and not sample.accepted and "--accept" in sample.text, sample)
         check("rights: delete named", client.command("delete").code == 0)
         stop(p)
     p = spawn("serve", *COMMON, "--state", state, "--accept", "dance")
@@ -306,6 +307,101 @@ def forged_states():
         stop(p)
 
 
+def signed(key, channel, data):
+    """How any client signs a request: docs/security.md."""
+    return data + hmac.digest(key, channel.encode() + b"\0" + data, "sha256")
+
+
+def signatures():
+    """serve --key: unsigned, altered, old and repeated requests are refused; those of clients with the key not."""
+    state, client = fresh("signatures"), Client()
+    path, key = os.path.join(state, "key"), os.urandom(20).hex().encode()
+    with open(os.open(path, os.O_CREAT | os.O_WRONLY, 0o600), "wb") as f:
+        f.write(key + b"\n")
+    log = os.path.join(state, "log")
+
+    def request(m, alter=lambda data: data, age=0.0, channel="MUKCA_COMMAND"):
+        m.utime, m.id = int((time.time() - age) * 1e6), client.next
+        client.next += 1
+        data = alter(signed(key, channel, m.encode()))
+        client.lc.publish(channel, data)
+        answer = client.answer(mukca.sample if channel == "MUKCA_TRIGGER" else mukca.result, m.id, 3)
+        return data, answer
+
+    def ask(verb, *arguments, **more):
+        m = mukca.command()
+        m.verb, m.n, m.argument = verb, len(arguments), list(arguments)
+        return request(m, **more)
+
+    with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
+        before = signed(key, "MUKCA_COMMAND", command("start", "early"))
+        p = spawn("serve", *COMMON, "--state", state, "--key", path, "--record", log)
+        check("signed: begins", client.wait_stream(), p.said)
+        client.lc.publish("MUKCA_COMMAND", before)
+        answer = client.command("start", "x")
+        check("signed: without a signature", answer and answer.code == 1 and "--key" in answer.text, answer and answer.text)
+        sample = client.trigger("a", "0")
+        check("signed: a trigger without one", sample and not sample.accepted and "--key" in sample.text)
+        data, answer = ask("start", "good")
+        check("signed: start", answer and answer.code == 0, answer and answer.text)
+        answer = None
+        client.lc.publish("MUKCA_COMMAND", data)
+        check("signed: sent twice", (answer := client.answer(mukca.result, client.next - 1, 3)) and
+              answer.code == 1 and "sent twice" in answer.text)
+        for name, alter in (("altered", lambda d: d.replace(b"start", b"ztart")),
+                            ("wrong signature", lambda d: d[:-1] + bytes([d[-1] ^ 1]))):
+            answer = ask("start", "bad", alter=alter)[1]
+            check("signed: " + name, not answer or answer.code == 1, answer and answer.text)
+        for name, age in (("old", 60), ("in the future", -60)):
+            answer = ask("start", "bad", age=age)[1]
+            check("signed: " + name, answer and answer.code == 1 and "clocks" in answer.text, answer and answer.text)
+        data = ask("socket", "1")[0]
+        client.lc.publish("MUKCA_TRIGGER", data)  # its channel is signed, too
+        arm.go(ROWS[0][2])
+        client.wait(lambda: False, 0.5)
+        t = mukca.trigger()
+        t.placement, t.socket = "a", "0"
+        sample = request(t, channel="MUKCA_TRIGGER")[1]
+        check("signed: a trigger", sample and sample.accepted, p.said[-3:])
+        send = subprocess.run([MUKCA, "send", "finish", "--key", path], capture_output=True, text=True, timeout=60)
+        check("signed: mukca send --key", send.returncode == 0 and "1 samples" in send.stdout, send.stderr)
+        send = subprocess.run([MUKCA, "send", "start", "bad"], capture_output=True, text=True, timeout=60)
+        check("signed: mukca send without", send.returncode == 1 and "--key" in send.stdout, send.stdout + send.stderr)
+        made = sorted(name for name in os.listdir(state) if name.endswith(".tsv") and "state" not in name)
+        check("signed: one session only", made == ["good.tsv"], made)
+        check("signed: ends cleanly", stop(p) == 0)
+    again = fresh("signatures_again")
+    os.chmod(path, 0o604)
+    p = spawn("serve", *COMMON, "--state", again, "--key", path)
+    check("signed: a key that all can read", p.wait(10) == 3)
+    p = spawn("serve", *COMMON, "--state", again, "--lcm-url", "file://" + log)
+    check("signed: the log replays without the key", p.wait(60) == 0 and
+          os.path.exists(os.path.join(again, "good.tsv")), p.said)
+
+
+def controllers():
+    """The session belongs to the address that began it, until it is finished."""
+    state, client, other = fresh("controllers"), Client(), Client()
+    other.lc.sender.bind(("127.0.0.2", 0))
+    other.next = 1000
+    with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
+        p = spawn("serve", *COMMON, "--state", state)
+        check("controllers: begins", client.wait_stream(), p.said)
+        check("controllers: one begins a session", client.command("start", "a").code == 0)
+        for verb, arguments in (("start", ["b"]), ("socket", ["1"]), ("finish", []), ("calibrate", [])):
+            answer = other.command(verb, *arguments)
+            check("controllers: another may not " + verb, answer and answer.code == 1 and
+                  "controlled from" in answer.text, answer and answer.text)
+        sample = other.trigger("a", "0")
+        check("controllers: nor record", sample and not sample.accepted and "controlled from" in sample.text)
+        check("controllers: but ask", "controlled" not in other.command("result").text)
+        check("controllers: the first may record", take(client, arm, ROWS[0]), p.said[-3:])
+        check("controllers: and finish", client.command("finish").code == 0)
+        check("controllers: then another may begin", other.command("start", "b").code == 0)
+        check("controllers: and the first may not", client.command("finish").code == 1)
+        stop(p)
+
+
 recorders()
 client_of_serve()
 flood("triggers", lambda i: small("MUKCA_TRIGGER", trigger()), 30 if LONG else 4)
@@ -313,5 +409,7 @@ flood("junk", lambda i: small("MUKCA_COMMAND", bytes(1400)), 30 if LONG else 3)
 flood("large junk", lambda i: small("MUKCA_COMMAND", bytes(60000)), 30 if LONG else 3)
 unicast()
 rights()
+signatures()
+controllers()
 forged_states()
 finish()
