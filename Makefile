@@ -73,7 +73,7 @@ quietly = $(if $(V),,@echo '  $(1)'; )
 .DELETE_ON_ERROR:
 .SECONDARY:
 .PHONY: all core demo check soak unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
-        verify-paper verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
+        verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) ## the program build/mukca and the core library (default)
 
@@ -174,6 +174,9 @@ verify-real: $(PROGRAM) ## the published real robots: Table I, minima of J, diag
 
 verify-outside: $(PROGRAM) ## rules of an honest diagnosis on public measurements of others (needs the data)
 	@$(TEST_ENVIRONMENT) $(call script,verify_outside)
+
+verify-small-arms: $(PROGRAM) ## false causes on pure noise for arms with two to seven axes
+	@$(TEST_ENVIRONMENT) $(call script,small_arms)
 
 verify-paper: $(PROGRAM) ## Kana et al. (2022), Tables 3 to 12, ours beside theirs
 	@$(TEST_ENVIRONMENT) $(call script,verify_paper)

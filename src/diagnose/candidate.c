@@ -180,7 +180,7 @@ static void chebyshev(double *T, int degree, double x)
 }
 
 /* Gaussian bumps of `width` on a grid over the range of x[n_rows][columns]. */
-static void fill_bumps(mukca_candidate *h, const mukca_recording *recording, const double *x,
+static void fill_bumps(const mukca_candidate *h, const mukca_recording *recording, const double *x,
                        int columns, int column)
 {
     double range[2];
@@ -196,7 +196,7 @@ static void fill_bumps(mukca_candidate *h, const mukca_recording *recording, con
 
 /* Chebyshev polynomials T_a of the other joint's angle, a >= 1; with products T_a T_b of both
  * angles, 0 < a + b <= PRODUCT_DEGREE. */
-static void fill_polynomials(mukca_candidate *h, const mukca_recording *recording)
+static void fill_polynomials(const mukca_candidate *h, const mukca_recording *recording)
 {
     const int n_joints = recording->chain->n_joints;
     const double *q = recording->data->q;
@@ -218,7 +218,7 @@ static void fill_polynomials(mukca_candidate *h, const mukca_recording *recordin
     }
 }
 
-static void fill_stretch(mukca_candidate *h, const mukca_recording *recording)
+static void fill_stretch(const mukca_candidate *h, const mukca_recording *recording)
 {
     double range[2];
     mukca_recording_range(range, recording, recording->time, 1, 0);
@@ -229,7 +229,7 @@ static void fill_stretch(mukca_candidate *h, const mukca_recording *recording)
 }
 
 /* An effect's basis; the terms behind an elastic effect's own are what each body alone does. */
-static void fill_effect(mukca_candidate *h, const mukca_recording *recording)
+static void fill_effect(const mukca_candidate *h, const mukca_recording *recording)
 {
     const int n_joints = recording->chain->n_joints, width = h->width_of_term;
     const bool elastic = is_elastic(h);
@@ -330,18 +330,11 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
     }
 }
 
-bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_recording *recording)
+void mukca_candidate_fill(const mukca_candidate *h, const mukca_recording *recording)
 {
-    const int rows = recording->data->n_rows;
-    for (int t = 0; t < MUKCA_MAX_COLUMNS; t++) h->unit[t] = 1;
-    set_shape(h, recording);
-    if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE) return true;
-    h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term));
-    if (!h->basis) return false;
     switch (h->kind) {
         case MUKCA_CANDIDATE_EFFECT:
             fill_effect(h, recording);
-            set_units(h, recording);
             break;
         case MUKCA_CANDIDATE_OWN_ANGLE:
             fill_bumps(h, recording, recording->data->q, recording->chain->n_joints, h->joint);
@@ -350,7 +343,7 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
             fill_bumps(h, recording, recording->time, 1, 0);
             break;
         case MUKCA_CANDIDATE_SLIP:
-            for (int row = 0; row < rows; row++) h->basis[row] = row >= h->row;
+            for (int row = 0; row < recording->data->n_rows; row++) h->basis[row] = row >= h->row;
             break;
         case MUKCA_CANDIDATE_STRETCH:
             fill_stretch(h, recording);
@@ -359,5 +352,17 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
             fill_polynomials(h, recording);
             break;
     }
+}
+
+bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_recording *recording)
+{
+    const int rows = recording->data->n_rows;
+    for (int t = 0; t < MUKCA_MAX_COLUMNS; t++) h->unit[t] = 1;
+    set_shape(h, recording);
+    if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE) return true;
+    h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term));
+    if (!h->basis) return false;
+    mukca_candidate_fill(h, recording);
+    if (h->kind == MUKCA_CANDIDATE_EFFECT) set_units(h, recording);
     return true;
 }

@@ -96,4 +96,7 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,
                              const mukca_recording *recording);
 
+/* Fill the basis of a prepared candidate again, for other angles of the same recording. */
+void mukca_candidate_fill(const mukca_candidate *candidate, const mukca_recording *recording);
+
 #endif

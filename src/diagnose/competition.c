@@ -48,7 +48,7 @@ void mukca_competition_rank(mukca_competition *contest)
     contest->n_table = 0;
     for (int i = 0; i < scan->n_scores; i++) {
         const mukca_score *score = &scan->score[i];
-        if (!(score->log_odds > -HUGE_VAL)) continue;
+        if (!(score->log_odds > -HUGE_VAL) || contest->noise_made[i] > 0) continue;
         mukca_contender key = key_of(mukca_scan_candidate(scan, i));
         int at = key.class == MUKCA_CLASS_OUTLIER ? -1 : contest->n_table - 1;
         while (at >= 0 && !same_key(&contest->table[at], &key)) at--;
@@ -120,9 +120,9 @@ static const mukca_contender *best_of(const mukca_competition *contest, int with
     return NULL;
 }
 
-/* Who comes next, or takes the place of the cause left out.  Where names come first, an unknown
- * function waits until none passes the threshold, and takes a name's place only by a clear lead. */
-static const mukca_contender *leader(mukca_competition *contest, int without, double threshold)
+/* Where names come first, an unknown function waits until none passes the threshold, and takes a
+ * name's place only by a clear lead. */
+static const mukca_contender *choose(mukca_competition *contest, int without, double threshold)
 {
     const mukca_unknowns *u = &contest->m->unknowns;
     const mukca_contender *all = best_of(contest, without, false);
@@ -135,6 +135,30 @@ static const mukca_contender *leader(mukca_competition *contest, int without, do
     if (without >= 0) return clear ? all : name;
     contest->passed_over |= clear;
     return name;
+}
+
+/* Does the candidate lead only by the noise in the recorded angles? */
+static bool made_by_noise(mukca_competition *contest, const mukca_contender *c, int without,
+                          double threshold)
+{
+    signed char *known = &contest->noise_made[c->best];
+    if (!*known) {
+        const mukca_candidate *h = mukca_scan_candidate(contest->scan, c->best);
+        const double gain = mukca_scan_noise_gain(contest->scan, contest->m, without, h);
+        *known = c->log_odds - gain < threshold ? 1 : -1;
+    }
+    return *known > 0;
+}
+
+/* Who comes next, or takes the place of the cause left out; NULL: nobody reaches the threshold. */
+static const mukca_contender *leader(mukca_competition *contest, int without, double threshold)
+{
+    for (;;) {
+        const mukca_contender *top = choose(contest, without, threshold);
+        if (!top || top->log_odds < threshold) return NULL;
+        if (!made_by_noise(contest, top, without, threshold)) return top;
+        mukca_competition_rank(contest);
+    }
 }
 
 static int outliers(const mukca_regression *m)
@@ -200,7 +224,7 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
         }
         const double threshold = m->unknowns.n_causes ? LATER_THRESHOLD : FIRST_THRESHOLD;
         const mukca_contender *top = leader(contest, -1, threshold);
-        if (!top || top->log_odds < threshold) {
+        if (!top) {
             if (extent != MUKCA_SCAN_ALL) { /* before giving up: all orders of ripple once more */
                 extent = MUKCA_SCAN_ALL;
                 continue;
@@ -284,7 +308,7 @@ static mukca_status settle(mukca_competition *contest, mukca_error *error)
             mukca_scan_run(contest->scan, m, c, MUKCA_SCAN_CONTENDERS);
             mukca_competition_rank(contest);
             const mukca_contender *top = leader(contest, c, FIRST_THRESHOLD);
-            if (!top || top->log_odds < FIRST_THRESHOLD) {
+            if (!top) {
                 if (drop(contest, c)) changed = true, c--;
                 continue;
             }
@@ -357,6 +381,7 @@ mukca_status mukca_competition_run(mukca_competition *contest, mukca_error *erro
     contest->table = MUKCA_TAKE(pool, mukca_contender, most);
     contest->first = MUKCA_TAKE(pool, mukca_contender, most);
     contest->first_score = MUKCA_TAKE(pool, mukca_score, most);
+    contest->noise_made = MUKCA_TAKE(pool, signed char, most);
     if (pool->failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
     return search_both(contest, error);

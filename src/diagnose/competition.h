@@ -25,6 +25,8 @@ typedef struct {
     mukca_contender *first; /* the same after the first scan: what each candidate is worth alone */
     int n_first;
     mukca_score *first_score;
+    signed char
+        *noise_made;     /* [scores] 1: the noise in the angles makes its score, -1: tested, 0 */
     mukca_unknowns kept; /* to go back to */
     bool names_first;    /* an unknown function comes when no name passes */
     bool passed_over;    /* ... and one led by more on the way */

@@ -145,11 +145,10 @@ static void misfit(double r[3], const mukca_linearisation *linear, const mukca_r
     }
 }
 
-/* The angles `seated`, moved the least so that the prediction moves by r.  Columns are taken there:
- * at the recorded angles they would go with the noise of their own sample, and the regression would
- * shrink the arm to shrink its noise. */
-static void seat(double *seated, double r[3], int n, const mukca_geometry *geometry,
-                 const mukca_displacement *displacement)
+/* Columns are taken at the seated angles: at the recorded ones they would go with the noise of
+ * their own sample, and the regression would shrink the arm to shrink its noise. */
+void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_geometry *geometry,
+                              const mukca_displacement *displacement)
 {
     double J[6 * MUKCA_MAX_JOINTS], A[9];
     mukca_fk_jacobian(J, NULL, geometry, seated, displacement);
@@ -284,7 +283,7 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
             memcpy(seated, recording->data->q + row * n_joints, sizeof *seated * (size_t)n_joints);
             if (group->socket >= 0) {
                 misfit(r, linear, recording, u, g, i);
-                seat(seated, r, n_joints, &u->geometry, &displacement);
+                mukca_linearisation_seat(seated, r, n_joints, &u->geometry, &displacement);
             }
             fill_sample(linear, recording, u, i, seated, &displacement);
         }

@@ -29,6 +29,11 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
 void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recording *recording,
                                 mukca_unknowns *unknowns);
 
+/* Move the angles seated[n] the least so that the predicted tip moves by r (destroyed), to first
+ * order. */
+void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_geometry *geometry,
+                              const mukca_displacement *displacement);
+
 /* Columns of a candidate, E[n_samples][dim][ld], from E on. */
 void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
                                  const mukca_recording *recording,

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/angle_noise.h"
 #include "diagnose/correlation.h"
 #include "diagnose/projector.h"
 #include "diagnose/ripple.h"
@@ -228,14 +229,30 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     if (without < 0) scan->steps++;
 }
 
-double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
-                              const mukca_candidate *a, const mukca_candidate *b)
+/* The projector in the state of the last run. */
+static mukca_projector aim_again(mukca_scan *scan, mukca_regression *m, int without)
 {
     mukca_projector p = mukca_projector_lay_out(m, scan->memory);
     leave_out(m, without);
     mukca_regression_collect(m, scan->rho);
     mukca_projector_aim(&p, &m->evidence.normal[scan->rho], scan->sigma);
+    return p;
+}
+
+double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
+                              const mukca_candidate *a, const mukca_candidate *b)
+{
+    mukca_projector p = aim_again(scan, m, without);
     return mukca_correlation_canonical(&p, a, b);
+}
+
+double mukca_scan_noise_gain(mukca_scan *scan, mukca_regression *m, int without,
+                             const mukca_candidate *candidate)
+{
+    const mukca_recording *r = &m->recording;
+    if (!candidate->basis || r->groups[r->n_groups - 1].socket < 0) return 0;
+    mukca_projector p = aim_again(scan, m, without);
+    return mukca_angle_noise_gain(&p, candidate);
 }
 
 mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mukca_regression *m,

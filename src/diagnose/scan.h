@@ -63,4 +63,9 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
 double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
                               const mukca_candidate *a, const mukca_candidate *b);
 
+/* By how much the score of a candidate is too high in that state because the recorded angles hold
+ * the noise of their own sample. */
+double mukca_scan_noise_gain(mukca_scan *scan, mukca_regression *m, int without,
+                             const mukca_candidate *candidate);
+
 #endif

@@ -114,9 +114,12 @@ static bool part_of_unknown(const mukca_unknowns *u, const described *found, int
 }
 
 /* Is a cause more likely than not, or are its rivals named with it?  (Unknown functions count as
- * rivals where it has one chance in five.) */
+ * rivals where it has one chance in five.)  A size of the sign that physics excludes is none: the
+ * score of a cause honours the sign, but other causes may turn it. */
 static bool listed(const mukca_cause *cause)
 {
+    if (mukca_effect_table[cause->effect.kind]->nonnegative && !(cause->amplitude > 0))
+        return false;
     return cause->probability >= 0.5 || cause->n_ties > 0 ||
            (cause->or_unknown && cause->probability >= 0.2);
 }

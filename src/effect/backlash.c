@@ -92,6 +92,7 @@ const mukca_effect_ops mukca_approach_hysteresis_effect = {
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
              MUKCA_IN_MRAD,
+             .nonnegative = true, /* friction holds the link back: it stops short of the motor */
              .needs = MUKCA_NEEDS_ORDER,
              .sentence = "the joint rests differently after moving up than after moving down",
              .remedy = "approach targets from one side; check friction and preload"},

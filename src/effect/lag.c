@@ -58,6 +58,7 @@ const mukca_effect_ops mukca_readback_lag_effect = {
              .site = MUKCA_SITE_ANGLES,
              .terms = 1,
              MUKCA_IN_MRAD,
+             .nonnegative = true, /* a reading can be late, not early */
              .needs = MUKCA_NEEDS_ORDER,
              .sentence = "the recorded angles lag behind the true ones, along the last move",
              .remedy = "let the arm stand still before each sample; check the time stamps of the "

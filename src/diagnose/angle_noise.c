@@ -1,0 +1,98 @@
+/* What the noise in the recorded angles alone adds to the score of a candidate.
+ *
+ * The ball is in its socket, so the noise of a sample is in its recorded angles, and a function of
+ * these angles holds the noise of its own sample.  Its product with the residual then does not
+ * vanish on average, even if there is no such cause (errors in variables: W. A. Fuller, Measurement
+ * Error Models, 1987, section 1.1).  Where an arm has many postures for each socket this is far
+ * below the noise.  Where it has one or a few, such as a gantry or a three-axis arm, nothing else
+ * is left once the geometry is fitted.
+ */
+#include "diagnose/angle_noise.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Samples move to and fro, so that the range of the angles, which scales some functions, stays. */
+static double sign_of(int sample)
+{
+    return sample % 2 ? -1 : 1;
+}
+
+/* The recording with the tip of each sample moved by `shift` along axis c, by its angles alone. */
+static void move_tips(mukca_recording *moved, const mukca_regression *m, int c, double shift)
+{
+    const mukca_recording *r = &m->recording;
+    const int n = r->chain->n_joints;
+    for (int i = 0; i < r->n_samples; i++) {
+        const size_t at = (size_t)r->order[i] * (size_t)n;
+        double *q = moved->data->q + at, step[3] = {0, 0, 0};
+        mukca_displacement displacement;
+        mukca_unknowns_displacement(&displacement, &m->unknowns, n, r->order[i]);
+        memcpy(q, r->data->q + at, sizeof *q * (size_t)n);
+        step[c] = sign_of(i) * shift;
+        mukca_linearisation_seat(q, step, n, &m->unknowns.geometry, &displacement);
+        for (int j = 0; j < n; j++)
+            moved->move[at + (size_t)j] =
+                r->move[at + (size_t)j] + q[j] - r->data->q[at + (size_t)j];
+    }
+}
+
+/* bias[terms]: mean of the candidate's projected gradient E'u over the noise, its columns being
+ * p->E.  The noise of row k of the observations is in u_k with the weight 1 - 1/n - (Z Z')_kk, and
+ * in the columns of the row with the derivative of these columns. */
+static void self_gradient(double *bias, mukca_projector *p, const mukca_candidate *h,
+                          mukca_recording *moved, const mukca_candidate *there)
+{
+    const mukca_regression *m = p->m;
+    const mukca_recording *r = &m->recording;
+    const int d = r->dim, n = p->n, terms = h->terms;
+    const double sigma = 1 / sqrt(p->precision);
+    memset(bias, 0, sizeof *bias * (size_t)terms);
+    for (int c = 0; c < 3; c++) {
+        move_tips(moved, m, c, sigma);
+        mukca_candidate_fill(there, moved);
+        mukca_linearisation_columns(p->white, terms, &m->linear, r, there);
+        for (int g = 0; g < r->n_groups; g++)
+            for (int i = r->groups[g].start;
+                 r->groups[g].socket >= 0 && i < r->groups[g].start + r->groups[g].count; i++) {
+                const double *z = p->Zt + (size_t)(i * d + c) * (size_t)n;
+                const int at = (i * d + c) * terms;
+                double weight = p->precision * (1 - 1.0 / r->groups[g].count);
+                for (int k = 0; k < n; k++) weight -= z[k] * z[k];
+                /* y is minus the predicted tip: its noise has the other sign */
+                for (int t = 0; t < terms; t++)
+                    bias[t] -= (p->white[at + t] - p->E[at + t]) * sign_of(i) * sigma * weight;
+            }
+    }
+}
+
+double mukca_angle_noise_gain(mukca_projector *p, const mukca_candidate *h)
+{
+    const mukca_regression *m = p->m;
+    const int terms = h->terms, rows = m->recording.data->n_rows;
+    const size_t values = (size_t)rows * (size_t)m->recording.chain->n_joints;
+    double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[MUKCA_MAX_COLUMNS];
+    double copy[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], bias[MUKCA_MAX_COLUMNS];
+    mukca_pool pool = {0};
+    mukca_dataset data = *m->recording.data;
+    mukca_recording moved = m->recording;
+    mukca_candidate there = *h;
+    data.q = MUKCA_TAKE(&pool, double, values);
+    moved.data = &data;
+    moved.move = MUKCA_TAKE(&pool, double, values);
+    there.basis = MUKCA_TAKE(&pool, float, (size_t)(rows * terms * h->width_of_term));
+    double gain = 0;
+    if (!pool.failed && h->basis) {
+        memcpy(data.q, m->recording.data->q, sizeof *data.q * values);
+        memcpy(moved.move, m->recording.move, sizeof *data.q * values);
+        mukca_linearisation_columns(p->E, terms, &m->linear, &m->recording, h);
+        self_gradient(bias, p, h, &moved, &there);
+        mukca_projector_project(G, g, p, p->E, terms, h);
+        memcpy(copy, G, sizeof *G * (size_t)(terms * terms));
+        for (int t = 0; t < terms; t++) bias[t] = g[t] - bias[t];
+        gain = mukca_projector_block(G, g, h, p->residual, p->normal->dof, NULL) -
+               mukca_projector_block(copy, bias, h, p->residual, p->normal->dof, NULL);
+    }
+    mukca_pool_free(&pool);
+    return gain;
+}
