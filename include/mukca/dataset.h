@@ -3,6 +3,7 @@
 #ifndef MUKCA_DATASET_H
 #define MUKCA_DATASET_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "mukca/chain.h"
@@ -41,6 +42,8 @@ typedef struct {
     double *payload;     /* [n_rows] kg at the tip beyond the model, or NULL */
     double *effort;      /* [n_rows][n_joints] N m, or NULL */
     double *command;     /* [n_rows][n_joints] rad, or NULL */
+    double *reading;     /* [n_rows][n_joints] rad: where q are commands, what was read; or NULL */
+    bool by_command;     /* q are commanded angles */
     double *velocity;    /* [n_rows][n_joints] rad/s, or NULL */
     double *position;    /* [n_rows][3] measured tip, m, or NULL (NaN: not measured in this row) */
     double *quaternion;  /* [n_rows][4] measured tip, w first, or NULL (NaN likewise) */
@@ -62,6 +65,10 @@ void mukca_dataset_free(mukca_dataset *data);
  * (so indices stay valid).  Errors: MUKCA_MEMORY. */
 mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                                   const unsigned char *keep, mukca_error *error);
+
+/* Take the commanded angles for q: of the rows that have some; without any, q are commands already.
+ * What was read goes to `reading`.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error);
 
 /* State of a row (row_state.h).  Call it for all rows in order, from row 0; each file is a
  * recording of its own.  The result points into `rows` and is valid until the next call. */

@@ -34,7 +34,8 @@ extern "C" {
     X(TOOL_MOTION, tool_motion)                   \
     X(ZERO_JUMP, zero_jump)                       \
     X(BALL_SHIFT, ball_shift)                     \
-    X(SOCKET_DISTANCE, socket_distance)
+    X(SOCKET_DISTANCE, socket_distance)           \
+    X(SERVO_SAG, servo_sag)
 
 typedef enum {
 #define MUKCA_EFFECT_ENUM(kind, name) MUKCA_EFFECT_##kind,
@@ -48,7 +49,8 @@ enum {
     MUKCA_NEEDS_MASSES = 1,     /* link masses (URDF or --inertials), or measured efforts */
     MUKCA_NEEDS_ORDER = 2,      /* samples in recording order */
     MUKCA_NEEDS_PLACEMENTS = 4, /* two placements or more */
-    MUKCA_NEEDS_SOCKETS = 8     /* socket data (not a pose log) */
+    MUKCA_NEEDS_SOCKETS = 8,    /* socket data (not a pose log) */
+    MUKCA_NEEDS_COMMANDS = 16   /* angles that were commanded, not read */
 };
 
 /* What the rest of the program may ask of an effect (bits). */

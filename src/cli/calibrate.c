@@ -28,6 +28,7 @@ static const cli_option options[] = {
                "write consistency and distortion per iteration (TSV)"),
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
+    CLI_ANGLES_OPTION,
     CLI_OPTION(calibrate_options, free, "free", CLI_TEXT, "LIST",
                "fit these only: joints, parameters (x y z roll pitch yaw) or joint.parameter, with "
                "commas; "

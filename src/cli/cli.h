@@ -83,6 +83,7 @@ typedef struct {
 typedef struct {
     const char *urdf, *base, *tip, *inertials, *offsets, *distances, *json, *output, *payload;
     cli_list test;
+    int angles;        /* index into cli_angles */
     double distance;   /* m */
     double gravity[3]; /* m/s^2; all 0: upright base */
     bool force, quiet, verbose;
@@ -119,6 +120,10 @@ typedef struct {
         payload, 0, CLI_TEXT, "KG[,KG...]",                                                    \
         "mass at the tip beyond the model, of all DATA or of each in order (of --test, too), " \
         "where the file has no payload_kg")
+#define CLI_ANGLES_OPTION                                                                     \
+    CLI_CHOICE_OPTION(cli_common, angles, "angles", "STREAM", cli_angles,                     \
+                      "fit the angles that were read, or those that were commanded (columns " \
+                      "JOINT.command; without them all angles are commands; default: reading)")
 #define CLI_TEST_OPTION \
     CLI_COMMON(test, 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported")
 #define CLI_JSON_OPTION \
@@ -142,6 +147,7 @@ typedef struct {
 /* The common options that mean the same everywhere, ended as a table is; -o is each command's own.
  */
 extern const cli_option cli_common_options[];
+extern const char *const cli_angles[];        /* of --angles, ended by NULL */
 bool cli_is_common(const cli_option *option); /* is it one of them, with the same text? */
 
 typedef struct cli_call cli_call;

@@ -117,6 +117,25 @@ static json_t *logs_object(const mukca_logs *logs)
                      "tool_per_log", logs->tool_per_log, "log_evidence", evidence);
 }
 
+/* Both streams of angles, joint by joint. */
+static json_t *streams_object(const mukca_streams *s, const mukca_diagnosed *r)
+{
+    if (s->n_joints == 0) return json_null();
+    json_t *joints = json_array();
+    for (int j = 0; j < s->n_joints; j++) {
+        const mukca_stream *of = &s->joint[j];
+        json_array_append_new(
+            joints, json_pack("{s:o, s:i, s:o, s:o, s:o, s:o, s:o}", "joint",
+                              joint_name(r->chain, j), "rows", of->rows, "mean",
+                              cli_json_real(of->mean), "rms", cli_json_real(of->rms), "servo_sag",
+                              cli_json_real(of->sag), "ci95", interval(of->low, of->high),
+                              "log_bayes_factor", cli_json_real(of->log_bayes_factor)));
+    }
+    return json_pack("{s:s, s:o, s:o, s:o}", "fitted", r->data->by_command ? "command" : "reading",
+                     "sigma_reading_m", cli_json_real(s->sigma_reading_m), "sigma_command_m",
+                     cli_json_real(s->sigma_command_m), "joints", joints);
+}
+
 json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -189,6 +208,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_object_set_new(root, "suspected", suspected);
     json_object_set_new(root, "unnamed_m", cli_json_real(d->explained_m - d->structure_m));
     json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
+    json_object_set_new(root, "streams", streams_object(&d->streams, r));
     json_object_set_new(root, "logs", logs_object(&d->logs));
     json_object_set_new(root, "next_poses", next_poses_array(r));
     json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));

@@ -52,6 +52,7 @@ static void put_tie(mukca_text *text, const mukca_diagnosed *r, const mukca_caus
     const mukca_next_poses *next = r->next;
     if (!c->n_ties && !c->or_unknown) return;
     mukca_text_put(text, " (indistinguishable in these data");
+    if (mukca_next_poses_need_readings(c)) mukca_text_put(text, "; readings would decide");
     if (next && next->cause >= 0 && c == &r->diagnosis->causes[next->cause]) {
         const mukca_plan *plan = &next->plan;
         if (plan->n_rows > 0 && plan->evidence_after >= MUKCA_PLAN_NAME)
@@ -317,8 +318,11 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
     flush(stream, NULL, &text);
     for (int i = 0, lines = 0; i < d->n_tested && lines < MOST_LINES; i++) {
         const mukca_tested *t = &d->tested[i];
-        bool printed = t->testable || (caveat && t->joint < 0 &&
-                                       (mukca_effect_table[t->effect]->needs & MUKCA_NEEDS_MASSES));
+        /* readings need no word about errors of commands */
+        bool printed =
+            t->testable ||
+            (mukca_effect_table[t->effect]->needs & MUKCA_NEEDS_COMMANDS && !r->data->by_command) ||
+            (caveat && t->joint < 0 && (mukca_effect_table[t->effect]->needs & MUKCA_NEEDS_MASSES));
         for (int k = 0; k < i && !printed; k++)
             printed = !d->tested[k].testable && strcmp(d->tested[k].why, t->why) == 0 &&
                       (d->tested[k].joint < 0) == (t->joint < 0);
@@ -329,6 +333,30 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
     if (!r->data->time)
         fprintf(stream, "joint_drift: no time_s column; %.0f s per sample assumed\n",
                 MUKCA_SECONDS_PER_ROW);
+}
+
+/* Both streams of angles: how they differ, and which was fitted. */
+static void print_streams(FILE *stream, const mukca_diagnosed *r)
+{
+    const mukca_streams *s = &r->diagnosis->streams;
+    char line[TEXT] = "";
+    mukca_text text = MUKCA_TEXT(line);
+    int largest = 0, n = 0;
+    for (int j = 1; j < s->n_joints; j++)
+        if (s->joint[j].rms > s->joint[largest].rms) largest = j;
+    if (s->n_joints == 0 || !(s->joint[largest].rms > 0)) return;
+    mukca_text_put(&text, "%s fitted; reading minus command: at most %.3g mrad rms (%s)",
+                   r->data->by_command ? "commands" : "readings", 1e3 * s->joint[largest].rms,
+                   mukca_wording_joint(r->chain, largest));
+    for (int j = 0; j < s->n_joints; j++)
+        if (s->joint[j].log_bayes_factor > MUKCA_SAG_EVIDENT && s->joint[j].sag > 0)
+            mukca_text_put(&text, "%s %s %.3g urad/(N·m) [%.3g, %.3g]", n++ ? "," : "; servo sag",
+                           mukca_wording_joint(r->chain, j), 1e6 * s->joint[j].sag,
+                           1e6 * s->joint[j].low, 1e6 * s->joint[j].high);
+    if (isfinite(s->sigma_command_m))
+        mukca_text_put(&text, "; geometry leaves %.3g mm with readings, %.3g with commands",
+                       1e3 * s->sigma_reading_m, 1e3 * s->sigma_command_m);
+    flush(stream, "Angles", &text);
 }
 
 /* Several pose logs: which of the free frames they share. */
@@ -366,6 +394,7 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
     fputc('\n', stream);
     print_causes(stream, r);
     print_logs(stream, &r->diagnosis->logs);
+    print_streams(stream, r);
     print_recording(stream, r);
     print_errors(stream, r);
     print_limits(stream, r, caveat);

@@ -25,6 +25,7 @@ static const cli_option options[] = {
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
     CLI_PAYLOAD_OPTION,
+    CLI_ANGLES_OPTION,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};

@@ -156,7 +156,8 @@ void cli_print_effects(FILE *stream)
     } needs[] = {{MUKCA_NEEDS_MASSES, "link masses"},
                  {MUKCA_NEEDS_ORDER, "samples in recording order"},
                  {MUKCA_NEEDS_PLACEMENTS, "two placements or more"},
-                 {MUKCA_NEEDS_SOCKETS, "socket data"}};
+                 {MUKCA_NEEDS_SOCKETS, "socket data"},
+                 {MUKCA_NEEDS_COMMANDS, "commanded angles (--angles command)"}};
     cli_print_wrapped(
         stream, 0,
         "The effects that `mukca diagnose` can name and `mukca simulate --effect` can "

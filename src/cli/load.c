@@ -92,6 +92,8 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
     free(payload);
+    if (status == MUKCA_OK && c->angles == 1)
+        status = mukca_dataset_take_commands(data, &call->error);
     for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {
         int rows = 0;
         for (int i = 0; i < data->n_rows; i++) rows += data->file[i] == f;

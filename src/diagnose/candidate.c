@@ -157,7 +157,8 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
             mukca_candidate_site(h) == MUKCA_SITE_ANGLES ? 1 : h->unit[0]; /* see sizes */
         for (int i = 0; i < MUKCA_MAX_SIZES && sizes->sigma[i] > 0; i++) {
             const bool rare = i >= sizes->usual;
-            if (rare && is_elastic(h) && sizes->sigma[i] * unit > most_deflection) break;
+            if (rare && sizes == &mukca_sizes_spring && sizes->sigma[i] * unit > most_deflection)
+                break;
             scale[n] = sizes->sigma[i] * unit;
             total += log_weight[n++] = rare ? MUKCA_RARE_SIZE : 1;
         }

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/streams.h"
+
 enum {
     LONGEST_BURST = 3, /* samples that a badly seated ball may stay so */
     MOST_SLIPS = 200   /* rows at which a joint is tried for a slip */
@@ -177,6 +179,22 @@ static void set_priors(mukca_candidates *all)
     }
 }
 
+/* Where commands are fitted and readings are there, too, their difference shows a sag directly:
+ * independent data, whose evidence adds to the prior odds. */
+static void add_sag_evidence(mukca_candidates *all, const mukca_recording *recording)
+{
+    const double most = 20; /* log: certain, and no reason for a sag that moves no ball */
+    mukca_streams streams;
+    if (!recording->data->by_command || !recording->data->reading) return;
+    mukca_streams_compare(&streams, recording);
+    for (int i = 0; i < all->count; i++) {
+        mukca_candidate *h = &all->list[i];
+        if (mukca_candidate_class(h) != MUKCA_EFFECT_SERVO_SAG) continue;
+        const double evidence = streams.joint[h->joint].log_bayes_factor;
+        if (isfinite(evidence)) h->log_prior += fmin(evidence, most);
+    }
+}
+
 /* The facts that decide which effects can be tested. */
 static void survey_recording(mukca_effect_survey *s, const mukca_recording *recording)
 {
@@ -186,6 +204,7 @@ static void survey_recording(mukca_effect_survey *s, const mukca_recording *reco
                                .n_placements = data->n_placements,
                                .moments = recording->have_moments,
                                .torques = recording->have_torques,
+                               .by_command = data->by_command,
                                .pairs = recording->n_pairs > 1};
     for (int j = 0; j < n; j++) {
         const double *torque = recording->total_torque;
@@ -232,6 +251,7 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
                           recording->data->n_rows);
     all->harmonics = !(disabled && disabled[MUKCA_EFFECT_GEAR_HARMONIC]);
     set_priors(all);
+    add_sag_evidence(all, recording);
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
         if (!all->enabled[kind] && kind != MUKCA_EFFECT_GEAR_HARMONIC)
             all->missing[kind] = disabled && disabled[kind]

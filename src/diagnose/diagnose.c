@@ -10,6 +10,7 @@
 #include "diagnose/confounding.h"
 #include "diagnose/cross_validation.h"
 #include "diagnose/logs.h"
+#include "diagnose/streams.h"
 #include "diagnose/test_data.h"
 #include "diagnose/untested.h"
 #include "math/stats.h"
@@ -222,8 +223,10 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     if (status == MUKCA_OK)
         status = mukca_regression_create(&m, chain, data, &recording_options, error);
     if (status != MUKCA_OK) return status;
+    mukca_streams_compare(&diagnosis->streams, &m.recording);
+    status = mukca_streams_fit(&diagnosis->streams, &recording_options, chain, data, error);
     steps *s = MUKCA_TAKE(&m.pool, steps, 1);
-    if (!s) goto out;
+    if (!s || status != MUKCA_OK) goto out;
     s->structure_m = s->test.nominal_m = s->test.geometry_m = s->test.explained_m = NAN;
     mukca_cross_validation_clear(&s->validation);
     mukca_screening_run(&s->faults, &m);

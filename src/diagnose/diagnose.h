@@ -125,6 +125,24 @@ typedef struct {
     double correlation[MUKCA_MAX_CONFOUNDED][MUKCA_MAX_CONFOUNDED];
 } mukca_confounding;
 
+/* Reading minus command of a joint, and how it goes with gravity's torque. */
+typedef struct {
+    int rows;                /* in which both were recorded */
+    double mean, rms;        /* rad or m; NaN: never */
+    double sag, low, high;   /* rad/(N m) and its 95 % interval; NaN: no torque known */
+    double log_bayes_factor; /* of a sag against none */
+} mukca_stream;
+
+/* From this log Bayes factor on a sag is reported: 150 to 1. */
+#define MUKCA_SAG_EVIDENT 5.0
+
+/* Both streams of angles; n_joints 0: one was recorded. */
+typedef struct {
+    int n_joints;
+    mukca_stream joint[MUKCA_MAX_JOINTS];
+    double sigma_reading_m, sigma_command_m; /* noise of a fit of the geometry to each; NaN: none */
+} mukca_streams;
+
 /* Several pose logs: which of their free frames differ from log to log. */
 typedef struct {
     int n; /* logs; 0: no poses */
@@ -163,6 +181,7 @@ typedef struct {
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */
     mukca_logs logs;
+    mukca_streams streams;
     mukca_applied applied;         /* with options->applied */
     mukca_confounding confounding; /* with options->confounding */
     double elapsed_s;

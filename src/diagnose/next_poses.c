@@ -11,6 +11,20 @@ static bool settled_by_poses(const mukca_effect *effect)
     return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);
 }
 
+/* Is one of the two an error of commands, the other of the arm?  Readings tell, postures do not. */
+static bool settled_by_readings(const mukca_effect *a, const mukca_effect *b)
+{
+    return (mukca_effect_table[a->kind]->needs ^ mukca_effect_table[b->kind]->needs) &
+           MUKCA_NEEDS_COMMANDS;
+}
+
+bool mukca_next_poses_need_readings(const mukca_cause *cause)
+{
+    for (int t = 0; t < cause->n_ties; t++)
+        if (settled_by_readings(&cause->effect, &cause->ties[t].rival)) return true;
+    return false;
+}
+
 /* The first tied cause that acts on the arm, and its nearest rival that does. */
 static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
 {
@@ -18,6 +32,7 @@ static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
         for (int t = 0; settled_by_poses(&d->causes[c].effect) && t < d->causes[c].n_ties; t++) {
             const mukca_tie *tie = &d->causes[c].ties[t];
             if (!isfinite(tie->log_bayes_factor) || !settled_by_poses(&tie->rival)) continue;
+            if (settled_by_readings(&d->causes[c].effect, &tie->rival)) continue;
             next->cause = c;
             next->tie = t;
             return true;

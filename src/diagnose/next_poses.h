@@ -25,4 +25,7 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
 bool mukca_next_poses_tie(mukca_effect effects[2], const mukca_diagnosis *diagnosis);
 void mukca_next_poses_free(mukca_next_poses *next); /* harmless on a zeroed one */
 
+/* Would the readings decide a tie of the cause, an error of the commands or of the arm? */
+bool mukca_next_poses_need_readings(const mukca_cause *cause);
+
 #endif

@@ -18,6 +18,8 @@ const char *mukca_effect_missing(mukca_effect_kind kind, const mukca_effect_surv
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[kind];
     const int needs = ops->info.needs;
+    if ((needs & MUKCA_NEEDS_COMMANDS) && !survey->by_command)
+        return "the angles are readings; for commanded ones give --angles command";
     if (needs & MUKCA_NEEDS_MASSES) return "no link masses; give --inertials FILE";
     if ((needs & MUKCA_NEEDS_PLACEMENTS) && survey->sockets)
         return "one placement only; record a second one";

@@ -8,6 +8,7 @@ typedef struct {
     int n_joints, n_placements;
     bool moments, torques; /* holding moments, torques about the axes are known for each sample */
     bool moved;            /* some joint moved between samples */
+    bool by_command;       /* the angles were commanded, not read */
     bool commanded;        /* some commanded angle differs from the reading */
     bool sockets;          /* socket data, not a pose log */
     bool pairs;            /* two pairs of sockets a known distance apart */

@@ -211,6 +211,7 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
     last_parts(s.stem, path, 1);
     char *dot = strrchr(s.stem, '.');
     if (dot && dot != s.stem) *dot = '\0';
+    b->data->by_command |= s.rows.by_command;
     status = check_columns(b, &s.rows);
     if (status == MUKCA_OK) status = mukca_build_file(b, path);
     if (status == MUKCA_OK) status = read_rows(b, &s);

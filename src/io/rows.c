@@ -109,9 +109,11 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
     for (int j = 0; j < rows->chain->n_joints; j++) {
         const char *name = rows->chain->element[rows->chain->joint_element[j]].name;
         c->joint[j] = find(&h, name, "");
-        if (c->joint[j] < 0) return fail_header(rows, name, error);
         c->effort[j] = find(&h, name, ".effort");
         c->command[j] = find(&h, name, ".command");
+        if (j == 0) rows->by_command = c->joint[0] < 0 && c->command[0] >= 0;
+        if (rows->by_command) c->joint[j] = c->command[j];
+        if (c->joint[j] < 0) return fail_header(rows, name, error);
         c->velocity[j] = find(&h, name, ".velocity");
         rows->has_command |= c->command[j] >= 0;
     }

@@ -28,6 +28,7 @@ typedef struct {
     mukca_rows_options options;
     mukca_columns column;
     bool has_command;              /* for one joint at least */
+    bool by_command;               /* no angles but the commanded ones */
     bool warned[MUKCA_MAX_JOINTS]; /* beyond its limits */
 } mukca_rows;
 

@@ -50,6 +50,7 @@ void mukca_dataset_free(mukca_dataset *data)
     free(data->payload);
     free(data->effort);
     free(data->command);
+    free(data->reading);
     free(data->velocity);
     free(data->position);
     free(data->quaternion);
@@ -106,6 +107,7 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                (size_t)data->n_placements * sizeof *copy.placements);
     copy.n_distances = data->n_distances;
     copy.n_files = data->n_files;
+    copy.by_command = data->by_command;
     double *q = NULL;
     const int n = data->n_joints;
     bool good =
@@ -115,6 +117,7 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
         copy_doubles(&copy.payload, data->payload, 1, data, keep, kept) &&
         copy_doubles(&copy.effort, data->effort, n, data, keep, kept) &&
         copy_doubles(&copy.command, data->command, n, data, keep, kept) &&
+        copy_doubles(&copy.reading, data->reading, n, data, keep, kept) &&
         copy_doubles(&copy.velocity, data->velocity, n, data, keep, kept) &&
         copy_doubles(&copy.position, data->position, 3, data, keep, kept) &&
         copy_doubles(&copy.quaternion, data->quaternion, 4, data, keep, kept) &&
@@ -136,6 +139,20 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
         k++;
     }
     *out = copy;
+    return MUKCA_OK;
+}
+
+mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error)
+{
+    const size_t count = (size_t)data->n_rows * (size_t)data->n_joints;
+    data->by_command = true;
+    if (!data->command || data->reading) return MUKCA_OK;
+    double *q = zeros(count, sizeof *q);
+    if (!q) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    for (size_t i = 0; i < count; i++)
+        q[i] = isnan(data->command[i]) ? data->q[i] : data->command[i];
+    data->reading = data->q;
+    data->q = q;
     return MUKCA_OK;
 }
 

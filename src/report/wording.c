@@ -212,6 +212,10 @@ void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put(text,
             "inspect the transmission and the bearings of the joints concerned, and record more "
             "samples over their range");
+    else if (d->n_causes && mukca_next_poses_need_readings(&d->causes[0]))
+        put(text,
+            "record readings and commands (columns JOINT and JOINT.command): they separate servo "
+            "sag from compliance");
     else if (r->next && r->next->cause >= 0 && r->next->plan.n_rows > 0)
         put(text, "`mukca plan --settle` with these data writes postures that separate %s",
             r->next->plan.evidence_after < MUKCA_PLAN_NAME ? "the alternatives in part"

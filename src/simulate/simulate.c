@@ -107,6 +107,23 @@ static void next_noise(recorder *r, bool fresh)
             rho * r->wander[a] + sqrt(1 - rho * rho) * o->noise * mukca_random_normal(&r->noise);
 }
 
+/* The joints rest beside their commands: those were q so far, and are read where they rest. */
+static void read_sag(recorder *r)
+{
+    const size_t n = (size_t)r->data->n_joints, at = (size_t)r->row * n;
+    double *q = r->data->q + at;
+    mukca_displacement sag;
+    mukca_effect sagging[MUKCA_MAX_EFFECTS];
+    int count = 0;
+    for (int e = 0; e < r->arm->n_effects; e++)
+        if (r->arm->effects[e].kind == MUKCA_EFFECT_SERVO_SAG)
+            sagging[count++] = r->arm->effects[e];
+    if (count == 0) return;
+    mukca_effects_displacement(&sag, sagging, count, &r->arm->chain, &r->arm->geometry, q,
+                               &r->states.state);
+    for (size_t j = 0; j < n; j++) q[j] += sag.q[j];
+}
+
 /* Fill the columns that follow from the row's angles, and go to the next row. */
 static void finish_row(recorder *r)
 {
@@ -117,6 +134,7 @@ static void finish_row(recorder *r)
     if (data->command) {
         mukca_displacement ignored;
         displace(&ignored, q, r);
+        read_sag(r);
     }
     if (data->effort) {
         mukca_gravity_load load;
