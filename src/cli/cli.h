@@ -340,6 +340,9 @@ json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
 json_t *cli_json_real(double value);
 json_t *cli_json_reals(const double *values, int n);
 
+/* An object of such numbers: key, value, key, value, ..., NULL. */
+json_t *cli_json_numbers(const char *key, double value, ...) __attribute__((sentinel));
+
 /* A JSON string; null for NULL. */
 json_t *cli_json_text(const char *text);
 
