@@ -72,7 +72,7 @@ quietly = $(if $(V),,@echo '  $(1)'; )
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all core demo check soak unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
+.PHONY: all core demo check soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
         verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) ## the program build/mukca and the core library (default)
@@ -131,6 +131,11 @@ check: $(PROGRAM) $(TESTS) $(EXAMPLES) ## build and run every test
 
 soak: $(PROGRAM) ## the LCM tests in full: 60 s at 1 kHz, 100 kills, a million hostile messages
 	@$(TEST_ENVIRONMENT) MUKCA_LONG=1 tests/lcm/run.sh
+
+faults: $(PROGRAM) ## every failing allocation, write, sync and rename; 100 kills, 100 power cuts
+	@$(TEST_ENVIRONMENT) MUKCA_LONG=1 tests/run $(abspath tests/fault/run.sh)
+	@$(TEST_ENVIRONMENT) MUKCA_LONG=1 LCM_TESTS="$(abspath $(wildcard tests/lcm/test_kill.py \
+	    tests/lcm/test_power.py))" tests/run tests/lcm/run.sh
 
 unit: $(TESTS) ## the cmocka tests only
 	@$(TEST_ENVIRONMENT) tests/run $(TESTS)

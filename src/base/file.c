@@ -17,15 +17,15 @@ const char *mukca_file_shown(const char *path)
 
 mukca_status mukca_file_fail(mukca_error *error, const char *path)
 {
-    return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", mukca_file_shown(path),
-                      strerror(errno));
+    return mukca_fail(error, errno == ENOMEM ? MUKCA_MEMORY : MUKCA_INPUT, "%s: cannot read: %s",
+                      mukca_file_shown(path), strerror(errno));
 }
 
-bool mukca_file_close(FILE *stream)
+bool mukca_file_close(FILE *stream, char *const *text)
 {
     if (!stream) return false;
     const bool good = !ferror(stream);
-    return fclose(stream) == 0 && good;
+    return fclose(stream) == 0 && good && (!text || *text);
 }
 
 static mukca_status read_stream(char **text, FILE *stream, const char *path, mukca_error *error)

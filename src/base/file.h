@@ -16,14 +16,14 @@ extern "C" {
  * MUKCA_MEMORY. */
 mukca_status mukca_file_read(char **text, const char *path, mukca_error *error);
 
-/* Close a stream (NULL: none) and return whether everything was written to it; fclose alone
- * forgets earlier failures. */
-bool mukca_file_close(FILE *stream);
+/* Close a stream (NULL: none) and return whether everything was written to it: fclose forgets
+ * earlier failures, and one of open_memstream can leave *text NULL.  `text` is NULL for a file. */
+bool mukca_file_close(FILE *stream, char *const *text);
 
 /* A path short enough for an error line: its last 100 characters. */
 const char *mukca_file_shown(const char *path);
 
-/* "PATH: cannot read: reason" by errno, with status MUKCA_INPUT. */
+/* "PATH: cannot read: reason" by errno, with status MUKCA_INPUT or MUKCA_MEMORY. */
 mukca_status mukca_file_fail(mukca_error *error, const char *path);
 
 #ifdef __cplusplus

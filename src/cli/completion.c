@@ -178,7 +178,7 @@ static bool print_man_command(const cli_command *c)
     puts(".PP\nExample:\n.PP\n.nf");
     FILE *lines = open_memstream(&example, &size);
     if (lines) cli_print_example(lines, 0, 72, c->example);
-    const bool good = mukca_file_close(lines);
+    const bool good = mukca_file_close(lines, &example);
     if (good) print_roff(example, strlen(example));
     free(example);
     puts(".fi");

@@ -160,7 +160,7 @@ static mukca_status provenance(cli_call *call)
     w->page.files = files;
     w->page.when = w->when;
 out:
-    if (!mukca_file_close(line) || !w->page.files)
+    if (!mukca_file_close(line, &w->command) || !w->page.files)
         return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     w->page.command = w->command;
     return MUKCA_OK;

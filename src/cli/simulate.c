@@ -108,7 +108,7 @@ static mukca_status write_data(cli_call *call, const char *path, const mukca_dat
     FILE *text = open_memstream(&comments, &size);
     if (!text) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     describe(text, s, call->options);
-    const bool complete = mukca_file_close(text);
+    const bool complete = mukca_file_close(text, &comments);
     mukca_status status = complete
                               ? mukca_output_open(&output, path, call->common->force, &call->error)
                               : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");

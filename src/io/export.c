@@ -54,14 +54,19 @@ mukca_status mukca_export_check(mukca_export_difference *difference, const char 
     if (status != MUKCA_OK) return status;
     FILE *stream = open_memstream(&wanted, &size);
     if (stream) status = exporter->format->write(stream, input, error);
-    if (!mukca_file_close(stream)) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (!mukca_file_close(stream, &wanted))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK) {
         *difference = (mukca_export_difference){.agrees = true};
         if (exporter->format->comment[0])
             mukca_export_compare_text(difference, found, wanted, exporter->format->comment);
-        else if (!mukca_export_compare_xml(difference, found, wanted))
-            status = mukca_fail(error, MUKCA_INPUT, "%s: not well-formed XML; export it again",
-                                mukca_file_shown(path));
+        else
+            status = mukca_export_compare_xml(difference, found, wanted);
+        if (status == MUKCA_INPUT)
+            mukca_fail(error, status, "%s: not well-formed XML; export it again",
+                       mukca_file_shown(path));
+        else if (status != MUKCA_OK)
+            mukca_fail(error, status, "out of memory");
         if (difference->compared == 0) difference->agrees = false;
     }
     free(found);

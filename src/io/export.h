@@ -93,8 +93,9 @@ const char *mukca_export_joint(const mukca_export_input *input, const mukca_effe
 void mukca_export_compare_text(mukca_export_difference *difference, const char *found,
                                const char *wanted, const char *const comment[2]);
 
-/* Compare the elements and numbers of a chain in XML; false where one is not well-formed. */
-bool mukca_export_compare_xml(mukca_export_difference *difference, const char *found,
-                              const char *wanted);
+/* Compare the elements and numbers of a chain in XML.  Returns MUKCA_OK, MUKCA_INPUT (one is not
+ * well-formed) or MUKCA_MEMORY. */
+mukca_status mukca_export_compare_xml(mukca_export_difference *difference, const char *found,
+                                      const char *wanted);
 
 #endif

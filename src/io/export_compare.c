@@ -6,6 +6,7 @@
 
 #include "base/number.h"
 #include "io/export.h"
+#include "io/xml_memory.h"
 
 /* of m, rad and quaternions, relative for numbers above 1 (stiffness); the same bound below which
  * an offset is not exported */
@@ -83,11 +84,12 @@ static bool is_of_chain(const xmlNode *node)
     return false;
 }
 
-/* An attribute as text, "" where absent; free it with xmlFree. */
-static char *attribute(const xmlNode *node, const char *key)
+/* An attribute as text, "" where absent. */
+static const char *attribute(const xmlNode *node, const char *key)
 {
-    xmlChar *value = xmlGetProp(node, BAD_CAST key);
-    return (char *)(value ? value : xmlStrdup(BAD_CAST ""));
+    const xmlAttr *a = xmlHasProp(node, BAD_CAST key);
+    const bool text = a && a->type == XML_ATTRIBUTE_NODE && a->children && a->children->content;
+    return text ? (const char *)a->children->content : "";
 }
 
 /* The element of that tag, and of that name or (where it has none) below the element of that name,
@@ -96,9 +98,8 @@ static xmlNode *find(xmlNode *node, const xmlChar *tag, const char *name, bool i
 {
     for (; node; node = node->next) {
         if (!is_of_chain(node)) continue;
-        char *own = attribute(node, "name");
+        const char *own = attribute(node, "name");
         const bool named = *own ? strcmp(own, name) == 0 : inside;
-        xmlFree(own);
         if (named && xmlStrEqual(node->name, tag)) return node;
         xmlNode *below = find(node->children, tag, name, named);
         if (below) return below;
@@ -113,32 +114,30 @@ static void compare_nodes(mukca_export_difference *d, xmlNode *root, xmlNode *wa
     static const char *const keys[] = {"xyz", "rpy", "pos", "quat", "axis", "stiffness"};
     for (; wanted; wanted = wanted->next) {
         if (!is_of_chain(wanted)) continue;
-        char *own = attribute(wanted, "name");
+        const char *own = attribute(wanted, "name");
         const char *name = *own ? own : parent;
         xmlNode *twin = find(root, wanted->name, name, !*name);
         if (!twin) add_missing(d, (const char *)wanted->name, name);
         for (size_t i = 0; i < sizeof keys / sizeof *keys && twin; i++) {
-            char *a = attribute(twin, keys[i]), *b = attribute(wanted, keys[i]);
+            const char *a = attribute(twin, keys[i]), *b = attribute(wanted, keys[i]);
             compare_numbers(d, a, b, NULL, name);
-            xmlFree(a);
-            xmlFree(b);
         }
         compare_nodes(d, root, wanted->children, name);
-        xmlFree(own);
     }
 }
 
-bool mukca_export_compare_xml(mukca_export_difference *difference, const char *found,
-                              const char *wanted)
+mukca_status mukca_export_compare_xml(mukca_export_difference *difference, const char *found,
+                                      const char *wanted)
 {
+    mukca_xml_memory_watch();
     const int quiet = XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING;
     xmlDoc *a = xmlReadMemory(found, (int)strlen(found), "found", NULL, quiet);
     xmlDoc *b = xmlReadMemory(wanted, (int)strlen(wanted), "wanted", NULL, quiet);
-    if (a && b)
+    const bool whole = !mukca_xml_memory_failed(), readable = a && b;
+    if (readable && whole)
         compare_nodes(difference, xmlDocGetRootElement(a)->children,
                       xmlDocGetRootElement(b)->children, "");
-    const bool readable = a && b;
     xmlFreeDoc(a);
     xmlFreeDoc(b);
-    return readable;
+    return !whole ? MUKCA_MEMORY : readable ? MUKCA_OK : MUKCA_INPUT;
 }

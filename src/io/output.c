@@ -16,6 +16,14 @@ static int folder_length(const char *path)
     return slash ? (int)(slash - path + 1) : 0;
 }
 
+mukca_status mukca_output_status(int reason)
+{
+    return reason == ENOMEM || reason == ENOSPC || reason == EDQUOT || reason == EIO ||
+                   reason == EFBIG
+               ? MUKCA_MEMORY
+               : MUKCA_INPUT;
+}
+
 static mukca_status fail_errno(mukca_error *error, mukca_status status, const char *path)
 {
     const char *hint = errno == EACCES || errno == EROFS || errno == EPERM
@@ -112,8 +120,9 @@ mukca_status mukca_output_open(mukca_output *output, const char *path, bool forc
         (void)!fchmod(file, info.st_mode & 0777);
     output->stream = file < 0 ? NULL : fdopen(file, "w");
     if (!output->stream) {
-        status = fail_errno(error, MUKCA_INPUT, path);
+        status = fail_errno(error, mukca_output_status(errno), path);
         if (file >= 0) close(file);
+        if (file >= 0 && output->temporary[0]) unlink(output->temporary);
     }
     return status;
 }

@@ -23,7 +23,7 @@ mukca_status mukca_output_check(const char *path, bool force, mukca_error *error
 bool mukca_output_same(const char *a, const char *b);
 
 /* Open `path` for writing; `-` is standard output, devices and pipes are written directly.  Without
- * `force` an existing file is refused.  Errors: MUKCA_INPUT. */
+ * `force` an existing file is refused.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_output_open(mukca_output *output, const char *path, bool force,
                                mukca_error *error);
 
@@ -31,6 +31,10 @@ mukca_status mukca_output_open(mukca_output *output, const char *path, bool forc
  * Writes that failed earlier are detected here.  Errors: MUKCA_MEMORY (not written whole),
  * MUKCA_INPUT (the file exists by now). */
 mukca_status mukca_output_close(mukca_output *output, mukca_error *error);
+
+/* Status of a file that cannot be written, by errno: MUKCA_MEMORY where room, memory or the disk is
+ * at fault, else MUKCA_INPUT. */
+mukca_status mukca_output_status(int reason);
 
 /* Flush; false where anything was not written, also earlier: errno is the reason. */
 bool mukca_output_flush(FILE *stream);

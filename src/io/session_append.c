@@ -42,7 +42,8 @@ static void append(line *l, const char *format, ...)
 
 static mukca_status fail(const mukca_session *session, const char *what, mukca_error *error)
 {
-    return mukca_fail(error, MUKCA_INPUT, "%s: %s: %s", session->path, what, strerror(errno));
+    return mukca_fail(error, mukca_output_status(errno), "%s: %s: %s", session->path, what,
+                      strerror(errno));
 }
 
 static mukca_status fail_write(const mukca_session *session, const char *what, mukca_error *error)

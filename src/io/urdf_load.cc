@@ -11,6 +11,7 @@
 #include <cstring>
 #include <exception>
 #include <map>
+#include <new>
 #include <set>
 #include <string>
 #include <vector>
@@ -46,6 +47,34 @@ class Listener : public console_bridge::OutputHandler
     }
     std::string first;
 };
+
+// urdfdom takes an allocation that fails for a bad number, or leaves an element out.
+class Memory
+{
+   public:
+    Memory()
+    {
+        exhausted_ = false;
+        before_ = std::set_new_handler(fail);
+    }
+    ~Memory() { std::set_new_handler(before_); }
+    Memory(const Memory &) = delete;
+    Memory &operator=(const Memory &) = delete;
+    static void check()
+    {
+        if (exhausted_) throw std::bad_alloc();
+    }
+
+   private:
+    static void fail()
+    {
+        exhausted_ = true;
+        throw std::bad_alloc();
+    }
+    static bool exhausted_;
+    std::new_handler before_;
+};
+bool Memory::exhausted_;
 
 struct Mass {
     double kg, com[3];
@@ -154,7 +183,9 @@ class Loader
     void parse()
     {
         Listener listener;
+        Memory memory;
         model_ = urdf::parseURDF(text_.elements);
+        memory.check();
         if (!model_)
             fail("urdfdom cannot read it: " +
                  one_line(listener.first.empty() ? "no reason given" : listener.first));

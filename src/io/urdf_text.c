@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/number.h"
+#include "io/xml_memory.h"
 
 /* Far beyond any real robot.  The depth also bounds the stack of urdfdom's recursive parser, which
  * is given the elements written anew: it would find elements in processing instructions. */
@@ -201,8 +202,10 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
                              .startElementNs = start_element,
                              .endElementNs = end_element};
     size_t size;
+    if (s.length == 0) return mukca_fail(error, MUKCA_INPUT, "%s: empty, or no XML", path);
+    mukca_xml_memory_watch();
     s.parser = xmlCreateMemoryParserCtxt(urdf->text, (int)s.length);
-    if (!s.parser) return mukca_fail(error, MUKCA_INPUT, "%s: empty, or no XML", path);
+    if (!s.parser) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     s.elements = open_memstream(&urdf->elements, &size);
     if (!s.elements) {
         xmlFreeParserCtxt(s.parser);
@@ -226,8 +229,8 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
         s.status =
             mukca_fail(error, MUKCA_INPUT, "%s:%d: broken XML: %s", path, e ? e->line : 0, text);
     }
-    const bool whole = !ferror(s.elements);
-    if (fclose(s.elements) || !whole) s.status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (!mukca_file_close(s.elements, &urdf->elements) || mukca_xml_memory_failed())
+        s.status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     s.parser->sax = old;
     xmlFreeDoc(s.parser->myDoc);
     s.parser->myDoc = NULL;

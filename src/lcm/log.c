@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "io/output.h"
 #include "lcm/wire.h"
 
 enum {
@@ -50,8 +51,8 @@ mukca_status mukca_lcm_log_create(mukca_lcm_log *log, const char *path, bool for
     if (log->file) return MUKCA_OK;
     int reason = errno;
     if (fd >= 0) close(fd);
-    return mukca_fail(error, MUKCA_INPUT, "LCM log %s: %s%s", path, strerror(reason),
-                      reason == EEXIST ? " (--force overwrites)" : "");
+    return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s%s", path,
+                      strerror(reason), reason == EEXIST ? " (--force overwrites)" : "");
 }
 
 bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)

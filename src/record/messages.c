@@ -69,6 +69,11 @@ void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const
     mukca_recorder_warn(r, kind, text);
 }
 
+void mukca_recorder_count_unwritten(mukca_recorder *r, const mukca_error *error)
+{
+    if (error->status == MUKCA_MEMORY && r->unwritten++ == 0) r->first_unwritten = *error;
+}
+
 double mukca_recorder_age(const mukca_recorder *r)
 {
     if (!r->last_arrival) return HUGE_VAL;

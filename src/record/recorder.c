@@ -220,8 +220,8 @@ mukca_status mukca_recorder_finish(mukca_recorder *r, mukca_error *error)
 {
     mukca_status status = mukca_lcm_link_finish_record(r->link, error);
     if (!r->unwritten) return status;
-    return mukca_fail(error, MUKCA_MEMORY, "%d sample%s could not be recorded; the first: %s",
-                      r->unwritten, r->unwritten > 1 ? "s" : "", r->first_unwritten.text);
+    return mukca_fail(error, MUKCA_MEMORY, "not all was written (%d failures); the first: %s",
+                      r->unwritten, r->first_unwritten.text);
 }
 
 mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error)

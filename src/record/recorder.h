@@ -116,7 +116,7 @@ typedef struct {
     char labels[2][512];
     int n_placements, n_sockets;
     const char *placements[MUKCA_RECORDER_MAX_LABELS], *sockets[MUKCA_RECORDER_MAX_LABELS];
-    int unwritten; /* samples that could not be written to the session */
+    int unwritten; /* samples and answers that failed for want of disk or memory */
     mukca_error first_unwritten;
     char last_line[MUKCA_RECORDER_LINE];
     unsigned char outgoing[8192];
@@ -143,7 +143,11 @@ bool mukca_recorder_needs_confirmation(const mukca_recorder *r);
 /* Begin the raw log, if one is wanted.  Errors: MUKCA_INPUT. */
 mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error);
 
-/* End the raw log.  Errors: MUKCA_MEMORY (it, or a sample, could not be written). */
+/* Count a failure if its status is MUKCA_MEMORY: the exit code must not hide it. */
+void mukca_recorder_count_unwritten(mukca_recorder *r, const mukca_error *error);
+
+/* End the raw log.  Errors: MUKCA_MEMORY (it could not be written whole, or a failure was counted).
+ */
 mukca_status mukca_recorder_finish(mukca_recorder *r, mukca_error *error);
 
 /* Begin or resume the session file; the capture's rows follow it.  Errors: MUKCA_INPUT (exists

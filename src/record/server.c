@@ -190,6 +190,9 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
         status = error.status;
         line = error;
     }
+    line.status = status;
+    if (strcmp(command.verb, "add") != 0) /* which counts for itself */
+        mukca_recorder_count_unwritten(r, &line);
     if (!line.text[0]) return;
     const mukca_server_answer answer = {
         .id = command.id, .verb = command.verb, .text = line.text, .code = status};
@@ -290,6 +293,8 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
     mukca_server_kill_job(s);
     mukca_recorder_publish_status(r, "stopped");
     if (status != MUKCA_OK && status != MUKCA_NEGATIVE) return status;
+    status = mukca_server_save_state(s, error);
+    if (status != MUKCA_OK) return status;
     return mukca_recorder_finish(r, error); /* MUKCA_NEGATIVE: the end of a log */
 }
 

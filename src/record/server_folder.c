@@ -20,7 +20,8 @@
 
 static mukca_status fail(const char *path, mukca_error *error)
 {
-    return mukca_fail(error, MUKCA_INPUT, "--state %.200s: %s", path, strerror(errno));
+    return mukca_fail(error, mukca_output_status(errno), "--state %.200s: %s", path,
+                      strerror(errno));
 }
 
 /* Make the folder `path` if there is none. */
@@ -89,8 +90,8 @@ static mukca_status move(const mukca_server *s, const char *name, mukca_error *e
     if (!place) return MUKCA_OK;
     mukca_server_path(to, s, place, name, "");
     if (link(from, to) && (errno != EEXIST || stat(to, &new) || new.st_ino != old.st_ino))
-        return mukca_fail(error, MUKCA_INPUT, "%.150s: cannot be moved to %s/: %s", from, place,
-                          strerror(errno));
+        return mukca_fail(error, mukca_output_status(errno), "%.150s: cannot be moved to %s/: %s",
+                          from, place, strerror(errno));
     if (!mukca_output_sync_folder(to) || unlink(from)) return fail(from, error);
     return MUKCA_OK;
 }

@@ -60,7 +60,7 @@ mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error)
             if (strcmp(line, fields[i].key) == 0)
                 snprintf((char *)&s->state + fields[i].offset, fields[i].size, "%s", value);
     }
-    if (file && !mukca_file_close(file)) return mukca_file_fail(error, path);
+    if (file && !mukca_file_close(file, NULL)) return mukca_file_fail(error, path);
     if (s->state.session[0] && !mukca_server_name_ok(s->state.session))
         return mukca_fail(error, MUKCA_INPUT, "%s is damaged; remove it", path);
     s->saved = s->state;

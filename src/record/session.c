@@ -171,7 +171,7 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
     status = mukca_session_add(&r->session, &row, error);
     if (status == MUKCA_OK) return mukca_capture_keep(remark, c, sample->q, error);
     c->socket = socket_before;
-    if (r->unwritten++ == 0) r->first_unwritten = *error;
+    mukca_recorder_count_unwritten(r, error);
     return status;
 }
 

@@ -197,8 +197,8 @@ static mukca_status render(drawing *drawn, const char *terminal, mukca_plot *plo
         goto out;
     }
     if (!script || !complaints) {
-        status =
-            mukca_fail(error, MUKCA_INPUT, "cannot make a temporary file: %s", strerror(errno));
+        status = mukca_fail(error, mukca_output_status(errno), "cannot make a temporary file: %s",
+                            strerror(errno));
         goto out;
     }
     fprintf(script, "set encoding utf8\nset terminal %s noenhanced\n\n%s\n", terminal, plot->text);

@@ -87,7 +87,7 @@ static mukca_status put_section(FILE *out, FILE *list, int section, const mukca_
     const destination page = {.page = open_memstream(&figures, &size)};
     if (!page.page) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
     mukca_status status = put_figures(&page, section, r, error);
-    if (!mukca_file_close(page.page) && status == MUKCA_OK)
+    if (!mukca_file_close(page.page, &figures) && status == MUKCA_OK)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
     if (status == MUKCA_OK && (size > 0 || !sections[section].figures[0])) {
         fprintf(list, "<li><a href=\"#%s\">%s</a></li>\n", id, heading);
@@ -132,7 +132,7 @@ mukca_status mukca_report_write(FILE *out, const mukca_report *r, mukca_error *e
     fputs("<nav aria-label=\"Sections\"><ul>\n", out);
     for (int k = 0; k < SECTIONS && status == MUKCA_OK; k++)
         status = put_section(body, out, k, r, error);
-    if (!mukca_file_close(body) && status == MUKCA_OK)
+    if (!mukca_file_close(body, &text) && status == MUKCA_OK)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
     if (status == MUKCA_OK) fprintf(out, "</ul></nav>\n%s</main>\n</body>\n</html>\n", text);
     free(text);
