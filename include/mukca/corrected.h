@@ -20,14 +20,23 @@ typedef struct {
     mukca_geometry geometry; /* calibrated */
     int n_effects;
     mukca_effect effects[MUKCA_MAX_EFFECTS];
+    bool judged, accepted; /* the table has a verdict; its calibration passed */
 } mukca_corrected;
 
-/* Fill `model` from the text of an offsets table (as `mukca calibrate -o` writes it).
- * Errors: MUKCA_INPUT, with the line. */
+/* Fill `model` from the text of an offsets table (as `mukca calibrate -o` writes it).  A table
+ * whose calibration did not pass is refused (`judged`, and not `accepted`); one without a verdict,
+ * of an older release or made by hand, is read.  Errors: MUKCA_INPUT, with the line. */
 mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, mukca_error *error);
 
 /* The same from a file.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error);
+
+/* As the above, with a table whose calibration did not pass where `accept_failed`: not for the
+ * control of an arm. */
+mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, bool accept_failed,
+                                       mukca_error *error);
+mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, bool accept_failed,
+                                      mukca_error *error);
 
 /* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state`: what some
  * effects need in addition to q (last move, time since the start, command); NULL: none. */

@@ -8,14 +8,17 @@
 #include "arm/offsets.h"
 #include "base/file.h"
 
-mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, mukca_error *error)
+mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, bool accept_failed,
+                                       mukca_error *error)
 {
     mukca_offsets offsets;
-    mukca_offsets_origin origin = {.name = "offsets table"};
+    mukca_offsets_origin origin = {.name = "offsets table", .accept_failed = accept_failed};
     memset(model, 0, sizeof *model);
     mukca_status status = mukca_chain_parse(&model->chain, text, origin.name, error);
     if (status != MUKCA_OK) return status;
     status = mukca_offsets_parse(&offsets, &origin, &model->chain, text, error);
+    model->judged = offsets.acceptance.given;
+    model->accepted = offsets.acceptance.accepted;
     if (status != MUKCA_OK) return status;
     if (origin.ignored > 0)
         return mukca_fail(error, MUKCA_INPUT, "%s: has rows of joints that its chain lacks",
@@ -26,14 +29,25 @@ mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, muk
     return MUKCA_OK;
 }
 
-mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error)
+mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, bool accept_failed,
+                                      mukca_error *error)
 {
     char *text;
     mukca_status status = mukca_file_read(&text, path, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_corrected_parse(model, text, error);
+    status = mukca_corrected_parse_any(model, text, accept_failed, error);
     free(text);
     return status;
+}
+
+mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, mukca_error *error)
+{
+    return mukca_corrected_parse_any(model, text, false, error);
+}
+
+mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error)
+{
+    return mukca_corrected_load_any(model, path, false, error);
 }
 
 /* What the effects do at q, and NULL where there are none. */

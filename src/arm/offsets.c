@@ -7,6 +7,7 @@ void mukca_offsets_init(mukca_offsets *offsets, const mukca_chain *chain)
 {
     memset(offsets, 0, sizeof *offsets);
     mukca_chain_theta(offsets->theta, chain);
+    mukca_acceptance_init(&offsets->acceptance);
 }
 
 void mukca_offsets_set_placements(mukca_offsets *offsets, const mukca_dataset *data)
@@ -42,7 +43,9 @@ int mukca_offsets_rows(mukca_offset_row *rows, const mukca_offsets *offsets,
         for (int t = 0; t < effect->terms; t++) {
             mukca_offset_row *row = &rows[n++];
             *row = (mukca_offset_row){
-                .joint = effect->joint < 0 ? "-" : mukca_chain_joint_name(chain, effect->joint),
+                .joint = effect->joint < 0
+                             ? "-"
+                             : chain->element[chain->joint_element[effect->joint]].name,
                 .parameter = info->name,
                 .unit = info->unit,
                 .nominal = 0,

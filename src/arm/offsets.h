@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "arm/acceptance.h"
 #include "mukca/chain.h"
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
@@ -28,6 +29,7 @@ typedef struct {
     /* names that the effects' placement indices mean */
     int n_placements;
     char placements[MUKCA_MAX_PLACEMENTS][MUKCA_NAME_SIZE];
+    mukca_acceptance acceptance; /* may it be used? */
 } mukca_offsets;
 
 /* One row as it stands in the table and in JSON. */
@@ -38,7 +40,7 @@ typedef struct {
     char term[MUKCA_EFFECT_TEXT]; /* which coefficient of an effect; "-" for a parameter */
 } mukca_offset_row;
 
-/* Nothing calibrated yet: theta nominal, no rows. */
+/* Nothing calibrated yet: theta nominal, no rows, no verdict. */
 void mukca_offsets_init(mukca_offsets *offsets, const mukca_chain *chain);
 
 /* Copy the placements' names of a dataset, so that effects tied to a placement keep their meaning
@@ -58,11 +60,13 @@ void mukca_offsets_place_effects(mukca_effect *effects, const mukca_offsets *off
 typedef struct {
     const char *name; /* in: what messages call the table */
     bool force;       /* in: take the offsets (not the calibrated values) of another URDF's table */
-    bool other;       /* out: it is another URDF's, by SHA-256 */
-    int ignored;      /* out: rows of joints that are not in the chain (of another --tip) */
+    bool accept_failed; /* in: take a table that did not pass, too */
+    bool other;         /* out: it is another URDF's, by SHA-256 */
+    int ignored;        /* out: rows of joints that are not in the chain (of another --tip) */
 } mukca_offsets_origin;
 
-/* Read a table for the chain from its text.  Errors: MUKCA_INPUT ("name:line: column ..."). */
+/* Read a table for the chain from its text.  Errors: MUKCA_INPUT ("name:line: column ..."; a table
+ * that did not pass, whose verdict is then in offsets->acceptance). */
 mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *origin,
                                  const mukca_chain *chain, const char *text, mukca_error *error);
 

@@ -69,6 +69,7 @@ static void read_comment(reader *r)
     mukca_offsets *o = r->offsets;
     comment(r->robot, sizeof r->robot, r->lines.line, "# robot: ");
     comment(r->sha, sizeof r->sha, r->lines.line, "# urdf_sha256: ");
+    mukca_acceptance_read(&o->acceptance, r->lines.line);
     if (o->n_placements < MUKCA_MAX_PLACEMENTS)
         o->n_placements += comment(o->placements[o->n_placements], MUKCA_NAME_SIZE, r->lines.line,
                                    "# placement: ");
@@ -86,6 +87,16 @@ static mukca_status check_origin(reader *r)
                           "%.12s...); --force takes its offsets nevertheless",
                           r->name, r->robot, r->sha, r->chain->urdf_sha256);
     return MUKCA_OK;
+}
+
+static mukca_status check_accepted(const reader *r)
+{
+    const mukca_acceptance *a = &r->offsets->acceptance;
+    if (!a->given || a->accepted || r->origin->accept_failed) return MUKCA_OK;
+    return mukca_fail(r->error, MUKCA_INPUT,
+                      "%s: this calibration did not pass: %.150s (--accept-failed uses it "
+                      "nevertheless)",
+                      r->name, a->reason);
 }
 
 /* The columns may stand in any order. */
@@ -201,7 +212,8 @@ static mukca_status read_row(reader *r)
 static mukca_status read_content(reader *r)
 {
     if (r->n_cells == 0) {
-        const mukca_status status = check_origin(r);
+        mukca_status status = check_origin(r);
+        if (status == MUKCA_OK) status = check_accepted(r);
         return status == MUKCA_OK ? read_header(r) : status;
     }
     const int found = mukca_cells_count(r->lines.line, r->delimiter);

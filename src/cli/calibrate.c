@@ -125,15 +125,9 @@ static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
     return MUKCA_OK;
 }
 
-static mukca_status fit_data(cli_call *call, mukca_fit *fit)
+static mukca_fit_options fit_options(const calibrate_options *o)
 {
-    const calibrate_options *o = call->options;
-    const cli_session *s = call->session;
-    const int train = s->data.n_placements, test = s->test.n_placements;
-    mukca_output output = {0};
-    mukca_status status = MUKCA_OK;
-    tracer t = {.fit = fit, .train = &s->data, .test = &s->test};
-    const mukca_fit_options fit_options = {
+    return (mukca_fit_options){
         .selection = {o->free, o->freeze, o->regularise_tip},
         .free_base = o->free_base,
         .free_tool = o->free_tool,
@@ -142,7 +136,20 @@ static mukca_status fit_data(cli_call *call, mukca_fit *fit)
                  .no_distortion = o->no_distortion,
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
         .solver = mukca_solver_table[o->solver],
-        .limits = {.stop = cli_stop, .progress = trace, .context = &t}};
+        .limits = {.stop = cli_stop}};
+}
+
+static mukca_status fit_data(cli_call *call, mukca_fit *fit)
+{
+    const calibrate_options *o = call->options;
+    const cli_session *s = call->session;
+    const int train = s->data.n_placements, test = s->test.n_placements;
+    mukca_output output = {0};
+    mukca_status status = MUKCA_OK;
+    tracer t = {.fit = fit, .train = &s->data, .test = &s->test};
+    mukca_fit_options traced = fit_options(o);
+    traced.limits.progress = trace;
+    traced.limits.context = &t;
     if (o->trace) {
         t.scores = calloc((size_t)(train > test ? train : test) + 1, sizeof *t.scores);
         if (!t.scores) {
@@ -157,27 +164,39 @@ static mukca_status fit_data(cli_call *call, mukca_fit *fit)
             "test_mae_m\ttest_std_m\ttest_distance_error_m\n",
             t.stream);
     }
-    status = mukca_fit_run(fit, &s->model.chain, &s->data, &fit_options, &call->error);
+    status = mukca_fit_run(fit, &s->model.chain, &s->data, &traced, &call->error);
 out:
     status = mukca_output_finish(&output, status, &call->error);
     free(t.scores);
     return status;
 }
 
-static mukca_status write_results(cli_call *call, const calibrate_result *r, mukca_offsets *offsets)
+static mukca_status judge(cli_call *call, const calibrate_result *r)
+{
+    const cli_session *s = call->session;
+    const mukca_fit_options fitted = fit_options(call->options);
+    const mukca_score test[2] = {r->test_scores.nominal_mean, r->test_scores.calibrated_mean};
+    const mukca_accept_task task = {.chain = &s->model.chain,
+                                    .data = r->train,
+                                    .options = &fitted,
+                                    .test = r->test_scores.n > 0 ? test : NULL};
+    mukca_fit_offsets(r->offsets, r->fit);
+    return mukca_fit_accept(r->offsets, r->fit, &task, &call->error);
+}
+
+static mukca_status write_results(cli_call *call, const calibrate_result *r)
 {
     const calibrate_options *o = call->options;
     char comments[256];
     snprintf(comments, sizeof comments,
-             "mean error on %d training samples: %.4g m nominal, %.4g m calibrated%s",
+             "mean error on %d training samples: %.4g m nominal, %.4g m calibrated",
              r->train->n_rows, r->train_scores.nominal_mean.mae,
-             r->train_scores.calibrated_mean.mae, r->fit->converged ? "" : "\nNOT CONVERGED");
-    calibrate_fill_offsets(offsets, r->fit);
-    mukca_status status =
-        cli_write_offsets(call, call->common->output, offsets, &r->fit->chain, r->train, comments);
+             r->train_scores.calibrated_mean.mae);
+    mukca_status status = cli_write_offsets(call, call->common->output, r->offsets, &r->fit->chain,
+                                            r->train, comments);
     if (status != MUKCA_OK || !call->common->json) return status;
-    return cli_write_json(call, calibrate_json(r, offsets, solvers[o->solver],
-                                               gradients[o->gradient], cli_elapsed(call)));
+    return cli_write_json(
+        call, calibrate_json(r, solvers[o->solver], gradients[o->gradient], cli_elapsed(call)));
 }
 
 typedef struct {
@@ -200,7 +219,8 @@ static mukca_status run(cli_call *call)
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
     calibrate_result *r = &w->result;
-    *r = (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test};
+    *r =
+        (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
     mukca_status status = check(call);
     if (status == MUKCA_OK) status = cli_load(call);
     if (status == MUKCA_OK) status = check_moving(call, r->train);
@@ -212,10 +232,11 @@ static mukca_status run(cli_call *call)
         status = cli_scores_make(call, &r->train_scores, &fit->chain, fit->theta, NULL, r->train);
     if (status == MUKCA_OK && r->test->n_rows > 0)
         status = cli_scores_make(call, &r->test_scores, &fit->chain, fit->theta, NULL, r->test);
-    if (status == MUKCA_OK) status = write_results(call, r, &w->offsets);
+    if (status == MUKCA_OK) status = judge(call, r);
+    if (status == MUKCA_OK) status = write_results(call, r);
     if (status != MUKCA_OK) return status;
     calibrate_print(call, r);
-    return fit->converged ? MUKCA_OK : MUKCA_NEGATIVE;
+    return w->offsets.acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
 const cli_command cli_command_calibrate = {
@@ -234,7 +255,12 @@ const cli_command cli_command_calibrate = {
         "The offsets table lists for each parameter the nominal and the calibrated value, offset = "
         "calibrated - nominal in the units of the URDF's origin, the standard error from the data "
         "alone, and whether the data identify it.\n\n"
-        "Exit code 1: did not converge; 5: the data identify nothing.",
+        "The table carries a verdict: it is accepted if the fit converged, the data fit the arm, "
+        "the "
+        "error on held-out samples (--test, else cross-validation) is below that of the nominal "
+        "model, and the change of the tip is plausible. The other commands refuse a table that is "
+        "not accepted.\n\n"
+        "Exit code 1: not accepted; 5: the data identify nothing.",
     .example =
         "mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv "
         "-o build/demo/offsets.tsv --force",

@@ -1,25 +1,14 @@
-/* The result of a calibration as an offsets table and as JSON, for calibrate and report. */
+/* The result of a calibration as JSON. */
 #include <math.h>
-#include <string.h>
 
 #include "cli/calibrate.h"
 
-void calibrate_fill_offsets(mukca_offsets *offsets, const mukca_fit *fit)
+static json_t *cost_json(const mukca_cost_value *value)
 {
-    mukca_offsets_init(offsets, &fit->chain);
-    memcpy(offsets->theta, fit->theta, sizeof fit->theta);
-    for (int i = 0; i < fit->parameters.n; i++) {
-        const int at = fit->parameters.index[i];
-        offsets->listed[at] = 1;
-        offsets->sigma[at] = fit->identification.sigma[i];
-        offsets->identifiable[at] = fit->identification.identifiable[i];
-    }
-}
-
-static json_t *cost_json(const mukca_cost_value *v)
-{
-    return cli_json_numbers("total", v->total, "inconsistency", v->inconsistency, "distortion",
-                            v->distortion, "regularisation", v->regularisation, NULL);
+    return json_pack("{s:o, s:o, s:o, s:o}", "total", cli_json_real(value->total), "inconsistency",
+                     cli_json_real(value->inconsistency), "distortion",
+                     cli_json_real(value->distortion), "regularisation",
+                     cli_json_real(value->regularisation));
 }
 
 static json_t *null_space_json(const mukca_fit *fit)
@@ -43,22 +32,22 @@ static json_t *null_space_json(const mukca_fit *fit)
     return directions;
 }
 
-json_t *calibrate_json(const calibrate_result *r, const mukca_offsets *offsets, const char *solver,
-                       const char *gradient, double elapsed)
+json_t *calibrate_json(const calibrate_result *r, const char *solver, const char *gradient,
+                       double elapsed)
 {
     const mukca_fit *fit = r->fit;
     return json_pack(
         "{s:s, s:b, s:{s:s, s:s, s:i, s:i, s:s, s:o}, s:{s:o, s:o}, s:o, s:o, s:o, s:i, s:i, s:o, "
         "s:o, "
-        "s:o, s:f}",
+        "s:o, s:o, s:f}",
         "schema", "mukca.calibrate/1", "converged", (int)fit->converged, "solver", "name", solver,
         "gradient", gradient, "evaluations", fit->outcome.evaluations, "iterations",
         fit->outcome.iterations, "status", mukca_stop_text(fit->outcome.stop), "to_gain",
         cli_json_real(fit->to_gain), "cost", "nominal", cost_json(&fit->nominal), "calibrated",
         cost_json(&fit->calibrated), "train", cli_scores_json(&r->train_scores, r->train), "test",
         cli_scores_json(&r->test_scores, r->test), "parameters",
-        cli_json_offsets(offsets, &fit->chain), "rank", fit->identification.rank, "free",
+        cli_json_offsets(r->offsets, &fit->chain), "rank", fit->identification.rank, "free",
         fit->parameters.n, "noise_m", cli_json_real(fit->identification.noise), "observability",
         cli_json_real(fit->identification.observability), "null_space", null_space_json(fit),
-        "elapsed_s", elapsed);
+        "acceptance", cli_json_acceptance(&r->offsets->acceptance), "elapsed_s", elapsed);
 }

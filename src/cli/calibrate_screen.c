@@ -2,13 +2,8 @@
 #include "cli/calibrate.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
-
-#include "base/text.h"
-
-/* Measurement noise above this, m, means that the samples are not those of this arm: five times
- * what the worst published arm shows (as in diagnose). */
-static const double foreign_noise = 10e-3;
 
 /* A nominal model that is this far off, m, has wrong units or columns: arms are built to 10 mm. */
 static const double far_off = 0.1;
@@ -28,16 +23,31 @@ static int terms_of(const mukca_fit *fit, int direction)
     return terms;
 }
 
-static void print_list(cli_call *call, const char *title, const mukca_text *l)
+typedef struct {
+    char text[8192]; /* what does not fit is cut */
+    size_t used;
+} list;
+
+static void __attribute__((format(printf, 2, 3))) add(list *l, const char *format, ...)
+{
+    const size_t room = sizeof l->text - l->used;
+    va_list args;
+    va_start(args, format);
+    const int length = vsnprintf(l->text + l->used, room, format, args);
+    va_end(args);
+    l->used += (size_t)length < room ? (size_t)length : room - 1;
+}
+
+static void print_list(cli_call *call, const char *title, const list *l)
 {
     FILE *stream = cli_answer_stream(call);
     if (!stream || l->used == 0) return;
     fprintf(stream, "  %s:\n    ", title);
-    cli_print_words(stream, 4, 4, l->at, l->used);
+    cli_print_words(stream, 4, 4, l->text, l->used);
 }
 
 /* Parameters that are alone in their direction, by joint: "panda_joint1 (x y z roll)". */
-static void list_alone(mukca_text *l, const mukca_fit *fit)
+static void list_alone(list *l, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, hidden = n - fit->identification.rank;
     int last = -1;
@@ -49,51 +59,44 @@ static void list_alone(mukca_text *l, const mukca_fit *fit)
             alone |= terms_of(fit, r) == 1 && fabs(fit->null_space[r * n + i]) > worth;
         if (!alone) continue;
         if (k != last)
-            mukca_text_put(l, "%s%s (%s", last < 0 ? "" : ") ", fit->chain.element[k].name,
-                           parameter);
+            add(l, "%s%s (%s", last < 0 ? "" : ") ", fit->chain.element[k].name, parameter);
         else
-            mukca_text_put(l, " %s", parameter);
+            add(l, " %s", parameter);
         last = k;
     }
-    if (last >= 0) mukca_text_put(l, ")");
+    if (last >= 0) add(l, ")");
 }
 
 /* "panda_joint2.y~panda_joint3.z": only a combination of them is identifiable.  Each once: several
  * directions may begin alike. */
-static void list_together(mukca_text *l, const mukca_fit *fit)
+static void list_together(list *l, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, hidden = n - fit->identification.rank;
     for (int r = 0; r < hidden; r++) {
-        char words[4 * MUKCA_PARAMETER_TEXT] = "", name[MUKCA_PARAMETER_TEXT];
-        mukca_text word = MUKCA_TEXT(words);
-        int terms = 0;
+        char word[4 * MUKCA_PARAMETER_TEXT], name[MUKCA_PARAMETER_TEXT];
+        int terms = 0, used = 0;
         if (terms_of(fit, r) < 2) continue;
         for (int i = 0; i < n && terms < 3; i++) {
             if (fabs(fit->null_space[r * n + i]) <= worth) continue;
             mukca_parameters_text(name, &fit->chain, fit->parameters.index[i]);
-            mukca_text_put(&word, terms++ ? "~%s" : " %s", name);
+            used +=
+                snprintf(word + used, sizeof word - (size_t)used, terms++ ? "~%s" : " %s", name);
         }
-        mukca_text_put(&word, terms_of(fit, r) > 3 ? "~... " : " ");
-        if (!strstr(l->at, words)) mukca_text_put(l, "%s", words);
+        snprintf(word + used, sizeof word - (size_t)used, terms_of(fit, r) > 3 ? "~... " : " ");
+        if (!strstr(l->text, word)) add(l, "%s", word);
     }
 }
 
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
-    char text[2][8192] = {"", ""}; /* what does not fit is cut off */
-    mukca_text alone = MUKCA_TEXT(text[0]), together = MUKCA_TEXT(text[1]);
+    list alone = {.used = 0}, together = {.used = 0};
     cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.", rank, n,
                        rank < n ? "; the others stay near nominal by regularisation" : "");
     list_alone(&alone, fit);
     list_together(&together, fit);
     print_list(call, "not identifiable", &alone);
     print_list(call, "identifiable only in combination (a~b)", &together);
-}
-
-static bool fits(const mukca_fit *fit)
-{
-    return fit->identification.noise < foreign_noise;
 }
 
 static bool enough_samples(const mukca_fit *fit)
@@ -145,7 +148,7 @@ static void print_next(cli_call *call, const calibrate_result *r)
     const double train = r->train_scores.calibrated_mean.mae,
                  test = r->test_scores.calibrated_mean.mae;
     const cli_common *c = call->common;
-    if (!fits(r->fit) || !r->fit->converged) return;
+    if (!r->offsets->acceptance.accepted) return;
     if (!enough_samples(r->fit))
         cli_answer_keyed(call, "Next", "record more postures, 20 in each socket");
     else if (r->train->n_sockets > 0 && r->train->n_placements < 2)
@@ -164,23 +167,20 @@ static void print_next(cli_call *call, const calibrate_result *r)
     if (!c->output) cli_answer_keyed(call, "", "-o offsets.tsv saves the result");
 }
 
-static void print_verdict(cli_call *call, const mukca_fit *fit)
+static void print_verdict(cli_call *call, const calibrate_result *r)
 {
-    if (!fits(fit))
-        cli_answer_wrapped(call,
-                           "Do not use this result: the data do not fit this arm. Check the URDF, "
-                           "the tip, the columns and their order, the socket labels and "
-                           "--distance.");
-    else if (!fit->converged)
-        cli_answer_wrapped(call,
-                           "Do not use this result: NOT CONVERGED after %d evaluations (%s). Check "
-                           "the data with mukca diagnose, or try --solver gauss-newton.",
-                           fit->outcome.evaluations, mukca_stop_text(fit->outcome.stop));
-    else
-        cli_answer_wrapped(call,
-                           "Converged after %d evaluations; measurement noise %.3f mm per "
-                           "axis.",
-                           fit->outcome.evaluations, 1e3 * fit->identification.noise);
+    const mukca_acceptance *a = &r->offsets->acceptance;
+    if (!a->accepted) {
+        cli_answer_wrapped(call, "Do not use this result: %s.", a->reason);
+        return;
+    }
+    cli_answer_wrapped(call, "Converged after %d evaluations; measurement noise %.3f mm per axis.",
+                       r->fit->outcome.evaluations, 1e3 * a->noise_m);
+    cli_answer_wrapped(call,
+                       "Accepted: held-out error %.3f mm (%s), nominal model %.3f mm; the tip "
+                       "moves by up to %.2f mm.",
+                       1e3 * a->error_m, a->error_of, 1e3 * a->error_nominal_m,
+                       1e3 * a->tip_change_m);
 }
 
 void calibrate_print(cli_call *call, const calibrate_result *r)
@@ -190,7 +190,7 @@ void calibrate_print(cli_call *call, const calibrate_result *r)
     cli_describe_data(test, r->test);
     cli_answer(call, "%s: %s%s%s\n", r->fit->chain.robot, train,
                r->test_scores.n > 0 ? "; test: " : "", r->test_scores.n > 0 ? test : "");
-    print_verdict(call, r->fit);
+    print_verdict(call, r);
     cli_scores_print_header(call, true);
     cli_scores_print(call, &r->train_scores, "train", true);
     if (r->test_scores.n > 0) cli_scores_print(call, &r->test_scores, "test", true);

@@ -256,6 +256,7 @@ static void release(void *work)
 static const cli_option options[] = {
     CLI_MODEL_OPTIONS,
     CLI_OFFSETS_OPTION,
+    CLI_ACCEPT_OPTION,
     CLI_OUTPUT_OPTION("the session (TSV, or CSV by its ending)"),
     CLI_LIVE_OPTIONS(capture_options),
     CLI_OPTION(capture_options, live.recorder.triggers, "trigger", CLI_FLAG, NULL,

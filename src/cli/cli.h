@@ -86,7 +86,7 @@ typedef struct {
     int angles;        /* index into cli_angles */
     double distance;   /* m */
     double gravity[3]; /* m/s^2; all 0: upright base */
-    bool force, quiet, verbose;
+    bool force, accept_failed, quiet, verbose;
 } cli_common;
 
 /* Rows of option tables for them.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION: help text. */
@@ -109,6 +109,9 @@ typedef struct {
 #define CLI_OFFSETS_OPTION                   \
     CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", \
                "apply this offsets table; it must belong to the URDF (or --force)")
+#define CLI_ACCEPT_OPTION                                                  \
+    CLI_OPTION(cli_common, accept_failed, "accept-failed", CLI_FLAG, NULL, \
+               "use the offsets table even though its calibration did not pass")
 #define CLI_DISTANCE_OPTION \
     CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)")
 #define CLI_DISTANCE_OPTIONS                       \
@@ -297,6 +300,10 @@ mukca_status cli_load(cli_call *call);
 /* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_load_model(cli_call *call, cli_model *model);
 
+/* Read an offsets table under --force and --accept-failed.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
+mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukca_chain *chain,
+                              const char *path);
+
 /* Read DATA paths for the model's chain; --distance, --distances and --payload apply.  Free with
  * mukca_dataset_free. */
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
@@ -336,12 +343,12 @@ bool cli_json_incomplete(void);
 /* The rows of an offsets table as JSON objects: the contract's `parameters`. */
 json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain);
 
+/* The verdict of an offsets table as a JSON object; null for NULL. */
+json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
+
 /* A JSON number; null for NaN and infinity. */
 json_t *cli_json_real(double value);
 json_t *cli_json_reals(const double *values, int n);
-
-/* An object of such numbers: key, value, key, value, ..., NULL. */
-json_t *cli_json_numbers(const char *key, double value, ...) __attribute__((sentinel));
 
 /* A JSON string; null for NULL. */
 json_t *cli_json_text(const char *text);

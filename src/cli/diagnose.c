@@ -61,14 +61,17 @@ static void release(void *work)
     mukca_diagnosis_free(&w->diagnosis);
 }
 
-static mukca_status write_offsets(cli_call *call, const mukca_diagnosed *r, bool free_base)
+static mukca_status write_offsets(cli_call *call, const mukca_diagnosed *r)
 {
+    const diagnose_options *o = call->options;
+    const cli_frames frames = {.base = o->free_base && r->data->position,
+                               .tool = o->free_tool && r->data->position};
     diagnose_work *w = call->work;
     char comments[512];
     int left_out = 0;
     if (!call->common->output) return MUKCA_OK;
     mukca_status status =
-        cli_diagnosis_offsets(&w->offsets, &w->chain, &left_out, r, free_base, &call->error);
+        cli_diagnosis_offsets(&w->offsets, &w->chain, &left_out, r, &frames, &call->error);
     if (status != MUKCA_OK) return status;
     if (left_out)
         cli_note(call, "the table lacks the causes that need link masses; give --inertials FILE");
@@ -115,12 +118,20 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK)
         status =
             mukca_next_poses_choose(&w->next, d, &s->model.chain, &s->data, cli_stop, &call->error);
-    if (status == MUKCA_OK) status = write_offsets(call, &result, o->free_base && s->data.position);
-    if (status == MUKCA_OK && call->common->json)
-        status = cli_write_json(call, cli_diagnosis_json(&result));
+    if (status == MUKCA_OK) status = write_offsets(call, &result);
+    const mukca_acceptance *acceptance = call->common->output ? &w->offsets.acceptance : NULL;
+    if (status == MUKCA_OK && call->common->json) {
+        json_t *json = cli_diagnosis_json(&result);
+        json_object_set_new(json, "acceptance", cli_json_acceptance(acceptance));
+        status = cli_write_json(call, json);
+    }
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &result);
+    if (acceptance && !acceptance->accepted) {
+        cli_answer_wrapped(call, "Do not use the offsets table: %s.", acceptance->reason);
+        return MUKCA_NEGATIVE;
+    }
     for (int i = 0; i < d->n_causes; i++)
         if ((int)d->causes[i].effect.kind == expected) return MUKCA_OK;
     return expected < 0 ? MUKCA_OK : MUKCA_NEGATIVE;
@@ -149,7 +160,8 @@ const cli_command cli_command_diagnose = {
         "-o writes the geometry and the causes that act on the arm as an offsets table for "
         "evaluate, fk, compensate and export. Its sigma is the standard error; identifiable means "
         "that the data at least halved the prior uncertainty.\n\n"
-        "Exit code 1: the effect of --expect is not among the causes. Exit code 5: -o was given "
+        "Exit code 1: the effect of --expect is not among the causes, or the table of -o is not "
+        "accepted (see calibrate). Exit code 5: -o was given "
         "but nothing could be fitted.",
     .example =
         "mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv",

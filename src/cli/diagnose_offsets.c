@@ -1,7 +1,9 @@
 /* The offsets table of a diagnosis: geometry, and the causes that act on the arm. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
+#include "arm/tip_change.h"
 #include "cli/diagnose.h"
 #include "fit/frames.h"
 
@@ -32,20 +34,51 @@ static void fill_tracker(mukca_offsets *o, const mukca_applied *a)
     }
 }
 
+static void judge(mukca_offsets *o, const mukca_chain *chain, const mukca_diagnosed *r,
+                  const cli_frames *frames)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    mukca_acceptance *a = &o->acceptance;
+    a->converged = true; /* else nothing was fitted */
+    a->noise_m = d->sigma_m;
+    a->parameters = a->identified = 0;
+    for (int i = 0; i < MUKCA_PARAMETERS * chain->n_elements; i++) {
+        a->parameters += o->listed[i];
+        a->identified += o->identifiable[i];
+    }
+    if (r->test) {
+        snprintf(a->error_of, sizeof a->error_of, "test data, %d samples", r->test->n_rows);
+        a->error_nominal_m = d->test_nominal_m;
+        a->error_m = d->test_explained_m;
+    } else {
+        snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d folds", d->folds);
+        a->error_nominal_m = d->nominal_m;
+        a->error_m = d->explained_m;
+    }
+    mukca_tip_change_judge(o, &(mukca_tip_change_task){.chain = chain,
+                                                       .to = o,
+                                                       .data = r->data,
+                                                       .base_frame = frames->base,
+                                                       .tool_frame = frames->tool});
+    mukca_acceptance_judge(a, NULL);
+    if (d->verdict == MUKCA_VERDICT_UNTESTABLE) mukca_acceptance_refuse(a, "%s", d->why);
+}
+
 mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *left_out,
-                                   const mukca_diagnosed *r, bool free_base, mukca_error *error)
+                                   const mukca_diagnosed *r, const cli_frames *frames,
+                                   mukca_error *error)
 {
     const mukca_applied *a = &r->diagnosis->applied;
     *left_out = 0;
     if (!a->fitted)
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                           "no offsets to write: these samples are too few to fit anything");
-    mukca_status status = mukca_chain_with_frames(chain, r->chain, free_base, false, error);
+    mukca_status status = mukca_chain_with_frames(chain, r->chain, frames->base, false, error);
     if (status != MUKCA_OK) return status;
     mukca_offsets_init(o, chain);
     mukca_offsets_set_placements(o, r->data);
-    fill_geometry(o, a, r->chain, free_base);
-    if (free_base) fill_tracker(o, a);
+    fill_geometry(o, a, r->chain, frames->base);
+    if (frames->base) fill_tracker(o, a);
     for (int e = 0; e < a->n_effects; e++) {
         if ((mukca_effect_table[a->effects[e].kind]->needs & MUKCA_NEEDS_MASSES) &&
             chain->n_masses == 0) {
@@ -55,5 +88,6 @@ mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *le
         o->effects[o->n_effects] = a->effects[e];
         memcpy(o->effect_sigma[o->n_effects++], a->effect_sigma[e], sizeof a->effect_sigma[e]);
     }
+    judge(o, chain, r, frames);
     return MUKCA_OK;
 }

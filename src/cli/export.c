@@ -29,6 +29,7 @@ static const cli_option options[] = {
         export_options, check, "check", CLI_TEXT, "FILE",
         "write nothing: compare FILE, of that format, with the table; exit code 1 if they differ"),
     CLI_OFFSETS_OPTION,
+    CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
     CLI_FORCE_OPTION,

@@ -14,6 +14,7 @@ static const cli_option options[] = {
     CLI_OPTION(fk_options, pose, "pose", CLI_FLAG, NULL,
                "print orientations too, as quaternions qw qx qy qz"),
     CLI_OFFSETS_OPTION,
+    CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
     CLI_FORCE_OPTION,

@@ -2,7 +2,6 @@
 #include "cli/cli.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,20 +40,6 @@ json_t *cli_json_reals(const double *values, int n)
     return array;
 }
 
-json_t *cli_json_numbers(const char *key, double value, ...)
-{
-    json_t *object = json_object();
-    va_list rest;
-    va_start(rest, value);
-    while (key) {
-        json_object_set_new(object, key, cli_json_real(value));
-        key = va_arg(rest, const char *);
-        if (key) value = va_arg(rest, double);
-    }
-    va_end(rest);
-    return object;
-}
-
 json_t *cli_json_text(const char *text)
 {
     if (!text || mukca_utf8_valid(text)) return text ? json_string(text) : json_null();
@@ -84,4 +69,17 @@ json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
                              "identifiable", (int)rows[i].identifiable, "term", rows[i].term));
     free(rows);
     return array;
+}
+
+json_t *cli_json_acceptance(const mukca_acceptance *a)
+{
+    if (!a) return json_null();
+    json_t *object = json_pack("{s:b, s:s, s:s, s:b}", "accepted", (int)a->accepted, "reason",
+                               a->reason, "error_of", a->error_of, "converged", (int)a->converged);
+    for (const mukca_acceptance_number *n = mukca_acceptance_numbers; n->key; n++) {
+        double value;
+        memcpy(&value, (const char *)a + n->offset, sizeof value);
+        json_object_set_new(object, n->key, cli_json_real(value));
+    }
+    return object;
 }

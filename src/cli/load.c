@@ -15,6 +15,16 @@ static const double most_gravity = 1e3; /* m/s^2 */
 /* The strongest arms carry 2.3 t. */
 static const double most_payload = 5e3; /* kg */
 
+mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukca_chain *chain,
+                              const char *path)
+{
+    const mukca_offsets_options options = {.force = call->common->force,
+                                           .accept_failed = call->common->accept_failed,
+                                           .note = cli_note,
+                                           .context = call};
+    return mukca_offsets_read(offsets, chain, path, &options, &call->error);
+}
+
 mukca_status cli_load_model(cli_call *call, cli_model *model)
 {
     const cli_common *c = call->common;
@@ -38,8 +48,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
                 model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,
                 model->chain.n_masses, model->chain.urdf_sha256);
     if (c->offsets)
-        status = mukca_offsets_read(&model->offsets, &model->chain, c->offsets, c->force, cli_note,
-                                    call, &call->error);
+        status = cli_read_offsets(call, &model->offsets, &model->chain, c->offsets);
     else
         mukca_offsets_init(&model->offsets, &model->chain);
     mukca_geometry_set(&model->geometry, &model->chain, model->offsets.theta);

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "arm/tip_change.h"
 #include "io/pose_stream.h"
 
 typedef struct {
@@ -239,6 +240,27 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
     }
 }
 
+/* The error on test data, else on the log as generalized cross-validation predicts it elsewhere
+ * (Golub, Heath, Wahba 1979): the residual over 1 - unknowns / equations. */
+static void judge_offsets(mukca_offsets *o, const cli_recalibrated *r, const mukca_chain *chain)
+{
+    const mukca_recalibration *fit = &r->fit[r->n_models - 1];
+    const mukca_pose_errors *errors = r->test ? r->test[r->n_models - 1] : fit->errors;
+    mukca_acceptance *a = &o->acceptance;
+    const double equations = 3.0 * (double)(fit->rows + fit->rotations);
+    const double spare = r->test ? 1 : 1 - fit->rank / equations;
+    snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
+             r->test ? "test data" : "generalized cross-validation",
+             errors[MUKCA_BEFORE].position.n);
+    a->converged = fit->converged;
+    a->parameters = fit->n;
+    a->identified = fit->rank;
+    a->error_nominal_m = errors[MUKCA_BEFORE].position.mean;
+    a->error_m = spare > 0 ? errors[MUKCA_WITH_BOTH].position.mean / spare : (double)NAN;
+    mukca_tip_change_judge(o, &(mukca_tip_change_task){.chain = chain, .to = o});
+    mukca_acceptance_judge(a, NULL);
+}
+
 static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
 {
     mukca_dataset names = {0};
@@ -314,10 +336,14 @@ static mukca_status run(cli_call *call)
     if (status != MUKCA_OK) return status;
     cli_recalibrate_print(call, r);
     fill_offsets(&w->offsets, &r->fit[r->n_models - 1], chain, &r->arm);
+    judge_offsets(&w->offsets, r, chain);
     if (r->oracle.calibrated) status = write_offsets(call, &w->offsets);
     if (status == MUKCA_OK && call->common->json)
         status = cli_write_json(call, cli_recalibrate_json(call, r, &w->offsets, chain));
-    return status == MUKCA_OK && !r->oracle.calibrated ? refuse(call, r) : status;
+    if (status == MUKCA_OK && !r->oracle.calibrated) return refuse(call, r);
+    if (status != MUKCA_OK || w->offsets.acceptance.accepted) return status;
+    cli_answer_wrapped(call, "Do not use this result: %s.", w->offsets.acceptance.reason);
+    return MUKCA_NEGATIVE;
 }
 
 const cli_command cli_command_recalibrate = {
@@ -333,7 +359,9 @@ const cli_command cli_command_recalibrate = {
         "offsets to the positions, each by a linear regression of least norm; parameters that the "
         "log does not identify are listed. Logs are read row by row; memory does not grow with "
         "them. Logs without orientations are solved in one step, tilts of the axes included.\n\n"
-        "Poses that only repeat the nominal model are reported, with exit code 5. If a few "
+        "Poses that only repeat the nominal model are reported, with exit code 5; a table that is "
+        "not "
+        "accepted (see calibrate) with exit code 1. If a few "
         "constants explain the difference, they are named. A lag between angles and poses is "
         "estimated and corrected.",
     .example =

@@ -9,7 +9,8 @@
 #include <sha2.h>
 
 #include "base/file.h"
-#include "cli/calibrate.h"
+#include "cli/cli.h"
+#include "fit/accept.h"
 #include "fit/nlopt_adapter.h"
 #include "io/output.h"
 #include "report/report.h"
@@ -100,7 +101,7 @@ static mukca_status calibrate(cli_call *call)
     const mukca_status status =
         mukca_fit_run(&w->fit, &s->model.chain, &s->data, &fit_options, &call->error);
     if (status != MUKCA_OK) return status;
-    calibrate_fill_offsets(&w->offsets, &w->fit);
+    mukca_fit_offsets(&w->offsets, &w->fit);
     w->page.fit = &w->fit;
     w->page.fitted = &w->fit.chain;
     w->page.solver = mukca_solver_table[0]->name;
@@ -211,6 +212,7 @@ static mukca_status run(cli_call *call)
     const cli_session *s = call->session;
     report_work *w = call->work;
     cli_catch_interrupts();
+    call->common->accept_failed = true; /* the page shows a table that did not pass, too */
     w->page = (mukca_report){.chain = &s->model.chain,
                              .offsets = &w->offsets,
                              .train = &s->data,

@@ -168,6 +168,7 @@ static mukca_status run(cli_call *call)
     cli_simulation *s = calloc(1, sizeof *s);
     if (!s) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     mukca_status status = cli_simulation_prepare(call, s);
+    s->truth.acceptance.given = s->truth.acceptance.accepted = s->truth.acceptance.converged = true;
     if (status == MUKCA_OK) status = record(call, &data, s, false);
     if (status == MUKCA_OK && o->test) status = record(call, &test, s, true);
     if (status == MUKCA_OK)

@@ -26,6 +26,8 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     cost->J = MUKCA_CARVE(&arena, double, m *n);
     cost->weight = MUKCA_CARVE(&arena, double, m);
     cost->scratch = MUKCA_CARVE(&arena, double, 3 * n * n + 6 * n);
+    cost->held = MUKCA_CARVE(&arena, double, n *n);
+    cost->held_at = MUKCA_CARVE(&arena, double, n);
     if (!memory) return arena.used;
 
     mukca_observe_setup(&cost->observations, block, chain, data, fixed, n);
@@ -40,6 +42,33 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     mukca_parameters_pack(cost->nominal, parameters, nominal);
     mukca_observe_weights(cost->weight, &cost->observations, cost->pair_weight);
     return arena.used;
+}
+
+static double along(const double *v, const double *x, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += v[i] * x[i];
+    return sum;
+}
+
+void mukca_cost_hold(mukca_cost *cost, const double *x)
+{
+    int loose[MUKCA_MAX_FREE], k = 0;
+    const int n = cost->n;
+    double *H = cost->scratch, *A = H + n * n, *V = A + n * n, curvature[MUKCA_MAX_FREE];
+    for (int i = 0; i < n; i++)
+        if (!cost->parameters->regularised[i]) loose[k++] = i;
+    if (k == 0 || !(cost->lambda > 0)) return;
+    mukca_cost_normal(H, cost, x, true);
+    for (int i = 0; i < k * k; i++) A[i] = H[loose[i / k] * n + loose[i % k]];
+    if (mukca_dense_svd(A, curvature, V, k, k) != 0) return;
+    for (int d = 0; d < k; d++) {
+        if (curvature[d] >= cost->lambda) continue;
+        double *v = cost->held + (size_t)(cost->n_held * n);
+        memset(v, 0, (size_t)n * sizeof *v);
+        for (int i = 0; i < k; i++) v[loose[i]] = V[i * k + d];
+        cost->held_at[cost->n_held++] = along(v, x, n);
+    }
 }
 
 double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost *cost,
@@ -61,6 +90,12 @@ double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost
         value.regularisation += cost->lambda * off * off;
         if (gradient) gradient[i] += 2 * cost->lambda * off;
     }
+    for (int d = 0; d < cost->n_held; d++) {
+        const double *v = cost->held + (size_t)(d * cost->n);
+        const double off = along(v, x, cost->n) - cost->held_at[d];
+        value.regularisation += cost->lambda * off * off;
+        for (int i = 0; i < cost->n && gradient; i++) gradient[i] += 2 * cost->lambda * off * v[i];
+    }
     value.total = value.inconsistency + value.distortion + value.regularisation;
     if (parts) *parts = value;
     return value.total;
@@ -78,4 +113,8 @@ void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_o
     mukca_dense_syrk(H, n, cost->J, m, n);
     for (int i = 0; i < n && !data_only; i++)
         if (cost->parameters->regularised[i]) H[i * n + i] += cost->lambda;
+    for (int d = 0; d < cost->n_held && !data_only; d++) {
+        const double *v = cost->held + (size_t)(d * n);
+        for (int i = 0; i < n * n; i++) H[i] += cost->lambda * v[i / n] * v[i % n];
+    }
 }

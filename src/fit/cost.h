@@ -34,6 +34,9 @@ typedef struct {
     double pair_weight; /* 1, or 0 without distortion */
     int n;              /* free parameters */
     int evaluations;    /* of value, with or without gradient */
+    int n_held;         /* directions held near the start (mukca_cost_hold) */
+    double *held;       /* [n_held][n] unit vectors */
+    double *held_at;    /* [n_held] coordinates along them */
     double *theta;      /* [6 * n_elements] scratch; frozen entries hold their value */
     double *nominal;    /* [n] */
     double *r;          /* [n_residuals] scratch */
@@ -48,11 +51,16 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
                         const mukca_parameters *parameters, const mukca_dataset *data,
                         const mukca_cost_options *options);
 
+/* Hold near x[n], from now on, each direction of the parameters without regularisation that the
+ * data determine less than lambda would: samples that are nearly alike would throw the ball
+ * kilometres away.  The term is as for the others, lambda (v'(x - x0))^2. */
+void mukca_cost_hold(mukca_cost *cost, const double *x);
+
 /* J at x[n], m^2; its parts and its gradient[n] may be NULL.  Allocates nothing. */
 double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost *cost,
                            const double *x);
 
-/* Half the Gauss-Newton Hessian, H[n][n] = J'WJ + lambda I on the regularised parameters; with
+/* Half the Gauss-Newton Hessian, H[n][n] = J'WJ + lambda I on what is regularised or held; with
  * `data_only` without lambda.  Leaves the weighted Jacobian in cost->J. */
 void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_only);
 

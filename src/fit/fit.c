@@ -59,6 +59,7 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     mukca_parameters_pack(x, &fit->parameters, nominal);
     mukca_cost_evaluate(&fit->nominal, NULL, &cost, x);
     mukca_parameters_pack(x, &fit->parameters, fit->theta);
+    mukca_cost_hold(&cost, x);
     const mukca_solver *solver = options->solver ? options->solver : &mukca_solver_gauss_newton;
     status = solver->run(x, &fit->outcome, &cost, &options->limits, error);
     if (status != MUKCA_OK) goto out;

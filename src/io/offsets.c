@@ -1,6 +1,7 @@
 /* The offsets table as a file. */
 #include "io/offsets.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -67,6 +68,20 @@ static void write_chain(FILE *stream, const mukca_chain *chain)
     }
 }
 
+/* The verdict, as mukca_acceptance_read takes it up. */
+static void write_acceptance(FILE *stream, const mukca_acceptance *a)
+{
+    if (!a->given) return;
+    fprintf(stream, "# accepted: %s%s\n", a->accepted ? "yes" : "no; ", a->reason);
+    fprintf(stream, "# converged: %s\n", a->converged ? "yes" : "no");
+    if (a->error_of[0]) print_line(stream, "error_of: ", a->error_of);
+    for (const mukca_acceptance_number *n = mukca_acceptance_numbers; n->key; n++) {
+        double value;
+        memcpy(&value, (const char *)a + n->offset, sizeof value);
+        if (isfinite(value)) fprintf(stream, "# %s: %.6g\n", n->key, value);
+    }
+}
+
 mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
                                  const mukca_chain *chain, const mukca_dataset *data,
                                  const char *comments, mukca_error *error)
@@ -85,6 +100,7 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
     write_chain(stream, chain);
     for (int p = 0; p < offsets->n_placements; p++)
         print_line(stream, "placement: ", offsets->placements[p]);
+    write_acceptance(stream, &offsets->acceptance);
     for (const char *line = comments; line && *line;) {
         size_t length = strcspn(line, "\n");
         fprintf(stream, "# %.*s\n", (int)length, line);
@@ -106,10 +122,14 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
 }
 
 mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain, const char *path,
-                                bool force, mukca_note_fn *note, void *context, mukca_error *error)
+                                const mukca_offsets_options *options, mukca_error *error)
 {
     char *text;
-    mukca_offsets_origin origin = {.name = mukca_file_shown(path), .force = force};
+    mukca_offsets_origin origin = {.name = mukca_file_shown(path),
+                                   .force = options->force,
+                                   .accept_failed = options->accept_failed};
+    mukca_note_fn *note = options->note;
+    void *context = options->context;
     mukca_status status = mukca_file_read(&text, path, error);
     if (status != MUKCA_OK) return status;
     status = mukca_offsets_parse(offsets, &origin, chain, text, error);
@@ -122,5 +142,13 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
         mukca_note_format(note, context,
                           "%s: %d rows of joints that are not between '%s' and '%s' ignored",
                           origin.name, origin.ignored, chain->base, chain->tip);
+    if (!offsets->acceptance.given)
+        mukca_note_format(note, context,
+                          "%s: holds no verdict (older, or made by hand); check it with mukca "
+                          "evaluate",
+                          origin.name);
+    else if (!offsets->acceptance.accepted)
+        mukca_note_format(note, context, "%s: this calibration did not pass: %s", origin.name,
+                          offsets->acceptance.reason);
     return MUKCA_OK;
 }

@@ -12,6 +12,9 @@ static const double loosest = 0.02;
  * correlated rows alone do not reach (a standard error counts them as independent). */
 enum { MOST_PASSES = 10, LAG_SCORE = 8 };
 
+/* Largest last step, m and rad, of a fit that converged: a hundredth of what trackers measure. */
+static const double converged_step = 1e-6;
+
 /* A lag must lower the median by 5 %, or outliers alone would explain it. */
 static const double lag_gain = 0.95;
 
@@ -203,7 +206,9 @@ static mukca_status converge(session *s, mukca_pose_system *system, mukca_pose_s
         const double scale = mukca_metres_per_radian(&s->errors);
         if (system->positions && scale > 0) system->metres_per_radian = scale;
         const bool enough = size < 1e-10 || i >= MOST_PASSES + first || (!lag && !repeat);
-        if (i >= first && enough) return MUKCA_OK;
+        if (i < first || !enough) continue;
+        s->out->converged = !repeat || size < converged_step;
+        return MUKCA_OK;
     }
 }
 

@@ -41,6 +41,7 @@ typedef struct {
     double tail; /* rms over median of what is left, 1 for normal errors; the worse of position and
                     orientation */
     int passes;
+    bool converged; /* the last of repeated steps was small; one linear step counts, too */
 } mukca_recalibration;
 
 /* What to fit or to test. */

@@ -7,6 +7,7 @@
 mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
 {
     char path[MUKCA_SERVER_PATH];
+    const mukca_offsets_options options = {.force = false};
     s->pose.ready = false;
     if (!s->state.model[0]) return MUKCA_OK;
     if (strcmp(s->state.model_stream, mukca_recorder_stream(&s->recorder)) != 0)
@@ -17,7 +18,7 @@ mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
                           mukca_recorder_stream(&s->recorder));
     mukca_server_path(path, s, MUKCA_SERVER_RESULTS, s->state.model, "");
     mukca_status status =
-        mukca_offsets_read(&s->pose.offsets, s->recorder.chain, path, false, NULL, NULL, error);
+        mukca_offsets_read(&s->pose.offsets, s->recorder.chain, path, &options, error);
     if (status != MUKCA_OK) return status;
     mukca_geometry_set(&s->pose.geometry, s->recorder.chain, s->pose.offsets.theta);
     s->pose.ready = true;

@@ -7,6 +7,7 @@
 #   accept PATTERN ARGS...         it returns 0 and a note on standard error matches
 #   answer PATTERN ARGS...         it returns 0, standard output matches, and standard error holds
 #                                  nothing but notes
+#   doubt PATTERN ARGS...          it returns 1, and what it prints matches
 #   expect NAME COMMAND...         the command succeeds
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
@@ -98,6 +99,17 @@ answer() {
         fail "answers: mukca $*" "standard error: $(cat "$scratch/said")"
     else
         pass "answers: mukca $*"
+    fi
+}
+
+doubt() {
+    pattern=$1
+    shift
+    run "$@"
+    if [ $code -ne 1 ] || ! grep -q -- "$pattern" "$scratch/out" "$scratch/err"; then
+        fail "doubts: mukca $*" "exit $code, and not '$pattern' but: $(cat "$scratch/out" "$scratch/err")"
+    else
+        pass "doubts: mukca $*"
     fi
 }
 

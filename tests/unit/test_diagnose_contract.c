@@ -251,7 +251,8 @@ static void nothing_to_test(void **state)
     mukca_error error = {0};
     mukca_chain chain;
     int left_out;
-    assert_error(cli_diagnosis_offsets(offsets, &chain, &left_out, &result, false, &error),
+    assert_error(cli_diagnosis_offsets(offsets, &chain, &left_out, &result,
+                                       &(cli_frames){.base = false}, &error),
                  MUKCA_UNIDENTIFIABLE, error, "too few");
     free(offsets);
     mukca_dataset_free(&data);
@@ -281,7 +282,8 @@ static void check_table(const char *effects, bool effort, double mass_error)
     mukca_offsets *written = calloc(1, sizeof *written), *back = calloc(1, sizeof *back);
     mukca_chain chain;
     int left_out;
-    if (cli_diagnosis_offsets(written, &chain, &left_out, &result, false, &error))
+    if (cli_diagnosis_offsets(written, &chain, &left_out, &result, &(cli_frames){.base = false},
+                              &error))
         fail_msg("%s", error.text);
     assert_int_equal(left_out, 0);
     assert_true(written->n_effects >= (effects != NULL));
@@ -295,7 +297,8 @@ static void check_table(const char *effects, bool effort, double mass_error)
     FILE *file = fopen(path, "w");
     assert_int_equal(mukca_offsets_write(file, written, &chain, &data, NULL, &error), MUKCA_OK);
     fclose(file);
-    if (mukca_offsets_read(back, &s.chain, path, false, NULL, NULL, &error))
+    if (mukca_offsets_read(back, &s.chain, path, &(mukca_offsets_options){.accept_failed = true},
+                           &error))
         fail_msg("%s", error.text);
 
     mukca_geometry geometry;

@@ -1,6 +1,9 @@
 /* The offsets table: what is written is read back to the last bit, and never for another arm. */
 #include "io/offsets.h"
 
+#include "arm/tip_change.h"
+#include "mukca/corrected.h"
+
 #include "odd_urdf.h"
 
 static mukca_offsets offsets, back;
@@ -66,15 +69,24 @@ static const char *write_table(void)
 static mukca_status read_table(const char *path, bool force)
 {
     notes[0] = error.text[0] = '\0';
-    return mukca_offsets_read(&back, &chain, path, force, note, NULL, &error);
+    return mukca_offsets_read(&back, &chain, path,
+                              &(mukca_offsets_options){.force = force, .note = note}, &error);
 }
 
 static void tables_come_back_to_the_last_bit(void **state)
 {
     (void)state;
     add_effects();
+    mukca_acceptance *verdict = &offsets.acceptance;
+    verdict->given = verdict->accepted = verdict->converged = true;
+    snprintf(verdict->error_of, sizeof verdict->error_of, "test data, 60 samples");
+    verdict->error_m = 2.5e-4;
     assert_int_equal(read_table(write_table(), false), MUKCA_OK);
     assert_string_equal(notes, "");
+    assert_true(back.acceptance.given && back.acceptance.accepted && back.acceptance.converged);
+    assert_string_equal(back.acceptance.error_of, "test data, 60 samples");
+    assert_true(back.acceptance.error_m == 2.5e-4);
+    assert_true(isnan(back.acceptance.tip_change_m)); /* not known, not written */
     assert_memory_equal(back.theta, offsets.theta, sizeof back.theta);
     assert_memory_equal(back.sigma, offsets.sigma, sizeof back.sigma);
     assert_memory_equal(back.listed, offsets.listed, sizeof back.listed);
@@ -100,6 +112,102 @@ static void tables_come_back_to_the_last_bit(void **state)
     named[0].name[0] = 'x';
     mukca_offsets_place_effects(placed, &back, &data);
     assert_int_equal(placed[8].placement, -1);
+}
+
+/* A verdict that passes every gate. */
+static mukca_acceptance good_verdict(void)
+{
+    mukca_acceptance a;
+    mukca_acceptance_init(&a);
+    a.converged = true;
+    a.error_nominal_m = 5e-3;
+    a.error_m = 2e-4;
+    a.tip_change_m = 0.01;
+    a.tip_change_sigma = 0.3;
+    return a;
+}
+
+static void each_gate_refuses(void **state)
+{
+    (void)state;
+    static const struct {
+        size_t number;
+        double value;
+        const char *reason; /* NULL: accepted */
+    } cases[] = {
+        {offsetof(mukca_acceptance, error_m), 2e-4, NULL},
+        {offsetof(mukca_acceptance, error_m), 5e-3, "no better than the nominal model"},
+        {offsetof(mukca_acceptance, error_m), (double)NAN, "no held-out error is known"},
+        {offsetof(mukca_acceptance, error_nominal_m), 1e-4, "no better than the nominal model"},
+        {offsetof(mukca_acceptance, noise_m), 9.9e-3, NULL},
+        {offsetof(mukca_acceptance, noise_m), 10e-3, "do not fit this arm"},
+        {offsetof(mukca_acceptance, determined), 1, NULL},
+        {offsetof(mukca_acceptance, determined), 0, "determine none"},
+        {offsetof(mukca_acceptance, tip_change_sigma), 5, NULL},
+        {offsetof(mukca_acceptance, tip_change_sigma), 5.1, "standard deviations of its prior"},
+        {offsetof(mukca_acceptance, tip_change_sigma), (double)NAN, "standard deviations"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        mukca_acceptance a = good_verdict();
+        memcpy((char *)&a + cases[i].number, &cases[i].value, sizeof(double));
+        mukca_acceptance_judge(&a, NULL);
+        assert_true(a.given);
+        assert_int_equal(a.accepted, cases[i].reason == NULL);
+        assert_non_null(strstr(a.reason, cases[i].reason ? cases[i].reason : ""));
+    }
+    mukca_acceptance a = good_verdict();
+    a.converged = false;
+    mukca_acceptance_judge(&a, "out of time");
+    assert_false(a.accepted);
+    assert_string_equal(a.reason,
+                        "NOT CONVERGED (out of time); check the data with mukca diagnose");
+}
+
+static void controllers_get_no_failed_table(void **state)
+{
+    (void)state;
+    mukca_corrected *model = calloc(1, sizeof *model);
+    offsets.n_effects = 0;
+    mukca_acceptance_init(&offsets.acceptance);
+    const char *path = write_table();
+    assert_int_equal(mukca_corrected_load(model, path, &error), MUKCA_OK); /* an older table */
+    assert_false(model->judged);
+    mukca_acceptance_refuse(&offsets.acceptance, "moves the tip by %d mm", 551);
+    assert_int_equal(mukca_corrected_load(model, write_table(), &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "did not pass: moves the tip by 551 mm"));
+    assert_true(model->judged && !model->accepted);
+    assert_int_equal(mukca_corrected_load_any(model, path, true, &error), MUKCA_OK);
+    assert_true(model->judged && !model->accepted);
+    assert_int_equal(read_table(path, false), MUKCA_INPUT);
+    offsets.acceptance.accepted = true;
+    offsets.acceptance.reason[0] = '\0';
+    assert_int_equal(mukca_corrected_load(model, write_table(), &error), MUKCA_OK);
+    assert_true(model->judged && model->accepted);
+    free(model);
+}
+
+/* One joint about z turned by 10 mrad moves a tip at a radius r by 10e-3 r. */
+static void the_tip_change_is_measured(void **state)
+{
+    (void)state;
+    static mukca_offsets turned;
+    mukca_chain arm = {.n_elements = 2, .n_joints = 1};
+    arm.element[0] = (mukca_element){
+        .name = "a", .type = MUKCA_REVOLUTE, .axis = {0, 0, 1}, .lower = -1, .upper = 1};
+    arm.element[1] =
+        (mukca_element){.name = "tool", .type = MUKCA_FIXED, .joint = -1, .xyz = {0.5, 0, 0.2}};
+    mukca_offsets_init(&turned, &arm);
+    turned.theta[5] = 10e-3;
+    turned.listed[5] = 1;
+    double sigma;
+    const mukca_tip_change_task task = {.chain = &arm, .to = &turned};
+    const double change = mukca_tip_change(&sigma, &task);
+    assert_true(fabs(change - 2 * 0.5 * sin(5e-3)) < 1e-12);
+    assert_true(fabs(sigma - 0.5) < 1e-4); /* of 20 mrad */
+    const mukca_tip_change_task back_task = {.chain = &arm, .from = &turned, .to = &turned};
+    assert_true(mukca_tip_change(NULL, &back_task) < 1e-15);
+    mukca_tip_change_judge(&turned, &task);
+    assert_true(turned.acceptance.largest_offset_rad == 10e-3);
+    assert_true(turned.acceptance.largest_offset_m == 0);
 }
 
 static void tables_tell_where_they_come_from(void **state)
@@ -188,6 +296,9 @@ static void broken_tables_get_one_clear_line(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(tables_come_back_to_the_last_bit),
+                                       cmocka_unit_test(each_gate_refuses),
+                                       cmocka_unit_test(controllers_get_no_failed_table),
+                                       cmocka_unit_test(the_tip_change_is_measured),
                                        cmocka_unit_test(tables_tell_where_they_come_from),
                                        cmocka_unit_test(another_arms_table_is_refused),
                                        cmocka_unit_test(broken_tables_get_one_clear_line)};

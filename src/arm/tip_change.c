@@ -1,0 +1,127 @@
+/* How far one offsets table moves the tip against another, or against the nominal model. */
+#include "arm/tip_change.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "math/random.h"
+
+enum {
+    DRAWN = 256,   /* postures; 1 % of the workspace is missed with a probability of 8 % */
+    RECORDED = 512 /* at most, of the data */
+};
+
+/* Prior standard deviations, the widest that real arms call for (as in diagnose): lengths, angles
+ * with the zeros of the joints, and the place of the ball on the tool, which nobody measures. */
+static const double length_sigma = 8e-3, angle_sigma = 20e-3, ball_sigma = 20e-3;
+
+/* Whether an element is a frame of the measurement. */
+static bool is_frame(const mukca_tip_change_task *task, int element)
+{
+    return (task->base_frame && element == 0) ||
+           (task->tool_frame && element == task->chain->n_elements - 1);
+}
+
+static double prior_sigma(const mukca_tip_change_task *task, int i)
+{
+    const int element = i / MUKCA_PARAMETERS;
+    if (is_frame(task, element) || !task->to->listed[i]) return 0;
+    if (i % MUKCA_PARAMETERS >= 3) return angle_sigma;
+    return element == task->chain->n_elements - 1 && task->chain->element[element].joint < 0
+               ? ball_sigma
+               : length_sigma;
+}
+
+/* theta[6 * n_elements] of a table with the frames of the measurement taken from `to`. */
+static void take_theta(double *theta, const mukca_offsets *from, const mukca_tip_change_task *task)
+{
+    const int n = MUKCA_PARAMETERS * task->chain->n_elements;
+    mukca_chain_theta(theta, task->chain);
+    for (int i = 0; i < n; i++) {
+        if (from) theta[i] = from->theta[i];
+        if (is_frame(task, i / MUKCA_PARAMETERS)) theta[i] = task->to->theta[i];
+    }
+}
+
+typedef struct {
+    const mukca_tip_change_task *task;
+    double theta[2][MUKCA_MAX_THETA];
+    mukca_geometry geometry[2];
+    double J[3 * MUKCA_MAX_THETA];
+    double largest, ratio; /* so far */
+} comparison;
+
+static void find_tip(double tip[3], const comparison *c, int side, const double *q)
+{
+    const mukca_offsets *o = side ? c->task->to : c->task->from;
+    const mukca_joint_state state = {.q = q, .placement = -1};
+    mukca_displacement d;
+    if (o && o->n_effects > 0)
+        mukca_effects_displacement(&d, o->effects, o->n_effects, c->task->chain, &c->geometry[side],
+                                   q, &state);
+    mukca_fk_position(tip, &c->geometry[side], q, o && o->n_effects > 0 ? &d : NULL);
+}
+
+static void compare(comparison *c, const double *q)
+{
+    double tip[2][3], position[3], change = 0, variance = 0;
+    const int n = MUKCA_PARAMETERS * c->task->chain->n_elements;
+    for (int side = 0; side < 2; side++) find_tip(tip[side], c, side, q);
+    for (int a = 0; a < 3; a++) change += (tip[1][a] - tip[0][a]) * (tip[1][a] - tip[0][a]);
+    mukca_fk_parameter_jacobian(c->J, position, &c->geometry[0], c->theta[0], q);
+    for (int i = 0; i < n; i++) {
+        const double sigma = prior_sigma(c->task, i);
+        for (int a = 0; a < 3; a++) variance += c->J[a * n + i] * c->J[a * n + i] * sigma * sigma;
+    }
+    change = sqrt(change);
+    if (!(change <= c->largest)) c->largest = change; /* NaN stays */
+    if (variance > 0 && !(change / sqrt(variance) <= c->ratio)) c->ratio = change / sqrt(variance);
+}
+
+/* A posture within the joint limits; a joint without any turns once, or travels 1 m. */
+static void draw(double *q, const mukca_chain *chain, mukca_random *random)
+{
+    for (int j = 0; j < chain->n_joints; j++) {
+        const mukca_element *e = &chain->element[chain->joint_element[j]];
+        const double half = e->type == MUKCA_PRISMATIC ? 0.5 : 3.14159265358979;
+        const double lower = isfinite(e->lower) ? e->lower : -half;
+        const double upper = isfinite(e->upper) ? e->upper : half;
+        q[j] = lower + (upper - lower) * mukca_random_uniform(random);
+    }
+}
+
+double mukca_tip_change(double *sigma, const mukca_tip_change_task *task)
+{
+    comparison c = {.task = task};
+    mukca_random random;
+    double q[MUKCA_MAX_JOINTS];
+    const mukca_dataset *data = task->data;
+    const int step = data ? data->n_rows / RECORDED + 1 : 1;
+    take_theta(c.theta[0], task->from, task);
+    take_theta(c.theta[1], task->to, task);
+    for (int side = 0; side < 2; side++)
+        mukca_geometry_set(&c.geometry[side], task->chain, c.theta[side]);
+    mukca_random_seed(&random, 1);
+    for (int i = 0; i < DRAWN; i++) {
+        draw(q, task->chain, &random);
+        compare(&c, q);
+    }
+    for (int i = 0; data && i < data->n_rows; i += step)
+        compare(&c, data->q + (size_t)i * (size_t)data->n_joints);
+    if (sigma) *sigma = c.ratio;
+    return c.largest;
+}
+
+void mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_task *task)
+{
+    mukca_acceptance *a = &to->acceptance;
+    double nominal[MUKCA_MAX_THETA];
+    mukca_chain_theta(nominal, task->chain);
+    a->tip_change_m = mukca_tip_change(&a->tip_change_sigma, task);
+    a->largest_offset_m = a->largest_offset_rad = 0;
+    for (int i = 0; i < MUKCA_PARAMETERS * task->chain->n_elements; i++) {
+        double *largest = i % MUKCA_PARAMETERS < 3 ? &a->largest_offset_m : &a->largest_offset_rad;
+        if (is_frame(task, i / MUKCA_PARAMETERS)) continue;
+        *largest = fmax(*largest, fabs(to->theta[i] - nominal[i]));
+    }
+}

@@ -1,0 +1,20 @@
+/* Held-out error of a calibration: each fold of the samples is left out, and predicted by a fit of
+ * the others. */
+#ifndef MUKCA_FIT_CROSS_VALIDATION_H
+#define MUKCA_FIT_CROSS_VALIDATION_H
+
+#include "fit/evaluate.h"
+
+typedef struct {
+    int folds;            /* 0: too few samples, the errors are NaN */
+    bool placements;      /* folds are placements; else blocks of consecutive samples */
+    double nominal, mean; /* mean errors (mukca_score.mae) of all samples when left out, m; nominal
+                             with the free frames aligned */
+} mukca_cross_validation;
+
+/* Fit as mukca_fit_run does, by Gauss-Newton.  Errors: those of mukca_fit_run. */
+mukca_status mukca_fit_cross_validate(mukca_cross_validation *result, const mukca_chain *chain,
+                                      const mukca_dataset *data, const mukca_fit_options *options,
+                                      mukca_error *error);
+
+#endif

@@ -1,0 +1,52 @@
+# A table that did not pass its gates reaches no controller.
+. "$here/fixture.sh"
+a="--urdf arm.urdf"
+run simulate $a --seed 3 --placements 3 --rows 20 --perturb 2,4 --noise 1e-4 -o sim.tsv
+answer 'Accepted: held-out error' calibrate $a sim.tsv -o ok.tsv
+for key in accepted converged error_of error_m error_nominal_m tip_change_m tip_change_sigma \
+    identified determined; do
+    expect "the table tells $key" grep -q "^# $key: " ok.tsv
+done
+run fk $a --offsets ok.tsv good/hole_0.csv
+expect "an accepted table is used without a word" test "$code" = 0 -a ! -s "$scratch/err"
+
+# every command that carries the table on refuses it, and says how to use it nevertheless
+sed 's/^# accepted: yes/# accepted: no; moves the tip by 551 mm/' ok.tsv >failed.tsv
+refused() {
+    refuse 3 'failed.tsv: this calibration did not pass: moves the tip by 551 mm (--accept-failed' "$@"
+}
+for command in "fk good/hole_0.csv" "compensate good/hole_0.csv" "export -o new.urdf" \
+    "plan sim.tsv -o new.tsv" "capture --still --lcm-url file://nix -o new.tsv"; do
+    # shellcheck disable=SC2086
+    refused ${command%% *} $a --offsets failed.tsv ${command#* }
+done
+accept 'note: failed.tsv: this calibration did not pass' fk $a --offsets failed.tsv --accept-failed good/hole_0.csv
+accept 'note: failed.tsv: this calibration did not pass' export $a --offsets failed.tsv --accept-failed
+accept 'note: failed.tsv: this calibration did not pass' evaluate $a --offsets failed.tsv sim.tsv
+sed '/^# accepted/d' ok.tsv >old.tsv
+accept 'note: old.tsv: holds no verdict' fk $a --offsets old.tsv good/hole_0.csv
+sed 's/^# accepted: yes/&\n# accepted: no; twice/' ok.tsv >failed.tsv
+refuse 3 'did not pass: twice' fk $a --offsets failed.tsv good/hole_0.csv
+sed 's/^# accepted: yes/# NOT CONVERGED/' ok.tsv >failed.tsv
+refuse 3 'did not pass: NOT CONVERGED' fk $a --offsets failed.tsv good/hole_0.csv
+
+# samples that are nearly alike: whichever solver, the ball stays where it is
+for solver in slsqp lbfgs gauss-newton; do
+    awk 'BEGIN { print "placement\tsocket\tj1\tj2\tj3"; for (i = 0; i < 12; i++)
+        printf "p\t%d\t%.9f\t%.9f\t%.9f\n", i % 2, 0.1 + 1e-5 * i, 0.4 + 1e-5 * i, 0.9 - 1e-5 * i }' >still.tsv
+    doubt 'determine none of 24 parameter combinations' calibrate $a still.tsv --solver $solver -o still_$solver.tsv
+    expect "$solver keeps the ball" awk -F '\t' '$1 == "tool" && !($6 * $6 < 0.01) { exit 1 }' still_$solver.tsv
+    refuse 3 'did not pass: the samples determine none' export $a --offsets still_$solver.tsv
+done
+
+# labels that mean nothing
+awk -F '\t' -v OFS='\t' 'NR > 1 && $1 !~ /^#/ && $1 != "placement" { $1 = "p" (NR * 7 % 3 > 1); $2 = NR * 5 % 7 > 3 } 1' \
+    sim.tsv >mislabelled.tsv
+doubt 'Do not use this result: ' calibrate $a mislabelled.tsv -o wrong.tsv
+refuse 3 'did not pass: ' compensate $a --offsets wrong.tsv good/hole_0.csv
+run diagnose $a mislabelled.tsv -o wrong.tsv --force
+refuse 3 'did not pass: ' fk $a --offsets wrong.tsv good/hole_0.csv
+
+# an arm that is as its model says: a calibration cannot improve it
+run simulate $a --seed 3 --placements 3 --rows 8 --noise 1e-3 -o nominal.tsv
+doubt 'no better than the nominal' calibrate $a nominal.tsv -o wrong.tsv --force
