@@ -284,7 +284,8 @@ static void set_units(mukca_candidate *h, const mukca_recording *recording)
         /* what hardly varies is rounding about a constant */
         square = fmax(square, fmax(1e-18, 1e-8 * whole));
         h->unit[t] = wave ? WAVE_UNIT : sqrt(square);
-        if (is_elastic(h) && t > 0) h->unit[t] = h->unit[0] / recording->options.mass_spread;
+        if (is_elastic(h) && t > 0)
+            h->unit[t] = h->unit[0] / mukca_recording_mass_spread(recording, t - 1);
     }
 }
 

@@ -14,6 +14,15 @@
  * signs): they say nothing about the masses. */
 #define LEAST_CORRELATION 0.5
 
+/* A payload is weighed: 1 %, its centre of mass a centimetre from the tip at an arm of 1 m. */
+#define PAYLOAD_SPREAD 0.01
+
+double mukca_recording_mass_spread(const mukca_recording *r, int body)
+{
+    return body == r->payload_body ? fmin(PAYLOAD_SPREAD, r->options.mass_spread)
+                                   : r->options.mass_spread;
+}
+
 static double *torques(const mukca_recording *r, int row, int body)
 {
     return r->torque +
@@ -24,8 +33,9 @@ static double *torques(const mukca_recording *r, int row, int body)
 static void estimate_masses(mukca_recording *r)
 {
     const int k = r->n_bodies, n_joints = r->chain->n_joints;
-    double normal[MUKCA_MAX_ELEMENTS * MUKCA_MAX_ELEMENTS] = {0}, right[MUKCA_MAX_ELEMENTS] = {0};
-    const double weight = 1 / (EFFORT_SIGMA * EFFORT_SIGMA), prior = 1 / (MASS_SIGMA * MASS_SIGMA);
+    enum { MOST = MUKCA_MAX_ELEMENTS + 1 };
+    double normal[MOST * MOST] = {0}, right[MOST] = {0};
+    const double weight = 1 / (EFFORT_SIGMA * EFFORT_SIGMA);
     for (int row = 0; row < r->data->n_rows; row++)
         for (int j = 0; j < n_joints; j++) {
             const double effort = r->data->effort[row * n_joints + j];
@@ -37,7 +47,10 @@ static void estimate_masses(mukca_recording *r)
                     normal[a * k + b] += weight * torque * torques(r, row, b)[j];
             }
         }
-    for (int a = 0; a < k; a++) right[a] += prior, normal[a * k + a] += prior;
+    for (int a = 0; a < k; a++) {
+        const double spread = a == r->payload_body ? PAYLOAD_SPREAD : MASS_SIGMA;
+        right[a] += 1 / (spread * spread), normal[a * k + a] += 1 / (spread * spread);
+    }
     if (mukca_dense_cholesky(normal, k)) return;
     mukca_dense_forward(right, 1, normal, k);
     mukca_dense_backward(right, 1, normal, k);
@@ -70,13 +83,13 @@ static void body_moments(mukca_recording *r, const mukca_geometry *nominal, int 
     const size_t n_joints = (size_t)chain->n_joints,
                  at = (size_t)row * (size_t)r->n_bodies + (size_t)body;
     const int element = r->body_element[body];
-    const bool loaded =
-        element == chain->n_elements - 1 && data->payload && isfinite(data->payload[row]);
+    const bool payload = body == r->payload_body;
     double scale[MUKCA_MAX_MASSES];
-    for (int i = 0; i < chain->n_masses; i++) scale[i] = chain->mass[i].element == element;
+    for (int i = 0; i < chain->n_masses; i++)
+        scale[i] = !payload && chain->mass[i].element == element;
     mukca_gravity_load load;
     mukca_chain_moments(&load, chain, nominal, data->q + (size_t)row * n_joints, scale,
-                        loaded ? data->payload[row] : 0);
+                        payload && isfinite(data->payload[row]) ? data->payload[row] : 0);
     memcpy(r->moment + 3 * at * n_joints, load.moment, n_joints * sizeof *load.moment);
     memcpy(r->torque + at * n_joints, load.torque, n_joints * sizeof *load.torque);
     memcpy(r->base_moment + 3 * at, load.base, sizeof load.base);
@@ -101,7 +114,8 @@ void mukca_recording_load(mukca_recording *r)
     for (int row = 0; row < data->n_rows; row++)
         for (int a = 0; a < r->n_bodies; a++) body_moments(r, &nominal, row, a);
     const double *given = r->options.mass_factor;
-    for (size_t a = 0; a < bodies; a++) r->mass_factor[a] = given ? given[a] : 1;
+    for (size_t a = 0; a < sizeof r->mass_factor / sizeof *r->mass_factor; a++)
+        r->mass_factor[a] = given ? given[a] : 1; /* a test may have a payload, training none */
     if (data->effort && bodies && !given) {
         r->efforts_correlation = correlate_efforts(r);
         if (r->efforts_correlation > LEAST_CORRELATION) estimate_masses(r);

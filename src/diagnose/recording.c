@@ -123,10 +123,12 @@ static void list_bodies(mukca_recording *r)
         double kg = 0;
         for (int i = 0; i < chain->n_masses; i++)
             if (chain->mass[i].element == element) kg += chain->mass[i].kg;
-        const bool payload =
-            r->data->payload && element == chain->n_elements - 1 && chain->n_masses > 0;
-        if (kg > 0 || payload) r->body_element[r->n_bodies++] = element;
+        if (kg > 0) r->body_element[r->n_bodies++] = element;
     }
+    r->payload_body = -1;
+    if (r->n_bodies == 0 || !r->data->payload) return;
+    r->payload_body = r->n_bodies++;
+    r->body_element[r->payload_body] = chain->n_elements - 1;
 }
 
 bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_chain *chain,

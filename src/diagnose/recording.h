@@ -39,9 +39,10 @@ typedef struct {
     int dim;    /* observed per sample: 3, or 6 with orientations (pose logs) */
     int n_logs; /* 1 without poses */
 
-    /* loads: a body is an element that carries mass */
-    int n_bodies, body_element[MUKCA_MAX_ELEMENTS];
-    double mass_factor[MUKCA_MAX_ELEMENTS]; /* from measured efforts, else 1 */
+    /* loads: a body is an element that carries mass, or the payload */
+    int n_bodies, body_element[MUKCA_MAX_ELEMENTS + 1];
+    int payload_body;                           /* the last one, -1: no payload known */
+    double mass_factor[MUKCA_MAX_ELEMENTS + 1]; /* from measured efforts, else 1 */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
     bool have_moments, have_torques;
     double *moment;      /* [n_rows][n_bodies][n_joints][3] in the joint frames, N m */
@@ -67,6 +68,11 @@ typedef struct {
 /* Memory comes from `pool`; `chain` and `data` must outlive it.  False: no memory. */
 bool mukca_recording_create(mukca_recording *recording, mukca_pool *pool, const mukca_chain *chain,
                             const mukca_dataset *data, const mukca_recording_options *options);
+
+/* Relative prior sigma of a body's mass: of a link that of the options, of a payload that of a
+ * scale.
+ */
+double mukca_recording_mass_spread(const mukca_recording *recording, int body);
 
 /* Group the rows in use (after `keep` changed). */
 void mukca_recording_regroup(mukca_recording *recording);
