@@ -63,20 +63,20 @@ typedef struct {
 } cli_option;
 
 /* Rows of option tables; `member` of the struct `type` gets the value. */
-#define CLI_OPTION(type, member, option, value, metavar, text)            \
-    {                                                                     \
-        .name = option, .kind = value, .argument = metavar, .help = text, \
-        .offset = offsetof(type, member)                                  \
+#define CLI_OPTION(type, member, option, value, metavar, text)                    \
+    {                                                                             \
+        .name = (option), .kind = (value), .argument = (metavar), .help = (text), \
+        .offset = offsetof(type, member)                                          \
     }
-#define CLI_RANGE_OPTION(type, member, option, value, metavar, from, to, text)           \
-    {                                                                                    \
-        .name = option, .kind = value, .argument = metavar, .help = text, .least = from, \
-        .most = to, .offset = offsetof(type, member)                                     \
+#define CLI_RANGE_OPTION(type, member, option, value, metavar, from, to, text)                     \
+    {                                                                                              \
+        .name = (option), .kind = (value), .argument = (metavar), .help = (text), .least = (from), \
+        .most = (to), .offset = offsetof(type, member)                                             \
     }
-#define CLI_CHOICE_OPTION(type, member, option, metavar, list, text)                            \
-    {                                                                                           \
-        .name = option, .kind = CLI_CHOICE, .argument = metavar, .help = text, .choices = list, \
-        .offset = offsetof(type, member)                                                        \
+#define CLI_CHOICE_OPTION(type, member, option, metavar, list, text)                 \
+    {                                                                                \
+        .name = (option), .kind = CLI_CHOICE, .argument = (metavar), .help = (text), \
+        .choices = (list), .offset = offsetof(type, member)                          \
     }
 
 /* The contract's common options: the first member of every command's options struct. */
@@ -90,10 +90,10 @@ typedef struct {
 } cli_common;
 
 /* Rows of option tables for them.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION: help text. */
-#define CLI_COMMON(member, short_name, value, metavar, text)                                     \
-    {                                                                                            \
-        .name = #member, .letter = short_name, .kind = value, .argument = metavar, .help = text, \
-        .offset = offsetof(cli_common, member)                                                   \
+#define CLI_COMMON(member, short_name, value, metavar, text)                             \
+    {                                                                                    \
+        .name = #member, .letter = (short_name), .kind = (value), .argument = (metavar), \
+        .help = (text), .offset = offsetof(cli_common, member)                           \
     }
 #define CLI_MODEL_OPTIONS                                                                         \
     CLI_COMMON(urdf, 0, CLI_TEXT, "FILE", "nominal model of the arm"),                            \
@@ -131,10 +131,10 @@ typedef struct {
     CLI_COMMON(test, 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported")
 #define CLI_JSON_OPTION \
     CLI_COMMON(json, 0, CLI_TEXT, "FILE", "write the result as JSON; - means standard output")
-#define CLI_OUTPUT_OPTION(what)                                                              \
-    {                                                                                        \
-        .name = "output", .letter = 'o', .kind = CLI_TEXT, .argument = "FILE", .help = what, \
-        .offset = offsetof(cli_common, output)                                               \
+#define CLI_OUTPUT_OPTION(what)                                                                \
+    {                                                                                          \
+        .name = "output", .letter = 'o', .kind = CLI_TEXT, .argument = "FILE", .help = (what), \
+        .offset = offsetof(cli_common, output)                                                 \
     }
 #define CLI_FORCE_OPTION                 \
     CLI_COMMON(force, 0, CLI_FLAG, NULL, \

@@ -195,7 +195,7 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
         fprintf(stream, "Test data, mm: nominal %.3f, geometry %.3f, with causes %.3f\n",
                 1e3 * d->test_nominal_m, 1e3 * d->test_geometry_m, 1e3 * d->test_explained_m);
     if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
-    mukca_text_put(&text, "Fewer than four placements: this reduction is uncertain");
+    mukca_text_put(&text, "Fewer than four placements: the reduction by the causes is uncertain");
     if (isfinite(d->noise_shrink_percent))
         mukca_text_put(&text,
                        " (on pure noise the best effect of the catalogue reduces the error by "

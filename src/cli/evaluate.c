@@ -30,26 +30,6 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-static void write_scores(FILE *stream, const char *set, const cli_scores *scores,
-                         const mukca_dataset *data)
-{
-    for (int i = 0; i < scores->n; i++) {
-        const mukca_score *a = &scores->nominal[i], *b = &scores->calibrated[i];
-        const double values[] = {a->mae,
-                                 b->mae,
-                                 a->std,
-                                 b->std,
-                                 a->distance_error,
-                                 b->distance_error,
-                                 a->rotation_error,
-                                 b->rotation_error};
-        fprintf(stream, "%s\t%s\t%d", set, cli_scores_name(b, data), b->rows);
-        for (size_t v = 0; v < sizeof values / sizeof *values; v++)
-            cli_scores_write(stream, values[v]);
-        fputc('\n', stream);
-    }
-}
-
 typedef struct {
     FILE *stream; /* NULL: JSON only */
     json_t *json; /* array */
@@ -204,13 +184,9 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
         status = run_matrix(call, output.stream, lines);
         json_object_set_new(json, "matrix", lines);
     } else if (status == MUKCA_OK && output.stream) {
-        fputs(
-            "set\tplacement\trows\tmae_nominal_m\tmae_m\tstd_nominal_m\tstd_m\t"
-            "distance_error_nominal_m\tdistance_error_m\trotation_error_nominal_rad\t"
-            "rotation_error_rad\n",
-            output.stream);
-        write_scores(output.stream, "data", &w->data, &s->data);
-        write_scores(output.stream, "test", &w->test, &s->test);
+        cli_scores_write_header(output.stream);
+        cli_scores_write_rows(output.stream, "data", &w->data, &s->data);
+        cli_scores_write_rows(output.stream, "test", &w->test, &s->test);
     }
     status = mukca_output_finish(&output, status, &call->error);
     if (status == MUKCA_OK) return cli_write_json(call, json);

@@ -48,20 +48,55 @@ const char *cli_scores_name(const mukca_score *score, const mukca_dataset *data)
     return score->placement < 0 ? "poses" : data->placements[score->placement].name;
 }
 
+/* The figures of a score, by column and JSON key. */
+static const struct {
+    const char *nominal, *calibrated;
+    size_t offset;
+} figures[] = {
+    {"mae_nominal_m", "mae_m", offsetof(mukca_score, mae)},
+    {"std_nominal_m", "std_m", offsetof(mukca_score, std)},
+    {"distance_error_nominal_m", "distance_error_m", offsetof(mukca_score, distance_error)},
+    {"rotation_error_nominal_rad", "rotation_error_rad", offsetof(mukca_score, rotation_error)}};
+enum { FIGURES = sizeof figures / sizeof *figures, ROTATION = FIGURES - 1 };
+
+static double figure(const mukca_score *score, int k)
+{
+    return *(const double *)(const void *)((const char *)score + figures[k].offset);
+}
+
+void cli_scores_write_header(FILE *stream)
+{
+    fputs("set\tplacement\trows", stream);
+    for (int k = 0; k < FIGURES; k++)
+        fprintf(stream, "\t%s\t%s", figures[k].nominal, figures[k].calibrated);
+    fputc('\n', stream);
+}
+
+void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scores,
+                           const mukca_dataset *data)
+{
+    for (int i = 0; i < scores->n; i++) {
+        const mukca_score *after = &scores->calibrated[i];
+        fprintf(stream, "%s\t%s\t%d", set, cli_scores_name(after, data), after->rows);
+        for (int k = 0; k < FIGURES; k++) {
+            cli_scores_write(stream, figure(&scores->nominal[i], k));
+            cli_scores_write(stream, figure(after, k));
+        }
+        fputc('\n', stream);
+    }
+}
+
 json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
 {
     json_t *array = json_array();
     for (int i = 0; i < scores->n; i++) {
-        const mukca_score *a = &scores->nominal[i], *b = &scores->calibrated[i];
-        json_t *object = json_pack(
-            "{s:s, s:i, s:o, s:o, s:o, s:o, s:o, s:o}", "placement", cli_scores_name(b, data),
-            "rows", b->rows, "mae_nominal_m", cli_json_real(a->mae), "mae_m", cli_json_real(b->mae),
-            "std_nominal_m", cli_json_real(a->std), "std_m", cli_json_real(b->std),
-            "distance_error_nominal_m", cli_json_real(a->distance_error), "distance_error_m",
-            cli_json_real(b->distance_error));
-        if (object && isfinite(b->rotation_error)) {
-            json_object_set_new(object, "rotation_error_nominal_rad", json_real(a->rotation_error));
-            json_object_set_new(object, "rotation_error_rad", json_real(b->rotation_error));
+        const mukca_score *before = &scores->nominal[i], *after = &scores->calibrated[i];
+        json_t *object =
+            json_pack("{s:s, s:i}", "placement", cli_scores_name(after, data), "rows", after->rows);
+        for (int k = 0; k < FIGURES; k++) {
+            if (k == ROTATION && !isfinite(figure(after, k))) continue;
+            json_object_set_new(object, figures[k].nominal, cli_json_real(figure(before, k)));
+            json_object_set_new(object, figures[k].calibrated, cli_json_real(figure(after, k)));
         }
         json_array_append_new(array, object);
     }

@@ -21,6 +21,11 @@ void cli_scores_free(cli_scores *scores); /* harmless on a zeroed one */
 /* The contract's objects, one per placement. */
 json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data);
 
+/* The table of evaluate: its header, and one row per placement.  `set`: "data", "test". */
+void cli_scores_write_header(FILE *stream);
+void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scores,
+                           const mukca_dataset *data);
+
 /* A tab and the number, empty where it is not finite. */
 void cli_scores_write(FILE *stream, double value);
 
