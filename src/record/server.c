@@ -69,6 +69,8 @@ VERB(start)
     snprintf(s->state.session, sizeof s->state.session, "%s", name);
     s->session_begun = false;
     mukca_status status = begin(s, answer);
+    keep_place(s);
+    if (status == MUKCA_OK) status = mukca_server_save_state(s, answer);
     if (status != MUKCA_OK) { /* resume the old one */
         s->state = before;
         s->session_begun = false;
@@ -89,17 +91,36 @@ VERB(delete)
     return mukca_recorder_undo(&s->recorder, answer);
 }
 
+/* Save a place that was just selected, or select the one `before` again. */
+static mukca_status save_place(mukca_server *s, const mukca_server_state *before,
+                               mukca_error *answer)
+{
+    mukca_error ignored, error;
+    keep_place(s);
+    mukca_status status = mukca_server_save_state(s, &error);
+    if (status == MUKCA_OK) return status;
+    (void)mukca_recorder_select(&s->recorder, before->placement, before->socket, &ignored);
+    return mukca_fail(answer, status, "not changed: %.200s", error.text);
+}
+
 VERB(socket)
 {
-    if (!argument(command, 0)) return mukca_recorder_next_socket(&s->recorder, answer);
-    return mukca_recorder_select(&s->recorder, NULL, argument(command, 0), answer);
+    keep_place(s);
+    const mukca_server_state before = s->state;
+    const char *label = argument(command, 0);
+    mukca_status status = label ? mukca_recorder_select(&s->recorder, NULL, label, answer)
+                                : mukca_recorder_next_socket(&s->recorder, answer);
+    return status ? status : save_place(s, &before, answer);
 }
 
 VERB(placement)
 {
-    if (!argument(command, 0)) return mukca_recorder_next_placement(&s->recorder, answer);
-    return mukca_recorder_select(&s->recorder, argument(command, 0),
-                                 s->recorder.capture.settings.labels[0], answer);
+    keep_place(s);
+    const mukca_server_state before = s->state;
+    const char *name = argument(command, 0), *first = s->recorder.capture.settings.labels[0];
+    mukca_status status = name ? mukca_recorder_select(&s->recorder, name, first, answer)
+                               : mukca_recorder_next_placement(&s->recorder, answer);
+    return status ? status : save_place(s, &before, answer);
 }
 
 VERB(finish)
@@ -107,10 +128,15 @@ VERB(finish)
     (void)command;
     mukca_session *session = &s->recorder.session;
     if (!session->fd) return mukca_fail(answer, MUKCA_NEGATIVE, "no session is being recorded");
-    mukca_fail(answer, MUKCA_OK, "%d samples in %s", session->n_rows, session->path);
-    mukca_session_close(session);
     s->state.finished[0] = '1';
-    return MUKCA_OK;
+    mukca_status status = mukca_server_save_state(s, answer);
+    if (status == MUKCA_OK) {
+        mukca_fail(answer, MUKCA_OK, "%d samples in %s", session->n_rows, session->path);
+        mukca_session_close(session);
+    } else {
+        s->state.finished[0] = '\0';
+    }
+    return status;
 }
 
 static mukca_status start_job(mukca_server *s, bool diagnosis, int64_t id, mukca_error *answer)
@@ -186,10 +212,8 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
     if (!mukca_recorder_may_request(r, packet)) return;
     mukca_status status = obey(s, packet, &command, &line);
     keep_place(s);
-    if (mukca_server_save_state(s, &error) != MUKCA_OK && status == MUKCA_OK) {
-        status = error.status;
-        line = error;
-    }
+    if (mukca_server_save_state(s, &error) != MUKCA_OK) /* it is tried again; samples are safe */
+        mukca_recorder_report(r, "%s", error.text);
     line.status = status;
     if (strcmp(command.verb, "add") != 0) /* which counts for itself */
         mukca_recorder_count_unwritten(r, &line);

@@ -79,7 +79,10 @@ mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error)
         fprintf(output.stream, "%s\t%s\n", fields[i].key,
                 (const char *)&s->state + fields[i].offset);
     status = mukca_output_close(&output, error);
-    if (status == MUKCA_OK) s->saved = s->state;
+    if (status == MUKCA_OK)
+        s->saved = s->state;
+    else
+        memset(&s->saved, 0xff, sizeof s->saved); /* it may be there, or not: write it again */
     return status;
 }
 
