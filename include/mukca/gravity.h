@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* What the joints hold against gravity in one configuration, N m. */
+/* Gravity load of the joints in one configuration, N m. */
 typedef struct {
     double moment[MUKCA_MAX_JOINTS]
                  [3];                /* about each joint's origin, in its frame before it turns */

@@ -31,7 +31,7 @@ void mukca_rotation_exp(double R[9], const double w[3]);
 /* Rotation vector of R, |w| in [0, pi]; accurate near 0 and near pi. */
 void mukca_rotation_log(double w[3], const double R[9]);
 
-/* w = log(A B'): the rotation vector that leads from B to A. */
+/* w = log(A B'): the rotation vector from B to A. */
 void mukca_rotation_difference(double w[3], const double A[9], const double B[9]);
 
 /* Angle of the rotation that takes A to B, rad, in [0, pi]. */
@@ -46,7 +46,7 @@ void mukca_rotation_to_quaternion(double q[4], const double R[9]);
 void mukca_rotation_from_quaternion(double R[9], const double q[4]);
 
 /* The rotation R that makes sum |b - R a|^2 least, from H = sum a b' (Kabsch 1976); points on one
- * line leave R as it is. */
+ * line do not change R. */
 void mukca_rotation_nearest(double R[9], const double H[9]);
 
 /* Two unit vectors e1, e2 with e1 x e2 = axis (unit), chosen without branches that jump near z. */

@@ -24,8 +24,7 @@ typedef struct {
     char text[256];
 } mukca_error;
 
-/* Where a function has something to say that is no error (a warning), it calls this; `text` is one
- * line without a newline.  NULL means silence. */
+/* Receives the warnings of a function, each one line without a newline.  NULL: no warnings. */
 typedef void mukca_note_fn(void *context, const char *text);
 
 /* Fill `error` (may be NULL) with a printf-formatted line (cut at 255 characters) and return

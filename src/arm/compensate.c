@@ -109,7 +109,7 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     return result;
 }
 
-/* Postures strewn evenly over the joints' ranges (Halton's sequence); the first is their middle. */
+/* Postures spread evenly over the joints' ranges (Halton's sequence); the first is their middle. */
 static void start_posture(double *q, int index, const mukca_chain *chain)
 {
     static const int prime[MUKCA_MAX_JOINTS] = {2,  3,  5,  7,  11, 13, 17, 19,

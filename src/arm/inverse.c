@@ -2,8 +2,8 @@
  * space.
  *
  * Each step solves (J J' + mu I) y = e for the task error e (at most 6 numbers) and moves by
- * dq = J' y + (I - J'(J J' + mu I)^-1 J) g, where g leads to the preferred posture.  A joint that
- * would leave its range is put on the limit and taken out of J for that step.  mu falls while the
+ * dq = J' y + (I - J'(J J' + mu I)^-1 J) g, where g points to the preferred posture.  A joint that
+ * would exceed its range is put on the limit and taken out of J for that step.  mu falls while the
  * error falls and rises when a step fails (Levenberg-Marquardt). */
 #include "arm/inverse.h"
 
@@ -17,8 +17,8 @@ enum { TASK = 6, DEFAULT_STEPS = 100 };
 /* Rotation errors count as if on a lever of this length (m), so that metres and radians add up. */
 static const double lever = 0.3;
 
-/* The first half of the steps draws to the posture, where one is given; the task error may rise up
- * to this (m) on that way.  The other half brings the tip home. */
+/* The first half of the steps moves towards the posture, where one is given; the task error may
+ * rise up to this (m) on that way.  The other half brings the tip home. */
 static const double detour = 0.05;
 
 typedef struct {
@@ -90,7 +90,7 @@ static void step(double *dq, const point *at, const bool *fixed, const double *p
         for (int a = 0; a < m; a++) dq[j] += fixed[j] ? 0 : J[a * n + j] * y[a];
         largest = fmax(largest, fabs(dq[j]));
     }
-    /* No joint turns by more than half a radian at once: beyond that J says nothing. */
+    /* No joint turns by more than half a radian at once: beyond that J is no approximation. */
     for (int j = 0; j < n && largest > 0.5; j++) dq[j] *= 0.5 / largest;
 }
 
@@ -100,7 +100,7 @@ static bool within(double q, int joint, const problem *p)
     return q > e->lower && q < e->upper;
 }
 
-/* next = q + dq; joints that would leave their range stop at the limit and are marked in fixed.
+/* next = q + dq; joints that would exceed their range stop at the limit and are marked in fixed.
  * True where one was. */
 static bool advance(double *next, bool *fixed, const double *q, const double *dq, const problem *p)
 {

@@ -32,7 +32,7 @@ typedef struct {
     mukca_acceptance acceptance; /* may it be used? */
 } mukca_offsets;
 
-/* One row as it stands in the table and in JSON. */
+/* One row of the table, or object in JSON. */
 typedef struct {
     const char *joint, *parameter, *unit; /* joint: "-" where an effect has none */
     double nominal, calibrated, offset, sigma;
@@ -56,7 +56,7 @@ int mukca_offsets_rows(mukca_offset_row *rows, const mukca_offsets *offsets,
 void mukca_offsets_place_effects(mukca_effect *effects, const mukca_offsets *offsets,
                                  const mukca_dataset *data);
 
-/* What a table says of its origin. */
+/* Origin of a table. */
 typedef struct {
     const char *name; /* in: what messages call the table */
     bool force;       /* in: take the offsets (not the calibrated values) of another URDF's table */

@@ -6,7 +6,7 @@
 #include "mukca/dataset.h"
 
 /* Copy of `chain` with a fixed element in front (the tracker's frame to the arm's base) and, where
- * the chain does not end in a fixed joint that can take it, one behind (the target on the flange).
+ * the chain does not end in a fixed joint, one behind (the target on the flange).
  * Errors: MUKCA_INPUT (too many elements). */
 mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain, bool base,
                                      bool tool, mukca_error *error);

@@ -55,9 +55,9 @@ static void factorise(double *R, double *block, const mukca_cost *cost)
     }
 }
 
-/* Turning the whole arm turns all residuals and costs nothing: sockets cannot see it, though to
- * first order it changes their residuals.  Where the free parameters can turn the arm, take that
- * out of the factor of the Jacobian, R[n + 3][n + 3]. */
+/* A rotation of the whole arm rotates all residuals and leaves the cost as it is: data of sockets
+ * do not identify it, although the residuals change to first order.  Where the free parameters can
+ * rotate the arm, project that out of the factor of the Jacobian, R[n + 3][n + 3]. */
 static void project_out_turning(double *R, int n)
 {
     const int wide = n + 3;
@@ -125,7 +125,8 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     for (int i = 0; i < o->n_residuals - o->n_pairs + pairs; i++)
         squares += cost->weight[i] > 0 ? cost->r[i] * cost->r[i] : 0;
     factorise(R, s, cost);
-    if (!o->target && !o->fixed_mean) project_out_turning(R, n); /* those do see it */
+    if (!o->target && !o->fixed_mean)
+        project_out_turning(R, n); /* measured poses and fixed means identify it */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
     if (mukca_dense_svd(R, s, V, n, n) != 0)
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");

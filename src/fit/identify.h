@@ -19,12 +19,13 @@ typedef struct {
     unsigned char identifiable[MUKCA_MAX_FREE];
 } mukca_identification;
 
-/* Directions whose effect on the data is below this share of the strongest one count as invisible.
- */
+/* Directions whose effect on the data is below this share of the strongest one are
+ * taken as zero. */
 #define MUKCA_RANK_TOLERANCE 1e-7
 
-/* A parameter is identifiable where invisible motions of the arm, of unit size, change it by less
- * than this: a motion of 10 mm or mrad then leaves it within 10 um or urad. */
+/* A parameter is identifiable where every motion of the arm that the data do not show, of unit
+ * size, changes it by less than this: 10 mm or mrad of such a motion are 10 um or urad of the
+ * parameter. */
 #define MUKCA_HIDDEN_SHARE 1e-3
 
 /* Doubles of `work` for n free parameters. */

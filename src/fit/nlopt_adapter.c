@@ -62,7 +62,7 @@ static double objective(unsigned n_unsigned, const double *y, double *gradient, 
             slope += gradient[i] * gradient[i];
         }
     }
-    if (!isfinite(value) || !isfinite(slope)) { /* NLopt would run on, or hang */
+    if (!isfinite(value) || !isfinite(slope)) { /* NLopt would not stop */
         decide(a, MUKCA_STOP_NOT_FINITE);
         return HUGE_VAL;
     }

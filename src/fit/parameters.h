@@ -1,4 +1,4 @@
-/* Which parameters of the geometry are fitted, and which of them the prior holds near nominal. */
+/* Which parameters of the geometry are fitted, and which of them are regularised. */
 #ifndef MUKCA_FIT_PARAMETERS_H
 #define MUKCA_FIT_PARAMETERS_H
 
@@ -18,7 +18,7 @@ enum {
 typedef struct {
     const char *free;    /* NULL: the default set */
     const char *freeze;  /* NULL: nothing */
-    bool regularise_tip; /* hold the last fixed joint near nominal, too */
+    bool regularise_tip; /* of the last fixed joint, too */
 } mukca_selection;
 
 typedef struct {
@@ -41,7 +41,7 @@ void mukca_parameters_unpack(double *theta, const mukca_parameters *parameters, 
 /* "joint.parameter" of entry `index` of theta. */
 void mukca_parameters_text(char text[MUKCA_PARAMETER_TEXT], const mukca_chain *chain, int index);
 
-/* Element of the last fixed joint before the tip, -1 where the tip hangs on an actuated joint. */
+/* Element of the last fixed joint before the tip, -1 where that joint is actuated. */
 int mukca_chain_tip_element(const mukca_chain *chain);
 
 /* Names of the frames that are fitted for measured poses. */

@@ -14,7 +14,7 @@ typedef struct {
     void *context; /* of both */
 } mukca_solver_options;
 
-/* No fit of ours takes a second; a solver that takes this long does not converge, s. */
+/* Time limit of a solver, s: a fit that converges needs less than a second. */
 #define MUKCA_SOLVER_SECONDS 60.0
 
 /* Why it stopped is a result, not an error. */

@@ -20,11 +20,11 @@ typedef struct {
     double *sine, *cosine;                   /* [n_joints][padded]; prismatic: sine holds q */
     double R[MUKCA_MAX_ELEMENTS][9], p[MUKCA_MAX_ELEMENTS][3]; /* aligned origins in use */
     double *x;                                                 /* [3][padded] predicted tip */
-    double *w; /* [n_elements][3][padded] tip as seen after the origin of each element */
+    double *w; /* [n_elements][3][padded] tip in the frame behind the origin of each element */
     double *Q; /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
 } mukca_sweep;
 
-/* Hand out the arrays for `rows` samples. */
+/* Carve the arrays for `rows` samples. */
 void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows);
 
 /* Joint angles q[n_rows][n_joints]. */
@@ -46,8 +46,8 @@ typedef struct {
     double sum[MUKCA_MAX_ELEMENTS][3], outer[MUKCA_MAX_ELEMENTS][9];
 } mukca_adjoint;
 
-/* Take the adjoint h[3][padded] of the predictions from base to tip (destroyed; zero in padding).
- */
+/* Propagate the adjoint h[3][padded] of the predictions from base to tip (destroyed; zero in the
+ * padding). */
 void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep);
 
 /* dR[3][9]: derivatives of an element's rotation by roll, pitch, yaw: analytic, or by central

@@ -49,8 +49,8 @@ MUKCA_INLINE void reflect(double *t, double *A, const reflection *h, int columns
     for (; c < columns; c++) reflect_one(t + c, A + c, h);
 }
 
-/* Bring (alpha; x) to a largest entry of 1; returns what it was.  For columns whose squares would
- * underflow or overflow: there a reflector is no reflection any more. */
+/* Scale (alpha; x) to a largest entry of 1; returns the former one, 0 where that is zero or not
+ * finite.  For columns whose squares would underflow or overflow. */
 static double normalise(double *alpha, double *x, int ldx, int m)
 {
     double largest = fabs(*alpha);

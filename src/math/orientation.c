@@ -34,7 +34,7 @@ void mukca_rotation_to_rpy(double rpy[3], const double R[9], const double near[3
         }
         return;
     }
-    /* Gimbal lock: only yaw - roll (pitch +90) or yaw + roll (pitch -90) is seen. */
+    /* Gimbal lock: only yaw - roll (pitch +90) or yaw + roll (pitch -90) is defined. */
     const double sum = atan2(-R[1], R[4]); /* yaw of the rotation with roll = 0 */
     rpy[0] = near ? near[0] : 0;
     rpy[2] = R[6] < 0 ? sum + rpy[0] : sum - rpy[0];

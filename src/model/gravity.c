@@ -34,7 +34,7 @@ void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
     }
     if (n > 0) kg[n - 1] += payload_kg;
 
-    /* Mass and first moment of all that hangs on each joint, inwards. */
+    /* Mass and first moment of all that each joint carries, inwards. */
     double total = 0, carried[3] = {0, 0, 0}; /* of element k + 1, in the child frame of k */
     for (int k = n - 1; k >= 0; k--) {
         const double *axis = geometry->axis[k], *p = geometry->origin[k].p;

@@ -1,5 +1,4 @@
-/* A look at the first rows of a pose log: units, quaternion order, and whose frame the poses are.
- */
+/* Checks of the first rows of a pose log: units, quaternion order, and the link of the poses. */
 #ifndef MUKCA_RECALIBRATE_CHECK_H
 #define MUKCA_RECALIBRATE_CHECK_H
 

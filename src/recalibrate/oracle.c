@@ -13,7 +13,7 @@ static double without(double nominal, double left)
 
 void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r)
 {
-    static const double dust = 1e-6; /* m, rad: rounding of numbers in files */
+    static const double rounding = 1e-6; /* m, rad: of numbers in files */
     const mukca_pose_errors *before = &r->errors[MUKCA_BEFORE],
                             *after = &r->errors[MUKCA_WITH_BOTH];
     *oracle =
@@ -23,8 +23,8 @@ void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r
                        .rotation_left = mukca_histogram_median(&after->rotation_histogram)};
     oracle->position_systematic = without(oracle->position_nominal, oracle->position_left);
     oracle->rotation_systematic = without(oracle->rotation_nominal, oracle->rotation_left);
-    oracle->calibrated = oracle->position_systematic > fmax(oracle->position_left, dust) ||
-                         oracle->rotation_systematic > fmax(oracle->rotation_left, dust);
+    oracle->calibrated = oracle->position_systematic > fmax(oracle->position_left, rounding) ||
+                         oracle->rotation_systematic > fmax(oracle->rotation_left, rounding);
 }
 
 enum { MAX_CANDIDATES = MUKCA_MAX_UNKNOWNS + MUKCA_MAX_JOINTS };
@@ -189,7 +189,7 @@ static void solve_chosen(mukca_constants *out, const int *chosen, const search *
     }
 }
 
-/* What the chosen constants alone leave. */
+/* Errors with the chosen constants alone. */
 static mukca_status measure(mukca_constants *out, const int *chosen, search *s,
                             const mukca_recalibrate_task *task, mukca_error *error)
 {

@@ -194,7 +194,7 @@ static mukca_status converge(session *s, mukca_pose_system *system, mukca_pose_s
         if (status != MUKCA_OK) return status;
         if (i == 0) s->out->errors[MUKCA_BEFORE] = s->errors;
         if (s->model.lag != 0 && without.lag == 0 && lag_median(s, system) > lag_gain * median) {
-            s->model = without; /* take the lag back, and once more */
+            s->model = without; /* without the lag, and once more */
             s->lag_denied = true;
             continue;
         }

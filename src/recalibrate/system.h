@@ -10,7 +10,7 @@ enum { MUKCA_SYSTEM_WIDTH = 2 * MUKCA_MAX_UNKNOWNS + 1, MUKCA_SYSTEM_BLOCK = 48 
 typedef struct {
     int n;                     /* unknowns; a lag is the last one */
     int carried;               /* more that another system determines: unknown[n ..] */
-    bool positions, rotations; /* which rows of a pose it takes */
+    bool positions, rotations; /* which equations of a pose it uses */
     double metres_per_radian;  /* weight of rotation rows against position rows; 0: 1 */
     mukca_unknown unknown[MUKCA_SYSTEM_WIDTH];
     double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps taken so far */
@@ -42,7 +42,7 @@ void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *loo
 /* Bring R, rss up to date with all rows. */
 void mukca_pose_system_flush(mukca_pose_system *system);
 
-/* Unknowns that the system carries take these steps: its right-hand side follows. */
+/* Move the carried unknowns by these steps: the right-hand side changes accordingly. */
 void mukca_pose_system_move_carried(mukca_pose_system *system, const double *steps);
 
 /* Solve for the first `n` unknowns; the others stay 0.  An unknown with a standard error
