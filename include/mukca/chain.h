@@ -77,6 +77,9 @@ extern const char *const mukca_parameter_name[MUKCA_PARAMETERS];
 /* Names of the types: fixed, revolute, continuous, prismatic. */
 extern const char *const mukca_joint_type_name[4];
 
+/* Name of an actuated joint; NULL for -1. */
+const char *mukca_chain_joint_name(const mukca_chain *chain, int joint);
+
 /* Index of the actuated joint (element) with that name, -1 where there is none. */
 int mukca_chain_find_joint(const mukca_chain *chain, const char *name);
 int mukca_chain_find_element(const mukca_chain *chain, const char *name);

@@ -43,9 +43,7 @@ int mukca_offsets_rows(mukca_offset_row *rows, const mukca_offsets *offsets,
         for (int t = 0; t < effect->terms; t++) {
             mukca_offset_row *row = &rows[n++];
             *row = (mukca_offset_row){
-                .joint = effect->joint < 0
-                             ? "-"
-                             : chain->element[chain->joint_element[effect->joint]].name,
+                .joint = effect->joint < 0 ? "-" : mukca_chain_joint_name(chain, effect->joint),
                 .parameter = info->name,
                 .unit = info->unit,
                 .nominal = 0,

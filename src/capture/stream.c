@@ -79,74 +79,76 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
 
 /* ---- samples ---- */
 
-static const char *joint_name(const mukca_capture *capture, int joint)
+/* Readings in the window that ends with the last one; *empty is the longest time without any. */
+static int count_window(double *empty, const mukca_capture *capture)
 {
-    return capture->chain->element[capture->chain->joint_element[joint]].name;
+    const double window = capture->settings.window, end = stored_time(capture, 0);
+    int n = 1; /* half open, and clear of rounding: times are of whole microseconds */
+    *empty = 0;
+    while (n < capture->count && stored_time(capture, n) > end - window + 1e-6) {
+        *empty = fmax(*empty, stored_time(capture, n - 1) - stored_time(capture, n));
+        n++;
+    }
+    return n;
+}
+
+/* Mean and spread of joint j over the last sample->n readings; returns its range. */
+static double take_joint(mukca_capture_sample *sample, const mukca_capture *capture, int j)
+{
+    const double first = stored(capture, 0, 0)[j];
+    double low = first, high = first, sum = 0, squares = 0, effort = 0, command = 0;
+    for (int i = 0; i < sample->n; i++) {
+        const double q = stored(capture, i, 0)[j], d = q - first;
+        low = fmin(low, q);
+        high = fmax(high, q);
+        sum += d;
+        squares += d * d;
+        effort += stored(capture, i, 1)[j];
+        command += stored(capture, i, 2)[j];
+    }
+    const double mean = sum / sample->n;
+    const double variance = (squares - sample->n * mean * mean) / (sample->n - 1);
+    sample->q[j] = first + mean;
+    sample->spread[j] = variance > 0 ? sqrt(variance) : 0;
+    sample->effort[j] = effort / sample->n;
+    sample->command[j] = command / sample->n;
+    return high - low;
 }
 
 mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_capture *capture,
                                 double age, mukca_error *error)
 {
     const mukca_capture_settings *s = &capture->settings;
-    const int n_joints = capture->chain->n_joints;
-    double most = s->window > 0.3 ? s->window : 0.3;
+    const mukca_chain *chain = capture->chain;
     if (!capture->count) return mukca_fail(error, MUKCA_NEGATIVE, "no joint state has come yet");
-    if (age > most)
+    if (age > fmax(s->window, 0.3))
         return mukca_fail(error, MUKCA_NEGATIVE, "the last joint state is %.1f s old", age);
     if (capture->jumps >= 4)
         return mukca_fail(error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
-    double end = stored_time(capture, 0), pause = 0;
-    int n = 1; /* half open, and clear of rounding: times are of whole microseconds */
-    while (n < capture->count && stored_time(capture, n) > end - s->window + 1e-6) {
-        double step = stored_time(capture, n - 1) - stored_time(capture, n);
-        if (step > pause) pause = step;
-        n++;
-    }
+    double pause, widest = 0;
+    const int n = count_window(&pause, capture);
     /* Slow streams fill their window with few readings, so its first one may lie a period inside.
      */
-    double covered = end - stored_time(capture, n - 1);
+    const double end = stored_time(capture, 0), covered = end - stored_time(capture, n - 1);
     if (n < MIN_READINGS || covered < 0.6 * s->window || pause > 0.5 * s->window)
         return mukca_fail(
             error, MUKCA_NEGATIVE,
             "only %d joint states in the last %g s, %.2g s of it without: hold still a "
             "little longer, or use a longer --window",
-            n, s->window, s->window - covered > pause ? s->window - covered : pause);
+            n, s->window, fmax(s->window - covered, pause));
     memset(sample, 0, sizeof *sample);
     sample->time = end;
     sample->n = n;
     int worst = 0;
-    double worst_range = 0;
-    for (int j = 0; j < n_joints; j++) {
-        double first = stored(capture, 0, 0)[j], low = first, high = first;
-        double sum = 0, squares = 0, effort = 0, command = 0;
-        for (int i = 0; i < n; i++) {
-            double q = stored(capture, i, 0)[j], d = q - first;
-            low = fmin(low, q);
-            high = fmax(high, q);
-            sum += d;
-            squares += d * d;
-            effort += stored(capture, i, 1)[j];
-            command += stored(capture, i, 2)[j];
-        }
-        double mean = sum / n, variance = (squares - n * mean * mean) / (n - 1);
-        sample->q[j] = first + mean;
-        sample->spread[j] = variance > 0 ? sqrt(variance) : 0;
-        sample->effort[j] = effort / n;
-        sample->command[j] = command / n;
-        if (high - low > worst_range) {
-            worst_range = high - low;
-            worst = j;
-        }
+    for (int j = 0; j < chain->n_joints; j++) {
+        const double range = take_joint(sample, capture, j);
+        if (range > widest) widest = range, worst = j;
     }
-    if (!(worst_range <= s->range))
-        return mukca_fail(
-            error, MUKCA_NEGATIVE,
-            "the arm moves: %s by %.2g m%s in %g s (%.2g allowed): hold still and "
-            "trigger again",
-            joint_name(capture, worst), 1e3 * worst_range,
-            capture->chain->element[capture->chain->joint_element[worst]].type == MUKCA_PRISMATIC
-                ? "m"
-                : "rad",
-            s->window, 1e3 * s->range);
-    return MUKCA_OK;
+    if (widest <= s->range) return MUKCA_OK;
+    return mukca_fail(
+        error, MUKCA_NEGATIVE,
+        "the arm moves: %s by %.2g m%s in %g s (%.2g allowed): hold still and trigger again",
+        mukca_chain_joint_name(chain, worst), 1e3 * widest,
+        chain->element[chain->joint_element[worst]].type == MUKCA_PRISMATIC ? "m" : "rad",
+        s->window, 1e3 * s->range);
 }

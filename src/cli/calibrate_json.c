@@ -3,12 +3,10 @@
 
 #include "cli/calibrate.h"
 
-static json_t *cost_json(const mukca_cost_value *value)
+static json_t *cost_json(const mukca_cost_value *v)
 {
-    return json_pack("{s:o, s:o, s:o, s:o}", "total", cli_json_real(value->total), "inconsistency",
-                     cli_json_real(value->inconsistency), "distortion",
-                     cli_json_real(value->distortion), "regularisation",
-                     cli_json_real(value->regularisation));
+    return cli_json_numbers("total", v->total, "inconsistency", v->inconsistency, "distortion",
+                            v->distortion, "regularisation", v->regularisation, NULL);
 }
 
 static json_t *null_space_json(const mukca_fit *fit)

@@ -2,8 +2,9 @@
 #include "cli/calibrate.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
+
+#include "base/text.h"
 
 /* A nominal model that is this far off, m, has wrong units or columns: arms are built to 10 mm. */
 static const double far_off = 0.1;
@@ -23,31 +24,16 @@ static int terms_of(const mukca_fit *fit, int direction)
     return terms;
 }
 
-typedef struct {
-    char text[8192]; /* what does not fit is cut */
-    size_t used;
-} list;
-
-static void __attribute__((format(printf, 2, 3))) add(list *l, const char *format, ...)
-{
-    const size_t room = sizeof l->text - l->used;
-    va_list args;
-    va_start(args, format);
-    const int length = vsnprintf(l->text + l->used, room, format, args);
-    va_end(args);
-    l->used += (size_t)length < room ? (size_t)length : room - 1;
-}
-
-static void print_list(cli_call *call, const char *title, const list *l)
+static void print_list(cli_call *call, const char *title, const mukca_text *l)
 {
     FILE *stream = cli_answer_stream(call);
     if (!stream || l->used == 0) return;
     fprintf(stream, "  %s:\n    ", title);
-    cli_print_words(stream, 4, 4, l->text, l->used);
+    cli_print_words(stream, 4, 4, l->at, l->used);
 }
 
 /* Parameters that are alone in their direction, by joint: "panda_joint1 (x y z roll)". */
-static void list_alone(list *l, const mukca_fit *fit)
+static void list_alone(mukca_text *l, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, hidden = n - fit->identification.rank;
     int last = -1;
@@ -59,38 +45,40 @@ static void list_alone(list *l, const mukca_fit *fit)
             alone |= terms_of(fit, r) == 1 && fabs(fit->null_space[r * n + i]) > worth;
         if (!alone) continue;
         if (k != last)
-            add(l, "%s%s (%s", last < 0 ? "" : ") ", fit->chain.element[k].name, parameter);
+            mukca_text_put(l, "%s%s (%s", last < 0 ? "" : ") ", fit->chain.element[k].name,
+                           parameter);
         else
-            add(l, " %s", parameter);
+            mukca_text_put(l, " %s", parameter);
         last = k;
     }
-    if (last >= 0) add(l, ")");
+    if (last >= 0) mukca_text_put(l, ")");
 }
 
 /* "panda_joint2.y~panda_joint3.z": only a combination of them is identifiable.  Each once: several
  * directions may begin alike. */
-static void list_together(list *l, const mukca_fit *fit)
+static void list_together(mukca_text *l, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, hidden = n - fit->identification.rank;
     for (int r = 0; r < hidden; r++) {
-        char word[4 * MUKCA_PARAMETER_TEXT], name[MUKCA_PARAMETER_TEXT];
-        int terms = 0, used = 0;
+        char words[4 * MUKCA_PARAMETER_TEXT] = "", name[MUKCA_PARAMETER_TEXT];
+        mukca_text word = MUKCA_TEXT(words);
+        int terms = 0;
         if (terms_of(fit, r) < 2) continue;
         for (int i = 0; i < n && terms < 3; i++) {
             if (fabs(fit->null_space[r * n + i]) <= worth) continue;
             mukca_parameters_text(name, &fit->chain, fit->parameters.index[i]);
-            used +=
-                snprintf(word + used, sizeof word - (size_t)used, terms++ ? "~%s" : " %s", name);
+            mukca_text_put(&word, terms++ ? "~%s" : " %s", name);
         }
-        snprintf(word + used, sizeof word - (size_t)used, terms_of(fit, r) > 3 ? "~... " : " ");
-        if (!strstr(l->text, word)) add(l, "%s", word);
+        mukca_text_put(&word, terms_of(fit, r) > 3 ? "~... " : " ");
+        if (!strstr(l->at, words)) mukca_text_put(l, "%s", words);
     }
 }
 
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
-    list alone = {.used = 0}, together = {.used = 0};
+    char text[2][8192] = {"", ""}; /* what does not fit is cut off */
+    mukca_text alone = MUKCA_TEXT(text[0]), together = MUKCA_TEXT(text[1]);
     cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.", rank, n,
                        rank < n ? "; the others stay near nominal by regularisation" : "");
     list_alone(&alone, fit);

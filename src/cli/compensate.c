@@ -42,7 +42,7 @@ static void print_header(FILE *stream, const mukca_chain *chain, bool timed)
 {
     if (timed) fputs("time_s\t", stream);
     for (int j = 0; j < chain->n_joints; j++)
-        fprintf(stream, "%s\t", chain->element[chain->joint_element[j]].name);
+        fprintf(stream, "%s\t", mukca_chain_joint_name(chain, j));
     fputs("error_before_m\terror_m\terror_rad\tstatus\n", stream);
 }
 
@@ -164,11 +164,12 @@ static json_t *as_json(const cli_call *call, const tally *t)
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
-    return json_pack("{s:s, s:I, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o}", "schema",
-                     "mukca.compensate/1", "rows", (json_int_t)t->rows, "before", "mean_m",
-                     cli_json_real(t->before.mean), "max_m", cli_json_real(t->before.max), "after",
-                     "mean_m", cli_json_real(t->after.mean), "max_m", cli_json_real(t->after.max),
-                     "status", counts, "elapsed_s", cli_json_real(cli_elapsed(call)));
+    return json_pack("{s:s, s:I, s:o, s:o, s:o, s:f}", "schema", "mukca.compensate/1", "rows",
+                     (json_int_t)t->rows, "before",
+                     cli_json_numbers("mean_m", t->before.mean, "max_m", t->before.max, NULL),
+                     "after",
+                     cli_json_numbers("mean_m", t->after.mean, "max_m", t->after.max, NULL),
+                     "status", counts, "elapsed_s", cli_elapsed(call));
 }
 
 static mukca_status run(cli_call *call)

@@ -5,7 +5,7 @@
 
 static json_t *joint_name(const mukca_chain *chain, int joint)
 {
-    return joint < 0 ? json_null() : json_string(chain->element[chain->joint_element[joint]].name);
+    return cli_json_text(mukca_chain_joint_name(chain, joint));
 }
 
 static json_t *placement_name(const mukca_dataset *data, int placement)
@@ -136,11 +136,32 @@ static json_t *streams_object(const mukca_streams *s, const mukca_diagnosed *r)
                      cli_json_real(s->sigma_command_m), "joints", joints);
 }
 
+static json_t *gap_object(const mukca_diagnosis *d)
+{
+    json_t *gap = cli_json_numbers("nominal_m", d->nominal_m, "geometry_m", d->geometry_m,
+                                   "faults_excused_m", d->faults_excused_m, "explained_m",
+                                   d->explained_m, "with_unknown_m", d->structure_m, "surprise",
+                                   d->surprise, "noise_floor_m", d->noise_floor_m, NULL);
+    json_object_set_new(gap, "folds", json_integer(d->folds));
+    json_object_set_new(gap, "held_out", shrink_object(&d->held_out));
+    json_object_set_new(gap, "noise_shrink_percent", cli_json_real(d->noise_shrink_percent));
+    return gap;
+}
+
+static json_t *test_object(const mukca_diagnosis *d, const mukca_dataset *test)
+{
+    json_t *object = cli_json_numbers("nominal_m", d->test_nominal_m, "geometry_m",
+                                      d->test_geometry_m, "explained_m", d->test_explained_m, NULL);
+    json_object_set_new(object, "placements",
+                        placements_array(d->test_placement_mae_m, d->n_test_placements, test));
+    return object;
+}
+
 json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_chain *chain = r->chain;
-    const mukca_dataset *data = r->data, *test = r->test;
+    const mukca_dataset *data = r->data;
     json_t *causes = json_array(), *suspected = json_array(), *faults = json_array(),
            *tested = json_array(), *joints = json_array();
     char words[MUKCA_WORDING];
@@ -173,31 +194,16 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_t *root = json_pack("{s:s, s:s, s:b, s:o, s:o}", "schema", "mukca.diagnose/1", "verdict",
                              mukca_verdict_name[d->verdict], "unexplained", d->unexplained,
                              "causes", causes, "data_faults", faults);
-    json_object_set_new(
-        root, "gap",
-        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:o, s:o}", "nominal_m",
-                  cli_json_real(d->nominal_m), "geometry_m", cli_json_real(d->geometry_m),
-                  "faults_excused_m", cli_json_real(d->faults_excused_m), "explained_m",
-                  cli_json_real(d->explained_m), "with_unknown_m", cli_json_real(d->structure_m),
-                  "surprise", cli_json_real(d->surprise), "noise_floor_m",
-                  cli_json_real(d->noise_floor_m), "folds", d->folds, "held_out",
-                  shrink_object(&d->held_out), "noise_shrink_percent",
-                  cli_json_real(d->noise_shrink_percent)));
-    json_object_set_new(
-        root, "test",
-        test ? json_pack("{s:o, s:o, s:o, s:o}", "nominal_m", cli_json_real(d->test_nominal_m),
-                         "geometry_m", cli_json_real(d->test_geometry_m), "explained_m",
-                         cli_json_real(d->test_explained_m), "placements",
-                         placements_array(d->test_placement_mae_m, d->n_test_placements, test))
-             : json_null());
+    json_object_set_new(root, "gap", gap_object(d));
+    json_object_set_new(root, "test", r->test ? test_object(d, r->test) : json_null());
     json_object_set_new(root, "where",
                         json_pack("{s:o, s:o, s:o}", "joints", joints, "placements",
                                   placements_array(d->placement_mae_m, data->n_placements, data),
                                   "axes", cli_json_reals(d->axis_rms_m, 3)));
     json_object_set_new(root, "tested", tested);
-    json_object_set_new(root, "noise",
-                        json_pack("{s:o, s:o}", "sigma_m", cli_json_real(d->sigma_m),
-                                  "lag_one_correlation", cli_json_real(d->rho)));
+    json_object_set_new(
+        root, "noise",
+        cli_json_numbers("sigma_m", d->sigma_m, "lag_one_correlation", d->rho, NULL));
     json_t *names = json_array();
     for (int j = 0; j < chain->n_joints; j++) json_array_append_new(names, joint_name(chain, j));
     json_object_set_new(root, "joints", names);

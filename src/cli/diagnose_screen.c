@@ -284,7 +284,8 @@ static void print_reason(FILE *stream, const mukca_diagnosed *r, const mukca_tes
                 mukca_text_put(&text, "%s%s", n++ ? ", " : "", mukca_effect_table[k]->name);
     for (int j = 0, at = 0; j < r->chain->n_joints; j++)
         if (joint[j])
-            mukca_text_put(&text, "%s%s", at++ ? ", " : " at ", mukca_wording_joint(r->chain, j));
+            mukca_text_put(&text, "%s%s", at++ ? ", " : " at ",
+                           mukca_chain_joint_name(r->chain, j));
     mukca_text_put(&text, " (%s)", of->why);
     flush(stream, NULL, &text);
 }
@@ -312,7 +313,7 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
         if (!(limit < useless_limit)) continue;
         mukca_text_put(&text, "%s %s %.2f%s",
                        n++ ? "," : "Detection limits, mrad rms (median over effects):",
-                       mukca_wording_joint(r->chain, j), 1e3 * limit,
+                       mukca_chain_joint_name(r->chain, j), 1e3 * limit,
                        mukca_wording_slides(r->chain, j) ? " mm" : "");
     }
     flush(stream, NULL, &text);
@@ -347,11 +348,11 @@ static void print_streams(FILE *stream, const mukca_diagnosed *r)
     if (s->n_joints == 0 || !(s->joint[largest].rms > 0)) return;
     mukca_text_put(&text, "%s fitted; reading minus command: at most %.3g mrad rms (%s)",
                    r->data->by_command ? "commands" : "readings", 1e3 * s->joint[largest].rms,
-                   mukca_wording_joint(r->chain, largest));
+                   mukca_chain_joint_name(r->chain, largest));
     for (int j = 0; j < s->n_joints; j++)
         if (s->joint[j].log_bayes_factor > MUKCA_SAG_EVIDENT && s->joint[j].sag > 0)
             mukca_text_put(&text, "%s %s %.3g urad/(N·m) [%.3g, %.3g]", n++ ? "," : "; servo sag",
-                           mukca_wording_joint(r->chain, j), 1e6 * s->joint[j].sag,
+                           mukca_chain_joint_name(r->chain, j), 1e6 * s->joint[j].sag,
                            1e6 * s->joint[j].low, 1e6 * s->joint[j].high);
     if (isfinite(s->sigma_command_m))
         mukca_text_put(&text, "; geometry leaves %.3g mm with readings, %.3g with commands",

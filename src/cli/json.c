@@ -2,6 +2,7 @@
 #include "cli/cli.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,6 +39,20 @@ json_t *cli_json_reals(const double *values, int n)
     json_t *array = json_array();
     for (int i = 0; i < n; i++) json_array_append_new(array, cli_json_real(values[i]));
     return array;
+}
+
+json_t *cli_json_numbers(const char *key, double value, ...)
+{
+    json_t *object = json_object();
+    va_list rest;
+    va_start(rest, value);
+    while (key) {
+        json_object_set_new(object, key, cli_json_real(value));
+        key = va_arg(rest, const char *);
+        if (key) value = va_arg(rest, double);
+    }
+    va_end(rest);
+    return object;
 }
 
 json_t *cli_json_text(const char *text)

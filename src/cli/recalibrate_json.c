@@ -60,11 +60,9 @@ static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
         if (s != MUKCA_BEFORE)
             json_object_set_new(
                 percent, stage_key[s],
-                json_pack(
-                    "{s:o, s:o}", "max",
-                    cli_json_real(cli_removed_percent(e[0].position.max, e[s].position.max)),
-                    "mean",
-                    cli_json_real(cli_removed_percent(e[0].position.mean, e[s].position.mean))));
+                cli_json_numbers(
+                    "max", cli_removed_percent(e[0].position.max, e[s].position.max), "mean",
+                    cli_removed_percent(e[0].position.mean, e[s].position.mean), NULL));
         if (e[s].rotation.n == 0) continue;
         object = moments_json(&e[s].rotation, "rad");
         json_object_set_new(object, "median_rad",
@@ -169,16 +167,13 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                   (int)f->lag_found, "value", cli_json_real(f->lag), "unit",
                   f->in_rows ? "row" : "s", "standard_errors", cli_json_real(f->lag_score));
     if (!root) return NULL;
-    json_object_set_new(
-        root, "oracle",
-        json_pack("{s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "huber_weights",
-                  (int)(r->robust != r->fit), "tail", cli_json_real(f->tail), "position_nominal_m",
-                  cli_json_real(o->position_nominal), "position_left_m",
-                  cli_json_real(o->position_left), "position_systematic_m",
-                  cli_json_real(o->position_systematic), "rotation_nominal_rad",
-                  cli_json_real(o->rotation_nominal), "rotation_left_rad",
-                  cli_json_real(o->rotation_left), "rotation_systematic_rad",
-                  cli_json_real(o->rotation_systematic)));
+    json_t *oracle = cli_json_numbers("tail", f->tail, "position_nominal_m", o->position_nominal,
+                                      "position_left_m", o->position_left, "position_systematic_m",
+                                      o->position_systematic, "rotation_nominal_rad",
+                                      o->rotation_nominal, "rotation_left_rad", o->rotation_left,
+                                      "rotation_systematic_rad", o->rotation_systematic, NULL);
+    json_object_set_new(oracle, "huber_weights", json_boolean(r->robust != r->fit));
+    json_object_set_new(root, "oracle", oracle);
     json_object_set_new(root, "constants", constants_json(r));
     json_object_set_new(root, "models", models);
     json_object_set_new(root, "parameters", cli_json_offsets(offsets, chain));

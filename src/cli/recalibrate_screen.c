@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "cli/recalibrate.h"
 
 static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets", "both"};
@@ -74,8 +75,8 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
 static void print_findings(cli_call *call, const cli_recalibrated *r)
 {
     const mukca_recalibration *f = &r->fit[0];
-    char text[MUKCA_UNKNOWN_TEXT], line[800];
-    int used;
+    char text[MUKCA_UNKNOWN_TEXT], words[800] = "";
+    mukca_text line = MUKCA_TEXT(words);
     cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
     if (r->oracle.calibrated)
         cli_answer_keyed(call, "Result",
@@ -88,7 +89,7 @@ static void print_findings(cli_call *call, const cli_recalibrated *r)
                                "joint '%s' never moved: its zero offset is not identifiable; it is "
                                "indistinguishable "
                                "from the links before and after it",
-                               r->arm.element[r->arm.joint_element[j]].name);
+                               mukca_chain_joint_name(&r->arm, j));
     if (f->lag_found)
         cli_answer_wrapped(call,
                            "Lag: the joint angles are %.4g %s older than the poses (%.0f standard "
@@ -96,16 +97,15 @@ static void print_findings(cli_call *call, const cli_recalibrated *r)
                            f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms",
                            f->lag_score);
     if (!r->oracle.calibrated || r->constants.n == 0) return;
-    used = snprintf(line, sizeof line, "Constants: %d explain%s the difference:", r->constants.n,
-                    r->constants.n > 1 ? "" : "s");
-    for (int c = 0; c < r->constants.n && used < (int)sizeof line; c++) {
+    mukca_text_put(&line, "Constants: %d explain%s the difference:", r->constants.n,
+                   r->constants.n > 1 ? "" : "s");
+    for (int c = 0; c < r->constants.n; c++) {
         cli_constant_text(text, &r->constants, c, &r->arm);
-        used += snprintf(line + used, sizeof line - (size_t)used, "%s %s %+.4f +- %.4f %s",
-                         c > 0 ? "," : "", text, 1e3 * r->constants.value[c],
-                         1e3 * r->constants.sigma[c],
-                         mukca_unknown_is_angle(r->constants.unknown[c].kind) ? "mrad" : "mm");
+        mukca_text_put(&line, "%s %s %+.4f +- %.4f %s", c > 0 ? "," : "", text,
+                       1e3 * r->constants.value[c], 1e3 * r->constants.sigma[c],
+                       mukca_unknown_is_angle(r->constants.unknown[c].kind) ? "mrad" : "mm");
     }
-    cli_answer_wrapped(call, "%s; with these alone %.4f mm (median), %.4f mm (mean) remain", line,
+    cli_answer_wrapped(call, "%s; with these alone %.4f mm (median), %.4f mm (mean) remain", words,
                        1e3 * mukca_histogram_median(&r->constants.errors.position_histogram),
                        1e3 * r->constants.errors.position.mean);
 }

@@ -3,11 +3,6 @@
 
 #include "cli/simulate.h"
 
-static const char *joint_name(const mukca_chain *chain, int joint)
-{
-    return joint < 0 ? NULL : chain->element[chain->joint_element[joint]].name;
-}
-
 static double size_of(const double *v, int n)
 {
     double sum = 0;
@@ -38,7 +33,7 @@ static json_t *effect_json(const mukca_effect *effect, const cli_simulation *s)
     return json_pack(
         "{s:s, s:o, s:o, s:o, s:s, s:f, s:s, s:o}", "effect",
         mukca_effect_table[effect->kind]->name, "joint",
-        cli_json_text(joint_name(&s->model.chain, effect->joint)), "placement",
+        cli_json_text(mukca_chain_joint_name(&s->model.chain, effect->joint)), "placement",
         cli_json_text(effect->placement < 0 ? NULL : s->places[effect->placement].name), "order",
         effect->variant.order ? json_integer(effect->variant.order) : json_null(), "variant",
         variant, "amplitude", size_of(effect->coefficient, effect->terms), "unit",

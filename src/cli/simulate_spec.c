@@ -97,7 +97,7 @@ static mukca_status find_joint(int *joint, const cli_simulated *s, const piece *
     *joint = mukca_chain_find_joint(s->chain, name);
     if (*joint >= 0) return MUKCA_OK;
     for (int j = 0; j < s->chain->n_joints; j++) {
-        const char *candidate = s->chain->element[s->chain->joint_element[j]].name;
+        const char *candidate = mukca_chain_joint_name(s->chain, j);
         if (mukca_suggest_better(&best, name, candidate) || !meant) meant = candidate;
     }
     return mukca_fail(error, MUKCA_USAGE,

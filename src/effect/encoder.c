@@ -71,7 +71,7 @@ static void describe_coupling(char *text, size_t size, const mukca_effect *effec
                               const mukca_chain *chain)
 {
     const int other = effect->joint + effect->variant.neighbour;
-    snprintf(text, size, " (driven by %s)", chain->element[chain->joint_element[other]].name);
+    snprintf(text, size, " (driven by %s)", mukca_chain_joint_name(chain, other));
 }
 
 const mukca_effect_ops mukca_joint_coupling_effect = {

@@ -16,8 +16,7 @@ static void write_names(FILE *stream, const block *b, const mukca_chain *chain, 
 {
     if (!b->names)
         for (int j = 0; j < b->width; j++)
-            fprintf(stream, "%c%s%s", separator, chain->element[chain->joint_element[j]].name,
-                    b->suffix);
+            fprintf(stream, "%c%s%s", separator, mukca_chain_joint_name(chain, j), b->suffix);
     else
         for (const char *c = b->names; *c; c++) fputc(*c == '|' ? separator : *c, stream);
 }

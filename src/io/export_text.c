@@ -85,6 +85,5 @@ void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_inp
 
 const char *mukca_export_joint(const mukca_export_input *input, const mukca_effect *effect)
 {
-    if (effect->joint < 0) return NULL;
-    return input->chain->element[input->chain->joint_element[effect->joint]].name;
+    return mukca_chain_joint_name(input->chain, effect->joint);
 }

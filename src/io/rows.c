@@ -107,7 +107,7 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
     c->temperature = find(&h, "temperature_c", "");
     c->payload = find(&h, "payload_kg", "");
     for (int j = 0; j < rows->chain->n_joints; j++) {
-        const char *name = rows->chain->element[rows->chain->joint_element[j]].name;
+        const char *name = mukca_chain_joint_name(rows->chain, j);
         c->joint[j] = find(&h, name, "");
         c->effort[j] = find(&h, name, ".effort");
         c->command[j] = find(&h, name, ".command");

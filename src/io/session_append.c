@@ -161,8 +161,7 @@ static void format_columns(line *l, const mukca_session *session, const mukca_se
     append(l, "placement%csocket%ctime_s", s, s);
     for (int g = 0; g < 4; g++)
         for (int j = 0; groups[g].there && j < session->n_joints; j++)
-            append(l, "%c%s%s", s, head->chain->element[head->chain->joint_element[j]].name,
-                   groups[g].suffix);
+            append(l, "%c%s%s", s, mukca_chain_joint_name(head->chain, j), groups[g].suffix);
     append(l, "\n");
 }
 

@@ -14,6 +14,11 @@ int mukca_chain_find_element(const mukca_chain *chain, const char *name)
     return -1;
 }
 
+const char *mukca_chain_joint_name(const mukca_chain *chain, int joint)
+{
+    return joint < 0 ? NULL : chain->element[chain->joint_element[joint]].name;
+}
+
 int mukca_chain_find_joint(const mukca_chain *chain, const char *name)
 {
     const int k = mukca_chain_find_element(chain, name);

@@ -227,7 +227,7 @@ bool mukca_recorder_doubted(const mukca_recorder *r);
 
 static inline const char *mukca_recorder_joint(const mukca_recorder *r, int j)
 {
-    return r->chain->element[r->chain->joint_element[j]].name;
+    return mukca_chain_joint_name(r->chain, j);
 }
 
 #endif

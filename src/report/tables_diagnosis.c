@@ -13,7 +13,7 @@ static void joint_columns(char columns[COLUMNS], const char *first, const mukca_
     strcpy(columns, first);
     for (int j = 0; j < chain->n_joints; j++) {
         strcat(columns, "|#");
-        strcat(columns, mukca_wording_joint(chain, j));
+        strcat(columns, mukca_chain_joint_name(chain, j));
     }
 }
 
@@ -225,7 +225,7 @@ static void put_untestable(FILE *out, const mukca_report *r)
             if (tested[k].joint < 0 || !same_reason(&tested[k], &tested[i])) continue;
             const size_t used = strlen(joints);
             snprintf(joints + used, sizeof joints - used, "%s%s", used ? ", " : "",
-                     mukca_wording_joint(r->chain, tested[k].joint));
+                     mukca_chain_joint_name(r->chain, tested[k].joint));
         }
         mukca_wording_effect(name, tested[i].effect, r->chain, -1);
         mukca_html_row(&table, "%s\t%s\t%s", name, joints, tested[i].why);

@@ -16,11 +16,6 @@ __attribute__((format(printf, 2, 3))) static void put(char *text, const char *fo
     va_end(args);
 }
 
-const char *mukca_wording_joint(const mukca_chain *chain, int joint)
-{
-    return joint < 0 ? "" : chain->element[chain->joint_element[joint]].name;
-}
-
 bool mukca_wording_slides(const mukca_chain *chain, int joint)
 {
     return joint >= 0 && chain->element[chain->joint_element[joint]].type == MUKCA_PRISMATIC;
@@ -44,7 +39,7 @@ void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind,
         info->site == MUKCA_SITE_ROTATION && mukca_effect_has((int)kind, MUKCA_TRAIT_ELASTIC)
             ? "before"
             : "at",
-        mukca_wording_joint(chain, joint));
+        mukca_chain_joint_name(chain, joint));
 }
 
 void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
@@ -128,7 +123,7 @@ void mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diagnosed *
             i == 0      ? " at "
             : i + 1 < n ? ", "
                         : " and ",
-            mukca_wording_joint(r->chain, d->where[i].joint));
+            mukca_chain_joint_name(r->chain, d->where[i].joint));
     if (n == 1) {
         const bool slides = mukca_wording_slides(r->chain, d->where[0].joint);
         const double factor = slides ? 1e3 : 180 / M_PI;

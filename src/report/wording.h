@@ -16,9 +16,6 @@ typedef struct {
     bool saved;                       /* written as an offsets table */
 } mukca_diagnosed;
 
-/* Name of a joint of the chain; "" for -1. */
-const char *mukca_wording_joint(const mukca_chain *chain, int joint);
-
 /* Is it prismatic?  False for -1. */
 bool mukca_wording_slides(const mukca_chain *chain, int joint);
 

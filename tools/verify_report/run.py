@@ -68,7 +68,8 @@ def websocket():
         if not os.path.exists(os.path.join(venv, "bin/python3")):
             subprocess.run([sys.executable, "-m", "venv", venv], check=True)
         subprocess.run([os.path.join(venv, "bin/python3"), "-m", "pip", "install", "-q", "websocket-client"], check=True)
-        os.execv(os.path.join(venv, "bin/python3"), ["python3"] + sys.argv)
+        python = os.path.join(venv, "bin/python3")  # as argv[0], too: by that it finds its venv
+        os.execv(python, [python] + sys.argv)
     return module
 
 

@@ -1,0 +1,41 @@
+/* What the files of `mukca plan` share. */
+#ifndef MUKCA_CLI_PLAN_H
+#define MUKCA_CLI_PLAN_H
+
+#include "cli/simulate.h"
+#include "diagnose/next_poses.h"
+
+enum { CLI_PLAN_MAX_PLACES = MUKCA_PLAN_MAX_SOCKETS / 2 }; /* each has two sockets */
+
+typedef struct {
+    cli_common common;
+    cli_list separate, places;
+    bool settle;
+    int rows, suggest, seed;
+    double noise, tilt, clearance;
+} cli_plan_options;
+
+typedef struct {
+    cli_call *call;
+    cli_model *model;          /* of the call's session */
+    const mukca_dataset *data; /* likewise */
+    int n_sockets;
+    mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
+    mukca_place known[CLI_MAX_PLACES]; /* names of the placements that causes may refer to */
+    cli_simulated causes;
+    mukca_diagnosis diagnosis;
+    mukca_plan_options options;
+    mukca_plan plan;
+    int n_places;
+    mukca_plan_place places[CLI_PLAN_MAX_PLACES];
+} cli_plan;
+
+/* Write the postures, or the proposed placements, as a table to -o or standard output. */
+mukca_status cli_plan_write(cli_plan *plan);
+
+json_t *cli_plan_json(const cli_plan *plan);
+
+/* One screen for people. */
+void cli_plan_print(cli_plan *plan);
+
+#endif
