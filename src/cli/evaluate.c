@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cli/scores.h"
+#include "fit/cross_training.h"
 #include "fit/frames.h"
 
 typedef struct {
@@ -31,109 +32,58 @@ static const cli_option options[] = {
     CLI_END_OPTIONS};
 
 typedef struct {
-    FILE *stream; /* NULL: JSON only */
-    json_t *json; /* array */
-    mukca_score *scores, *test_scores;
-    unsigned char *train;
+    cli_call *call;
+    FILE *stream;  /* NULL: JSON only */
+    json_t *json;  /* array */
     double sum[3]; /* of the errors after training on one, on two, on all placements */
-    int have[3], done;
+    int have[3];
 } matrix;
 
-/* Fit to the marked placements and write one line; *others is the mean error on the rest. */
-static mukca_status matrix_line(double *others, cli_call *call, const matrix *m)
+/* One line of the table. */
+static bool write_line(void *context, const mukca_cross_training *t, double share)
 {
-    const cli_session *s = call->session;
-    const int n = s->data.n_placements;
-    const bool tested = s->test.n_rows > 0;
-    const mukca_split split = {
-        .data = &s->data, .train = m->train, .extra = tested ? &s->test : NULL};
-    char name[3 * MUKCA_NAME_SIZE] = "";
-    int trained = 0, have = 0;
-    double sum = 0;
-    mukca_status status =
-        mukca_evaluate_trained(m->scores, m->test_scores, &s->model.chain, &split, &call->error);
-    if (status != MUKCA_OK) return status;
+    matrix *m = context;
+    const mukca_dataset *data = &m->call->session->data;
+    const int size = t->placements == data->n_placements && t->placements > 2 ? 2
+                     : t->placements > 1                                      ? 1
+                                                                              : 0;
     json_t *errors = json_object();
-    for (int i = 0, p = 0; p < n; p++) {
-        const char *placement = s->data.placements[p].name;
-        const size_t used = strlen(name);
-        if (m->train[p])
-            snprintf(name + used, sizeof name - used, trained++ ? "+%s" : "%s", placement);
-        if (m->scores[i].placement != p) continue;
-        if (!m->train[p]) sum += m->scores[i].mae, have++;
-        json_object_set_new(errors, placement, cli_json_real(m->scores[i++].mae));
+    if (isfinite(t->mean)) m->sum[size] += t->mean, m->have[size]++;
+    if (m->stream) fprintf(m->stream, "%s\t%d", t->name, t->placements);
+    if (m->stream) cli_scores_write(m->stream, t->mean);
+    for (int p = 0, i = 0; p < data->n_placements; p++) {
+        const bool scored = i < t->n && t->scores[i].placement == p;
+        const double mae = scored ? t->scores[i++].mae : (double)NAN;
+        if (m->stream) cli_scores_write(m->stream, mae);
+        if (scored) json_object_set_new(errors, data->placements[p].name, cli_json_real(mae));
     }
-    if (trained == n) snprintf(name, sizeof name, "all");
-    for (int i = 0; tested && i <= s->test.n_placements && m->test_scores[i].rows > 0; i++)
-        sum += m->test_scores[i].mae, have++;
-    *others = have > 0 ? sum / have : (double)NAN;
-    if (m->stream) {
-        fprintf(m->stream, "%s\t%d", name, trained);
-        cli_scores_write(m->stream, *others);
-        for (int i = 0; i < n; i++) cli_scores_write(m->stream, m->scores[i].mae);
-        fputc('\n', m->stream);
-    }
-    json_array_append_new(m->json,
-                          json_pack("{s:s, s:i, s:o, s:o}", "train", name, "placements", trained,
-                                    "others_mae_m", cli_json_real(*others), "mae_m", errors));
-    return MUKCA_OK;
+    if (m->stream) fputc('\n', m->stream);
+    json_array_append_new(
+        m->json, json_pack("{s:s, s:i, s:o, s:o}", "train", t->name, "placements", t->placements,
+                           "others_mae_m", cli_json_real(t->mean), "mae_m", errors));
+    return cli_show_progress(m->call, share, "training and testing");
 }
 
-/* Train on placements a and b, or for size = 2 on all. */
-static mukca_status train_on(cli_call *call, matrix *m, int size, int a, int b)
-{
-    const int n = call->session->data.n_placements, pairs = n * (n - 1) / 2;
-    double others;
-    if (cli_interrupted()) return MUKCA_INTERRUPTED;
-    memset(m->train, size == 2, (size_t)n);
-    m->train[a] = m->train[b] = 1;
-    mukca_status status = matrix_line(&others, call, m);
-    cli_progress(call, "training and testing", ++m->done, n + pairs + 1);
-    if (status == MUKCA_OK && isfinite(others)) m->sum[size] += others, m->have[size]++;
-    return status;
-}
-
-static mukca_status matrix_lines(cli_call *call, matrix *m)
+static mukca_status write_matrix(cli_call *call, FILE *stream, json_t *json)
 {
     static const char *const names[3] = {"one placement", "two placements", "all placements"};
-    const mukca_dataset *data = &call->session->data;
-    const int n = data->n_placements;
-    mukca_status status = MUKCA_OK;
-    if (m->stream) {
-        fputs("train\tplacements\tothers_mae_m", m->stream);
-        for (int p = 0; p < n; p++) fprintf(m->stream, "\t%s_mae_m", data->placements[p].name);
-        fputc('\n', m->stream);
-    }
-    for (int a = 0; a < n && status == MUKCA_OK; a++) status = train_on(call, m, 0, a, a);
-    for (int a = 0; a < n; a++)
-        for (int b = a + 1; b < n && status == MUKCA_OK; b++) status = train_on(call, m, 1, a, b);
-    if (n > 2 && status == MUKCA_OK) status = train_on(call, m, 2, 0, 0);
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
-        if (m->have[i])
-            cli_answer(call, "Trained on %-15s mean error elsewhere %.3f mm\n", names[i],
-                       1e3 * m->sum[i] / m->have[i]);
-    return status;
-}
-
-static mukca_status run_matrix(cli_call *call, FILE *stream, json_t *json)
-{
-    const int n = call->session->data.n_placements, tests = call->session->test.n_placements;
-    mukca_status status = MUKCA_OK;
-    if (n < 2)
+    const cli_session *s = call->session;
+    matrix m = {.call = call, .stream = stream, .json = json};
+    if (s->data.n_placements < 2)
         return mukca_fail(&call->error, MUKCA_INPUT,
                           "--matrix needs two placements or more: one to train on, one to test on");
-    matrix m = {.stream = stream,
-                .json = json,
-                .scores = calloc((size_t)n + 1, sizeof *m.scores),
-                .test_scores = calloc((size_t)tests + 2, sizeof *m.test_scores),
-                .train = calloc((size_t)n, 1)};
-    if (m.scores && m.test_scores && m.train)
-        status = matrix_lines(call, &m);
-    else
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    free(m.scores);
-    free(m.test_scores);
-    free(m.train);
+    if (stream) {
+        fputs("train\tplacements\tothers_mae_m", stream);
+        for (int p = 0; p < s->data.n_placements; p++)
+            fprintf(stream, "\t%s_mae_m", s->data.placements[p].name);
+        fputc('\n', stream);
+    }
+    mukca_status status =
+        mukca_cross_training_run(&s->model.chain, &s->data, &s->test, write_line, &m, &call->error);
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
+        if (m.have[i])
+            cli_answer(call, "Trained on %-15s mean error elsewhere %.3f mm\n", names[i],
+                       1e3 * m.sum[i] / m.have[i]);
     return status;
 }
 
@@ -181,7 +131,7 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
     if (status == MUKCA_OK && (!c->json || c->output)) status = cli_output_open(call, &output);
     if (status == MUKCA_OK && o->matrix) {
         json_t *lines = json_array();
-        status = run_matrix(call, output.stream, lines);
+        status = write_matrix(call, output.stream, lines);
         json_object_set_new(json, "matrix", lines);
     } else if (status == MUKCA_OK && output.stream) {
         cli_scores_write_header(output.stream);

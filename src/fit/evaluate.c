@@ -121,29 +121,3 @@ out:
     free(count);
     return n;
 }
-
-mukca_status mukca_evaluate_trained(mukca_score *scores, mukca_score *extra_scores,
-                                    const mukca_chain *chain, const mukca_split *split,
-                                    mukca_error *error)
-{
-    const mukca_dataset *data = split->data, *extra = split->extra;
-    mukca_dataset part = {0};
-    mukca_fit fit = {0};
-    mukca_status status = MUKCA_OK;
-    unsigned char *keep = calloc((size_t)data->n_rows + 1, 1);
-    if (!keep) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
-    for (int i = 0; i < data->n_rows; i++) {
-        const int placement = mukca_dataset_placement(data, i);
-        keep[i] = placement >= 0 && split->train[placement];
-    }
-    status = mukca_dataset_subset(&part, data, keep, error);
-    if (status == MUKCA_OK) status = mukca_fit_run(&fit, chain, &part, NULL, error);
-    const mukca_model model = {.chain = &fit.chain, .theta = fit.theta};
-    if (status == MUKCA_OK && (mukca_evaluate(scores, NULL, &model, data) < 0 ||
-                               (extra && mukca_evaluate(extra_scores, NULL, &model, extra) < 0)))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
-    mukca_fit_free(&fit);
-    mukca_dataset_free(&part);
-    free(keep);
-    return status;
-}

@@ -1,5 +1,4 @@
-/* How well a model agrees with data: consistency and distance errors per placement, and what
- * training on some placements gives on the others. */
+/* How well a model agrees with data: consistency and distance errors per placement. */
 #ifndef MUKCA_FIT_EVALUATE_H
 #define MUKCA_FIT_EVALUATE_H
 
@@ -32,19 +31,5 @@ void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
  * number, -1 when out of memory. */
 int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data);
-
-/* Data that are trained on in part. */
-typedef struct {
-    const mukca_dataset *data;
-    const unsigned char *train; /* [n_placements] 1: fitted to */
-    const mukca_dataset *extra; /* scored, too; NULL: nothing */
-} mukca_split;
-
-/* Fit to the marked placements and score: all of split->data into scores[n_placements + 1], as
- * above, and split->extra into extra_scores (may be NULL without).  Errors: those of mukca_fit_run.
- */
-mukca_status mukca_evaluate_trained(mukca_score *scores, mukca_score *extra_scores,
-                                    const mukca_chain *chain, const mukca_split *split,
-                                    mukca_error *error);
 
 #endif

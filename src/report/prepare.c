@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/cross_training.h"
 #include "report/report.h"
 
 /* Append the samples of `from`, its sockets and placements to r->data, which has room for them. */
@@ -170,68 +171,25 @@ static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukc
     return MUKCA_OK;
 }
 
-/* Take one test placement into a bar's mean and range. */
-static void add_to_bar(mukca_report_bar *bar, int *count, double mae)
+/* Append a bar, unless nothing was left to test on. */
+static bool add_bar(void *context, const mukca_cross_training *t, double share)
 {
-    bar->mean += (mae - bar->mean) / ++*count;
-    bar->low = fmin(bar->low, mae);
-    bar->high = fmax(bar->high, mae);
-}
-
-/* Fit to the marked placements and append a bar, unless nothing is left to test on. */
-static mukca_status add_bar(mukca_report *r, const unsigned char *marked, mukca_score *scores,
-                            mukca_error *error)
-{
-    const mukca_dataset *train = r->train, *test = r->test;
-    const int n = train->n_placements, most = n * (n + 1) / 2 + 1;
-    mukca_score *others = scores + n + 1;
+    mukca_report *r = context;
     mukca_report_bar *bar = &r->bars[r->n_bars];
-    int count = 0, named = 0;
-    if (r->progress &&
-        !r->progress(r->progress_context, 1.0 * r->n_bars / most, "training and testing"))
-        return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
-    memset(others, 0, (size_t)(test->n_placements + 2) * sizeof *others);
-    const mukca_split split = {
-        .data = train, .train = marked, .extra = test->n_rows > 0 ? test : NULL};
-    mukca_status status = mukca_evaluate_trained(scores, others, r->chain, &split, error);
-    if (status != MUKCA_OK) return status;
-    *bar = (mukca_report_bar){.low = HUGE_VAL};
-    for (int p = 0, i = 0; p < n; p++) {
-        const size_t used = strlen(bar->trained);
-        named += marked[p];
-        if (marked[p])
-            snprintf(bar->trained + used, sizeof bar->trained - used, "%s%.40s", used ? " + " : "",
-                     train->placements[p].name);
-        if (scores[i].placement != p) continue;
-        if (!marked[p]) add_to_bar(bar, &count, scores[i].mae);
-        i++;
+    if (isfinite(t->mean)) {
+        *bar = (mukca_report_bar){.mean = t->mean, .low = t->low, .high = t->high};
+        memcpy(bar->trained, t->name, sizeof bar->trained);
+        r->n_bars++;
     }
-    if (named > 2) snprintf(bar->trained, sizeof bar->trained, "all");
-    for (int i = 0; i <= test->n_placements && others[i].rows > 0; i++)
-        add_to_bar(bar, &count, others[i].mae);
-    r->n_bars += count > 0;
-    return MUKCA_OK;
+    return !r->progress || r->progress(r->progress_context, share, "training and testing");
 }
 
-/* Train on each placement, on each pair, and on all where those are more; test on the rest and on
- * the test data. */
 static mukca_status cross_train(mukca_report *r, mukca_error *error)
 {
     const int n = r->train->n_placements;
-    mukca_status status = MUKCA_OK;
-    r->bars = MUKCA_TAKE(&r->pool, mukca_report_bar, n * (n + 1) / 2 + 1);
-    unsigned char *marked = MUKCA_TAKE(&r->pool, unsigned char, n + 1);
-    mukca_score *scores = MUKCA_TAKE(&r->pool, mukca_score, n + r->test->n_placements + 4);
-    if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    for (int apart = 0; apart < n; apart++)
-        for (int a = 0; a + apart < n && status == MUKCA_OK; a++) {
-            memset(marked, 0, (size_t)n);
-            marked[a] = marked[a + apart] = 1;
-            status = add_bar(r, marked, scores, error);
-        }
-    if (status != MUKCA_OK || n < 3) return status;
-    memset(marked, 1, (size_t)n);
-    return add_bar(r, marked, scores, error);
+    r->bars = MUKCA_TAKE(&r->pool, mukca_report_bar, n * (n + 1) / 2 + 2);
+    if (!r->bars) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    return mukca_cross_training_run(r->chain, r->train, r->test, add_bar, r, error);
 }
 
 mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)

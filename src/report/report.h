@@ -22,7 +22,7 @@ typedef struct {
 
 /* One calibration of the comparison "trained on some placements, tested on the others". */
 typedef struct {
-    char trained[128];      /* names of its placements */
+    char trained[128];      /* its placements, as in mukca_cross_training */
     double mean, low, high; /* MAE over the other placements, m */
 } mukca_report_bar;
 

@@ -1,0 +1,28 @@
+/* Errors on placements that were not used for training. */
+#ifndef MUKCA_FIT_CROSS_TRAINING_H
+#define MUKCA_FIT_CROSS_TRAINING_H
+
+#include "fit/evaluate.h"
+
+/* One fit to some of the placements. */
+typedef struct {
+    char name[128]; /* of these placements, + between; "all" */
+    int placements; /* how many of them */
+    int n;
+    const mukca_score *scores;  /* [n] of every placement with samples */
+    const unsigned char *train; /* [n_placements] 1: fitted to */
+    double mean, low, high;     /* MAE over the other placements and the test data, m; NaN: none */
+} mukca_cross_training;
+
+/* Called after each fit; `share` of them are done; returning false interrupts. */
+typedef bool mukca_cross_training_fn(void *context, const mukca_cross_training *result,
+                                     double share);
+
+/* Train on each placement of `data`, on each pair and on all where those are more, with the
+ * defaults of mukca_fit_run; score all of `data` and `test` (may be empty).  Errors: those of
+ * mukca_fit_run, MUKCA_INTERRUPTED. */
+mukca_status mukca_cross_training_run(const mukca_chain *chain, const mukca_dataset *data,
+                                      const mukca_dataset *test, mukca_cross_training_fn *report,
+                                      void *context, mukca_error *error);
+
+#endif
