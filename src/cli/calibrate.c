@@ -66,13 +66,14 @@ typedef struct {
     const mukca_dataset *train, *test;
     mukca_score *scores;
     int iteration;
+    bool exhausted; /* out of memory: values are missing */
 } tracer;
 
-static void trace_scores(const tracer *t, const double *theta, const mukca_dataset *data)
+static void trace_scores(tracer *t, const double *theta, const mukca_dataset *data)
 {
     mukca_score mean = {.mae = NAN, .std = NAN, .distance_error = NAN};
     const mukca_model model = {.chain = &t->fit->chain, .theta = theta};
-    if (data->n_rows > 0) mukca_evaluate(t->scores, &mean, &model, data);
+    if (data->n_rows > 0 && mukca_evaluate(t->scores, &mean, &model, data) < 0) t->exhausted = true;
     const double values[3] = {mean.mae, mean.std, mean.distance_error};
     for (int i = 0; i < 3; i++) cli_scores_write(t->stream, values[i]);
 }
@@ -165,6 +166,8 @@ static mukca_status fit_data(cli_call *call, mukca_fit *fit)
             t.stream);
     }
     status = mukca_fit_run(fit, &s->model.chain, &s->data, &traced, &call->error);
+    if (status == MUKCA_OK && t.exhausted)
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
 out:
     status = mukca_output_finish(&output, status, &call->error);
     free(t.scores);

@@ -61,6 +61,7 @@ typedef struct {
     mukca_pool pool;
     mukca_score *scores; /* scratch of `watch` */
     mukca_report_step steps[MAX_STEPS];
+    bool exhausted; /* out of memory for a step */
     mukca_report page;
     char *command, when[32];
 } report_work;
@@ -74,8 +75,11 @@ static void watch(void *work, const double *theta, const mukca_cost_value *value
     const mukca_model model = {.chain = &w->fit.chain, .theta = theta};
     mukca_score train, test = {.std = NAN, .distance_error = NAN};
     if (w->page.n_steps == MAX_STEPS) return;
-    mukca_evaluate(w->scores, &train, &model, w->page.train);
-    if (w->page.test->n_rows > 0) mukca_evaluate(w->scores, &test, &model, w->page.test);
+    if (mukca_evaluate(w->scores, &train, &model, w->page.train) < 0 ||
+        (w->page.test->n_rows > 0 && mukca_evaluate(w->scores, &test, &model, w->page.test) < 0)) {
+        w->exhausted = true;
+        return;
+    }
     w->steps[w->page.n_steps++] =
         (mukca_report_step){{train.std, train.distance_error, test.std, test.distance_error}};
 }
@@ -101,6 +105,7 @@ static mukca_status calibrate(cli_call *call)
     const mukca_status status =
         mukca_fit_run(&w->fit, &s->model.chain, &s->data, &fit_options, &call->error);
     if (status != MUKCA_OK) return status;
+    if (w->exhausted) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     mukca_fit_offsets(&w->offsets, &w->fit);
     w->page.fit = &w->fit;
     w->page.fitted = &w->fit.chain;

@@ -186,7 +186,8 @@ def rounds(kind, client):
         client.wait(lambda: False, 0.05)
         end = time.monotonic() + random.uniform(0, 0.6)
         client.answers.clear()
-        while time.monotonic() < end:
+        model.doubt = None
+        while time.monotonic() < end and not model.doubt:
             model.step(client, max(0.001, end - time.monotonic()) if kind != "sync" else 5)
             done += 1
         if kind == "sync":
