@@ -6,7 +6,6 @@
 #include "diagnose/folds.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "math/dense.h"
@@ -26,6 +25,8 @@ void mukca_folds_create(mukca_folds *b)
     b->position = MUKCA_TAKE(&m->pool, double, 3 * rows);
     b->error = MUKCA_TAKE(&m->pool, double, rows);
     b->all = MUKCA_TAKE(&m->pool, unsigned char, rows);
+    b->start = MUKCA_TAKE(&m->pool, int, m->recording.data->n_sockets + 2);
+    b->row = MUKCA_TAKE(&m->pool, int, rows);
     if (b->all) memset(b->all, 1, (size_t)rows);
 }
 
@@ -187,15 +188,14 @@ void mukca_folds_run(double *error, mukca_folds *b, bool by_socket)
 }
 
 /* Interval of the shrink by resampling sockets and, within them, rows. */
-static void bootstrap(mukca_shrink *shrink, const mukca_dataset *data, const double *before,
+static void bootstrap(mukca_shrink *shrink, const mukca_folds *b, const double *before,
                       const double *after)
 {
+    const mukca_dataset *data = b->m->recording.data;
     double draw[DRAWS];
-    int groups = data->n_sockets, *start = calloc((size_t)groups + 2, sizeof *start);
-    int *rows = calloc((size_t)data->n_rows + 1, sizeof *rows), n = 0;
+    int groups = data->n_sockets, n = 0, *start = b->start, *rows = b->row;
     mukca_random random;
     mukca_random_seed(&random, 20240917);
-    if (!start || !rows) goto out;
     const bool poses = groups == 0;
     if (poses) groups = 1;
     for (int s = 0; s < groups; s++) {
@@ -222,9 +222,6 @@ static void bootstrap(mukca_shrink *shrink, const mukca_dataset *data, const dou
         shrink->low_percent = mukca_stats_quantile(draw, DRAWS, 0.025);
         shrink->high_percent = mukca_stats_quantile(draw, DRAWS, 0.975);
     }
-out:
-    free(start);
-    free(rows);
 }
 
 void mukca_folds_compare(mukca_shrink *shrink, const mukca_folds *b, const double *before,
@@ -245,5 +242,5 @@ void mukca_folds_compare(mukca_shrink *shrink, const mukca_folds *b, const doubl
         shrink->folds++;
         shrink->folds_better += sum[1] < sum[0];
     }
-    bootstrap(shrink, data, before, after);
+    bootstrap(shrink, b, before, after);
 }

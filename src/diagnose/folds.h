@@ -15,6 +15,7 @@ typedef struct {
                            NaN: a row of no fold (fewer poses than folds) */
     double *error;      /* [n_rows], NaN: not measured */
     unsigned char *all; /* [n_rows] 1 */
+    int *start, *row;   /* [n_sockets + 2], [n_rows] scratch: rows by socket */
     double surprise;    /* squared misfit of the left-out rows in units of what it should be */
     int freedom;        /* of the left-out rows: what `surprise` would be if nothing were missing */
 } mukca_folds;
