@@ -4,6 +4,7 @@
 
 #include "base/pool.h"
 #include "capture/capture.h"
+#include "fit/coincide.h"
 #include "fit/observe.h"
 #include "math/dense.h"
 #include "math/random.h"
@@ -11,6 +12,9 @@
 /* Postures that the error is averaged over (their mean is known to a few %), Gauss-Newton steps
  * (from mm they leave nothing), pairs of sockets, and rows that "more rows" means. */
 enum { PROBES = 32, ITERATIONS = 4, MAX_PAIRS = 4096, MORE_ROWS = 10 };
+
+/* Samples of each of two labels before they are called one socket: two may lie close by chance. */
+enum { LEAST_TWINS = 3 };
 
 /* Prior of the noise, m, and the number of measurements that it counts as: a printed socket
  * repeats to 0.1 to 0.2 mm. */
@@ -83,6 +87,29 @@ static int list_distances(mukca_distance *out, const mukca_capture *capture)
             if (sockets[a].placement == sockets[b].placement)
                 out[n++] = (mukca_distance){a, b, capture->settings.distance};
     return n;
+}
+
+/* Two labels that seem to be one socket have no distance. */
+static mukca_status drop_coincident(mukca_capture_advice *advice, mukca_dataset *view,
+                                    const mukca_capture *capture, mukca_error *error)
+{
+    double apart[MAX_PAIRS];
+    int kept = 0;
+    if (mukca_coincide_find(apart, capture->chain, capture->start, view) < 0)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    for (int k = 0; k < view->n_distances; k++) {
+        const mukca_distance d = view->distances[k];
+        const bool enough = mukca_capture_count(capture, d.a) >= LEAST_TWINS &&
+                            mukca_capture_count(capture, d.b) >= LEAST_TWINS;
+        if (isnan(apart[k]) || !enough) {
+            view->distances[kept++] = d;
+        } else if (d.a == capture->socket || d.b == capture->socket) {
+            advice->twin = d.a == capture->socket ? d.b : d.a;
+            advice->apart = apart[k];
+        }
+    }
+    view->n_distances = kept;
+    return MUKCA_OK;
 }
 
 /* Memory of one piece of advice: n parameters, m residuals. */
@@ -168,7 +195,7 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     mukca_dataset view = capture->rows; /* with distances; owns nothing */
     mukca_distance distances[MAX_PAIRS];
     workspace w;
-    *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true};
+    *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true, -1, 0};
     mukca_linearisation_move(&capture->model, capture->start);
     capture->noise = prior_noise;
     memset(capture->factor, 0, (size_t)(n * n) * sizeof *capture->factor);
@@ -176,7 +203,8 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     if (!view.n_rows) return MUKCA_OK;
     view.distances = distances;
     view.n_distances = list_distances(distances, capture);
-    mukca_status status = workspace_take(&w, capture, &view, error);
+    mukca_status status = drop_coincident(advice, &view, capture, error);
+    if (status == MUKCA_OK) status = workspace_take(&w, capture, &view, error);
     if (status != MUKCA_OK) goto out;
     fit(capture, &w);
     /* ten more rows here add what the rows here have, per row */

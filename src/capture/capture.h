@@ -148,6 +148,8 @@ typedef struct {
                              placed best; NaN without rows */
     double expected_more; /* m: the same with ten more rows like those at this socket */
     bool more_rows_help;  /* those ten would take more than 3 % off */
+    int twin;             /* socket that the current one seems to be; -1: none */
+    double apart;         /* m, distance of their centres */
 } mukca_capture_advice;
 
 /* Fit the model to the rows: Gaussian prior about the start, noise from the residuals.  Without

@@ -4,8 +4,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/note.h"
 #include "base/number.h"
 #include "cli/cli.h"
+#include "fit/coincide.h"
+#include "io/dataset_copies.h"
 #include "io/dataset_load.h"
 #include "io/output.h"
 #include "io/urdf.h"
@@ -111,17 +114,43 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     return status;
 }
 
-/* A file that is both fitted and tested on. */
-static void note_repeated(cli_call *call, const mukca_dataset *data, const mukca_dataset *test)
+/* Distances of sockets that coincide are not used; without any other there is no scale. */
+static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const cli_model *model)
 {
-    for (int t = 0; t < test->n_files; t++)
-        for (int k = 0; k < data->n_files; k++) {
-            char text[640];
-            if (!mukca_output_same(test->files[t], data->files[k])) continue;
-            snprintf(text, sizeof text, "%s is training and test data; that test proves nothing",
-                     test->files[t]);
-            cli_note(call, text);
+    double *apart = malloc(((size_t)data->n_distances + 1) * sizeof *apart);
+    const int found =
+        apart ? mukca_coincide_find(apart, &model->chain, model->offsets.theta, data) : -1;
+    int kept = 0;
+    char text[400] = "";
+    for (int k = 0; k < data->n_distances && found > 0; k++) {
+        const mukca_distance *d = &data->distances[k];
+        if (isnan(apart[k])) {
+            data->distances[kept++] = *d;
+            continue;
         }
+        snprintf(
+            text, sizeof text,
+            "placement '%s': sockets '%s' and '%s' coincide within %.2g mm; both labels may have "
+            "been recorded in one socket",
+            data->placements[data->sockets[d->a].placement].name, data->sockets[d->a].label,
+            data->sockets[d->b].label, 1e3 * apart[k]);
+        mukca_note_format(cli_note, call, "%s; their distance is not used", text);
+    }
+    if (found > 0) data->n_distances = kept;
+    free(apart);
+    if (found < 0) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!found || kept) return MUKCA_OK;
+    return mukca_fail(&call->error, MUKCA_INPUT, "%s; record them again in two sockets", text);
+}
+
+/* Training data prove nothing as test data. */
+static mukca_status drop_training(cli_call *call, mukca_dataset *test, const mukca_dataset *data)
+{
+    const bool any = test->n_rows > 0;
+    const mukca_status status = mukca_dataset_drop_copies(test, data, cli_note, call, &call->error);
+    if (status != MUKCA_OK || test->n_rows || !any) return status;
+    return mukca_fail(&call->error, MUKCA_INPUT,
+                      "--test: every row is also training data; test on other recordings");
 }
 
 mukca_status cli_load(cli_call *call)
@@ -131,10 +160,10 @@ mukca_status cli_load(cli_call *call)
     if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
     if (status == MUKCA_OK && call->arguments.n)
         status = cli_load_data(call, &s->data, &s->model, &call->arguments);
+    if (status == MUKCA_OK) status = drop_coincident(call, &s->data, &s->model);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, &s->model, &call->common->test);
-    note_repeated(call, &s->data, &s->test);
-    return status;
+    return status ? status : drop_training(call, &s->test, &s->data);
 }
 
 void cli_describe_data(char text[80], const mukca_dataset *data)

@@ -12,6 +12,7 @@
 #include "base/note.h"
 #include "base/utf8.h"
 #include "io/dataset_build.h"
+#include "io/dataset_copies.h"
 
 /* Published folders have two holes; a mean needs two rows, a distance two sockets; the limits from
  * above catch tables of another kind. */
@@ -283,6 +284,8 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
         b.payload = options->payload ? options->payload[i] : (double)NAN;
         status = read_path(&b, paths[i]);
     }
+    if (status == MUKCA_OK && !options->partial)
+        status = mukca_dataset_drop_copies(data, NULL, options->note, options->context, error);
     if (status == MUKCA_OK && !options->partial) status = check_counts(&b);
     if (status == MUKCA_OK)
         status = options->distances

@@ -13,9 +13,9 @@ typedef struct {
     void *context;
 } mukca_dataset_options;
 
-/* Read the files and folders paths[n_paths] in order into a new dataset (mukca_dataset_free).  Each
- * socket needs 2 rows, each placement 2 sockets.  `options` may be NULL.
- * Errors: MUKCA_INPUT (file, line, column), MUKCA_MEMORY. */
+/* Read the files and folders paths[n_paths] in order into a new dataset (mukca_dataset_free).  Rows
+ * that repeat others are dropped (dataset_copies.h).  Each socket needs 2 rows, each placement 2
+ * sockets.  `options` may be NULL. Errors: MUKCA_INPUT (file, line, column), MUKCA_MEMORY. */
 mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
                                 const char *const *paths, int n_paths,
                                 const mukca_dataset_options *options, mukca_error *error);

@@ -210,6 +210,10 @@ mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *pl
                socket, remark[0] ? ": " : "", remark);
     if (mukca_capture_advise(&r->advice, &r->capture, &error) != MUKCA_OK)
         mukca_recorder_report(r, "%s", error.text); /* the row is safe all the same */
+    if (r->advice.twin >= 0)
+        mukca_recorder_report(
+            r, "sockets %s and %s coincide within %.2g mm: is the ball in another socket?",
+            r->capture.rows.sockets[r->advice.twin].label, socket, 1e3 * r->advice.apart);
     return MUKCA_OK;
 }
 

@@ -367,7 +367,7 @@ def signatures():
         check("signed: mukca send --key", send.returncode == 0 and "1 samples" in send.stdout, send.stderr)
         send = subprocess.run([MUKCA, "send", "start", "bad"], capture_output=True, text=True, timeout=60)
         check("signed: mukca send without", send.returncode == 1 and "--key" in send.stdout, send.stdout + send.stderr)
-        made = sorted(name for name in os.listdir(state) if name.endswith(".tsv") and "state" not in name)
+        made = sorted(name for name in os.listdir(os.path.join(state, "sessions")) if name.endswith(".tsv"))
         check("signed: one session only", made == ["good.tsv"], made)
         check("signed: ends cleanly", stop(p) == 0)
     again = fresh("signatures_again")
@@ -376,7 +376,7 @@ def signatures():
     check("signed: a key that all can read", p.wait(10) == 3)
     p = spawn("serve", *COMMON, "--state", again, "--lcm-url", "file://" + log)
     check("signed: the log replays without the key", p.wait(60) == 0 and
-          os.path.exists(os.path.join(again, "good.tsv")), p.said)
+          os.path.exists(os.path.join(again, "sessions", "good.tsv")), p.said)
 
 
 def controllers():

@@ -162,6 +162,7 @@ static void advice_is_what_comes_true(void **state)
                     rows++;
                     assert_int_equal(mukca_capture_advise(&advice, &capture, &error), 0);
                     assert_true(advice.expected_more <= advice.expected * (1 + 1e-9));
+                    assert_int_equal(advice.twin, -1);
                     if (p == 0 && s == 1 && i == 5) first = advice.expected;
                 }
                 ends++;
@@ -193,8 +194,36 @@ static void advice_is_what_comes_true(void **state)
     assert_true(2 * helped_no_more > ends);
 }
 
+/* The ball stays in one socket while the label changes. */
+static void two_labels_of_one_socket_are_noticed(void **state)
+{
+    static operator_ o;
+    static mukca_capture capture;
+    const mukca_capture_settings settings = {0};
+    mukca_capture_advice advice;
+    mukca_error error;
+    char text[MUKCA_CAPTURE_TEXT];
+    (void)state;
+    make_chain(&o.chain);
+    mukca_random_seed(&o.random, 5);
+    perturb(&o, 1e-3);
+    place(&o, 0.3);
+    assert_int_equal(mukca_capture_init(&capture, &o.chain, NULL, &settings, &error), 0);
+    for (int i = 0; i < 12; i++) {
+        mukca_capture_select(&capture, "p", i < 6 ? "0" : "1", &error);
+        assert_true(seat(&o, 0, 0));
+        assert_int_equal(mukca_capture_keep(text, &capture, o.q, &error), 0);
+        assert_int_equal(mukca_capture_advise(&advice, &capture, &error), 0);
+        if (i < 8) assert_int_equal(advice.twin, -1);
+    }
+    assert_int_equal(advice.twin, 0);
+    assert_true(advice.apart > 0 && advice.apart < 0.01);
+    mukca_capture_free(&capture);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(advice_is_what_comes_true)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(advice_is_what_comes_true),
+                                       cmocka_unit_test(two_labels_of_one_socket_are_noticed)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
 /* Datasets: folders, sessions and pose logs, in any mixture, and what is wrong with them. */
+#include "io/dataset_copies.h"
 #include "io/dataset_load.h"
 
 #include "io/urdf.h"
@@ -122,10 +123,11 @@ static void folders_and_sessions_mix(void **state)
 static void equal_names_stay_apart(void **state)
 {
     (void)state;
-    const char *rows =
-        "placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t1\t0\t0\np\t0\t1\t1\np\t1\t1\t1\n";
-    const char *paths[] = {folder("p", "0,0\n1,1\n", "0,0\n1,1\n"), scratch_file("a.tsv", rows),
-                           scratch_file("b.tsv", rows), scratch_file("c/b.tsv", rows)};
+#define FOUR(x) \
+    "placement\tsocket\tj1\tj2\np\t0\t0\t" x "\np\t1\t0\t" x "\np\t0\t1\t" x "\np\t1\t1\t" x "\n"
+    const char *paths[] = {folder("p", "0,0\n1,1\n", "0,0\n1,1\n"),
+                           scratch_file("a.tsv", FOUR("2")), scratch_file("b.tsv", FOUR("3")),
+                           scratch_file("c/b.tsv", FOUR("4"))};
     assert_int_equal(load(paths, 4, NULL), MUKCA_OK);
     assert_int_equal(data.n_placements, 4);
     assert_int_equal(data.n_rows, 16);
@@ -135,6 +137,51 @@ static void equal_names_stay_apart(void **state)
     assert_string_equal(data.placements[3].name, "p#2");
     assert_non_null(strstr(notes, "already"));
     for (int s = 0; s < 8; s++) assert_int_equal(data.sockets[s].placement, s / 2);
+}
+
+/* A copy has another name, columns that lack, and rows of its own; times tell readings apart. */
+static void copies_are_used_once(void **state)
+{
+    (void)state;
+    const char *first =
+        "placement\tsocket\tj1\tj2\ttime_s\np\t0\t0\t0\t1\np\t0\t0\t0\t2\n"
+        "p\t1\t1\t0\t3\np\t1\t1\t1\t4\np\t1\t1\t1\t4\n";
+    const char *copy =
+        "placement\tsocket\tj1\tj2\nq\t0\t0\t0\nq\t1\t1\t0\nq\t0\t1\t1\nq\t1\t1\t1\n"
+        "q\t0\t2\t1\nr\t0\t0\t0\nr\t1\t1\t0\n";
+    const char *paths[] = {scratch_file("a.tsv", first), scratch_file("b.tsv", copy)};
+    const mukca_dataset_options partial = {.partial = true};
+    assert_error(load(paths, 2, NULL), MUKCA_INPUT, error, "placement 'q': only one socket");
+    assert_non_null(strstr(notes, "a.tsv: 1 of 5 rows repeat others of it"));
+    assert_non_null(strstr(notes, "b.tsv: 5 of 7 rows repeat rows of "));
+    assert_int_equal(load(paths, 1, NULL), MUKCA_OK);
+    assert_int_equal(data.n_rows, 4);
+    assert_int_equal(load(paths, 2, &partial), MUKCA_OK); /* recording goes on with all rows */
+    assert_int_equal(data.n_rows, 12);
+}
+
+/* Of a test set only what was not trained on is left. */
+static void training_rows_are_not_for_testing(void **state)
+{
+    (void)state;
+    mukca_dataset test;
+    const char *train[] = {folder("t", "0,0\n1,1\n", "0,1\n1,0\n")};
+    const char *both[] = {folder("u", "5,5\n6,6\n", "5,6\n6,5\n"),
+                          folder("v", "0,0\n1,1\n", "0,1\n1,0\n")};
+    assert_int_equal(load(both, 2, NULL), MUKCA_OK);
+    test = data;
+    memset(&data, 0, sizeof data);
+    assert_int_equal(load(train, 1, NULL), MUKCA_OK);
+    assert_int_equal(mukca_dataset_drop_copies(&test, &data, note, NULL, &error), MUKCA_OK);
+    assert_int_equal(test.n_rows, 4);
+    assert_int_equal(test.n_placements, 1);
+    assert_int_equal(test.n_sockets, 2);
+    assert_int_equal(test.n_distances, 1);
+    assert_string_equal(test.placements[0].name, "u");
+    assert_non_null(strstr(notes, "v/hole_0.csv: 2 of 2 rows repeat rows of "));
+    assert_int_equal(mukca_dataset_drop_copies(&data, &test, note, NULL, &error), MUKCA_OK);
+    assert_int_equal(data.n_rows, 4);
+    mukca_dataset_free(&test);
 }
 
 static void a_session_without_placements_is_one(void **state)
@@ -413,6 +460,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(folders_and_sessions_mix),
                                        cmocka_unit_test(equal_names_stay_apart),
+                                       cmocka_unit_test(copies_are_used_once),
+                                       cmocka_unit_test(training_rows_are_not_for_testing),
                                        cmocka_unit_test(a_session_without_placements_is_one),
                                        cmocka_unit_test(distances_are_as_told),
                                        cmocka_unit_test(bad_folders_get_one_clear_line),

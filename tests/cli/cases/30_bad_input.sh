@@ -179,8 +179,25 @@ doubt 'sockets differs by 30.0' calibrate $a --distance 0.02 sim.tsv
 doubt 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
 doubt 'nominal model is [0-9]* mm off; check the units' calibrate $a --distance 0.5 --tip hand good
 doubt 'Do not use this result: the samples do not fit this arm' calibrate $a --distance 0.5 good
-doubt 'good/hole_0.csv is training and test data' calibrate $a good --test good
-doubt 'good/hole_1.csv is training and test data' calibrate $a good --test good/../good
+refuse 3 'every row is also training data' calibrate $a good --test good
+cp -r good again
+doubt 'good/hole_0.csv: 12 of 12 rows repeat rows of again/hole_0.csv to the last digit; each is used once' calibrate $a again good
+run simulate $a --seed 3 --rows 4 --placements 2 -o copied.tsv
+run calibrate $a copied.tsv --json once.json
+awk '/^p[0-9]/ { print } { print }' copied.tsv >twice.tsv
+doubt 'twice.tsv: 16 of 32 rows repeat others of it to the last digit; each is used once' calibrate $a twice.tsv --json twice.json
+expect "a row given twice counts once" sh -c 'sed "/elapsed_s/d; /copied/d" once.json >a; sed "/elapsed_s/d; /twice/d" twice.json | diff - a'
+refuse 3 'every row is also training data' calibrate $a copied.tsv --test twice.tsv
+run simulate $a --seed 4 --rows 4 --placements 2 -o other.tsv
+{ cat other.tsv; grep '^p[0-9]' copied.tsv; } >mixed.tsv
+doubt 'mixed.tsv: 16 of 32 rows repeat rows of copied.tsv to the last digit; not used for testing' calibrate $a copied.tsv --test mixed.tsv
+# both labels in one socket
+run simulate $a --seed 6 --rows 20 --placements 2 --noise 1e-4 -o two_holes.tsv
+run simulate $a --seed 7 --rows 20 --placements 2 --noise 1e-4 -o first.tsv
+awk 'BEGIN { FS = OFS = "\t" } /^p[0-9]/ { if ($2 == 1) next; $2 = n++ % 2 } { print }' first.tsv >one_hole.tsv
+{ cat two_holes.tsv; sed -n 's/^p1/p9/p' one_hole.tsv; } >some.tsv
+doubt "placement 'p9': sockets '0' and '1' coincide within .* mm; .*; their distance is not used" calibrate $a some.tsv
+refuse 3 "coincide within .* mm; both labels may have been recorded in one socket; record them again" diagnose $a one_hole.tsv
 refuse 3 'nix/new.tsv: cannot write: .*; make its folder first' calibrate $a good -o nix/new.tsv
 printf 'socket_a\tsocket_b\tdistance_m\n0\t1\t0\n' >distances.tsv
 refuse 3 "distances.tsv:2: column 'distance_m': 0 is not above 0" calibrate $a --distances distances.tsv good

@@ -1,0 +1,179 @@
+/* Samples that repeat others to the last digit. */
+#include "io/dataset_copies.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+
+/* Rows of equal angles that a row is compared with: an arm that stands still for an hour is read
+ * in linear time. */
+enum { MOST_COMPARED = 64 };
+
+/* Whether no value that both rows have differs. */
+static bool agree(const double *a, int i, const double *b, int k, int width)
+{
+    for (int c = 0; a && b && c < width; c++) {
+        const double one = a[i * width + c], other = b[k * width + c];
+        if (!isnan(one) && !isnan(other) && one != other) return false;
+    }
+    return true;
+}
+
+static const char *label(const mukca_dataset *data, int row)
+{
+    return data->socket[row] < 0 ? "" : data->sockets[data->socket[row]].label;
+}
+
+static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k)
+{
+    const int n = a->n_joints;
+    return memcmp(a->q + (size_t)i * (size_t)n, b->q + (size_t)k * (size_t)n,
+                  (size_t)n * sizeof *a->q) == 0 &&
+           strcmp(label(a, i), label(b, k)) == 0 && agree(a->time, i, b->time, k, 1) &&
+           agree(a->position, i, b->position, k, 3) &&
+           agree(a->quaternion, i, b->quaternion, k, 4) && agree(a->effort, i, b->effort, k, n) &&
+           agree(a->command, i, b->command, k, n) && agree(a->velocity, i, b->velocity, k, n) &&
+           agree(a->temperature, i, b->temperature, k, 1) && agree(a->payload, i, b->payload, k, 1);
+}
+
+/* FNV-1a of the joint angles. */
+static size_t hash(const mukca_dataset *data, int row)
+{
+    const size_t n = (size_t)data->n_joints * sizeof *data->q;
+    const unsigned char *bytes = (const unsigned char *)(data->q + (size_t)(row * data->n_joints));
+    uint64_t h = 0xcbf29ce484222325u;
+    for (size_t i = 0; i < n; i++) h = (h ^ bytes[i]) * 0x100000001b3u;
+    return (size_t)(h ^ h >> 32);
+}
+
+/* original[n_rows]: the row of `of` (NULL: an earlier one of `data`) that each row repeats, or -1.
+ * first[size], size a power of two, and next[rows of `of`] list the rows of each hash. */
+static void find(int *original, const mukca_dataset *data, const mukca_dataset *of, int *first,
+                 int *next, size_t size)
+{
+    const mukca_dataset *source = of ? of : data;
+    for (size_t h = 0; h < size; h++) first[h] = -1;
+    for (int k = 0; of && k < of->n_rows; k++) {
+        int *head = &first[hash(of, k) & (size - 1)];
+        next[k] = *head;
+        *head = k;
+    }
+    for (int i = 0; i < data->n_rows; i++) {
+        int *head = &first[hash(data, i) & (size - 1)], compared = 0;
+        original[i] = -1;
+        for (int k = *head; k >= 0 && original[i] < 0 && compared < MOST_COMPARED; k = next[k]) {
+            if (repeats(data, i, source, k)) original[i] = k;
+            compared++;
+        }
+        if (of || original[i] >= 0) continue;
+        next[i] = *head;
+        *head = i;
+    }
+}
+
+/* A socket whose rows are all the same is a dead stream, which is refused later: its rows stay. */
+static void keep_dead(unsigned char *keep, const mukca_dataset *d, int *count)
+{
+    int *kept = count + d->n_sockets;
+    for (int s = 0; s < 2 * d->n_sockets; s++) count[s] = 0;
+    for (int i = 0; i < d->n_rows; i++)
+        if (d->socket[i] >= 0) count[d->socket[i]]++, kept[d->socket[i]] += keep[i];
+    for (int i = 0; i < d->n_rows; i++) {
+        const int s = d->socket[i];
+        keep[i] |= s >= 0 && count[s] > 1 && kept[s] == 1;
+    }
+}
+
+/* Move the sockets and placements that have rows to the front; map[max(sockets, placements)]. */
+static void prune(mukca_dataset *d, int *map)
+{
+    int n = 0;
+    for (int s = 0; s < d->n_sockets; s++) map[s] = 0;
+    for (int i = 0; i < d->n_rows; i++)
+        if (d->socket[i] >= 0) map[d->socket[i]] = 1;
+    for (int s = 0; s < d->n_sockets; s++) {
+        if (map[s]) d->sockets[n] = d->sockets[s];
+        map[s] = map[s] ? n++ : -1;
+    }
+    d->n_sockets = n;
+    for (int i = 0; i < d->n_rows; i++)
+        if (d->socket[i] >= 0) d->socket[i] = map[d->socket[i]];
+    n = 0;
+    for (int k = 0; k < d->n_distances; k++) {
+        const mukca_distance *old = &d->distances[k];
+        if (map[old->a] >= 0 && map[old->b] >= 0)
+            d->distances[n++] = (mukca_distance){map[old->a], map[old->b], old->distance};
+    }
+    d->n_distances = n;
+    for (int p = 0; p < d->n_placements; p++) map[p] = 0;
+    for (int s = 0; s < d->n_sockets; s++) map[d->sockets[s].placement] = 1;
+    n = 0;
+    for (int p = 0; p < d->n_placements; p++) {
+        if (map[p]) d->placements[n] = d->placements[p];
+        map[p] = map[p] ? n++ : -1;
+    }
+    d->n_placements = n;
+    for (int s = 0; s < d->n_sockets; s++) d->sockets[s].placement = map[d->sockets[s].placement];
+}
+
+/* One note for a file: how many of its rows repeat others. */
+static void report(const mukca_dataset *data, int file, const mukca_dataset *of,
+                   const int *original, mukca_note_fn *note, void *context)
+{
+    const mukca_dataset *source = of ? of : data;
+    int rows = 0, copies = 0, from = -1;
+    for (int i = 0; i < data->n_rows; i++) {
+        if (data->file[i] != file) continue;
+        rows++;
+        if (original[i] < 0) continue;
+        copies++;
+        if (from < 0) from = source->file[original[i]];
+    }
+    if (!copies) return;
+    const bool within = !of && from == file;
+    char name[512];
+    snprintf(name, sizeof name, "%s",
+             within ? "others of it" : mukca_file_shown(source->files[from]));
+    mukca_note_format(note, context, "%s: %d of %d rows repeat %s%s to the last digit; %s",
+                      mukca_file_shown(data->files[file]), copies, rows, within ? "" : "rows of ",
+                      name, of ? "not used for testing" : "each is used once");
+}
+
+mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *of,
+                                       mukca_note_fn *note, void *context, mukca_error *error)
+{
+    const int n = data->n_rows, listed = of ? of->n_rows : n;
+    size_t size = 64;
+    while (size < (size_t)listed) size *= 2;
+    const size_t names = 2 * (size_t)data->n_sockets + (size_t)data->n_placements;
+    int *original = malloc(((size_t)n + (size_t)listed + size + names + 1) * sizeof *original);
+    unsigned char *keep = malloc((size_t)n + 1);
+    mukca_dataset kept = {0};
+    mukca_status status = MUKCA_OK;
+    if (!original || !keep) {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n);
+        goto out;
+    }
+    int *next = original + n, *first = next + listed, *map = first + size, copies = 0;
+    find(original, data, of, first, next, size);
+    for (int i = 0; i < n; i++) keep[i] = original[i] < 0;
+    if (!of) keep_dead(keep, data, map);
+    for (int i = 0; i < n; i++) {
+        if (keep[i]) original[i] = -1;
+        copies += !keep[i];
+    }
+    if (!copies) goto out;
+    for (int f = 0; f < data->n_files; f++) report(data, f, of, original, note, context);
+    status = mukca_dataset_subset(&kept, data, keep, error);
+    if (status != MUKCA_OK) goto out;
+    mukca_dataset_free(data);
+    *data = kept;
+    prune(data, map);
+out:
+    free(original);
+    free(keep);
+    return status;
+}
