@@ -62,7 +62,7 @@ static void put_tie(mukca_text *text, const mukca_diagnosed *r, const mukca_caus
             mukca_text_put(text,
                            "; some %d more postures would decide: mukca plan --settle --rows %d",
                            plan->rows_to_name, plan->rows_to_name);
-        else
+        else if (r->data->n_sockets > 0)
             mukca_text_put(text,
                            "; a placement far from these may decide: mukca plan --settle "
                            "--suggest 1");

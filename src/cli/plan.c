@@ -183,7 +183,11 @@ static mukca_status plan(cli_plan *r)
     if (o->suggest > 0)
         return mukca_plan_places(r->places, &r->n_places, o->suggest, &task, &r->options,
                                  &r->call->error);
-    return mukca_plan_run(&r->plan, &task, &r->options, &r->call->error);
+    status = mukca_plan_run(&r->plan, &task, &r->options, &r->call->error);
+    r->unloaded = r->plan.evidence_after;
+    if (status == MUKCA_OK && r->options.n_effects > 0)
+        status = mukca_plan_payload(&r->payload, &r->plan, &task, &r->options, &r->call->error);
+    return status;
 }
 
 static void release(void *work)
@@ -219,8 +223,10 @@ const cli_command cli_command_plan = {
         "Finds postures with the ball in the sockets of DATA (located by --offsets or the nominal "
         "model) and of each --place, within the joint limits and with the tool pointing down, and "
         "selects those that add most information to DATA: about the geometry (D-optimality), or, "
-        "with --settle or --separate, about which of two causes is present (T-optimality). Writes "
-        "a session file in the order to visit. The angles say where to guide the arm; record the "
+        "with --settle or --separate, about which of two causes is present (T-optimality). If "
+        "postures alone cannot separate elastic causes, the plan is for the smallest payload with "
+        "which they do. Writes a session file in the order to visit. The angles say where to guide "
+        "the arm; record the "
         "angles at which the ball is seated.",
     .example =
         "mukca plan --urdf data/demo/arm.urdf --place front=0.45,0,0.05,0,0,1.57 --rows 40 -o "

@@ -26,6 +26,8 @@ typedef struct {
     mukca_diagnosis diagnosis;
     mukca_plan_options options;
     mukca_plan plan;
+    double payload;  /* kg that the proposed postures need; 0: none */
+    double unloaded; /* evidence of as many postures without it */
     int n_places;
     mukca_plan_place places[CLI_PLAN_MAX_PLACES];
 } cli_plan;

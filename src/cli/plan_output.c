@@ -31,12 +31,13 @@ mukca_status cli_plan_write(cli_plan *r)
         fputs("placement\tsocket", out);
         for (int j = 0; j < chain->n_joints; j++)
             fprintf(out, "\t%s", mukca_chain_joint_name(chain, j));
-        fputc('\n', out);
+        fputs(r->payload > 0 ? "\tpayload_kg\n" : "\n", out);
         for (int i = 0; i < r->plan.n_rows; i++) {
             const mukca_plan_row *row = &r->plan.rows[i];
             fprintf(out, "%s\t%s", r->sockets[row->socket].placement,
                     r->sockets[row->socket].label);
             for (int j = 0; j < chain->n_joints; j++) fprintf(out, "\t%.6f", row->q[j]);
+            if (r->payload > 0) fprintf(out, "\t%g", r->payload);
             fputc('\n', out);
         }
     }
@@ -64,12 +65,13 @@ json_t *cli_plan_json(const cli_plan *r)
                       "log_bayes_factor", cli_json_real(r->places[i].evidence)));
     const mukca_plan *p = &r->plan;
     return json_pack(
-        "{s:s, s:i, s:o, s:o, s:o, s:o, s:i, s:f}", "schema", "mukca.plan/1", "recorded_rows",
+        "{s:s, s:i, s:o, s:o, s:o, s:o, s:i, s:f, s:f}", "schema", "mukca.plan/1", "recorded_rows",
         p->n_recorded, "poses", rows, "places", places, "expected_error_m",
         cli_json_numbers("before", p->expected_before, "after", p->expected_after, NULL),
         "log_bayes_factor",
         cli_json_numbers("before", p->evidence_before, "after", p->evidence_after, NULL),
-        "rows_to_name", p->rows_to_name, "elapsed_s", cli_elapsed(r->call));
+        "rows_to_name", p->rows_to_name, "payload_kg", r->payload, "elapsed_s",
+        cli_elapsed(r->call));
 }
 
 static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
@@ -108,6 +110,11 @@ void cli_plan_print(cli_plan *r)
                            "Separating %s from %s: expected log Bayes factor %.1f before, %.1f "
                            "after (%g decides)",
                            a, b, p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+        if (r->payload > 0)
+            cli_answer_wrapped(r->call,
+                               "These postures are for a payload of %g kg at the tip; as many "
+                               "without it reach %.1f",
+                               r->payload, r->unloaded);
         if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
             cli_answer_wrapped(r->call,
                                "Not enough: some --rows %d are needed, or another placement "

@@ -73,12 +73,15 @@ static void take_recorded(mukca_planner *p)
         const double *q = p->data->q + r * p->state.at.chain->n_joints;
         const int k = socket_of_row(p, r);
         if (k < 0) continue;
+        const double kg = p->data->payload ? p->data->payload[r] : 0;
+        p->state.payload = isfinite(kg) ? kg : 0;
         mukca_plan_design(p->spare, &p->state, q, p->sockets[k].place, before);
         mukca_plan_state_row(&p->state, p->spare, k, 1);
         before = q;
         p->recorded[k]++;
         p->n_recorded++;
     }
+    p->state.payload = p->state.options->payload;
     for (int a = 0; a < p->n_sockets; a++)
         for (int b = a + 1; b < p->n_sockets; b++)
             if (p->sockets[a].place == p->sockets[b].place)

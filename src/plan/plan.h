@@ -37,6 +37,7 @@ typedef struct {
                           what the data show; NaN: any */
     double separation; /* least difference to other poses in some joint, rad; 0: 0.2 */
     double margin;     /* kept from the joint limits, rad or m; 0: 0.02 */
+    double payload;    /* kg at the tip beyond the model, of the proposed postures */
     const mukca_effect *effects;                  /* causes in question; NULL: plan for accuracy */
     int n_effects;                                /* at least 2 unless 0 */
     bool (*stop)(void *context);                  /* asked now and then; may be NULL */
@@ -81,6 +82,13 @@ typedef struct {
 mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
                             const mukca_plan_options *options, mukca_error *error);
 void mukca_plan_free(mukca_plan *plan);
+
+/* Where postures alone do not bring the evidence to MUKCA_PLAN_NAME: the smallest usual mass at the
+ * tip with which as many postures do, up to a third of the arm's own, which few arms carry.
+ * *payload gets it and *plan the postures with it; without such a mass *payload is 0 and *plan
+ * stays.  Errors: as mukca_plan_run. */
+mukca_status mukca_plan_payload(double *payload, mukca_plan *plan, const mukca_plan_task *task,
+                                const mukca_plan_options *options, mukca_error *error);
 
 /* A place for the tool and what recording there would bring. */
 typedef struct {

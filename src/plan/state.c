@@ -80,7 +80,8 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
     mukca_linearisation_tip(H, s->n_known, NULL, &s->at, q);
     for (int j = 0; j < chain->n_joints && before; j++) move[j] = q[j] - before[j];
     for (int e = 0; e < s->n_effects; e++) {
-        const mukca_joint_state state = {.q = q, .move = move, .placement = place};
+        const mukca_joint_state state = {
+            .q = q, .move = move, .placement = place, .payload_kg = s->payload};
         for (int t = 0; t < s->effect[e].terms; t++) {
             /* The displacement is linear in the coefficient, the position nearly so. */
             const double step = size_of(&s->effect[e]);

@@ -19,7 +19,8 @@ typedef struct {
 typedef struct {
     mukca_linearisation at;
     const mukca_plan_options *options;
-    double noise; /* m */
+    double noise;   /* m */
+    double payload; /* of the samples that are designed next, kg */
     int n_geometry, n_effects, n_terms, n_sockets;
     mukca_effect effect[MUKCA_PLAN_MAX_EFFECTS];
     int first_term[MUKCA_PLAN_MAX_EFFECTS + 1]; /* of each effect among the causes' columns */

@@ -215,6 +215,10 @@ void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put(text, "`mukca plan --settle` with these data writes postures that separate %s",
             r->next->plan.evidence_after < MUKCA_PLAN_NAME ? "the alternatives in part"
                                                            : "the alternatives");
+    else if (r->next && r->next->cause >= 0 && r->data->n_sockets == 0)
+        put(text,
+            "record other postures, or (elastic causes) the same ones with another payload, to "
+            "separate the alternatives: give both logs, with --payload KG,KG");
     else if (r->next && r->next->cause >= 0)
         put(text, "record another placement, far from these, to separate the alternatives");
     else if (d->n_faults)
