@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "diagnose/unlisted.h"
+
 /* Coefficient size of a wave that displaces by 1 rad rms: the rms of a sine. */
 #define WAVE_UNIT 0.70710678118654752440
 
@@ -23,6 +25,11 @@ bool mukca_candidate_is_fault(const mukca_candidate *h)
 {
     return h->kind == MUKCA_CANDIDATE_STEP || h->kind == MUKCA_CANDIDATE_CREEP ||
            h->kind == MUKCA_CANDIDATE_OUTLIER;
+}
+
+bool mukca_candidate_is_unlisted(const mukca_candidate *h)
+{
+    return h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE || h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME;
 }
 
 int mukca_candidate_class(const mukca_candidate *h)
@@ -61,7 +68,8 @@ mukca_effect_site mukca_candidate_site(const mukca_candidate *h)
 
 bool mukca_candidate_moves_arm(const mukca_candidate *h)
 {
-    return h->basis && h->kind != MUKCA_CANDIDATE_STRETCH;
+    return h->basis && h->kind != MUKCA_CANDIDATE_STRETCH &&
+           h->kind != MUKCA_CANDIDATE_UNLISTED_FRAME;
 }
 
 bool mukca_candidate_turns_joint(const mukca_candidate *h)
@@ -264,8 +272,8 @@ static void fill_effect(const mukca_candidate *h, const mukca_recording *recordi
 static void set_units(mukca_candidate *h, const mukca_recording *recording)
 {
     const int width = h->width_of_term;
-    const mukca_effect_site site = mukca_effect_table[h->effect.kind]->site;
-    const bool wave = mukca_effect_has((int)h->effect.kind, MUKCA_TRAIT_PERIODIC);
+    const mukca_effect_site site = mukca_candidate_site(h);
+    const bool wave = mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_PERIODIC);
     for (int t = 0; t < h->terms && site != MUKCA_SITE_TIP; t++) {
         double square = 0, whole = 0;
         for (int i = 0; i < width; i++) {
@@ -327,6 +335,10 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
         case MUKCA_CANDIDATE_STRETCH:
             h->terms = 3;
             break;
+        case MUKCA_CANDIDATE_UNLISTED_ANGLE:
+        case MUKCA_CANDIDATE_UNLISTED_FRAME:
+            h->terms = mukca_unlisted_terms(h);
+            break;
         default:
             break;
     }
@@ -350,6 +362,10 @@ void mukca_candidate_fill(const mukca_candidate *h, const mukca_recording *recor
         case MUKCA_CANDIDATE_STRETCH:
             fill_stretch(h, recording);
             break;
+        case MUKCA_CANDIDATE_UNLISTED_ANGLE:
+        case MUKCA_CANDIDATE_UNLISTED_FRAME:
+            mukca_unlisted_fill(h, recording);
+            break;
         default:
             fill_polynomials(h, recording);
             break;
@@ -365,6 +381,7 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
     h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term));
     if (!h->basis) return false;
     mukca_candidate_fill(h, recording);
-    if (h->kind == MUKCA_CANDIDATE_EFFECT) set_units(h, recording);
+    if (h->kind == MUKCA_CANDIDATE_EFFECT || mukca_candidate_is_unlisted(h))
+        set_units(h, recording);
     return true;
 }

@@ -25,8 +25,22 @@ typedef enum {
     MUKCA_CANDIDATE_TIME,          /* unknown: ... of time */
     MUKCA_CANDIDATE_SLIP,          /* unknown: the joint slips once, before a row */
     MUKCA_CANDIDATE_STRETCH,       /* unknown: a link changes its length with time */
+    /* Unlisted: simple causes, scored against a name and never accepted */
+    MUKCA_CANDIDATE_UNLISTED_ANGLE, /* the joint turns by a function of an argument */
+    MUKCA_CANDIDATE_UNLISTED_FRAME, /* a frame shifts or turns by it */
     MUKCA_CANDIDATE_KINDS
 } mukca_candidate_kind;
+
+/* What an unlisted cause is a function of. */
+typedef enum {
+    MUKCA_ARGUMENT_ANGLE, /* of a joint */
+    MUKCA_ARGUMENT_WAVE,  /* its sine and cosine */
+    MUKCA_ARGUMENT_LOAD,  /* torque about its axis */
+    MUKCA_ARGUMENT_SIDE,  /* of that torque */
+    MUKCA_ARGUMENT_MOVE,  /* direction of its last move */
+    MUKCA_ARGUMENT_TIME,
+    MUKCA_ARGUMENT_PLACEMENT /* 1 in one placement, else 0 */
+} mukca_argument;
 
 /* Classes compete as equals: the catalogue's effects, then the two rivals of all of them. */
 enum { MUKCA_CLASS_OUTLIER = MUKCA_EFFECT_COUNT, MUKCA_CLASS_UNKNOWN, MUKCA_CLASSES };
@@ -46,6 +60,11 @@ typedef struct {
             int slot;             /* STRETCH: of the unknowns */
             double time_constant; /* s */
         } stretch;
+        struct {
+            mukca_argument argument;
+            int other, slot; /* joint of the argument; FRAME: of the unknowns */
+            bool turns;      /* FRAME: rotation, else shift */
+        } simple;            /* UNLISTED */
     };
     int terms, width_of_term; /* a term is 1 angle, 3 of a rotation or shift, n_joints angles */
     float *basis;             /* [n_rows][terms][width_of_term]; NULL: faults and distances */
@@ -58,6 +77,9 @@ int mukca_candidate_class(const mukca_candidate *candidate);
 
 /* Is it a fault of one socket or row, which moves the socket and not the arm? */
 bool mukca_candidate_is_fault(const mukca_candidate *candidate);
+
+/* Is it a simple cause that nobody listed? */
+bool mukca_candidate_is_unlisted(const mukca_candidate *candidate);
 
 /* Does it displace the arm's joints or tip?  Faults, distances and stretched links do not. */
 bool mukca_candidate_moves_arm(const mukca_candidate *candidate);

@@ -8,7 +8,8 @@
 
 enum {
     LONGEST_BURST = 3, /* samples that a badly seated ball may stay so */
-    MOST_SLIPS = 200   /* rows at which a joint is tried for a slip */
+    MOST_SLIPS = 64    /* rows at which a joint is tried for a slip: found at the wrong one by half
+                          a step, a slip in mid-recording loses 3 % of its evidence at most */
 };
 
 typedef struct {
@@ -138,14 +139,54 @@ static void list_faults(lister *l)
     }
 }
 
+/* Simple causes that nobody listed: every argument at every place. */
+static void list_unlisted(lister *l)
+{
+    const mukca_recording *r = l->recording;
+    const mukca_unknowns *u = l->unknowns;
+    const int n = r->chain->n_joints;
+    const bool placements = r->data->n_placements > 1;
+    for (int j = 0; j < n; j++)
+        for (int a = 0; a <= MUKCA_ARGUMENT_TIME; a++)
+            for (int k = 0; k < (a == MUKCA_ARGUMENT_TIME ? 1 : n); k++) {
+                const bool load = a == MUKCA_ARGUMENT_LOAD || a == MUKCA_ARGUMENT_SIDE;
+                /* the loads of other joints are in this one's by the masses' spread */
+                if ((load && (!r->have_torques || k != j)) || l->all->survey.joint[k].range < 0.1)
+                    continue;
+                append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
+                                            .joint = j,
+                                            .placement = -1,
+                                            .simple = {(mukca_argument)a, .other = k}});
+            }
+    for (int slot = 0; slot < u->n_slots; slot++) {
+        const int joint = r->chain->element[u->slot_element[slot]].joint;
+        mukca_candidate h = {.kind = MUKCA_CANDIDATE_UNLISTED_FRAME,
+                             .joint = joint < 0 ? n - 1 : joint,
+                             .simple = {.slot = slot}};
+        h.simple.other = h.joint;
+        for (int turns = 0; turns < 2; turns++) {
+            if (turns && slot + 1 == u->n_slots && u->slot_width < 6) continue;
+            h.simple.turns = turns;
+            h.placement = -1;
+            h.simple.argument = MUKCA_ARGUMENT_WAVE;
+            append(l, h);
+            h.simple.argument = MUKCA_ARGUMENT_TIME;
+            append(l, h);
+            h.simple.argument = MUKCA_ARGUMENT_PLACEMENT;
+            for (h.placement = 0; placements && h.placement < r->data->n_placements; h.placement++)
+                append(l, h);
+        }
+    }
+}
+
 /* Prior odds: equal per class, then per joint, then per variant; a quarter of tool motions creep,
  * half of the outliers are bursts, half of the unknown functions have another argument than the
- * joint's own angle alone. */
+ * joint's own angle alone.  Unlisted causes count as a class of their own, all alike. */
 static void set_priors(mukca_candidates *all)
 {
     int variants[MUKCA_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
     int joints[MUKCA_CLASSES] = {0}, kinds[MUKCA_CANDIDATE_KINDS] = {0}, single = 0;
-    for (int i = 0; i < all->count; i++) {
+    for (int i = 0; i < all->first_unlisted; i++) {
         const mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
         const bool cross = class == MUKCA_CLASS_UNKNOWN && h->kind != MUKCA_CANDIDATE_OWN_ANGLE;
@@ -158,7 +199,7 @@ static void set_priors(mukca_candidates *all)
     }
     all->classes = all->harmonics;
     for (int c = 0; c < MUKCA_CLASSES; c++) all->classes += all->enabled[c];
-    for (int i = 0; i < all->count; i++) {
+    for (int i = 0; i < all->first_unlisted; i++) {
         mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
         double share = 1.0 / joints[class]; /* of the class */
@@ -177,6 +218,8 @@ static void set_priors(mukca_candidates *all)
         }
         h->log_prior = log(share / all->classes);
     }
+    for (int i = all->first_unlisted; i < all->count; i++)
+        all->list[i].log_prior = -log((double)all->classes * (all->count - all->first_unlisted));
 }
 
 /* Where commands are fitted and readings are there, too, their difference shows a sag directly:
@@ -246,6 +289,8 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
     }
     append_effects(&l, -1);
     list_faults(&l);
+    all->first_unlisted = all->count;
+    list_unlisted(&l);
     if (!l.ok)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows",
                           recording->data->n_rows);

@@ -8,6 +8,7 @@
 typedef struct {
     mukca_candidate *list;
     int count, capacity;
+    int first_unlisted;                 /* the candidates from there on are unlisted */
     mukca_effect_survey survey;         /* of the recording */
     int classes;                        /* that compete, gear harmonics included where scanned */
     bool enabled[MUKCA_CLASSES];        /* classes in the competition */

@@ -178,7 +178,9 @@ bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_comp
     const mukca_accepted *cause = &contest->m->unknowns.cause[index];
     const mukca_candidate *h = &cause->candidate;
     double share;
-    mukca_scan_run(contest->scan, contest->m, index, MUKCA_SCAN_CONTENDERS);
+    mukca_scan_run(
+        contest->scan, contest->m, index,
+        mukca_candidate_class(h) < MUKCA_EFFECT_COUNT ? MUKCA_SCAN_RIVALS : MUKCA_SCAN_CONTENDERS);
     mukca_competition_rank(contest);
     int others = 0;
     for (int i = 0; i < contest->n_table; i++)

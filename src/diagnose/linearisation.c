@@ -49,6 +49,12 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
                 linear->columns + (size_t)(i * d) * (size_t)ldx + 6 * h->stretch.slot;
             for (int c = 0; c < d; c++)
                 for (int t = 0; t < 3; t++) out[c * ld + t] = slot[c * ldx + t] * (double)basis[t];
+        } else if (h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME) {
+            const double *slot = linear->columns + (size_t)(i * d) * (size_t)ldx +
+                                 6 * h->simple.slot + (h->simple.turns ? 3 : 0);
+            for (int c = 0; c < d; c++)
+                for (int t = 0; t < terms; t++)
+                    out[c * ld + t] = slot[c * ldx + t % 3] * (double)basis[t];
         } else if (site == MUKCA_SITE_TIP) {
             const double *frame = linear->tip_frame + 9 * i;
             for (int c = 0; c < 3; c++)

@@ -190,8 +190,11 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
     memset(scan->wanted, 1, (size_t)scan->capacity);
     scan->n_scores = scan->all->count + scan->n_harmonic;
-    for (int k = 0; extent == MUKCA_SCAN_CONTENDERS && k < scan->n_scores; k++)
-        scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without]);
+    for (int k = 0; k < scan->n_scores; k++)
+        if (mukca_candidate_is_unlisted(mukca_scan_candidate(scan, k)))
+            scan->wanted[k] = extent == MUKCA_SCAN_RIVALS;
+        else if (extent >= MUKCA_SCAN_CONTENDERS)
+            scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without]);
     for (int k = 0; k < scan->n_scores; k++)
         scan->score[k] = (mukca_score){.index = k, .log_bayes = -HUGE_VAL, .log_odds = -HUGE_VAL};
     for (int i = 0; i < MUKCA_RHOS; i++) {

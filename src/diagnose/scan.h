@@ -22,10 +22,11 @@ enum { MUKCA_SCAN_STEPS = 64 }; /* runs that are remembered; later ones count fo
 
 /* The part of the list that a run scores. */
 typedef enum {
-    MUKCA_SCAN_ALL,       /* everything, all orders of gear ripple included */
-    MUKCA_SCAN_LISTED,    /* the list, and the orders that a scan of all has found worth it */
-    MUKCA_SCAN_CONTENDERS /* what came near the front since the excluded cause was accepted, and
+    MUKCA_SCAN_ALL,        /* everything, all orders of gear ripple included */
+    MUKCA_SCAN_LISTED,     /* the list, and the orders that a scan of all has found worth it */
+    MUKCA_SCAN_CONTENDERS, /* what came near the front since the excluded cause was accepted, and
                             the same effect there; of a single bad row only itself */
+    MUKCA_SCAN_RIVALS      /* the same, and the causes that nobody listed */
 } mukca_scan_extent;
 
 typedef struct {
