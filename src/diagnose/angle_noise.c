@@ -72,7 +72,8 @@ double mukca_angle_noise_gain(mukca_projector *p, const mukca_candidate *h)
     const int terms = h->terms, rows = m->recording.data->n_rows;
     const size_t values = (size_t)rows * (size_t)m->recording.chain->n_joints;
     double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[MUKCA_MAX_COLUMNS];
-    double copy[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], bias[MUKCA_MAX_COLUMNS];
+    double copy[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], gradient[MUKCA_MAX_COLUMNS];
+    double bias[MUKCA_MAX_COLUMNS];
     mukca_pool pool = {0};
     mukca_dataset data = *m->recording.data;
     mukca_recording moved = m->recording;
@@ -89,9 +90,12 @@ double mukca_angle_noise_gain(mukca_projector *p, const mukca_candidate *h)
         self_gradient(bias, p, h, &moved, &there);
         mukca_projector_project(G, g, p, p->E, terms, h);
         memcpy(copy, G, sizeof *G * (size_t)(terms * terms));
-        for (int t = 0; t < terms; t++) bias[t] = g[t] - bias[t];
-        gain = mukca_projector_block(G, g, h, p->residual, p->normal->dof, NULL) -
-               mukca_projector_block(copy, bias, h, p->residual, p->normal->dof, NULL);
+        memcpy(gradient, g, sizeof *g * (size_t)terms);
+        gain = mukca_projector_block(copy, gradient, h, p->residual, p->normal->dof, NULL);
+        /* the noise is what the candidate leaves: its gain in fit is at least that of its score */
+        const double left = exp(-2 * fmax(gain, 0) / p->normal->dof);
+        for (int t = 0; t < terms; t++) g[t] -= left * bias[t];
+        gain -= mukca_projector_block(G, g, h, p->residual, p->normal->dof, NULL);
     }
     mukca_pool_free(&pool);
     return gain;
