@@ -20,6 +20,10 @@ VERSION := $(shell sed -n 's/.*MUKCA_VERSION "\(.*\)".*/\1/p' include/mukca/vers
 CORE_ROOMS := base math model effect arm fit recalibrate capture plan simulate diagnose
 CORE_SRC := $(filter-out src/fit/nlopt_adapter%,$(foreach room,$(CORE_ROOMS),\
             $(sort $(wildcard src/$(room)/*.c))))
+# of these, what a control loop needs: no stdio, no allocation, no clock, no locale
+RT_SRC := $(addprefix src/,$(addsuffix .c,base/cells base/number base/print math/orientation \
+          math/rotation model/chain model/fk model/fk_jacobian model/gravity model/row_state \
+          arm/acceptance arm/corrected arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
 REST_SRC := $(sort $(wildcard src/fit/nlopt_adapter*.c $(foreach room,io lcm report record,\
             src/$(room)/*.c src/$(room)/*.cc)))
 CLI_SRC  := $(sort $(wildcard src/cli/*.c))
@@ -32,6 +36,7 @@ SCRIPTS  := $(sort $(wildcard tests/*.sh tests/*/run.sh))
 
 object = $(patsubst %,$(BUILD)/obj/%.o,$(basename $(1)))
 CORE_OBJ := $(call object,$(CORE_SRC))
+RT_OBJ   := $(call object,$(RT_SRC))
 REST_OBJ := $(call object,$(REST_SRC))
 CLI_OBJ  := $(call object,$(CLI_SRC))
 # what tests may use of the command-line layer: everything but main
@@ -42,6 +47,7 @@ FUZZERS  := $(FUZZ_SRC:tests/fuzz/%.c=$(BUILD)/fuzzers/%)
 EXAMPLES := $(EXAMPLE_SRC:tools/%.c=$(BUILD)/examples/%)
 PROGRAM  := $(if $(wildcard src/cli/main.c),$(BUILD)/mukca)
 CORE     := $(BUILD)/libmukca_core.a
+RT       := $(BUILD)/libmukca_rt.a
 
 # ---- flags ---------------------------------------------------------------------------------------
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Wundef \
@@ -56,15 +62,23 @@ LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none
 
 # Flags of the libraries come from a small makefile that is made first; make then starts anew.
 # `demo` and `check` install what is missing, the other targets only say so.
-NEEDS_LIBRARIES := $(filter-out core clean help dist uninstall format,$(or $(MAKECMDGOALS),all))
+NEEDS_LIBRARIES := $(filter-out core rt clean help dist uninstall format,$(or $(MAKECMDGOALS),all))
 ifneq ($(NEEDS_LIBRARIES),)
 include $(BUILD)/config.mk
 endif
 
 $(BUILD)/config.mk: tools/deps tools/config
 	@mkdir -p $(@D)
-	@tools/deps $(if $(filter demo check,$(MAKECMDGOALS)),,--check)
-	@tools/config > $@.new && mv $@.new $@
+	@$(if $(SYSROOT),,tools/deps $(if $(filter demo check,$(MAKECMDGOALS)),,--check))
+	@$(SYSROOT_CONFIG) tools/config > $@.new && mv $@.new $@
+
+# SYSROOT=FOLDER: headers and libraries of another machine (tools/sysroot), for a cross compiler
+ifneq ($(SYSROOT),)
+SYSROOT_LIB := $(SYSROOT)/usr/lib/$(shell $(CC) -dumpmachine)
+SYSROOT_CONFIG := PKG_CONFIG_SYSROOT_DIR=$(SYSROOT) PKG_CONFIG_LIBDIR=$(SYSROOT_LIB)/pkgconfig:$(SYSROOT)/usr/share/pkgconfig
+override CPPFLAGS += --sysroot=$(SYSROOT)
+override LDFLAGS += --sysroot=$(SYSROOT) -Wl,-rpath-link,$(SYSROOT_LIB)
+endif
 
 quietly = $(if $(V),,@echo '  $(1)'; )
 
@@ -72,14 +86,18 @@ quietly = $(if $(V),,@echo '  $(1)'; )
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all core demo check soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
+.PHONY: all core rt demo programs check soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
         verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
-all: $(PROGRAM) $(CORE) ## the program build/mukca and the core library (default)
+all: $(PROGRAM) $(CORE) $(RT) ## the program build/mukca and the core library (default)
 
-core: $(CORE) ## build/libmukca_core.a: plain C11 and libm only, cross-compiles (CC=...)
+core: $(CORE) $(RT) ## build/libmukca_core.a, libmukca_rt.a: C11 and libm only, cross-compile (CC=...)
 
+rt: $(RT) ## build/libmukca_rt.a for control loops: no stdio, no allocation, bare metal
+
+$(RT): $(RT_OBJ)
 $(CORE): $(CORE_OBJ)
+$(CORE) $(RT):
 	@rm -f $@
 	$(call quietly,AR $@)$(AR) qcsD $@ $^
 
@@ -126,11 +144,13 @@ TEST_ENVIRONMENT := MUKCA=$(abspath $(BUILD))/mukca BUILD=$(abspath $(BUILD)) LC
 demo: all ## calibrate, diagnose and report the demo arm of data/ into build/demo
 	@$(TEST_ENVIRONMENT) $(call script,demo) build/demo
 
-check: $(PROGRAM) $(TESTS) $(EXAMPLES) ## build and run every test
+check: $(PROGRAM) $(TESTS) $(EXAMPLES) $(RT) ## build and run every test
 	@$(TEST_ENVIRONMENT) tests/run $(TESTS) $(SCRIPTS)
 
 soak: $(PROGRAM) ## the LCM tests in full: 60 s at 1 kHz, 100 kills, a million hostile messages
 	@$(TEST_ENVIRONMENT) MUKCA_LONG=1 tests/lcm/run.sh
+
+programs: $(PROGRAM) $(TESTS) $(EXAMPLES) $(RT) ## what check runs
 
 faults: $(PROGRAM) ## every failing allocation, write, sync and rename; 100 kills, 100 power cuts
 	@$(TEST_ENVIRONMENT) MUKCA_LONG=1 tests/run $(abspath tests/fault/run.sh)
@@ -226,7 +246,7 @@ install: all ## program, core library, headers, mukca.pc, unit, man pages, compl
 	    $(share)/man/man5 $(share)/mukca/lcm $(share)/bash-completion/completions \
 	    $(share)/zsh/site-functions
 	install -m 755 $(BUILD)/mukca $(bindir)/mukca
-	install -m 644 $(CORE) $(libdir)/
+	install -m 644 $(CORE) $(RT) $(libdir)/
 	install -m 644 $(HEADERS) $(incdir)/
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' tools/mukca.pc.in > $(libdir)/pkgconfig/mukca.pc
 	sed -e 's|/usr/local|$(PREFIX)|' data/systemd/mukca.service > $(libdir)/systemd/system/mukca.service
@@ -237,7 +257,7 @@ install: all ## program, core library, headers, mukca.pc, unit, man pages, compl
 	$(BUILD)/mukca completion zsh > $(share)/zsh/site-functions/_mukca
 
 uninstall: ## remove what install put there
-	rm -f $(bindir)/mukca $(libdir)/libmukca_core.a $(libdir)/pkgconfig/mukca.pc \
+	rm -f $(bindir)/mukca $(libdir)/libmukca_core.a $(libdir)/libmukca_rt.a $(libdir)/pkgconfig/mukca.pc \
 	    $(libdir)/systemd/system/mukca.service \
 	    $(share)/man/man1/mukca.1 $(share)/man/man5/mukca-formats.5 \
 	    $(share)/bash-completion/completions/mukca $(share)/zsh/site-functions/_mukca

@@ -55,6 +55,21 @@ done
 foreign=$(nm -g --defined-only "$build/libmukca_core.a" | awk 'NF == 3 && $3 !~ /^mukca_/ { print $3 }')
 [ -z "$foreign" ] || fail "the core library exports names that are not mukca_*: $(echo "$foreign" | tr '\n' ' ')"
 
+# The library for control loops is freestanding but for libm: no stdio, no allocation, no clock, no
+# locale, and no memory of its own, so that threads cannot disturb each other.
+math='atan2 copysign cos exp fabs floor fmax fmin hypot ldexp rint round sin sincos sqrt tanh'
+string='memcmp memcpy memmove memset strchr strcmp strcspn strlen strncmp strspn'
+compiler='_GLOBAL_OFFSET_TABLE_ __stack_chk_fail __(u?div|u?mod)[dt]i[34] __(asan|ubsan|sanitizer|gcov)_.*'
+rt=$build/libmukca_rt.a
+needed=$(nm -g "$rt" | awk 'NF == 3 { have[$3] = 1 } NF == 2 { want[$2] = 1 }
+    END { for (name in want) if (!(name in have)) print name }' |
+    grep -vxE "$(echo "$math $string $compiler" | tr ' ' '|')" | sort | tr '\n' ' ')
+[ -z "$needed" ] || fail "libmukca_rt.a needs $needed"
+[ -n "$(nm -g --defined-only "$rt" 2>/dev/null)" ] || fail "there is no $rt"
+owned=$(size -A "$rt" | awk '$1 ~ /^\.t?(data|bss)/ && $1 !~ /\.rel\.ro/ && $1 !~ /asan/ && $2 > 0 { print $1 }' | sort -u)
+case $(nm "$rt" 2>/dev/null) in *__asan_*) owned= ;; esac # sanitizers move constants
+[ -z "$owned" ] || fail "libmukca_rt.a has variables: $owned"
+
 hit=$(find src -name '*.cc' ! -path 'src/io/urdf_load.cc')
 [ -z "$hit" ] || fail "C++ outside the URDF loader: $hit"
 hit=$(grep -rnE 'TODO|FIXME|XXX|not implemented' src include)

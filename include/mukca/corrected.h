@@ -2,8 +2,9 @@
  * Jacobians with everything that was found.
  *
  * An offsets table holds the whole chain in its comment lines, so that neither the URDF nor an XML
- * parser is needed.  Loading uses libc; what comes after does not allocate, lock, or read or write
- * anything but its arguments: a model may be used by many threads at once.
+ * parser is needed.  Nothing here but mukca_corrected_load allocates, locks, or reads or writes
+ * anything but its arguments: a model may be used by many threads at once.  Without the functions
+ * that load a file, libmukca_rt is enough.
  */
 #ifndef MUKCA_CORRECTED_H
 #define MUKCA_CORRECTED_H
@@ -23,18 +24,20 @@ typedef struct {
     bool judged, accepted; /* the table has a verdict; its calibration passed */
 } mukca_corrected;
 
-/* Fill `model` from the text of an offsets table (as `mukca calibrate -o` writes it).  A table
- * whose calibration did not pass is refused (`judged`, and not `accepted`); one without a verdict,
- * of an older release or made by hand, is read.  Errors: MUKCA_INPUT, with the line. */
-mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, mukca_error *error);
+/* Fill `model` from the `size` bytes of an offsets table in memory (as `mukca calibrate -o` writes
+ * it).  A table whose calibration did not pass is refused (`judged`, and not `accepted`); one
+ * without a verdict, of an older release or made by hand, is read.  Errors: MUKCA_INPUT, with the
+ * line. */
+mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, size_t size,
+                                   mukca_error *error);
 
-/* The same from a file.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
+/* The same from a file (libmukca_core).  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error);
 
 /* As the above, with a table whose calibration did not pass where `accept_failed`: not for the
  * control of an arm. */
-mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, bool accept_failed,
-                                       mukca_error *error);
+mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, size_t size,
+                                       bool accept_failed, mukca_error *error);
 mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, bool accept_failed,
                                       mukca_error *error);
 

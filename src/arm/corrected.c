@@ -2,52 +2,49 @@
 #include "mukca/corrected.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "arm/offsets.h"
-#include "base/file.h"
+#include "base/print.h"
 
-mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, bool accept_failed,
-                                       mukca_error *error)
+mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, size_t size,
+                                       bool accept_failed, mukca_error *error)
 {
-    mukca_offsets offsets;
+    double theta[MUKCA_MAX_THETA];
+    unsigned char listed[MUKCA_MAX_THETA] = {0};
+    mukca_acceptance acceptance;
     mukca_offsets_origin origin = {.name = "offsets table", .accept_failed = accept_failed};
+    const mukca_offsets_target into = {.theta = theta,
+                                       .listed = listed,
+                                       .n_effects = &model->n_effects,
+                                       .effects = model->effects,
+                                       .acceptance = &acceptance};
+    const mukca_bytes table = {text, size};
     memset(model, 0, sizeof *model);
-    mukca_status status = mukca_chain_parse(&model->chain, text, origin.name, error);
+    mukca_status status = mukca_chain_parse(&model->chain, table, origin.name, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_offsets_parse(&offsets, &origin, &model->chain, text, error);
-    model->judged = offsets.acceptance.given;
-    model->accepted = offsets.acceptance.accepted;
+    mukca_chain_theta(theta, &model->chain);
+    mukca_acceptance_init(&acceptance);
+    status = mukca_offsets_parse_into(&into, &origin, &model->chain, table, error);
+    model->judged = acceptance.given;
+    model->accepted = acceptance.accepted;
     if (status != MUKCA_OK) return status;
-    if (origin.ignored > 0)
-        return mukca_fail(error, MUKCA_INPUT, "%s: has rows of joints that its chain lacks",
-                          origin.name);
-    mukca_geometry_set(&model->geometry, &model->chain, offsets.theta);
-    model->n_effects = offsets.n_effects;
-    memcpy(model->effects, offsets.effects, sizeof model->effects);
+    if (origin.ignored > 0) {
+        if (error) {
+            error->status = MUKCA_INPUT;
+            mukca_print(error->text, sizeof error->text,
+                        "%s: has rows of joints that its chain lacks", origin.name);
+        }
+        return MUKCA_INPUT;
+    }
+    mukca_geometry_set(&model->geometry, &model->chain, theta);
     return MUKCA_OK;
 }
 
-mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, bool accept_failed,
-                                      mukca_error *error)
+mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, size_t size,
+                                   mukca_error *error)
 {
-    char *text;
-    mukca_status status = mukca_file_read(&text, path, error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_corrected_parse_any(model, text, accept_failed, error);
-    free(text);
-    return status;
-}
-
-mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, mukca_error *error)
-{
-    return mukca_corrected_parse_any(model, text, false, error);
-}
-
-mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error)
-{
-    return mukca_corrected_load_any(model, path, false, error);
+    return mukca_corrected_parse_any(model, text, size, false, error);
 }
 
 /* What the effects do at q, and NULL where there are none. */

@@ -69,3 +69,16 @@ void mukca_offsets_place_effects(mukca_effect *effects, const mukca_offsets *off
             if (strcmp(data->placements[p].name, name) == 0) effects[e].placement = p;
     }
 }
+
+mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *origin,
+                                 const mukca_chain *chain, const char *text, mukca_error *error)
+{
+    const mukca_offsets_target into = {.theta = offsets->theta,
+                                       .listed = offsets->listed,
+                                       .n_effects = &offsets->n_effects,
+                                       .effects = offsets->effects,
+                                       .acceptance = &offsets->acceptance,
+                                       .rest = offsets};
+    mukca_offsets_init(offsets, chain);
+    return mukca_offsets_parse_into(&into, origin, chain, (mukca_bytes){text, strlen(text)}, error);
+}

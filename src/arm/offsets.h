@@ -65,13 +65,33 @@ typedef struct {
     int ignored;        /* out: rows of joints that are not in the chain (of another --tip) */
 } mukca_offsets_origin;
 
+/* A text of `size` bytes; no NUL is needed. */
+typedef struct {
+    const char *text;
+    size_t size;
+} mukca_bytes;
+
+/* Where a table is read into. */
+typedef struct {
+    double *theta;                /* [6 * n_elements], nominal before */
+    unsigned char *listed;        /* [6 * n_elements], zero before */
+    int *n_effects;               /* 0 before */
+    mukca_effect *effects;        /* [MUKCA_MAX_EFFECTS] */
+    mukca_acceptance *acceptance; /* initialised before */
+    mukca_offsets *rest;          /* sigmas and names of placements; NULL: not kept */
+} mukca_offsets_target;
+
+mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
+                                      mukca_offsets_origin *origin, const mukca_chain *chain,
+                                      mukca_bytes table, mukca_error *error);
+
 /* Read a table for the chain from its text.  Errors: MUKCA_INPUT ("name:line: column ..."; a table
  * that did not pass, whose verdict is then in offsets->acceptance). */
 mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *origin,
                                  const mukca_chain *chain, const char *text, mukca_error *error);
 
 /* The chain from the comment lines of a table.  Errors: MUKCA_INPUT. */
-mukca_status mukca_chain_parse(mukca_chain *chain, const char *text, const char *name,
+mukca_status mukca_chain_parse(mukca_chain *chain, mukca_bytes table, const char *name,
                                mukca_error *error);
 
 #endif

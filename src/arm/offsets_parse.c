@@ -1,12 +1,12 @@
 /* The offsets table, and the chain in its comments, from its text. */
 #include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "arm/offsets.h"
 #include "base/cells.h"
 #include "base/number.h"
+#include "base/print.h"
 
 enum { JOINT, PARAMETER, NOMINAL, CALIBRATED, OFFSET, SIGMA, IDENTIFIABLE, TERM, COLUMNS };
 enum { MOST_CELLS = 32 };
@@ -15,7 +15,7 @@ static const char *const column_name[COLUMNS] = {
     "joint", "parameter", "nominal", "calibrated", "offset", "sigma", "identifiable", "term"};
 
 typedef struct {
-    mukca_offsets *offsets;
+    const mukca_offsets_target *into;
     mukca_offsets_origin *origin;
     const mukca_chain *chain;
     mukca_chain *new_chain; /* in the making, of mukca_chain_parse */
@@ -25,6 +25,7 @@ typedef struct {
     char delimiter;
     int n_cells; /* of the header, and so of each row; 0 before it */
     char *cell[MOST_CELLS];
+    int n_placements;
     int column[COLUMNS]; /* index of each column, -1: absent */
     char robot[MUKCA_NAME_SIZE], sha[72];
 } reader;
@@ -34,12 +35,19 @@ static mukca_status fail(const reader *r, const char *format, ...)
 
 static mukca_status fail(const reader *r, const char *format, ...)
 {
-    char what[160];
+    mukca_error *error = r->error;
     va_list args;
+    if (!error) return MUKCA_INPUT;
+    error->status = MUKCA_INPUT;
+    if (r->lines.number > 0) /* else: the table as a whole */
+        mukca_print(error->text, sizeof error->text, "%s:%d: ", r->name, r->lines.number);
+    else
+        mukca_print(error->text, sizeof error->text, "%s: ", r->name);
+    const size_t used = strlen(error->text);
     va_start(args, format);
-    vsnprintf(what, sizeof what, format, args);
+    mukca_print_list(error->text + used, sizeof error->text - used, format, args);
     va_end(args);
-    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s", r->name, r->lines.number, what);
+    return MUKCA_INPUT;
 }
 
 /* Failure in one of the COLUMNS. */
@@ -60,43 +68,44 @@ static bool comment(char *value, size_t size, const char *line, const char *key)
 {
     const size_t length = strlen(key);
     if (strncmp(line, key, length) != 0) return false;
-    snprintf(value, size, "%.*s", (int)size - 1, line + length);
+    mukca_print(value, size, "%s", line + length);
     return true;
 }
 
 static void read_comment(reader *r)
 {
-    mukca_offsets *o = r->offsets;
+    const mukca_offsets_target *into = r->into;
+    char placement[MUKCA_NAME_SIZE];
     comment(r->robot, sizeof r->robot, r->lines.line, "# robot: ");
     comment(r->sha, sizeof r->sha, r->lines.line, "# urdf_sha256: ");
-    mukca_acceptance_read(&o->acceptance, r->lines.line);
-    if (o->n_placements < MUKCA_MAX_PLACEMENTS)
-        o->n_placements += comment(o->placements[o->n_placements], MUKCA_NAME_SIZE, r->lines.line,
-                                   "# placement: ");
+    mukca_acceptance_read(into->acceptance, r->lines.line);
+    if (r->n_placements == MUKCA_MAX_PLACEMENTS ||
+        !comment(placement, sizeof placement, r->lines.line, "# placement: "))
+        return;
+    if (into->rest) memcpy(into->rest->placements[r->n_placements], placement, sizeof placement);
+    r->n_placements++;
 }
 
+/* Of the table as a whole: messages have no line. */
 static mukca_status check_origin(reader *r)
 {
+    const int number = r->lines.number;
+    const mukca_acceptance *a = r->into->acceptance;
+    r->lines.number = 0;
     if (strcmp(r->sha, "?") == 0)
-        return mukca_fail(r->error, MUKCA_INPUT,
-                          "%s: no offsets table: the line `# urdf_sha256:` is missing", r->name);
+        return fail(r, "no offsets table: the line `# urdf_sha256:` is missing");
     r->origin->other = strcmp(r->sha, r->chain->urdf_sha256) != 0;
     if (r->origin->other && !r->origin->force)
-        return mukca_fail(r->error, MUKCA_INPUT,
-                          "%s: was made for another URDF (robot '%.40s', SHA-256 %.12s..., not "
-                          "%.12s...); --force takes its offsets nevertheless",
-                          r->name, r->robot, r->sha, r->chain->urdf_sha256);
+        return fail(r,
+                    "was made for another URDF (robot '%.40s', SHA-256 %.12s..., not %.12s...); "
+                    "--force takes its offsets nevertheless",
+                    r->robot, r->sha, r->chain->urdf_sha256);
+    if (a->given && !a->accepted && !r->origin->accept_failed)
+        return fail(r,
+                    "this calibration did not pass: %.150s (--accept-failed uses it nevertheless)",
+                    a->reason);
+    r->lines.number = number;
     return MUKCA_OK;
-}
-
-static mukca_status check_accepted(const reader *r)
-{
-    const mukca_acceptance *a = &r->offsets->acceptance;
-    if (!a->given || a->accepted || r->origin->accept_failed) return MUKCA_OK;
-    return mukca_fail(r->error, MUKCA_INPUT,
-                      "%s: this calibration did not pass: %.150s (--accept-failed uses it "
-                      "nevertheless)",
-                      r->name, a->reason);
 }
 
 /* The columns may stand in any order. */
@@ -146,7 +155,7 @@ static mukca_status read_values(double value[OFFSET + 1], const reader *r)
 
 static mukca_status read_parameter(reader *r, int parameter)
 {
-    mukca_offsets *o = r->offsets;
+    const mukca_offsets_target *into = r->into;
     const int element = mukca_chain_find_element(r->chain, r->cell[r->column[JOINT]]);
     if (element < 0) {
         r->origin->ignored++;
@@ -154,29 +163,31 @@ static mukca_status read_parameter(reader *r, int parameter)
     }
     const int i = MUKCA_PARAMETERS * element + parameter;
     double value[OFFSET + 1];
-    if (o->listed[i]) return fail_cell(r, PARAMETER, "this parameter comes twice");
+    if (into->listed[i]) return fail_cell(r, PARAMETER, "this parameter comes twice");
     mukca_status status = read_values(value, r);
     if (status != MUKCA_OK) return status;
     /* theta holds the chain's nominal value still */
-    o->theta[i] = value[NOMINAL] == o->theta[i] ? value[CALIBRATED] : o->theta[i] + value[OFFSET];
-    o->listed[i] = 1;
-    o->identifiable[i] = strcmp(r->cell[r->column[IDENTIFIABLE]], "0") != 0;
-    return read_sigma(&o->sigma[i], r);
+    into->theta[i] =
+        value[NOMINAL] == into->theta[i] ? value[CALIBRATED] : into->theta[i] + value[OFFSET];
+    into->listed[i] = 1;
+    if (!into->rest) return MUKCA_OK;
+    into->rest->identifiable[i] = strcmp(r->cell[r->column[IDENTIFIABLE]], "0") != 0;
+    return read_sigma(&into->rest->sigma[i], r);
 }
 
 /* The effect that a row belongs to: the last one where it goes on with that, else a new one. */
-static mukca_effect *find_effect(mukca_offsets *o, const mukca_effect *wanted)
+static mukca_effect *find_effect(const mukca_offsets_target *into, const mukca_effect *wanted)
 {
-    for (int e = 0; e < o->n_effects; e++)
-        if (mukca_effect_same(&o->effects[e], wanted)) return &o->effects[e];
-    if (o->n_effects == MUKCA_MAX_EFFECTS) return NULL;
-    o->effects[o->n_effects] = *wanted;
-    return &o->effects[o->n_effects++];
+    for (int e = 0; e < *into->n_effects; e++)
+        if (mukca_effect_same(&into->effects[e], wanted)) return &into->effects[e];
+    if (*into->n_effects == MUKCA_MAX_EFFECTS) return NULL;
+    into->effects[*into->n_effects] = *wanted;
+    return &into->effects[(*into->n_effects)++];
 }
 
 static mukca_status read_effect(reader *r, int kind)
 {
-    mukca_offsets *o = r->offsets;
+    const mukca_offsets_target *into = r->into;
     const char *joint = r->cell[r->column[JOINT]];
     mukca_effect wanted = {.kind = (mukca_effect_kind)kind, .joint = -1, .placement = -1};
     if (mukca_effect_has(kind, MUKCA_TRAIT_RECORDING_FAULT))
@@ -188,15 +199,16 @@ static mukca_status read_effect(reader *r, int kind)
     double value[OFFSET + 1];
     const char *text = r->column[TERM] < 0 ? "-" : r->cell[r->column[TERM]];
     const int term = mukca_effect_term_parse(&wanted, text, r->chain->n_joints);
-    if (term < 0 || wanted.placement >= o->n_placements || wanted.placement < -1)
+    if (term < 0 || wanted.placement >= r->n_placements || wanted.placement < -1)
         return fail_cell(r, TERM, "does not fit the effect at this joint");
-    mukca_effect *effect = find_effect(o, &wanted);
+    mukca_effect *effect = find_effect(into, &wanted);
     if (!effect) return fail_cell(r, PARAMETER, "too many effects");
     if (effect->coefficient[term] != 0) return fail_cell(r, PARAMETER, "comes twice");
     mukca_status status = read_values(value, r);
     if (status != MUKCA_OK) return status;
     effect->coefficient[term] = value[CALIBRATED];
-    return read_sigma(&o->effect_sigma[effect - o->effects][term], r);
+    if (!into->rest) return MUKCA_OK;
+    return read_sigma(&into->rest->effect_sigma[effect - into->effects][term], r);
 }
 
 static mukca_status read_row(reader *r)
@@ -212,29 +224,28 @@ static mukca_status read_row(reader *r)
 static mukca_status read_content(reader *r)
 {
     if (r->n_cells == 0) {
-        mukca_status status = check_origin(r);
-        if (status == MUKCA_OK) status = check_accepted(r);
+        const mukca_status status = check_origin(r);
         return status == MUKCA_OK ? read_header(r) : status;
     }
     const int found = mukca_cells_count(r->lines.line, r->delimiter);
     if (!mukca_cells_split(r->cell, r->n_cells, r->lines.line, r->delimiter))
         return fail(r, "%d columns, but %d in the header%s", found, r->n_cells,
-                    *r->lines.text ? "" : "; the last line is cut off");
+                    r->lines.left ? "" : "; the last line is cut off");
     return read_row(r);
 }
 
-mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *origin,
-                                 const mukca_chain *chain, const char *text, mukca_error *error)
+mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
+                                      mukca_offsets_origin *origin, const mukca_chain *chain,
+                                      mukca_bytes table, mukca_error *error)
 {
-    reader r = {.offsets = offsets,
+    reader r = {.into = into,
                 .origin = origin,
                 .chain = chain,
                 .name = origin->name,
-                .lines = {.text = text},
+                .lines = {.text = table.text, .left = table.size},
                 .robot = "?",
                 .sha = "?",
                 .error = error};
-    mukca_offsets_init(offsets, chain);
     origin->other = false;
     origin->ignored = 0;
     while (mukca_lines_next(&r.lines)) {
@@ -245,8 +256,10 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
         const mukca_status status = read_content(&r);
         if (status != MUKCA_OK) return status;
     }
+    if (into->rest) into->rest->n_placements = r.n_placements;
     if (r.n_cells > 0) return MUKCA_OK;
-    return mukca_fail(error, MUKCA_INPUT, "%s: is empty; expected a header and rows", origin->name);
+    r.lines.number = 0;
+    return fail(&r, "is empty; expected a header and rows");
 }
 
 static mukca_status read_element(reader *r)
@@ -264,8 +277,8 @@ static mukca_status read_element(reader *r)
         !mukca_number_parse_list(e->rpy, 3, r->cell[6]) ||
         (limited && !mukca_number_parse_list(limits, 2, r->cell[7])))
         return fail(r, "the element's numbers or its type cannot be read");
-    snprintf(e->name, sizeof e->name, "%s", r->cell[1]);
-    snprintf(e->child, sizeof e->child, "%s", r->cell[2]);
+    mukca_print(e->name, sizeof e->name, "%s", r->cell[1]);
+    mukca_print(e->child, sizeof e->child, "%s", r->cell[2]);
     e->type = (mukca_joint_type)type;
     e->lower = limits[0];
     e->upper = limits[1];
@@ -316,10 +329,13 @@ static mukca_status read_chain_line(reader *r)
     return MUKCA_OK;
 }
 
-mukca_status mukca_chain_parse(mukca_chain *chain, const char *text, const char *name,
+mukca_status mukca_chain_parse(mukca_chain *chain, mukca_bytes table, const char *name,
                                mukca_error *error)
 {
-    reader r = {.new_chain = chain, .name = name, .lines = {.text = text}, .error = error};
+    reader r = {.new_chain = chain,
+                .name = name,
+                .lines = {.text = table.text, .left = table.size},
+                .error = error};
     *chain = (mukca_chain){0};
     while (mukca_lines_next(&r.lines)) {
         if (r.lines.line[0] != '#') continue;

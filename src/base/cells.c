@@ -1,22 +1,29 @@
 /* Tables of text in memory. */
 #include "base/cells.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "base/number.h"
+#include "base/print.h"
 
 bool mukca_lines_next(mukca_lines *lines)
 {
-    if (!*lines->text) return false;
-    if (lines->number++ == 0 && strncmp(lines->text, "\xEF\xBB\xBF", 3) == 0) lines->text += 3;
-    const size_t length = strcspn(lines->text, "\n");
+    const char *text = lines->text;
+    if (lines->left == 0) return false;
+    if (lines->number++ == 0 && lines->left >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) {
+        text += 3;
+        lines->left -= 3;
+    }
+    size_t length = 0;
+    while (length < lines->left && text[length] != '\n') length++;
     size_t kept = length < MUKCA_LINE_SIZE ? length : MUKCA_LINE_SIZE - 1;
     lines->whole = kept == length;
-    memcpy(lines->line, lines->text, kept);
+    memcpy(lines->line, text, kept);
     while (kept > 0 && lines->line[kept - 1] == '\r') kept--;
     lines->line[kept] = '\0';
-    lines->text += length + (lines->text[length] == '\n');
+    if (length < lines->left) length++; /* the newline */
+    lines->text = text + length;
+    lines->left -= length;
     return true;
 }
 
@@ -61,10 +68,10 @@ bool mukca_cell_number(double *value, const char *cell, char *fault)
 {
     if (mukca_number_parse(value, cell)) return true;
     if (!*cell)
-        snprintf(fault, MUKCA_CELL_FAULT, "is empty; a number is required");
+        mukca_print(fault, MUKCA_CELL_FAULT, "is empty; a number is required");
     else if (strchr(cell, ',') && strspn(cell, "+-0123456789,eE") == strlen(cell))
-        snprintf(fault, MUKCA_CELL_FAULT, "'%.30s' has a decimal comma; write a point", cell);
+        mukca_print(fault, MUKCA_CELL_FAULT, "'%.30s' has a decimal comma; write a point", cell);
     else
-        snprintf(fault, MUKCA_CELL_FAULT, "'%.30s' is not a finite number", cell);
+        mukca_print(fault, MUKCA_CELL_FAULT, "'%.30s' is not a finite number", cell);
     return false;
 }

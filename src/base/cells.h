@@ -3,12 +3,14 @@
 #define MUKCA_BASE_CELLS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 enum { MUKCA_LINE_SIZE = 1024, MUKCA_CELL_FAULT = 80 };
 
-/* The lines of a text; start with {.text = ...}. */
+/* The lines of a text; start with {.text = ..., .left = its bytes}. */
 typedef struct {
-    const char *text; /* what is still to be read */
+    const char *text; /* what is still to be read, */
+    size_t left;      /* bytes */
     int number;       /* of the current line, 1-based */
     bool whole;       /* false: the line was longer than MUKCA_LINE_SIZE and is cut */
     char line[MUKCA_LINE_SIZE];

@@ -1,10 +1,8 @@
-/* Numbers from text and as text. */
+/* Numbers from text, correctly rounded, without the C library and its locale. */
 #include "base/number.h"
 
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Powers of ten that are exact. */
@@ -38,6 +36,117 @@ static double divide(uint64_t m, int k)
     return ldexp((double)left, drop - lead - 63);
 }
 #endif
+
+/* Digits that can matter: between two doubles lies at most a number of 768 digits.  What follows is
+ * a single digit 1 where it is not zero. */
+enum { MOST_DIGITS = 770, MOST_LIMBS = 120 };
+
+/* A whole number below 2^(32 * MOST_LIMBS): 10^1115, the largest divisor, has 3704 bits. */
+typedef struct {
+    int n; /* limbs in use; limb[n - 1] is not 0 */
+    uint32_t limb[MOST_LIMBS];
+} big;
+
+/* a := a * factor + summand */
+static void multiply_add(big *a, uint32_t factor, uint32_t summand)
+{
+    uint64_t carry = summand;
+    for (int i = 0; i < a->n; i++) {
+        carry += (uint64_t)a->limb[i] * factor;
+        a->limb[i] = (uint32_t)carry;
+        carry >>= 32;
+    }
+    if (carry) a->limb[a->n++] = (uint32_t)carry;
+}
+
+static void multiply_power(big *a, int exponent)
+{
+    for (; exponent >= 9; exponent -= 9) multiply_add(a, 1000000000U, 0);
+    for (; exponent > 0; exponent--) multiply_add(a, 10, 0);
+}
+
+static int bits(const big *a)
+{
+    return 32 * a->n - __builtin_clz(a->limb[a->n - 1]);
+}
+
+static void shift(big *a, int left)
+{
+    for (; left >= 31; left -= 31) multiply_add(a, UINT32_C(1) << 31, 0);
+    if (left > 0) multiply_add(a, UINT32_C(1) << left, 0);
+}
+
+static bool is_less(const big *a, const big *b)
+{
+    if (a->n != b->n) return a->n < b->n;
+    for (int i = a->n - 1; i >= 0; i--)
+        if (a->limb[i] != b->limb[i]) return a->limb[i] < b->limb[i];
+    return false;
+}
+
+/* a := a - b, for a >= b */
+static void subtract(big *a, const big *b)
+{
+    int64_t borrow = 0;
+    for (int i = 0; i < a->n; i++) {
+        borrow += (int64_t)a->limb[i] - (i < b->n ? (int64_t)b->limb[i] : 0);
+        a->limb[i] = (uint32_t)borrow;
+        borrow >>= 32;
+    }
+    while (a->n > 0 && a->limb[a->n - 1] == 0) a->n--;
+}
+
+/* a / b rounded to nearest even, for b > 0: 64 bits of the quotient by long division. */
+static double quotient(big *a, big *b)
+{
+    if (a->n == 0) return 0;
+    int top = bits(a) - bits(b); /* the quotient is at least 2^(top - 1) */
+    shift(b, top);
+    shift(a, -top);
+    if (is_less(a, b)) {
+        shift(a, 1);
+        top--;
+    }
+    uint64_t mantissa = 0;
+    for (int i = 0; i < 64; i++) {
+        const bool one = !is_less(a, b);
+        if (one) subtract(a, b);
+        mantissa = mantissa << 1 | one;
+        shift(a, 1);
+    }
+    const int kept = top < -1022 ? 53 + 1022 + top : 53; /* fewer where it is subnormal */
+    if (kept < 0) return 0;
+    const int drop = 64 - kept;
+    const uint64_t half = UINT64_C(1) << (drop - 1);
+    uint64_t left = kept > 0 ? mantissa >> drop : 0;
+    const uint64_t cut = kept > 0 ? mantissa & (2 * half - 1) : mantissa;
+    if (cut > half || (cut == half && (a->n > 0 || (left & 1)))) left++;
+    return ldexp((double)left, top - 63 + drop);
+}
+
+/* The digits at `text`, with a point among them, times 10^exponent; infinite where too large. */
+static double divide_digits(const char *text, int exponent)
+{
+    big a = {.n = 0}, b = {.n = 1, .limb = {1}};
+    int digits = 0;
+    bool rest = false;
+    for (; is_digit(*text) || *text == '.'; text++) {
+        if (*text == '.' || (digits == 0 && *text == '0')) continue;
+        if (++digits <= MOST_DIGITS)
+            multiply_add(&a, 10, (uint32_t)(*text - '0'));
+        else
+            rest = rest || *text != '0';
+    }
+    if (digits > MOST_DIGITS) exponent += digits - MOST_DIGITS, digits = MOST_DIGITS;
+    if (digits + exponent > 310) return digits ? HUGE_VAL : 0; /* 10^309 is too large */
+    if (digits + exponent < -330) return 0;                    /* 10^-324 is too small */
+    if (rest) {
+        multiply_add(&a, 10, 1);
+        exponent--;
+    }
+    multiply_power(exponent > 0 ? &a : &b, exponent > 0 ? exponent : -exponent);
+    return quotient(&a, &b);
+}
 
 bool mukca_number_parse(double *value, const char *text)
 {
@@ -83,8 +192,9 @@ bool mukca_number_parse(double *value, const char *text)
         return true;
     }
 #endif
-    *value = strtod(text, NULL);
-    return isfinite(*value);
+    const double size = divide_digits(first, exponent);
+    *value = negative ? -size : size;
+    return isfinite(size);
 }
 
 bool mukca_number_parse_list(double *values, int n, const char *text)
@@ -100,13 +210,4 @@ bool mukca_number_parse_list(double *values, int n, const char *text)
         text += length;
     }
     return text[strspn(text, " \t\r\n")] == '\0';
-}
-
-void mukca_number_format(char text[MUKCA_NUMBER_SIZE], double value)
-{
-    for (int digits = 15; digits <= 17; digits++) {
-        double back;
-        snprintf(text, MUKCA_NUMBER_SIZE, "%.*g", digits, value + 0.0); /* -0 + 0 is 0 */
-        if (mukca_number_parse(&back, text) && !(back < value) && !(back > value)) return;
-    }
 }

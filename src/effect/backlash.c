@@ -1,8 +1,8 @@
 /* Lost motion: backlash, whose side gravity decides, and hysteresis, whose side the last move
  * decides. */
 #include <math.h>
-#include <stdio.h>
 
+#include "base/print.h"
 #include "effect/catalogue.h"
 
 static void backlash_basis(double basis[][3], const mukca_basis_input *in)
@@ -35,7 +35,7 @@ static bool read_torque(mukca_effect_variant *variant, const char *text)
 
 static void write_torque(char *text, size_t size, const mukca_effect_variant *variant)
 {
-    snprintf(text, size, "%.10gmNm", 1e3 * variant->torque_scale);
+    mukca_print(text, size, "%.10gmNm", 1e3 * variant->torque_scale);
 }
 
 static bool complete_torque(mukca_effect *effect, int n_joints)

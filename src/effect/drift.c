@@ -1,7 +1,7 @@
 /* Joint drift: the zero of a joint changes with time, as in a warming gear. */
 #include <math.h>
-#include <stdio.h>
 
+#include "base/print.h"
 #include "effect/catalogue.h"
 
 static void drift_basis(double basis[][3], const mukca_basis_input *in)
@@ -29,7 +29,7 @@ static bool read_constant(mukca_effect_variant *variant, const char *text)
 
 static void write_constant(char *text, size_t size, const mukca_effect_variant *variant)
 {
-    snprintf(text, size, "%.10gs", variant->time_constant);
+    mukca_print(text, size, "%.10gs", variant->time_constant);
 }
 
 static const mukca_variant_ops time_constant = {
@@ -44,9 +44,9 @@ static void describe(char *text, size_t size, const mukca_effect *effect, const 
     const double constant = effect->variant.time_constant;
     (void)chain;
     if (constant > 0)
-        snprintf(text, size, " (settles within %.0f min)", floor((constant + 30) / 60));
+        mukca_print(text, size, " (settles within %d min)", (int)((constant + 30) / 60));
     else
-        snprintf(text, size, " (per 1000 s)");
+        mukca_print(text, size, " (per 1000 s)");
 }
 
 const mukca_effect_ops mukca_joint_drift_effect = {

@@ -1,8 +1,8 @@
 /* Errors of the angle that depend on angles: scale, coupling, encoder eccentricity and transmission
  * ripple. */
 #include <math.h>
-#include <stdio.h>
 
+#include "base/print.h"
 #include "effect/catalogue.h"
 
 static void scale_basis(double basis[][3], const mukca_basis_input *in)
@@ -56,7 +56,7 @@ static bool read_neighbour(mukca_effect_variant *variant, const char *text)
 
 static void write_neighbour(char *text, size_t size, const mukca_effect_variant *variant)
 {
-    snprintf(text, size, "%+d", variant->neighbour);
+    mukca_print(text, size, "%+d", variant->neighbour);
 }
 
 static const mukca_variant_ops neighbour = {
@@ -71,7 +71,7 @@ static void describe_coupling(char *text, size_t size, const mukca_effect *effec
                               const mukca_chain *chain)
 {
     const int other = effect->joint + effect->variant.neighbour;
-    snprintf(text, size, " (driven by %s)", mukca_chain_joint_name(chain, other));
+    mukca_print(text, size, " (driven by %s)", mukca_chain_joint_name(chain, other));
 }
 
 const mukca_effect_ops mukca_joint_coupling_effect = {
@@ -129,7 +129,7 @@ static bool read_order(mukca_effect_variant *variant, const char *text)
 
 static void write_order(char *text, size_t size, const mukca_effect_variant *variant)
 {
-    snprintf(text, size, "%d", variant->order);
+    mukca_print(text, size, "%d", variant->order);
 }
 
 static bool has_order(mukca_effect *effect, int n_joints)
@@ -150,7 +150,7 @@ static void describe_harmonic(char *text, size_t size, const mukca_effect *effec
                               const mukca_chain *chain)
 {
     (void)chain;
-    snprintf(text, size, " (%d per turn)", effect->variant.order);
+    mukca_print(text, size, " (%d per turn)", effect->variant.order);
 }
 
 /* No candidates: the diagnosis scans all orders at once. */

@@ -1,8 +1,9 @@
 /* Readback lag: the recorded angles are old, along the last move or behind the command. */
 #include <math.h>
-#include <stdio.h>
+
 #include <string.h>
 
+#include "base/print.h"
 #include "effect/catalogue.h"
 
 static void lag_direction(double *direction, int n_joints, const mukca_effect *effect,
@@ -29,7 +30,7 @@ static bool read_direction(mukca_effect_variant *variant, const char *text)
 
 static void write_direction(char *text, size_t size, const mukca_effect_variant *variant)
 {
-    snprintf(text, size, "%s", variant->to_command ? "command" : "move");
+    mukca_print(text, size, "%s", variant->to_command ? "command" : "move");
 }
 
 static const mukca_variant_ops direction = {
@@ -41,8 +42,8 @@ static const mukca_variant_ops direction = {
 static void describe(char *text, size_t size, const mukca_effect *effect, const mukca_chain *chain)
 {
     (void)chain;
-    snprintf(text, size, "%s",
-             effect->variant.to_command ? " towards the commanded angles" : " of all joints");
+    mukca_print(text, size, "%s",
+                effect->variant.to_command ? " towards the commanded angles" : " of all joints");
 }
 
 static bool lag_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)

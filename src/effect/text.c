@@ -1,7 +1,8 @@
 /* Effects as text: variants, the offsets table's terms, descriptions and units. */
-#include <stdio.h>
+
 #include <string.h>
 
+#include "base/print.h"
 #include "effect/catalogue.h"
 
 const char *mukca_effect_set_variant(mukca_effect *effect, const char *text, int n_joints)
@@ -36,11 +37,11 @@ void mukca_effect_term_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *ef
     const char *key = ops->variant && ops->variant->key ? ops->variant->key : "";
     const char *name = term_names(effect)[0] ? term_names(effect)[term] : "";
     if (mukca_effect_has((int)effect->kind, MUKCA_TRAIT_PER_PLACEMENT))
-        snprintf(placement, sizeof placement, "placement=%d", effect->placement);
+        mukca_print(placement, sizeof placement, "placement=%d", effect->placement);
     mukca_effect_variant_text(word, effect);
     const bool any = placement[0] || word[0];
-    snprintf(text, MUKCA_EFFECT_TEXT, "%.24s%.16s%s%.20s%s%.8s", placement, key, key[0] ? "=" : "",
-             word, any && name[0] ? " " : "", any || name[0] ? name : "-");
+    mukca_print(text, MUKCA_EFFECT_TEXT, "%.24s%.16s%s%.20s%s%.8s", placement, key,
+                key[0] ? "=" : "", word, any && name[0] ? " " : "", any || name[0] ? name : "-");
 }
 
 /* The word at `text` up to the next space, after KEY= where a key is given; NULL: not there. */

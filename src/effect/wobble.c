@@ -1,8 +1,9 @@
 /* Axis wobble: the axis of a joint tilts as the joint turns (bearing run-out). */
 #include <math.h>
-#include <stdio.h>
+
 #include <string.h>
 
+#include "base/print.h"
 #include "effect/catalogue.h"
 
 static const char *const frame_name[] = {[MUKCA_WOBBLE_FIXED] = "fixed",
@@ -88,8 +89,8 @@ static bool read_wobble(mukca_effect_variant *variant, const char *text)
 
 static void write_wobble(char *text, size_t size, const mukca_effect_variant *variant)
 {
-    snprintf(text, size, variant->frame == MUKCA_WOBBLE_CONE ? "%s%+d" : "%s%d",
-             frame_name[variant->frame], variant->order);
+    mukca_print(text, size, variant->frame == MUKCA_WOBBLE_CONE ? "%s%+d" : "%s%d",
+                frame_name[variant->frame], variant->order);
 }
 
 static bool complete_wobble(mukca_effect *effect, int n_joints)
@@ -110,11 +111,21 @@ static const mukca_variant_ops motion = {
 /* "variant=12 term=2" */
 static int read_old_term(mukca_effect *effect, const char *text)
 {
-    int number, term, end = 0;
-    if (sscanf(text, "variant=%d term=%d%n", &number, &term, &end) != 2 || text[end]) return -1;
-    if (!from_number(&effect->variant, number)) return -1;
+    char word[8];
+    int number, term;
+    const char *second = strchr(text, ' ');
+    if (strncmp(text, "variant=", 8) != 0 || !second || strncmp(second, " term=", 6) != 0)
+        return -1;
+    const size_t length = (size_t)(second - text) - 8;
+    if (length >= sizeof word) return -1;
+    memcpy(word, text + 8, length);
+    word[length] = '\0';
+    if (!mukca_effect_read_integer(&number, word, 1, 110) ||
+        !mukca_effect_read_integer(&term, second + 6, 0, 3) ||
+        !from_number(&effect->variant, number))
+        return -1;
     effect->terms = effect->variant.frame == MUKCA_WOBBLE_CONE ? 2 : 4;
-    return term >= 0 && term < effect->terms ? term : -1;
+    return term < effect->terms ? term : -1;
 }
 
 static bool wobble_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)

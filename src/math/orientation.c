@@ -1,8 +1,7 @@
-/* Rotations as angles, rotation vectors and quaternions; the rotation nearest to points. */
+/* Rotations as angles, rotation vectors and quaternions. */
 #include <math.h>
 #include <string.h>
 
-#include "math/dense.h"
 #include "mukca/rotation.h"
 
 #define PI 3.14159265358979323846
@@ -99,18 +98,4 @@ void mukca_rotation_from_quaternion(double R[9], const double q[4])
     R[0] = 1 - s * (y * y + z * z), R[1] = s * (x * y - w * z), R[2] = s * (x * z + w * y);
     R[3] = s * (x * y + w * z), R[4] = 1 - s * (x * x + z * z), R[5] = s * (y * z - w * x);
     R[6] = s * (x * z - w * y), R[7] = s * (y * z + w * x), R[8] = 1 - s * (x * x + y * y);
-}
-
-void mukca_rotation_nearest(double R[9], const double H[9])
-{
-    double U[9], s[3], V[9], u[3][3], v[3][3]; /* u, v: columns */
-    memcpy(U, H, sizeof U);
-    if (mukca_dense_svd(U, s, V, 3, 3) || !(s[1] > 1e-9 * s[0])) return;
-    for (int c = 0; c < 2; c++)
-        for (int i = 0; i < 3; i++) u[c][i] = U[3 * i + c], v[c][i] = V[3 * i + c];
-    mukca_cross(u[2], u[0], u[1]); /* so that det R = 1 */
-    mukca_cross(v[2], v[0], v[1]);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            R[3 * i + j] = v[0][i] * u[0][j] + v[1][i] * u[1][j] + v[2][i] * u[2][j];
 }

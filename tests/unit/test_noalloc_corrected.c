@@ -52,7 +52,7 @@ static int setup(void **state)
     rewind(file);
     text[fread(text, 1, sizeof text - 1, file)] = '\0';
     fclose(file);
-    return mukca_corrected_parse(&model, text, &error) != MUKCA_OK;
+    return mukca_corrected_parse(&model, text, strlen(text), &error) != MUKCA_OK;
 }
 
 static void random_angles(double *q, mukca_random *random)
@@ -131,7 +131,7 @@ static void bad_tables_are_refused(void **state)
         {"order=240", "order=900"},         {"neighbour=-1", "neighbour=-7"},
         {"joint\tparameter", "joint\tpar"}, {"# mass:\t0", "# mass:\t99"},
         {"# gravity:\t0", "# gravity:\tx"}};
-    assert_int_equal(mukca_corrected_parse(&other, text, &error), MUKCA_OK);
+    assert_int_equal(mukca_corrected_parse(&other, text, strlen(text), &error), MUKCA_OK);
     for (size_t i = 0; i < sizeof spoil / sizeof *spoil; i++) {
         const char *at = strstr(text, spoil[i][0]);
         assert_non_null(at);
@@ -140,15 +140,15 @@ static void bad_tables_are_refused(void **state)
                  at + strlen(spoil[i][0]));
         if (i == 0) /* all of them */
             while ((at = strstr(broken, "# element:"))) broken[at - broken + 2] = 'a';
-        assert_int_equal(mukca_corrected_parse(&other, broken, &error), MUKCA_INPUT);
+        assert_int_equal(mukca_corrected_parse(&other, broken, strlen(broken), &error), MUKCA_INPUT);
         assert_non_null(strstr(error.text, "offsets table:"));
     }
-    assert_int_equal(mukca_corrected_parse(&other, "", &error), MUKCA_INPUT);
+    assert_int_equal(mukca_corrected_parse(&other, "", 0, &error), MUKCA_INPUT);
     assert_int_equal(mukca_corrected_load(&other, "/nonexistent/table", &error), MUKCA_INPUT);
     for (size_t length = 0; length < strlen(text); length += 97) { /* cut anywhere: no crash */
         memcpy(broken, text, length);
         broken[length] = '\0';
-        mukca_corrected_parse(&other, broken, &error);
+        mukca_corrected_parse(&other, broken, strlen(broken), &error);
     }
 }
 
@@ -172,7 +172,7 @@ static void columns_may_stand_in_any_order(void **state)
                 (size_t)snprintf(reversed + to, sizeof reversed - to, "%.*s\n", (int)length, line);
         line += length + (line[length] == '\n');
     }
-    if (mukca_corrected_parse(&other, reversed, &error)) fail_msg("%s", error.text);
+    if (mukca_corrected_parse(&other, reversed, strlen(reversed), &error)) fail_msg("%s", error.text);
     assert_memory_equal(&other, &model, sizeof model);
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/print.h"
 #include "base/suggest.h"
 #include "close.h"
 #include "math/random.h"
@@ -55,6 +56,48 @@ static void numbers_are_the_c_librarys(void **state)
             snprintf(text, sizeof text, "%.*f", digits[i % 6], value);
         check_same(text);
     }
+}
+
+/* The middle between two doubles, in all of its digits, and a hair above it. */
+static void ties_are_rounded_to_even(void **state)
+{
+    (void)state;
+    mukca_random random;
+    mukca_random_seed(&random, 8);
+    for (int i = 0; i < 2000; i++) {
+        char text[1000], above[1000];
+        const double low = ldexp(0.5 + 0.5 * mukca_random_uniform(&random),
+                                 i % 4 ? mukca_random_below(&random, 200) - 100
+                                       : mukca_random_below(&random, 2090) - 1070);
+        const long double middle = ((long double)low + (long double)nextafter(low, HUGE_VAL)) / 2;
+        snprintf(text, sizeof text, "%.780Le", middle);
+        const char *e = strchr(text, 'e');
+        snprintf(above, sizeof above, "%.*s0001%s", (int)(e - text), text, e);
+        check_same(text);
+        check_same(above);
+    }
+}
+
+static void printing_without_stdio_agrees(void **state)
+{
+    (void)state;
+    char ours[96], theirs[96];
+    mukca_random random;
+    mukca_random_seed(&random, 9);
+    for (int i = 0; i < 20000; i++) {
+        const double scale = ldexp(1, mukca_random_below(&random, 80) - 40);
+        const double value = i % 2 ? floor(scale) : scale * mukca_random_normal(&random);
+        const int number = mukca_random_below(&random, 2001) - 1000;
+        mukca_print(ours, sizeof ours, "%d%% %+d '%.10gmNm' %s %.3s %.*s|", number, number, value,
+                    "text", "texts", 2, "cut");
+        snprintf(theirs, sizeof theirs, "%d%% %+d '%.10gmNm' %s %.3s %.*s|", number, number, value,
+                 "text", "texts", 2, "cut");
+        assert_string_equal(ours, theirs);
+    }
+    mukca_print(ours, 6, "%s", "longer than that");
+    assert_string_equal(ours, "longe");
+    mukca_print(ours, 6, "%d %.2g", -2147483647 - 1, -0.0);
+    assert_string_equal(ours, "-2147");
 }
 
 static void other_texts_are_no_numbers(void **state)
@@ -130,6 +173,8 @@ static void near_names_are_suggested(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_are_the_c_librarys),
+                                       cmocka_unit_test(ties_are_rounded_to_even),
+                                       cmocka_unit_test(printing_without_stdio_agrees),
                                        cmocka_unit_test(other_texts_are_no_numbers),
                                        cmocka_unit_test(lists_have_exactly_n),
                                        cmocka_unit_test(numbers_are_written_short_and_read_back),
