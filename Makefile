@@ -87,7 +87,7 @@ quietly = $(if $(V),,@echo '  $(1)'; )
 .DELETE_ON_ERROR:
 .SECONDARY:
 .PHONY: all core rt demo programs check soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
-        verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
+        verify-orders verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) $(RT) ## the program build/mukca and the core library (default)
 
@@ -199,6 +199,9 @@ verify-real: $(PROGRAM) ## the published real robots: Table I, minima of J, diag
 
 verify-outside: $(PROGRAM) ## rules of an honest diagnosis on public measurements of others (needs the data)
 	@$(TEST_ENVIRONMENT) $(call script,verify_outside)
+
+verify-orders: $(PROGRAM) ## the leading cause in other orders and halves of real recordings (needs the data)
+	@$(TEST_ENVIRONMENT) $(call script,verify_orders)
 
 verify-small-arms: $(PROGRAM) ## false causes on pure noise for arms with two to seven axes
 	@$(TEST_ENVIRONMENT) $(call script,small_arms)

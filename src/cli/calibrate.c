@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cli/calibrate.h"
+#include "diagnose/recording.h"
 #include "fit/nlopt_adapter.h"
 
 typedef struct {
@@ -216,6 +217,16 @@ static void release(void *work)
     mukca_fit_free(&w->fit);
 }
 
+/* Several pose logs have one frame and one target here. */
+static void note_logs(cli_call *call, const mukca_dataset *data)
+{
+    const calibrate_options *o = call->options;
+    if ((o->free_base || o->free_tool) && mukca_recording_number_logs(NULL, data) > 1)
+        cli_note(call,
+                 "several pose logs: one tracker's frame and one target for all; `mukca "
+                 "diagnose -o` gives each its own where the evidence wants it");
+}
+
 static mukca_status run(cli_call *call)
 {
     const cli_session *s = call->session;
@@ -226,6 +237,7 @@ static mukca_status run(cli_call *call)
         (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
     mukca_status status = check(call);
     if (status == MUKCA_OK) status = cli_load(call);
+    if (status == MUKCA_OK) note_logs(call, r->train);
     if (status == MUKCA_OK) status = check_moving(call, r->train);
     if (status == MUKCA_OK) status = fit_data(call, fit);
     if (status == MUKCA_OK && fit->identification.rank == 0)

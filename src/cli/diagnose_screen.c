@@ -21,6 +21,10 @@ static const double echo_limit = 5e-5;
  * deviation of the rms of some thousand coordinates). */
 static const double worth_telling = 1.02;
 
+/* The other stream of angles is recommended where it leaves that much less: a fifth is more than an
+ * effect of the arm would pass for. */
+static const double worth_changing = 0.8;
+
 /* Print the text, if there is any: after a key, or (NULL) as lines; and empty it. */
 static void flush(FILE *stream, const char *key, mukca_text *text)
 {
@@ -357,6 +361,11 @@ static void print_streams(FILE *stream, const mukca_diagnosed *r)
     if (isfinite(s->sigma_command_m))
         mukca_text_put(&text, "; geometry leaves %.3g mm with readings, %.3g with commands",
                        1e3 * s->sigma_reading_m, 1e3 * s->sigma_command_m);
+    const double ratio = s->sigma_command_m / s->sigma_reading_m;
+    if (r->data->by_command ? ratio > 1 / worth_changing : ratio < worth_changing)
+        mukca_text_put(&text, ": fit the %s (--angles %s)",
+                       r->data->by_command ? "readings" : "commands",
+                       r->data->by_command ? "reading" : "command");
     flush(stream, "Angles", &text);
 }
 

@@ -81,11 +81,17 @@ mukca_status mukca_streams_fit(mukca_streams *streams, const mukca_recording_opt
 {
     double *const own = data->by_command ? &streams->sigma_command_m : &streams->sigma_reading_m;
     double *const other = data->by_command ? &streams->sigma_reading_m : &streams->sigma_command_m;
-    mukca_dataset swapped = *data; /* shares the arrays */
-    swapped.q = data->by_command ? data->reading : data->command;
-    if (streams->n_joints == 0 || !swapped.q) return MUKCA_OK;
-    for (int i = 0; i < data->n_rows * data->n_joints; i++)
-        if (!isfinite(swapped.q[i])) return MUKCA_OK;
-    const mukca_status status = fit(own, options, chain, data, error);
-    return status == MUKCA_OK ? fit(other, options, chain, &swapped, error) : status;
+    const double *second = data->by_command ? data->reading : data->command;
+    const size_t count = (size_t)data->n_rows * (size_t)data->n_joints;
+    mukca_pool pool = {0};
+    mukca_dataset swapped = *data; /* shares the other arrays */
+    if (streams->n_joints == 0 || !second) return MUKCA_OK;
+    swapped.q = MUKCA_TAKE(&pool, double, count);
+    if (!swapped.q)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    for (size_t i = 0; i < count; i++) swapped.q[i] = isfinite(second[i]) ? second[i] : data->q[i];
+    mukca_status status = fit(own, options, chain, data, error);
+    if (status == MUKCA_OK) status = fit(other, options, chain, &swapped, error);
+    mukca_pool_free(&pool);
+    return status;
 }
