@@ -23,7 +23,7 @@
     X(largest_offset_m)   /* of one parameter that is a length, */                       \
     X(largest_offset_rad) /* of one that is an angle; without frames of measurement */
 
-enum { MUKCA_ACCEPTANCE_TEXT = 160 };
+enum { MUKCA_ACCEPTANCE_TEXT = 160, MUKCA_ACCEPTANCE_SENTENCE = 256 };
 
 typedef struct {
     bool given; /* false: nobody has judged the table */
@@ -52,6 +52,10 @@ void mukca_acceptance_judge(mukca_acceptance *acceptance, const char *stop);
 /* Refuse the table for this reason (a printf format): it is given and not accepted. */
 void mukca_acceptance_refuse(mukca_acceptance *acceptance, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* The verdict as a sentence for people, without a full stop. */
+void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE],
+                               const mukca_acceptance *acceptance);
 
 /* Take up a comment line of a table; other lines are left alone. */
 void mukca_acceptance_read(mukca_acceptance *acceptance, const char *line);

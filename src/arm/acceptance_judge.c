@@ -53,3 +53,20 @@ void mukca_acceptance_judge(mukca_acceptance *a, const char *stop)
                                 "check the URDF and the samples",
                                 1e3 * a->tip_change_m, a->tip_change_sigma);
 }
+
+void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a)
+{
+    const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
+    if (!a->given)
+        snprintf(text, size, "no verdict (older, or made by hand)");
+    else if (!a->accepted)
+        snprintf(text, size, "not accepted: %s", a->reason);
+    else if (!isfinite(a->error_m))
+        snprintf(text, size, "accepted");
+    else
+        snprintf(
+            text, size,
+            "accepted: held-out error %.3f mm (%s), nominal model %.3f mm; the tip moves by up "
+            "to %.2f mm",
+            1e3 * a->error_m, a->error_of, 1e3 * a->error_nominal_m, 1e3 * a->tip_change_m);
+}

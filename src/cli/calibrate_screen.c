@@ -158,17 +158,15 @@ static void print_next(cli_call *call, const calibrate_result *r)
 static void print_verdict(cli_call *call, const calibrate_result *r)
 {
     const mukca_acceptance *a = &r->offsets->acceptance;
+    char text[MUKCA_ACCEPTANCE_SENTENCE];
     if (!a->accepted) {
         cli_answer_wrapped(call, "Do not use this result: %s.", a->reason);
         return;
     }
     cli_answer_wrapped(call, "Converged after %d evaluations; measurement noise %.3f mm per axis.",
                        r->fit->outcome.evaluations, 1e3 * a->noise_m);
-    cli_answer_wrapped(call,
-                       "Accepted: held-out error %.3f mm (%s), nominal model %.3f mm; the tip "
-                       "moves by up to %.2f mm.",
-                       1e3 * a->error_m, a->error_of, 1e3 * a->error_nominal_m,
-                       1e3 * a->tip_change_m);
+    mukca_acceptance_sentence(text, a);
+    cli_answer_wrapped(call, "Result %s.", text);
 }
 
 void calibrate_print(cli_call *call, const calibrate_result *r)

@@ -100,6 +100,11 @@ static void print(cli_call *call, const evaluate_work *w)
     cli_describe_data(data, &s->data);
     cli_answer(call, "%s: %s; %s\n", s->model.chain.robot, data,
                calibrated ? "nominal model and offsets table" : "nominal model (no --offsets)");
+    if (calibrated) {
+        char verdict_text[MUKCA_ACCEPTANCE_SENTENCE];
+        mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance);
+        cli_answer_wrapped(call, "Table %s.", verdict_text);
+    }
     cli_scores_print_header(call, calibrated);
     cli_scores_print(call, &w->data, "data", calibrated);
     if (tested) cli_scores_print(call, &w->test, "test", calibrated);
@@ -123,7 +128,8 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
     const cli_common *c = call->common;
     mukca_output output = {0};
     json_t *json =
-        json_pack("{s:s, s:o, s:o, s:o, s:o}", "schema", "mukca.evaluate/1", "data",
+        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "schema", "mukca.evaluate/1", "acceptance",
+                  cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL), "data",
                   cli_scores_json(&w->data, &s->data), "test", cli_scores_json(&w->test, &s->test),
                   "mae_m", cli_json_real(w->data.calibrated_mean.mae), "test_mae_m",
                   w->test.n > 0 ? cli_json_real(w->test.calibrated_mean.mae) : json_null());

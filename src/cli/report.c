@@ -102,11 +102,15 @@ static mukca_status calibrate(cli_call *call)
         .free_tool = o->free_tool,
         .solver = mukca_solver_table[0],
         .limits = {.stop = cli_stop, .progress = watch, .context = w}};
-    const mukca_status status =
+    mukca_status status =
         mukca_fit_run(&w->fit, &s->model.chain, &s->data, &fit_options, &call->error);
     if (status != MUKCA_OK) return status;
     if (w->exhausted) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     mukca_fit_offsets(&w->offsets, &w->fit);
+    const mukca_accept_task task = {
+        .chain = &s->model.chain, .data = &s->data, .options = &fit_options};
+    status = mukca_fit_accept(&w->offsets, &w->fit, &task, &call->error);
+    if (status != MUKCA_OK) return status;
     w->page.fit = &w->fit;
     w->page.fitted = &w->fit.chain;
     w->page.solver = mukca_solver_table[0]->name;

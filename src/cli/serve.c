@@ -9,8 +9,12 @@ typedef struct {
     cli_live live;
     const char *state;
     bool publish_pose;
+    double most_change;
     const char *accept;
 } serve_options;
+
+/* Arms are built to some 10 mm: a larger change is a damaged or another arm, or wrong samples. */
+static const serve_options defaults = {.most_change = 10e-3};
 
 /* The model's options for the server's jobs; numbers are written to the texts. */
 static void list_arguments(const char **arguments, char distance[32], char gravity[96],
@@ -54,6 +58,7 @@ static mukca_status run(cli_call *call)
     char distance[32], gravity[96];
     mukca_server_options options = {.folder = o->state ? o->state : getenv("STATE_DIRECTORY"),
                                     .publish_pose = o->publish_pose,
+                                    .most_change = o->most_change,
                                     .accept = o->accept};
     const mukca_recorder_hooks hooks = {
         .report = report, .interrupted = cli_interrupted, .context = call};
@@ -86,9 +91,13 @@ static const cli_option options[] = {
                "folder of sessions, results and state (default: systemd's STATE_DIRECTORY)"),
     CLI_OPTION(serve_options, publish_pose, "publish-pose", CLI_FLAG, NULL,
                "send the calibrated pose of the tip for each joint state on MUKCA_POSE"),
-    CLI_OPTION(serve_options, accept, "accept", CLI_TEXT, "LIST",
-               "commands to accept over LCM, commas between; trigger: messages on MUKCA_TRIGGER; "
-               "reopen: start of a finished session; all (default: all but delete and reopen)"),
+    CLI_OPTION(
+        serve_options, most_change, "most-change", CLI_POSITIVE, "M",
+        "largest change of the tip that use makes against the table in use, m (default: 0.01)"),
+    CLI_OPTION(
+        serve_options, accept, "accept", CLI_TEXT, "LIST",
+        "commands to accept over LCM, commas between; trigger: messages on MUKCA_TRIGGER; "
+        "reopen: start of a finished session; all (default: all but delete, use and reopen)"),
     CLI_DISTANCE_OPTIONS,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
@@ -114,13 +123,17 @@ const cli_command cli_command_serve = {
     MUKCA_SERVER_VERB_LIST(VERB_HELP)
 #undef VERB_HELP
         "\nWith --publish-pose each joint state is answered by the pose of the tip, computed with "
-        "the last calibration or diagnosis, for controllers that cannot load a URDF. Joint drift "
-        "is not included.",
+        "the table in use, for controllers that cannot load a URDF. Joint drift is not included. A "
+        "calibration or diagnosis does not change the table in use: the command use does, if the "
+        "result is accepted (see calibrate), its held-out error is at most twice that of the table "
+        "in use, and the tip moves by at most --most-change. The table in use is kept across "
+        "restarts.",
     .example =
         "mukca serve --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
         "--state build/served",
     .options = options,
     .options_size = sizeof(serve_options),
+    .defaults = &defaults,
     .run = run,
     .work_size = sizeof(mukca_server),
     .release = release,

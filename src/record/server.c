@@ -157,10 +157,16 @@ VERB(diagnose)
     return start_job(s, true, command->id, answer);
 }
 
+VERB(use)
+{
+    return mukca_server_use(s, argument(command, 0), answer);
+}
+
 VERB(result)
 {
     char text[MUKCA_RECORDER_LINE];
-    if (!s->pose.ready) return mukca_fail(answer, MUKCA_NEGATIVE, "there is no calibration yet");
+    if (!s->pose.ready)
+        return mukca_fail(answer, MUKCA_NEGATIVE, "no table is in use: calibrate, then use");
     snprintf(text, sizeof text, "the table in use: %s", s->state.model);
     const mukca_server_answer table = {
         .id = command->id, .verb = "result", .text = text, .table = &s->pose.offsets};

@@ -25,10 +25,12 @@ enum {
     X(finish, "", 0, "close the session")                                                     \
     X(calibrate, "", 0, "calibrate on the session; the result holds the offsets table")       \
     X(diagnose, "", 0, "diagnose the session; the result adds the effects found")             \
+    X(use, " [SESSION]", 1, "use the last result (of SESSION) for poses, if it is plausible") \
     X(result, "", 0, "send the offsets table in use")
 
-/* Rights of --accept besides the verbs, and its default.  Commands that take something away must be
- * named: delete, and reopen for `start` of a session that is not the current one. */
+/* Rights of --accept besides the verbs, and its default.  Commands that take something away or move
+ * a controller must be named: delete, use, and reopen for `start` of a session that is not the
+ * current one. */
 #define MUKCA_SERVER_ACCEPT "start,add,trigger,socket,placement,finish,calibrate,diagnose,result"
 
 /* Their names, ended by NULL. */
@@ -38,6 +40,7 @@ typedef struct {
     mukca_recorder_options recorder;
     const char *folder; /* of sessions, results and state */
     bool publish_pose;
+    double most_change; /* of the tip by `use` against the table in use, m */
     const char *accept; /* verbs, trigger and reopen, commas between; all; NULL: the default */
     /* options of calibrate and diagnose for the model, as on the command line; ended by NULL */
     const char *arguments[MUKCA_SERVER_ARGUMENTS];
@@ -47,10 +50,12 @@ typedef struct {
 typedef struct {
     char session[MUKCA_NAME_SIZE]; /* name, without ending; empty: none */
     char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* current ... */
-    char rows[16];                    /* ... when the session had so many rows */
-    char finished[2];                 /* not empty: no samples are added to the session */
-    char model[MUKCA_NAME_SIZE + 16]; /* file of the offsets table in use; empty: none */
-    char model_stream[16];            /* the kind of stream its rows were recorded from */
+    char rows[16];                        /* ... when the session had so many rows */
+    char finished[2];                     /* not empty: no samples are added to the session */
+    char model[MUKCA_NAME_SIZE + 16];     /* file of the offsets table in use; empty: none */
+    char model_stream[16];                /* the kind of stream its rows were recorded from */
+    char candidate[MUKCA_NAME_SIZE + 16]; /* the last result, which `use` takes; empty: none */
+    char candidate_stream[16];
 } mukca_server_state;
 
 /* A calibration or diagnosis that runs in a child process. */
@@ -94,6 +99,7 @@ typedef struct {
     mukca_server_controller controller;
     mukca_server_job job;
     mukca_server_pose pose;
+    mukca_offsets candidate;     /* scratch */
     mukca_message_result result; /* scratch */
     mukca_offset_row rows[MUKCA_MAX_OFFSET_ROWS];
 } mukca_server;
@@ -113,7 +119,8 @@ void mukca_server_close(mukca_server *s);
 /* Latency at or below which the share p of all poses was sent, s; NaN without any */
 double mukca_server_latency(const mukca_server_pose *pose, double p);
 
-/* ---- parts of it (server_folder.c, server_state.c, server_pose.c, server_job.c) ---- */
+/* ---- parts of it (server_folder.c, server_state.c, server_use.c, server_pose.c, server_job.c)
+ * ---- */
 
 /* Folders of --state: a session's name must not meet other files. */
 #define MUKCA_SERVER_SESSIONS "sessions"
@@ -155,8 +162,18 @@ mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error);
 /* Notify the service manager ("READY=1"); nothing without one. */
 void mukca_server_notify(const char *text);
 
-/* Use the table that the state names.  Errors: MUKCA_INPUT (also: of another kind of stream). */
+/* Load the table in use.  Errors: MUKCA_INPUT (also: of another kind of stream, did not pass, holds
+ * no verdict). */
 mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error);
+
+/* Read the table that a job has written, accepted or not, into s->candidate, for `use`.  Errors:
+ * MUKCA_INPUT. */
+mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error);
+
+/* Put the last result into use: of `session` (NULL: any).  Gates: accepted, its size, its held-out
+ * error and change against the table in use.  `error` gets the answer.  Errors: MUKCA_NEGATIVE,
+ * MUKCA_INPUT. */
+mukca_status mukca_server_use(mukca_server *s, const char *session, mukca_error *error);
 
 /* A recorder hook: send the pose of one joint state. */
 void mukca_server_send_pose(void *server, int64_t time_us, const double *q);

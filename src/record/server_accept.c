@@ -44,10 +44,11 @@ mukca_status mukca_server_check_accept(const mukca_server *s, mukca_error *error
         for (int i = 0; mukca_server_verbs[i] && !known; i++)
             known = has_word(mukca_server_verbs[i], word, length);
         if (!known)
-            return mukca_fail(error, MUKCA_USAGE,
-                              "--accept: %.40s is no command; delete, reopen and all are possible "
-                              "besides " MUKCA_SERVER_ACCEPT,
-                              word);
+            return mukca_fail(
+                error, MUKCA_USAGE,
+                "--accept: %.40s is no command; delete, use, reopen and all are possible "
+                "besides " MUKCA_SERVER_ACCEPT,
+                word);
     }
     return MUKCA_OK;
 }

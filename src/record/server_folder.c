@@ -1,6 +1,7 @@
 /* The server's folder: one server at a time, sessions and results apart, nothing left of a crash.
  *
  *   DIR/state.tsv      what survives a restart
+ *   DIR/in_use.tsv     the offsets table that poses are computed with
  *   DIR/lock           held while a server runs; its text is the process
  *   DIR/sessions/      NAME.tsv
  *   DIR/results/       NAME.offsets.tsv and what else calculations write

@@ -112,19 +112,20 @@ void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer
     mukca_message_result *m = &s->result;
     const mukca_chain *chain = s->recorder.chain;
     int n = answer->table ? mukca_offsets_rows(s->rows, answer->table, chain) : 0;
-    *m = (mukca_message_result){
-        .utime = mukca_lcm_link_clock(s->recorder.link),
-        .id = answer->id,
-        .verb = answer->verb,
-        .code = (int)answer->code,
-        .text = answer->text,
-        .robot = chain->robot,
-        .urdf_sha256 = chain->urdf_sha256,
-        .base = chain->base,
-        .tip = chain->tip,
-        .stream = answer->table ? s->state.model_stream : mukca_recorder_stream(&s->recorder),
-        .n = n < MUKCA_MESSAGE_ROWS ? n : MUKCA_MESSAGE_ROWS,
-        .json = answer->json};
+    *m = (mukca_message_result){.utime = mukca_lcm_link_clock(s->recorder.link),
+                                .id = answer->id,
+                                .verb = answer->verb,
+                                .code = (int)answer->code,
+                                .text = answer->text,
+                                .robot = chain->robot,
+                                .urdf_sha256 = chain->urdf_sha256,
+                                .base = chain->base,
+                                .tip = chain->tip,
+                                .stream = answer->table == &s->pose.offsets
+                                              ? s->state.model_stream
+                                              : mukca_recorder_stream(&s->recorder),
+                                .n = n < MUKCA_MESSAGE_ROWS ? n : MUKCA_MESSAGE_ROWS,
+                                .json = answer->json};
     for (int i = 0; i < m->n; i++) {
         const mukca_offset_row *row = &s->rows[i];
         m->joint[i] = row->joint;
@@ -139,18 +140,12 @@ void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer
     (void)mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_RESULT, m);
 }
 
-/* Use the table that the job has written. */
-static mukca_status use_table(mukca_server *s, mukca_error *error)
+/* Add the verdict of the table to the line for people. */
+static void add_verdict(char line[MUKCA_RECORDER_LINE], const mukca_acceptance *a)
 {
-    mukca_server_state *state = &s->state;
-    const mukca_server_state before = *state;
-    snprintf(state->model, sizeof state->model, "%s", strrchr(s->job.offsets, '/') + 1);
-    snprintf(state->model_stream, sizeof state->model_stream, "%s",
-             mukca_recorder_stream(&s->recorder));
-    mukca_status status = mukca_server_load_model(s, error);
-    if (status == MUKCA_OK) status = mukca_server_save_state(s, error);
-    if (status != MUKCA_OK) *state = before;
-    return status;
+    const size_t used = strlen(line);
+    snprintf(line + used, MUKCA_RECORDER_LINE - used,
+             a->accepted ? "; accepted, for `use`%s" : "; not accepted: %s", a->reason);
 }
 
 static void report(mukca_server *s, mukca_status code)
@@ -163,9 +158,10 @@ static void report(mukca_server *s, mukca_status code)
     if (code == MUKCA_OK || code == MUKCA_NEGATIVE) {
         (void)mukca_file_read(&json, s->job.json, &error);
         if (json) summarise(line, s, json);
-        mukca_status status = use_table(s, &error);
+        mukca_status status = mukca_server_keep_result(s, &error);
         if (status == MUKCA_OK) {
-            answer.table = &s->pose.offsets;
+            answer.table = &s->candidate;
+            add_verdict(line, &s->candidate.acceptance);
         } else {
             snprintf(line, sizeof line, "%s", error.text);
             answer.code = status;

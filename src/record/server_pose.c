@@ -4,27 +4,6 @@
 
 #include "record/server.h"
 
-mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
-{
-    char path[MUKCA_SERVER_PATH];
-    const mukca_offsets_options options = {.force = false};
-    s->pose.ready = false;
-    if (!s->state.model[0]) return MUKCA_OK;
-    if (strcmp(s->state.model_stream, mukca_recorder_stream(&s->recorder)) != 0)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s was calibrated on a %s stream, and this one is %s: its offsets would "
-                          "count twice or not at all",
-                          s->state.model, s->state.model_stream,
-                          mukca_recorder_stream(&s->recorder));
-    mukca_server_path(path, s, MUKCA_SERVER_RESULTS, s->state.model, "");
-    mukca_status status =
-        mukca_offsets_read(&s->pose.offsets, s->recorder.chain, path, &options, error);
-    if (status != MUKCA_OK) return status;
-    mukca_geometry_set(&s->pose.geometry, s->recorder.chain, s->pose.offsets.theta);
-    s->pose.ready = true;
-    return MUKCA_OK;
-}
-
 static const double bucket_ratio = 1.02, bucket_first = 1e-7;
 
 static void count_latency(mukca_server_pose *pose, double seconds)

@@ -40,8 +40,9 @@ static void state_path(char path[MUKCA_SERVER_PATH], const mukca_server *s)
 static const struct {
     const char *key;
     size_t offset, size;
-} fields[] = {FIELD(session),  FIELD(placement), FIELD(socket),      FIELD(rows),
-              FIELD(finished), FIELD(model),     FIELD(model_stream)};
+} fields[] = {FIELD(session),      FIELD(placement), FIELD(socket),
+              FIELD(rows),         FIELD(finished),  FIELD(model),
+              FIELD(model_stream), FIELD(candidate), FIELD(candidate_stream)};
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error)

@@ -100,6 +100,7 @@ def poses(client, arm, state):
     p = serve(state, "--publish-pose")
     client.wait_stream()
     client.command("calibrate")
+    check("use", client.command("use").code == 0, p.said)
     got = []
     joints = {}
     a = client.lc.subscribe("MUKCA_POSE", lambda c, d: got.append(mukca.pose.decode(d)))

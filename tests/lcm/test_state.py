@@ -99,12 +99,13 @@ def earlier(client, arm, state):
 def finished(client, arm):
     """A finished session after a restart: calculations work, and samples are added only if it is reopened."""
     state = fresh("state_finished")
-    p = serve(state)
+    p = serve(state, "--accept", "all")
     client.wait_stream()
     client.command("start", "a")
     rows = take(client, arm, [ROWS[i * len(ROWS) // 14] for i in range(14)])
     check("finished: finish", len(rows) == 14 and client.command("finish").code == 0)
     check("finished: calibrate", client.command("calibrate").code == 0)
+    check("finished: use", client.command("use").code == 0)
     stop(p)
     p = serve(state)
     client.wait_stream()

@@ -45,6 +45,9 @@ static void write_model(void)
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 6 * chain.n_elements; i++) offsets.theta[i] += 1e-3;
     memset(offsets.listed, 1, 6 * (size_t)chain.n_elements);
+    offsets.acceptance.given = offsets.acceptance.accepted = offsets.acceptance.converged = true;
+    offsets.acceptance.error_nominal_m = 1e-3;
+    offsets.acceptance.error_m = 1e-4;
     FILE *file = create("results/x.offsets.tsv");
     assert_int_equal(mukca_offsets_write(file, &offsets, &chain, NULL, NULL, &error), MUKCA_OK);
     fclose(file);

@@ -2,7 +2,7 @@
 . "$here/fixture.sh"
 a="--urdf arm.urdf"
 run simulate $a --seed 3 --placements 3 --rows 20 --perturb 2,4 --noise 1e-4 -o sim.tsv
-answer 'Accepted: held-out error' calibrate $a sim.tsv -o ok.tsv
+answer 'Result accepted: held-out error' calibrate $a sim.tsv -o ok.tsv
 for key in accepted converged error_of error_m error_nominal_m tip_change_m tip_change_sigma \
     identified determined; do
     expect "the table tells $key" grep -q "^# $key: " ok.tsv
@@ -22,7 +22,8 @@ for command in "fk good/hole_0.csv" "compensate good/hole_0.csv" "export -o new.
 done
 accept 'note: failed.tsv: this calibration did not pass' fk $a --offsets failed.tsv --accept-failed good/hole_0.csv
 accept 'note: failed.tsv: this calibration did not pass' export $a --offsets failed.tsv --accept-failed
-accept 'note: failed.tsv: this calibration did not pass' evaluate $a --offsets failed.tsv sim.tsv
+answer 'Table not accepted: moves the tip by 551 mm' evaluate $a --offsets failed.tsv sim.tsv -o scores.tsv
+answer 'Table accepted: held-out error' evaluate $a --offsets ok.tsv sim.tsv -o scores.tsv --force
 sed '/^# accepted/d' ok.tsv >old.tsv
 accept 'note: old.tsv: holds no verdict' fk $a --offsets old.tsv good/hole_0.csv
 sed 's/^# accepted: yes/&\n# accepted: no; twice/' ok.tsv >failed.tsv

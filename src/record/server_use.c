@@ -1,0 +1,142 @@
+/* The table that poses are computed with.  A calculation never changes it: the command `use` does,
+ * after gates, by a copy that later calculations do not overwrite.  It is kept across restarts. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "arm/tip_change.h"
+#include "base/file.h"
+#include "io/output.h"
+#include "record/server.h"
+
+/* Held-out error over that of the table in use.  Errors at other placements differ by up to 1.6
+ * times on one arm (the published Pandas). */
+static const double most_error_ratio = 2;
+
+static void path_in_use(char path[MUKCA_SERVER_PATH], const mukca_server *s)
+{
+    snprintf(path, MUKCA_SERVER_PATH, "%.800s/in_use.tsv", s->options->folder);
+    if (access(path, F_OK)) /* of an earlier version: the result itself */
+        mukca_server_path(path, s, MUKCA_SERVER_RESULTS, s->state.model, "");
+}
+
+static mukca_status check_stream(const mukca_server *s, const char *model, const char *stream,
+                                 mukca_error *error)
+{
+    const char *now = mukca_recorder_stream(&s->recorder);
+    if (strcmp(stream, now) == 0) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_INPUT,
+                      "%.80s was calibrated on a %s stream, and this one is %s: its offsets would "
+                      "count twice or not at all",
+                      model, stream, now);
+}
+
+/* Read a table from its text and judge its size anew: its lines may be edited. */
+static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s, const char *name,
+                                  const char *text, mukca_error *error)
+{
+    mukca_offsets_origin origin = {.name = name};
+    mukca_acceptance *a = &offsets->acceptance;
+    mukca_status status = mukca_offsets_parse(offsets, &origin, s->recorder.chain, text, error);
+    if (status != MUKCA_OK) return status;
+    if (!a->given)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s holds no verdict: calibrate again, then use the result", name);
+    mukca_tip_change_judge(offsets,
+                           &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
+    mukca_acceptance_judge(a, NULL);
+    if (a->accepted) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_INPUT, "%.60s did not pass: %.150s", name, a->reason);
+}
+
+mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH], *text = NULL;
+    const mukca_server_state *state = &s->state;
+    s->pose.ready = false;
+    if (!state->model[0]) return MUKCA_OK;
+    path_in_use(path, s);
+    mukca_status status = check_stream(s, state->model, state->model_stream, error);
+    if (status == MUKCA_OK) status = mukca_file_read(&text, path, error);
+    if (status == MUKCA_OK) status = read_accepted(&s->pose.offsets, s, state->model, text, error);
+    free(text);
+    if (status != MUKCA_OK) return status;
+    mukca_geometry_set(&s->pose.geometry, s->recorder.chain, s->pose.offsets.theta);
+    s->pose.ready = true;
+    return MUKCA_OK;
+}
+
+mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error)
+{
+    mukca_server_state *state = &s->state;
+    const mukca_offsets_options options = {.accept_failed = true};
+    mukca_status status =
+        mukca_offsets_read(&s->candidate, s->recorder.chain, s->job.offsets, &options, error);
+    if (status != MUKCA_OK) return status;
+    snprintf(state->candidate, sizeof state->candidate, "%s", strrchr(s->job.offsets, '/') + 1);
+    snprintf(state->candidate_stream, sizeof state->candidate_stream, "%s",
+             mukca_recorder_stream(&s->recorder));
+    return mukca_server_save_state(s, error);
+}
+
+/* Gates against the table in use. */
+static mukca_status check_change(const mukca_server *s, mukca_error *error)
+{
+    const mukca_offsets *now = &s->pose.offsets, *next = &s->candidate;
+    const double most = s->options->most_change;
+    if (!s->pose.ready) return MUKCA_OK;
+    if (next->acceptance.error_m > most_error_ratio * now->acceptance.error_m)
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "%s: held-out error %.3f mm, that of the table in use %.3f mm; record "
+                          "more samples",
+                          s->state.candidate, 1e3 * next->acceptance.error_m,
+                          1e3 * now->acceptance.error_m);
+    const double change = mukca_tip_change(
+        NULL, &(mukca_tip_change_task){.chain = s->recorder.chain, .from = now, .to = next});
+    if (change <= most) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_NEGATIVE,
+                      "%s: moves the tip by %.1f mm against the table in use, at most %.1f mm "
+                      "(--most-change)",
+                      s->state.candidate, 1e3 * change, 1e3 * most);
+}
+
+static mukca_status write_in_use(const mukca_server *s, const char *text, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH];
+    mukca_output output = {0};
+    snprintf(path, sizeof path, "%.800s/in_use.tsv", s->options->folder);
+    mukca_status status = mukca_output_open(&output, path, true, error);
+    if (status == MUKCA_OK) fputs(text, output.stream);
+    return mukca_output_finish(&output, status, error);
+}
+
+mukca_status mukca_server_use(mukca_server *s, const char *session, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH], *text = NULL;
+    mukca_server_state *state = &s->state;
+    const size_t length = session ? strlen(session) : 0;
+    if (s->job.child) return mukca_fail(error, MUKCA_NEGATIVE, "a calculation is running: wait");
+    if (!state->candidate[0])
+        return mukca_fail(error, MUKCA_NEGATIVE, "there is no result: calibrate or diagnose first");
+    if (session && (strncmp(state->candidate, session, length) != 0 ||
+                    (strcmp(state->candidate + length, ".offsets.tsv") != 0 &&
+                     strcmp(state->candidate + length, ".effects.tsv") != 0)))
+        return mukca_fail(error, MUKCA_NEGATIVE, "the last result is %s, not of session %.40s",
+                          state->candidate, session);
+    mukca_server_path(path, s, MUKCA_SERVER_RESULTS, state->candidate, "");
+    mukca_status status = check_stream(s, state->candidate, state->candidate_stream, error);
+    if (status == MUKCA_OK) status = mukca_file_read(&text, path, error);
+    if (status == MUKCA_OK) status = read_accepted(&s->candidate, s, state->candidate, text, error);
+    if (status == MUKCA_OK) status = check_change(s, error);
+    if (status == MUKCA_OK) status = write_in_use(s, text, error);
+    free(text);
+    if (status != MUKCA_OK) return status;
+    snprintf(state->model, sizeof state->model, "%s", state->candidate);
+    snprintf(state->model_stream, sizeof state->model_stream, "%s", state->candidate_stream);
+    status = mukca_server_load_model(s, error);
+    if (status == MUKCA_OK) status = mukca_server_save_state(s, error);
+    if (status == MUKCA_OK)
+        mukca_fail(error, MUKCA_OK, "in use: %s, held-out error %.3f mm", state->model,
+                   1e3 * s->pose.offsets.acceptance.error_m);
+    return status;
+}

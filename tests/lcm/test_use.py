@@ -1,0 +1,123 @@
+"""serve: a result moves no controller by itself, and never one that did not pass."""
+import os
+import random
+import shutil
+
+from foreign import Arm, Client, ROOT, check, demo_rows, finish, fresh, mukca, spawn, stop
+
+URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
+ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
+HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
+DEFAULT = "start,add,trigger,socket,placement,finish,calibrate,diagnose,result"
+
+
+def serve(state, *more):
+    return spawn("serve", "--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--state", state,
+                 "--window", "0.05", "--publish-pose", *(more or ("--accept", DEFAULT + ",use")))
+
+
+def take(client, arm, rows):
+    good = 0
+    for placement, label, q in rows:
+        arm.go(q)
+        for _ in range(40):
+            client.wait(lambda: False, 0.12)
+            sample = client.trigger(placement, label, seconds=2)
+            if sample and sample.accepted:
+                good += 1
+                break
+    return good
+
+
+def pose(client, arm):
+    """The pose that is published at HOME; None: none is."""
+    got = []
+    arm.go(HOME)
+    client.wait(lambda: False, 0.4)
+    s = client.lc.subscribe("MUKCA_POSE", lambda c, d: got.append(mukca.pose.decode(d).position))
+    client.wait(lambda: len(got) > 3, 1.5)
+    client.lc.unsubscribe(s)
+    return got[-1] if got else None
+
+
+def moved(a, b):
+    return 1e3 * sum((x - y) ** 2 for x, y in zip(a, b)) ** 0.5 if a and b else float("nan")
+
+
+def session(client, arm, name, rows):
+    client.command("start", name)
+    taken = take(client, arm, rows)
+    check(name + ": samples", taken == len(rows), taken)
+    answer = client.command("calibrate")
+    return answer, client.command("use", name)
+
+
+def main():
+    random.seed(3)
+    client, state = Client(), fresh("use")
+    good = [ROWS[i * len(ROWS) // 40] for i in range(40)]
+    evil = [("x%d" % random.randrange(2), random.choice("01"), q) for _, _, q in good[:24]]
+    still = [("a", "01"[i % 2], [x + 1e-5 * i for x in HOME]) for i in range(12)]
+    with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
+        p = serve(state)
+        client.wait_stream()
+        check("use: nothing to use", client.command("use").code == 1)
+        client.command("start", "good")
+        check("good: samples", take(client, arm, good) == len(good))
+        answer = client.command("calibrate")
+        check("good: accepted, and says what to do", answer.code == 0 and "accepted, for `use`" in answer.text,
+              answer.text)
+        check("a result publishes no pose", pose(client, arm) is None and client.command("result").code == 1)
+        check("use of another session is refused", client.command("use", "evil").code == 1)
+        answer = client.command("use", "good")
+        check("use", answer.code == 0 and "good.offsets.tsv" in answer.text, answer.text)
+        first = pose(client, arm)
+        check("poses follow", first is not None)
+
+        for name, rows in (("evil", evil), ("still", still)):
+            result, used = session(client, arm, name, rows)
+            check(name + ": calibrate does not pass", result.code == 1 and "not accepted" in result.text,
+                  (result.code, result.text))
+            check(name + ": use is refused with the reason", used.code == 3 and "did not pass" in used.text,
+                  (used.code, used.text))
+            check(name + ": the pose stays", moved(first, pose(client, arm)) < 0.01)
+            check(name + ": the table in use stays", "good.offsets" in client.command("result").text)
+        # a table that says of itself that it passed, and moves the tip: judged anew
+        path = os.path.join(state, "results", "still.offsets.tsv")
+        lines = open(os.path.join(state, "results", "good.offsets.tsv")).read().split("\n")
+        for offset, text, code in ((2.0, "standard deviations of its prior", 3),
+                                   (0.03, "against the table in use, at most 10.0 mm", 1)):
+            with open(path, "w") as f:
+                for line in lines:
+                    cells = line.split("\t")
+                    if cells[:2] == ["joint_2", "roll"]:
+                        cells[4] = "%.17g" % (float(cells[4]) + offset)
+                        cells[5] = "%.17g" % (float(cells[5]) + offset)
+                    f.write("\t".join(cells) + "\n")
+            answer = client.command("use")
+            check("a change of %g rad is refused" % offset, answer.code == code and text in answer.text,
+                  (answer.code, answer.text))
+        # the same in one's own session: the file in use is a copy
+        shutil.copy(path, os.path.join(state, "results", "good.offsets.tsv"))
+        stop(p, 9)
+        p = serve(state)
+        client.wait_stream()
+        check("after kill -9 the last accepted table is in use", moved(first, pose(client, arm)) < 0.01, p.said)
+        stop(p)
+        p = serve(state, "--accept", DEFAULT)
+        client.wait_stream()
+        answer = client.command("use")
+        check("use must be named in --accept", answer.code == 1 and "naming use" in answer.text, answer.text)
+        stop(p)
+        lines = [line for line in open(os.path.join(state, "in_use.tsv")) if not line.startswith("# accepted")]
+        with open(os.path.join(state, "in_use.tsv"), "w") as f:
+            f.writelines(lines)
+        p = serve(state)
+        client.wait_stream()
+        check("a table without a verdict is not used", pose(client, arm) is None and
+              any("holds no verdict" in line for line in p.said), p.said)
+        stop(p)
+    finish()
+
+
+main()
