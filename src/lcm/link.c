@@ -207,11 +207,14 @@ static void wait_other(int other, bool *readable, int timeout_ms)
     if (readable) *readable = ready;
 }
 
-static mukca_status replay(mukca_lcm_link *link, int timeout_ms, int other, bool *readable)
+static mukca_status replay(mukca_lcm_link *link, int timeout_ms, int other, bool *readable,
+                           mukca_error *error)
 {
     for (int i = 0; i < BURST; i++) {
         if (!link->pending && !(link->pending = mukca_lcm_log_read(&link->log, &link->event)))
-            return MUKCA_NEGATIVE;
+            return link->log.exhausted ? mukca_fail(error, MUKCA_MEMORY,
+                                                    "LCM log %s: out of memory", link->log.path)
+                                       : MUKCA_NEGATIVE;
         if (!link->started) {
             link->started = true;
             link->first = link->event.time;
@@ -243,7 +246,7 @@ mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other
                                  mukca_error *error)
 {
     if (readable) *readable = false;
-    if (!link->network) return replay(link, timeout_ms, other, readable);
+    if (!link->network) return replay(link, timeout_ms, other, readable, error);
     struct pollfd p[2] = {{.fd = mukca_lcm_receiver_descriptor(link->network), .events = POLLIN},
                           {.fd = other, .events = POLLIN}};
     int n = poll(p, 2, timeout_ms);

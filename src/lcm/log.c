@@ -35,7 +35,7 @@ mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_erro
         log->length == INT64_MAX || fseeko(log->file, 0, SEEK_SET)) {
         int reason = errno;
         mukca_lcm_log_close(log);
-        return mukca_fail(error, MUKCA_INPUT, "LCM log %s: %s", path,
+        return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s", path,
                           reason ? strerror(reason) : "cannot be read");
     }
     return MUKCA_OK;
@@ -87,7 +87,10 @@ bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
         }
         if (n_data + 1 > log->capacity) {
             unsigned char *more = realloc(log->data, n_data + 1);
-            if (!more) return false;
+            if (!more) {
+                log->exhausted = true;
+                return false;
+            }
             log->data = more;
             log->capacity = n_data + 1;
         }

@@ -23,6 +23,7 @@ typedef struct {
     int64_t length;  /* of the file, bytes; reading */
     int64_t number;  /* of the next event; writing */
     int64_t skipped; /* bytes that were no event, or too long for one; reading */
+    bool exhausted;  /* out of memory for an event */
     unsigned char *data;
     size_t capacity;
 } mukca_lcm_log;

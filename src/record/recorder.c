@@ -142,6 +142,7 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
     int64_t found = 0; /* us, when the first problem was */
     while (!status && !r->mapped) {
         status = mukca_recorder_step(r, 100, -1, NULL, error);
+        if (!r->link || status == MUKCA_MEMORY) return status; /* it could not be opened again */
         int64_t now = mukca_lcm_link_clock(r->link);
         if (r->problem.status && !found) found = now;
         if (r->problem.status && now - found > PROBLEM_US) break;

@@ -208,8 +208,10 @@ mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *pl
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not recorded: %s", error.text);
     mukca_fail(answer, MUKCA_OK, "row %d: placement %s, socket %s%s%s", message.row, placement,
                socket, remark[0] ? ": " : "", remark);
-    if (mukca_capture_advise(&r->advice, &r->capture, &error) != MUKCA_OK)
+    if (mukca_capture_advise(&r->advice, &r->capture, &error) != MUKCA_OK) {
         mukca_recorder_report(r, "%s", error.text); /* the row is safe all the same */
+        mukca_recorder_count_unwritten(r, &error);
+    }
     if (r->advice.twin >= 0)
         mukca_recorder_report(
             r, "sockets %s and %s coincide within %.2g mm: is the ball in another socket?",
