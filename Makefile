@@ -55,10 +55,14 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -W
 C_WARNINGS := $(WARNINGS) -Wstrict-prototypes -Wmissing-prototypes
 OPTIMISE := -O3 -g -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections
 DEFINES  := -D_DEFAULT_SOURCE -D_XOPEN_SOURCE=700
-C_FLAGS   = -std=c11 $(OPTIMISE) $(C_WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
-CXX_FLAGS = -std=c++17 $(OPTIMISE) $(WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
+# `make HARDENING=` leaves them out; so does a compiler without one of them.
+HARDENING ?= -fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
+HARDEN    := $(shell $(CC) -Werror -O1 $(HARDENING) -x c -c -o /dev/null /dev/null 2>/dev/null && \
+             echo '$(HARDENING)')
+C_FLAGS   = -std=c11 $(OPTIMISE) $(HARDEN) $(C_WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
+CXX_FLAGS = -std=c++17 $(OPTIMISE) $(HARDEN) $(WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
 # A build id hashes the build's path; without one a package is the same wherever it is built.
-LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none
+LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none -Wl,-z,relro,-z,now,-z,noexecstack
 
 # Flags of the libraries come from a small makefile that is made first; make then starts anew.
 # `demo` and `check` install what is missing, the other targets only say so.
@@ -86,7 +90,7 @@ quietly = $(if $(V),,@echo '  $(1)'; )
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all core rt demo programs check soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
+.PHONY: all core rt demo programs check attack soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
         verify-orders verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) $(RT) ## the program build/mukca and the core library (default)
@@ -111,6 +115,8 @@ $(BUILD)/flags: FORCE
 	    cmp -s - $@ || echo '$(subst ','\'',$(CC) $(CXX) $(C_FLAGS) $(CXX_FLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' > $@
 
 $(CORE_OBJ): LIB_CFLAGS :=
+# Control loops run where there is no libc to report a broken stack.
+$(RT_OBJ): private HARDEN :=
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call quietly,CC $<)$(CC) $(C_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
@@ -140,6 +146,10 @@ $(FUZZERS): $(BUILD)/fuzzers/%: $(BUILD)/obj/tests/fuzz/%.o $(CLI_LIB) $(REST_OB
 
 TEST_ENVIRONMENT := MUKCA=$(abspath $(BUILD))/mukca BUILD=$(abspath $(BUILD)) LC_ALL=C.UTF-8 \
     PYTHONDONTWRITEBYTECODE=1
+
+attack: $(PROGRAM) $(TESTS) ## hostile datagrams, files and people against every command, in namespaces
+	@$(TEST_ENVIRONMENT) $(call script,attack)
+
 
 demo: all ## calibrate, diagnose and report the demo arm of data/ into build/demo
 	@$(TEST_ENVIRONMENT) $(call script,demo) build/demo
@@ -174,7 +184,7 @@ tidy: ## clang-tidy, cppcheck and gcc -fanalyzer; a finding is an error
 format: ## clang-format all sources in place
 	clang-format -i $$(git ls-files '*.c' '*.h' '*.cc')
 
-fuzz: ## libFuzzer on every reader (FUZZ_SECONDS=60 each)
+fuzz: ## libFuzzer on every reader (FUZZ_SECONDS=60 each, two at a time)
 	+@$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang CXX=clang++ \
 	    CFLAGS='-O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined $(CFLAGS)' \
 	    LDFLAGS='-fsanitize=address,undefined $(LDFLAGS)' fuzz-run

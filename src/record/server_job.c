@@ -8,6 +8,7 @@
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,6 +16,9 @@
 #include "record/server.h"
 
 extern char **environ;
+
+/* As of nice(1): some tenth of the processor while others want it. */
+static const int job_niceness = 10;
 
 static const char *verb_of(const mukca_server_job *job)
 {
@@ -34,7 +38,10 @@ static mukca_status spawn(mukca_server *s, const char *const *arguments, mukca_e
     reason = posix_spawn(&s->job.child, "/proc/self/exe", &files, NULL,
                          (char *const *)(uintptr_t)arguments, environ);
     posix_spawn_file_actions_destroy(&files);
-    if (!reason) return MUKCA_OK;
+    if (!reason) { /* recording comes first */
+        (void)setpriority(PRIO_PROCESS, (id_t)s->job.child, job_niceness);
+        return MUKCA_OK;
+    }
     s->job.child = 0;
     return mukca_fail(error, MUKCA_INPUT, "cannot start a calculation: %s", strerror(reason));
 }
