@@ -66,7 +66,7 @@ LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none -Wl,-z,relro,-
 
 # Flags of the libraries come from a small makefile that is made first; make then starts anew.
 # `demo` and `check` install what is missing, the other targets only say so.
-NEEDS_LIBRARIES := $(filter-out core rt clean help dist uninstall format,$(or $(MAKECMDGOALS),all))
+NEEDS_LIBRARIES := $(filter-out core rt check-arm64 check-cortex-m7 deb-arm64 clean help dist uninstall format,$(or $(MAKECMDGOALS),all))
 ifneq ($(NEEDS_LIBRARIES),)
 include $(BUILD)/config.mk
 endif
@@ -90,7 +90,8 @@ quietly = $(if $(V),,@echo '  $(1)'; )
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all core rt demo programs check attack soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
+.PHONY: all core rt demo programs check check-arm64 check-cortex-m7 deb-arm64 \
+        attack soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
         verify-orders verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) $(RT) ## the program build/mukca and the core library (default)
@@ -156,6 +157,12 @@ demo: all ## calibrate, diagnose and report the demo arm of data/ into build/dem
 
 check: $(PROGRAM) $(TESTS) $(EXAMPLES) $(RT) ## build and run every test
 	@$(TEST_ENVIRONMENT) tests/run $(TESTS) $(SCRIPTS)
+
+check-arm64: ## the program and its tests for arm64, under qemu-user
+	+@tools/cross/arm64
+
+check-cortex-m7: ## libmukca_rt.a on a bare Cortex-M7 (qemu): figures, and equal to the host
+	+@tools/cross/cortex-m7
 
 soak: $(PROGRAM) ## the LCM tests in full: 60 s at 1 kHz, 100 kills, a million hostile messages
 	@$(TEST_ENVIRONMENT) MUKCA_LONG=1 tests/lcm/run.sh

@@ -18,10 +18,19 @@
 extern "C" {
 #endif
 
+/* Capacities.  For a controller with little memory the library and the program may be compiled with
+ * smaller ones, both alike: -DMUKCA_MAX_ELEMENTS=12 (docs/realtime.md). */
+#ifndef MUKCA_MAX_ELEMENTS
+#define MUKCA_MAX_ELEMENTS 48
+#endif
+#ifndef MUKCA_MAX_JOINTS
+#define MUKCA_MAX_JOINTS 16
+#endif
+#ifndef MUKCA_MAX_MASSES
+#define MUKCA_MAX_MASSES 96
+#endif
+
 enum {
-    MUKCA_MAX_ELEMENTS = 48,
-    MUKCA_MAX_JOINTS = 16,
-    MUKCA_MAX_MASSES = 96,
     MUKCA_NAME_SIZE = 64,
     MUKCA_PARAMETERS = 6 /* per element: x y z roll pitch yaw */
 };
@@ -120,6 +129,12 @@ void mukca_fk_frames(mukca_frame *before, mukca_frame *tip, const mukca_geometry
  * (m/rad or m/m) first, then angular.  `T_base_tip` (may be NULL) is the pose it belongs to. */
 void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip, const mukca_geometry *geometry,
                        const double *q, const mukca_displacement *displacement);
+
+/* Velocity of the tip in base coordinates, linear (m/s), then angular (rad/s), of the arm held at q
+ * whose displacement changes by `rate` in a second. */
+void mukca_fk_displacement_rate(double velocity[6], const mukca_geometry *geometry, const double *q,
+                                const mukca_displacement *displacement,
+                                const mukca_displacement *rate);
 
 /* Parameter Jacobian of the tip's position: J[3][6 * n_elements] row-major, by x y z roll pitch yaw
  * of each element (m/m, m/rad).  `theta` must be the one that `geometry` was set from. */

@@ -96,12 +96,12 @@ extern const mukca_effect_info *const mukca_effect_table[MUKCA_EFFECT_COUNT];
 /* Duration of a sample whose time is not recorded, s: people take some 8 s per sample. */
 #define MUKCA_SECONDS_PER_ROW 8.0
 
-enum {
-    MUKCA_MAX_TERMS = 4,
-    MUKCA_MAX_EFFECTS = 48,
-    MUKCA_EFFECT_TEXT = 48,
-    MUKCA_LAST_ORDER = 400
-};
+/* A capacity, as in chain.h. */
+#ifndef MUKCA_MAX_EFFECTS
+#define MUKCA_MAX_EFFECTS 48
+#endif
+
+enum { MUKCA_MAX_TERMS = 4, MUKCA_EFFECT_TEXT = 48, MUKCA_LAST_ORDER = 400 };
 
 /* The frame in which an axis wobbles. */
 typedef enum {

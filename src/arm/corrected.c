@@ -71,29 +71,39 @@ void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model,
     mukca_fk_pose(T_base_tip, &model->geometry, q, displace(&d, model, q, state));
 }
 
+/* rate := (b - a) / step, for what displaces the tip. */
+static void difference(mukca_displacement *rate, const mukca_displacement *b,
+                       const mukca_displacement *a, double step)
+{
+    for (int j = 0; j < MUKCA_MAX_JOINTS; j++) {
+        rate->q[j] = (b->q[j] - a->q[j]) / step;
+        for (int i = 0; i < 3; i++)
+            rate->rotation[j][i] = (b->rotation[j][i] - a->rotation[j][i]) / step;
+    }
+    for (int i = 0; i < 3; i++) {
+        rate->base[i] = (b->base[i] - a->base[i]) / step;
+        rate->tip[i] = (b->tip[i] - a->tip[i]) / step;
+    }
+}
+
 void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,
                               const double *q, const mukca_joint_state *state)
 {
     const int n = model->chain.n_joints;
     const double h = 1e-5;
-    mukca_displacement d;
-    double moved[MUKCA_MAX_JOINTS];
+    mukca_displacement d, side[2];
+    double moved[MUKCA_MAX_JOINTS], velocity[6];
     mukca_fk_jacobian(J, T_base_tip, &model->geometry, q, displace(&d, model, q, state));
     if (model->n_effects == 0) return;
     memcpy(moved, q, (size_t)n * sizeof *q);
     for (int j = 0; j < n; j++) { /* the arm held at q, its displacement as at q +- h */
-        mukca_frame side[2];
-        double w[3];
         for (int k = 0; k < 2; k++) {
             moved[j] = q[j] + (k ? h : -h);
-            displace(&d, model, moved, state);
-            mukca_fk_pose(&side[k], &model->geometry, q, &d);
+            displace(&side[k], model, moved, state);
         }
         moved[j] = q[j];
-        mukca_rotation_difference(w, side[1].R, side[0].R);
-        for (int i = 0; i < 3; i++) {
-            J[i * n + j] += (side[1].p[i] - side[0].p[i]) / (2 * h);
-            J[(3 + i) * n + j] += w[i] / (2 * h);
-        }
+        difference(&side[0], &side[1], &side[0], 2 * h);
+        mukca_fk_displacement_rate(velocity, &model->geometry, q, &d, &side[0]);
+        for (int i = 0; i < 6; i++) J[i * n + j] += velocity[i];
     }
 }

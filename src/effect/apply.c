@@ -41,23 +41,6 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
         for (int i = 0; i < width; i++) into[i] += effect->coefficient[t] * basis[t][i];
 }
 
-/* The geometry as the displacement leaves it (angles aside), for the moments there. */
-static void bend_geometry(mukca_geometry *bent, const mukca_geometry *geometry,
-                          const mukca_displacement *displacement)
-{
-    mukca_frame tilt = {.p = {0, 0, 0}};
-    *bent = *geometry;
-    if (!displacement->any_rotation) return;
-    for (int k = 0; k < geometry->n_elements; k++) {
-        if (geometry->joint[k] < 0) continue;
-        double R[9];
-        mukca_rotation_exp(R, displacement->rotation[geometry->joint[k]]);
-        mukca_mat3_mul(bent->origin[k].R, geometry->origin[k].R, R);
-    }
-    mukca_rotation_exp(tilt.R, displacement->base);
-    if (geometry->n_elements > 0) mukca_frame_multiply(&bent->origin[0], &tilt, &bent->origin[0]);
-}
-
 /* Largest difference between two displacements' angles and rotations. */
 static double change(const mukca_displacement *a, const mukca_displacement *b, int n_joints)
 {
@@ -95,11 +78,7 @@ void mukca_effects_displacement(mukca_displacement *displacement, const mukca_ef
         for (int i = 0; i < n; i++) mukca_effect_apply(displacement, &effects[i], chain, &full);
         if (!loaded || change(displacement, &before, chain->n_joints) < 1e-12) return;
         /* Once more under the load of the arm where it has come to: the equilibrium. */
-        mukca_geometry bent;
-        double angle[MUKCA_MAX_JOINTS];
         before = *displacement;
-        bend_geometry(&bent, geometry, displacement);
-        for (int j = 0; j < chain->n_joints; j++) angle[j] = q[j] + displacement->q[j];
-        mukca_chain_moments(&load, chain, &bent, angle, NULL, full.payload_kg);
+        mukca_chain_moments_displaced(&load, chain, geometry, q, displacement, full.payload_kg);
     }
 }
