@@ -15,8 +15,7 @@ static const cli_option options[] = {
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
                "rad; 1 cm is "
                "accurate enough"),
-    CLI_RANGE_OPTION(cli_plan_options, suggest, "suggest", CLI_INTEGER, "N", 1,
-                     CLI_PLAN_MAX_PLACES,
+    CLI_RANGE_OPTION(cli_plan_options, suggest, "suggest", CLI_INTEGER, "N", 1, CLI_PLAN_MAX_PLACES,
                      "propose N placements of the tool instead, each with --rows N samples"),
     CLI_OPTION(cli_plan_options, settle, "settle", CLI_FLAG, NULL,
                "diagnose DATA and separate its first indistinguishable causes"),

@@ -9,7 +9,7 @@
 /* Drop the rows of `data` that repeat a row of `of`, or an earlier one of `data` where `of` is
  * NULL, and the sockets and placements that have none left; one note for each file.  A row repeats
  * another one where all joint angles and the label are equal, and nothing else that both have
- * (time, measured pose, effort and so on) differs; names of files and placements do not count.  With
+ * (time, measured pose, effort and so on) differs; names of files and placements do not count. With
  * `of` NULL, a socket that would keep one row keeps all.
  * Returns MUKCA_OK or MUKCA_MEMORY. */
 mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *of,

@@ -82,7 +82,8 @@ static void put(const char *name, int from)
     snprintf(temporary, sizeof temporary, "%s.%d", path, getpid());
     int to = (int)syscall(SYS_openat, AT_FDCWD, temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
     off_t offset = 0;
-    while ((n = pread(from, buffer, sizeof buffer, offset)) > 0 && real_write(to, buffer, (size_t)n) == n)
+    while ((n = pread(from, buffer, sizeof buffer, offset)) > 0 &&
+           real_write(to, buffer, (size_t)n) == n)
         offset += n;
     close(to);
     syscall(SYS_renameat, AT_FDCWD, temporary, AT_FDCWD, path);
@@ -206,7 +207,8 @@ static void trap_writes(void)
     };
     const struct sock_fprog filter = {sizeof code / sizeof code[0], code};
     sigaction(SIGSYS, &action, NULL);
-    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) || prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter))
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) ||
+        prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter))
         _exit(77);
 }
 

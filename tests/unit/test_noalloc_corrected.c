@@ -140,7 +140,8 @@ static void bad_tables_are_refused(void **state)
                  at + strlen(spoil[i][0]));
         if (i == 0) /* all of them */
             while ((at = strstr(broken, "# element:"))) broken[at - broken + 2] = 'a';
-        assert_int_equal(mukca_corrected_parse(&other, broken, strlen(broken), &error), MUKCA_INPUT);
+        assert_int_equal(mukca_corrected_parse(&other, broken, strlen(broken), &error),
+                         MUKCA_INPUT);
         assert_non_null(strstr(error.text, "offsets table:"));
     }
     assert_int_equal(mukca_corrected_parse(&other, "", 0, &error), MUKCA_INPUT);
@@ -172,7 +173,8 @@ static void columns_may_stand_in_any_order(void **state)
                 (size_t)snprintf(reversed + to, sizeof reversed - to, "%.*s\n", (int)length, line);
         line += length + (line[length] == '\n');
     }
-    if (mukca_corrected_parse(&other, reversed, strlen(reversed), &error)) fail_msg("%s", error.text);
+    if (mukca_corrected_parse(&other, reversed, strlen(reversed), &error))
+        fail_msg("%s", error.text);
     assert_memory_equal(&other, &model, sizeof model);
 }
 

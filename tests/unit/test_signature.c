@@ -70,9 +70,9 @@ static void a_signed_request_is_read_without_a_key(void **state)
             mukca_message_decode(&trigger, MUKCA_MESSAGE_TRIGGER, data, n + more, &error),
             more == 0 || more == MUKCA_LCM_SIGNATURE ? MUKCA_OK : MUKCA_INPUT);
     n = mukca_message_encode(data, sizeof data, MUKCA_MESSAGE_SAMPLE, &sample);
-    assert_int_equal(mukca_message_decode(&sample, MUKCA_MESSAGE_SAMPLE, data,
-                                          n + MUKCA_LCM_SIGNATURE, &error),
-                     MUKCA_INPUT);
+    assert_int_equal(
+        mukca_message_decode(&sample, MUKCA_MESSAGE_SAMPLE, data, n + MUKCA_LCM_SIGNATURE, &error),
+        MUKCA_INPUT);
 }
 
 static void bad_keys_get_one_clear_line(void **state)

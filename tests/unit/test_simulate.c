@@ -1,7 +1,7 @@
 /* Simulated recordings: consistent with their truth, effects of the size asked for, the same for
  * the same seed. */
-#include "scene.h"
 #include "mukca/gravity.h"
+#include "scene.h"
 
 /* Where the true arm has its ball in a row, found from the recorded row alone. */
 static void true_ball(double position[3], mukca_row_state *states, const mukca_dataset *data,
