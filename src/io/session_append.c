@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "base/note.h"
+#include "base/utf8.h"
 #include "io/output.h"
 
 enum { LINE_SIZE = 8192, MAX_SESSION = 1 << 27 };
@@ -59,7 +60,7 @@ bool mukca_session_label_ok(const char *label)
     for (const char *c = label; *c; c++)
         if ((unsigned char)*c < 32 || *c == 127 || *c == ',' || *c == ';' || *c == '"')
             return false;
-    return label[n - 1] != ' ';
+    return label[n - 1] != ' ' && mukca_utf8_valid(label);
 }
 
 /* ---- writing ---- */

@@ -62,7 +62,8 @@ mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *
 mukca_status mukca_session_undo(mukca_session *session, const char *placement, const char *socket,
                                 mukca_error *error);
 
-/* Whether `label` may be written to a session: 1 to 63 printable characters, no separator, no #. */
+/* Whether `label` may be written to a session: 1 to 63 printable bytes of UTF-8, no separator, no
+ * leading #. */
 bool mukca_session_label_ok(const char *label);
 
 /* Harmless on a closed one. */

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/utf8.h"
 #include "io/output.h"
 #include "record/server.h"
 
@@ -28,42 +29,96 @@ bool mukca_server_name_ok(const char *name)
     return true;
 }
 
-#define FIELD(name)                                                                        \
-    {                                                                                      \
-#name, offsetof(mukca_server_state, name), sizeof(((mukca_server_state *)0)->name) \
+/* What a file of results may be called. */
+static bool is_result(const char *value)
+{
+    char session[MUKCA_NAME_SIZE] = "";
+    const char *const endings[] = {".offsets.tsv", ".effects.tsv"};
+    for (int i = 0; i < 2; i++) {
+        const size_t n = strlen(value), length = strlen(endings[i]);
+        if (n <= length || n - length >= sizeof session || strcmp(value + n - length, endings[i]))
+            continue;
+        memcpy(session, value, n - length);
+        return mukca_server_name_ok(session);
     }
+    return false;
+}
+
+static bool is_stream(const char *value)
+{
+    for (int i = 0; mukca_recorder_streams[i]; i++)
+        if (strcmp(value, mukca_recorder_streams[i]) == 0) return true;
+    return false;
+}
+
+static bool is_count(const char *value)
+{
+    return strlen(value) < 10 && !value[strspn(value, "0123456789")];
+}
+
+static bool is_mark(const char *value)
+{
+    return strcmp(value, "1") == 0;
+}
+
+/* The fields, and what they may hold unless they are empty; selecting checks labels again. */
+#define FIELD(name, ok)                                                                        \
+    {                                                                                          \
+#name, offsetof(mukca_server_state, name), sizeof(((mukca_server_state *)0)->name), ok \
+    }
+static const struct {
+    const char *key;
+    size_t offset, size;
+    bool (*ok)(const char *value);
+} fields[] = {FIELD(session, mukca_server_name_ok),
+              FIELD(placement, mukca_utf8_valid),
+              FIELD(socket, mukca_utf8_valid),
+              FIELD(rows, is_count),
+              FIELD(finished, is_mark),
+              FIELD(model, is_result),
+              FIELD(model_stream, is_stream),
+              FIELD(candidate, is_result),
+              FIELD(candidate_stream, is_stream)};
+enum { FIELDS = sizeof fields / sizeof fields[0] };
+
 static void state_path(char path[MUKCA_SERVER_PATH], const mukca_server *s)
 {
     snprintf(path, MUKCA_SERVER_PATH, "%.800s/state.tsv", s->options->folder);
 }
 
-static const struct {
-    const char *key;
-    size_t offset, size;
-} fields[] = {FIELD(session),      FIELD(placement), FIELD(socket),
-              FIELD(rows),         FIELD(finished),  FIELD(model),
-              FIELD(model_stream), FIELD(candidate), FIELD(candidate_stream)};
-enum { FIELDS = sizeof fields / sizeof fields[0] };
+/* Keys of a later version are ignored. */
+static bool set_field(mukca_server_state *state, const char *key, const char *value)
+{
+    for (int i = 0; i < FIELDS; i++) {
+        if (strcmp(key, fields[i].key) != 0) continue;
+        if (*value && (strlen(value) >= fields[i].size || !fields[i].ok(value))) return false;
+        char *field = (char *)state + fields[i].offset;
+        memset(field, 0, fields[i].size); /* states are compared as bytes */
+        memcpy(field, value, strlen(value));
+    }
+    return true;
+}
 
 mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error)
 {
     char path[MUKCA_SERVER_PATH], line[512];
+    bool whole = true;
     memset(&s->state, 0, sizeof s->state);
     state_path(path, s);
     FILE *file = fopen(path, "r");
     if (!file && errno != ENOENT) return mukca_file_fail(error, path);
-    while (file && fgets(line, sizeof line, file)) {
+    for (int n = 1; whole && file && fgets(line, sizeof line, file); n++) {
         char *value = strchr(line, '\t');
         line[strcspn(line, "\n")] = '\0';
         if (!value) continue;
         *value++ = '\0';
-        for (int i = 0; i < FIELDS; i++)
-            if (strcmp(line, fields[i].key) == 0)
-                snprintf((char *)&s->state + fields[i].offset, fields[i].size, "%s", value);
+        whole = set_field(&s->state, line, value);
+        if (!whole)
+            mukca_fail(error, MUKCA_INPUT, "%s:%d: %.20s is damaged; correct or remove the line",
+                       mukca_file_shown(path), n, line);
     }
     if (file && !mukca_file_close(file, NULL)) return mukca_file_fail(error, path);
-    if (s->state.session[0] && !mukca_server_name_ok(s->state.session))
-        return mukca_fail(error, MUKCA_INPUT, "%s is damaged; remove it", path);
+    if (!whole) return MUKCA_INPUT;
     s->saved = s->state;
     return MUKCA_OK;
 }

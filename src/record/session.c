@@ -139,8 +139,8 @@ static mukca_status complete_labels(const mukca_recorder *r, const char **placem
     if (!r->session.fd) return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded");
     if (mukca_session_label_ok(*placement) && mukca_session_label_ok(*socket)) return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
-                      "\"%.40s\" or \"%.40s\" cannot be a name (1 to 63 characters, no comma, tab, "
-                      "quote or leading #)",
+                      "\"%.40s\" or \"%.40s\" cannot be a name (1 to 63 characters of UTF-8, no "
+                      "comma, tab, quote or leading #)",
                       *placement, *socket);
 }
 

@@ -252,14 +252,14 @@ static void killed_sessions_keep_acknowledged_rows(void **state)
 
 static void labels(void **state)
 {
-    static const char *const good[] = {"0", "front left", "h\303\266he"}, *const bad[] = {
-                                                                              "",     "#1",
-                                                                              "a\tb", "a\nb",
-                                                                              "a,b",  " a",
-                                                                              "a ",   "\"a\""};
+    static const char *const good[] = {"0", "front left", "h\303\266he"};
+    static const char *const bad[] = {"",   "#1", "a\tb",  "a\nb", "a,b",
+                                      " a", "a ", "\"a\"", "\303", "a\377b"};
     (void)state;
-    for (size_t i = 0; i < 3; i++) assert_true(mukca_session_label_ok(good[i]));
-    for (size_t i = 0; i < 8; i++) assert_false(mukca_session_label_ok(bad[i]));
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+        assert_true(mukca_session_label_ok(good[i]));
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_false(mukca_session_label_ok(bad[i]));
 }
 
 int main(void)
