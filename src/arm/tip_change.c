@@ -32,13 +32,13 @@ static double prior_sigma(const mukca_tip_change_task *task, int i)
                : length_sigma;
 }
 
-/* theta[6 * n_elements] of a table with the frames of the measurement taken from `to`. */
-static void take_theta(double *theta, const mukca_offsets *from, const mukca_tip_change_task *task)
+/* theta[6 * n_elements] of the model before, with the frames of the measurement taken from `to`. */
+static void take_theta_before(double *theta, const mukca_tip_change_task *task)
 {
     const int n = MUKCA_PARAMETERS * task->chain->n_elements;
     mukca_chain_theta(theta, task->chain);
     for (int i = 0; i < n; i++) {
-        if (from) theta[i] = from->theta[i];
+        if (task->from) theta[i] = task->from->theta[i];
         if (is_frame(task, i / MUKCA_PARAMETERS)) theta[i] = task->to->theta[i];
     }
 }
@@ -97,8 +97,9 @@ double mukca_tip_change(double *sigma, const mukca_tip_change_task *task)
     double q[MUKCA_MAX_JOINTS];
     const mukca_dataset *data = task->data;
     const int step = data ? data->n_rows / RECORDED + 1 : 1;
-    take_theta(c.theta[0], task->from, task);
-    take_theta(c.theta[1], task->to, task);
+    take_theta_before(c.theta[0], task);
+    memcpy(c.theta[1], task->to->theta,
+           sizeof *c.theta[1] * (size_t)(MUKCA_PARAMETERS * task->chain->n_elements));
     for (int side = 0; side < 2; side++)
         mukca_geometry_set(&c.geometry[side], task->chain, c.theta[side]);
     mukca_random_seed(&random, 1);

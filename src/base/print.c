@@ -73,7 +73,8 @@ static void put_general(output *out, double value, int precision)
 
 void mukca_print_list(char *text, size_t size, const char *format, va_list args)
 {
-    output out = {.at = text, .left = size - 1};
+    output out = {.left = size - 1};
+    out.at = text;
     while (*format) {
         const size_t plain = strcspn(format, "%");
         put(&out, format, plain);

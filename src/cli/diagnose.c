@@ -119,16 +119,17 @@ static mukca_status run(cli_call *call)
         status =
             mukca_next_poses_choose(&w->next, d, &s->model.chain, &s->data, cli_stop, &call->error);
     if (status == MUKCA_OK) status = write_offsets(call, &result);
-    const mukca_acceptance *acceptance = call->common->output ? &w->offsets.acceptance : NULL;
+    const mukca_acceptance *acceptance = &w->offsets.acceptance;
+    const bool judged = call->common->output != NULL;
     if (status == MUKCA_OK && call->common->json) {
         json_t *json = cli_diagnosis_json(&result);
-        json_object_set_new(json, "acceptance", cli_json_acceptance(acceptance));
+        json_object_set_new(json, "acceptance", cli_json_acceptance(judged ? acceptance : NULL));
         status = cli_write_json(call, json);
     }
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &result);
-    if (acceptance && !acceptance->accepted) {
+    if (judged && !acceptance->accepted) {
         cli_answer_wrapped(call, "Do not use the offsets table: %s.", acceptance->reason);
         return MUKCA_NEGATIVE;
     }
