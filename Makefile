@@ -243,6 +243,9 @@ verify-report: $(PROGRAM) ## reports of the demo and of real robots in a headles
 deb: $(PROGRAM) $(CORE) ## a Debian package in build/
 	@$(TEST_ENVIRONMENT) VERSION=$(VERSION) $(call script,deb)
 
+deb-arm64: ## the same for arm64, cross-built
+	+@VERSION=$(VERSION) tools/cross/arm64 deb
+
 dist: ## a reproducible source archive in build/
 	@VERSION=$(VERSION) $(call script,dist)
 
@@ -273,8 +276,8 @@ install: all ## program, core library, headers, mukca.pc, unit, man pages, compl
 	install -m 644 data/lcm/*.lcm $(share)/mukca/lcm/
 	install -m 644 $(MAN1) $(share)/man/man1/
 	$(if $(MAN5),install -m 644 $(MAN5) $(share)/man/man5/)
-	$(BUILD)/mukca completion bash > $(share)/bash-completion/completions/mukca
-	$(BUILD)/mukca completion zsh > $(share)/zsh/site-functions/_mukca
+	$(EMULATOR) $(BUILD)/mukca completion bash > $(share)/bash-completion/completions/mukca
+	$(EMULATOR) $(BUILD)/mukca completion zsh > $(share)/zsh/site-functions/_mukca
 
 uninstall: ## remove what install put there
 	rm -f $(bindir)/mukca $(libdir)/libmukca_core.a $(libdir)/libmukca_rt.a $(libdir)/pkgconfig/mukca.pc \

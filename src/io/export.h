@@ -8,10 +8,10 @@
 #include "io/offsets.h"
 
 /* name, endings of file names, what it is */
-#define MUKCA_EXPORT_LIST(X)                                                  \
-    X(urdf, ".urdf", "the URDF with calibrated origins, otherwise unchanged") \
-    X(yaml, ".yaml .yml", "origins of all joints, and causes")                \
-    X(c, ".h", "C arrays of origins and axes, and causes")                    \
+#define MUKCA_EXPORT_LIST(X)                                                   \
+    X(urdf, ".urdf", "the URDF with calibrated origins, otherwise unchanged")  \
+    X(yaml, ".yaml .yml", "origins of all joints, and causes")                 \
+    X(c, ".h", "C arrays of origins and axes, causes, an arm for libmukca_rt") \
     X(mjcf, ".mjcf", "a MuJoCo model with springs and stops for causes")
 
 typedef struct {

@@ -1,5 +1,6 @@
 /* A C header of const arrays with the calibrated chain. */
 #include <ctype.h>
+#include <math.h>
 #include <string.h>
 
 #include "io/export.h"
@@ -102,6 +103,133 @@ static void print_arrays(FILE *stream, const char *id, const mukca_export_input 
     fputs("};\n", stream);
 }
 
+/* ---- the arm for libmukca_rt ---- */
+
+static void print_list(FILE *stream, const char *start, const double *values, int n)
+{
+    fputs(start, stream);
+    mukca_export_numbers(stream, values, n, ", ");
+    fputs("}", stream);
+}
+
+static void print_name(FILE *stream, const char *start, const char *text)
+{
+    fputs(start, stream);
+    mukca_export_quoted(stream, text);
+}
+
+/* Limits of a joint: infinite where there are none. */
+static void print_limit(FILE *stream, const char *start, double limit)
+{
+    fputs(start, stream);
+    if (isfinite(limit))
+        mukca_export_numbers(stream, &limit, 1, "");
+    else
+        fputs(limit < 0 ? "-HUGE_VAL" : "HUGE_VAL", stream);
+}
+
+static void print_chain(FILE *stream, const mukca_chain *chain)
+{
+    static const char *const type[] = {[MUKCA_FIXED] = "MUKCA_FIXED",
+                                       [MUKCA_REVOLUTE] = "MUKCA_REVOLUTE",
+                                       [MUKCA_CONTINUOUS] = "MUKCA_CONTINUOUS",
+                                       [MUKCA_PRISMATIC] = "MUKCA_PRISMATIC"};
+    print_name(stream, "    .chain = {.robot = ", chain->robot);
+    print_name(stream, ", .base = ", chain->base);
+    print_name(stream, ", .tip = ", chain->tip);
+    print_name(stream, ",\n        .urdf_sha256 = ", chain->urdf_sha256);
+    fprintf(stream, ",\n        .n_elements = %d, .n_joints = %d, .n_masses = %d,\n",
+            chain->n_elements, chain->n_joints, chain->n_masses);
+    print_list(stream, "        .gravity = {", chain->gravity, 3);
+    fputs(",\n        .element = {\n", stream);
+    for (int k = 0; k < chain->n_elements; k++) {
+        const mukca_element *e = &chain->element[k];
+        print_name(stream, "            {.name = ", e->name);
+        print_name(stream, ", .child = ", e->child);
+        fprintf(stream, ", .type = %s, .joint = %d,\n", type[e->type], e->joint);
+        print_list(stream, "             .xyz = {", e->xyz, 3);
+        print_list(stream, ", .rpy = {", e->rpy, 3);
+        print_list(stream, ", .axis = {", e->axis, 3);
+        print_limit(stream, ",\n             .lower = ", e->lower);
+        print_limit(stream, ", .upper = ", e->upper);
+        fputs("},\n", stream);
+    }
+    fputs("        },\n        .joint_element = {", stream);
+    for (int j = 0; j < chain->n_joints; j++)
+        fprintf(stream, "%s%d", j ? ", " : "", chain->joint_element[j]);
+    fputs("},\n        .mass = {", stream);
+    for (int m = 0; m < chain->n_masses; m++) {
+        fprintf(stream, "\n            {.element = %d, .kg = ", chain->mass[m].element);
+        mukca_export_numbers(stream, &chain->mass[m].kg, 1, "");
+        print_list(stream, ", .com = {", chain->mass[m].com, 3);
+        fputs("},", stream);
+    }
+    fputs(chain->n_masses ? "\n        }},\n" : "{0}}},\n", stream);
+}
+
+static void print_geometry(FILE *stream, const mukca_export_input *input)
+{
+    mukca_geometry geometry = {0};
+    mukca_geometry_set(&geometry, input->chain, input->offsets->theta);
+    fprintf(stream, "    .geometry = {.n_elements = %d, .n_joints = %d,\n        .origin = {\n",
+            geometry.n_elements, geometry.n_joints);
+    for (int k = 0; k < geometry.n_elements; k++) {
+        print_list(stream, "            {{", geometry.origin[k].R, 9);
+        print_list(stream, ",\n             {", geometry.origin[k].p, 3);
+        fputs("},\n", stream);
+    }
+    fputs("        },\n        .axis = {", stream);
+    for (int k = 0; k < geometry.n_elements; k++)
+        print_list(stream, k ? ", {" : "{", geometry.axis[k], 3);
+    const struct {
+        const char *name;
+        const signed char *values;
+    } arrays[] = {{"type", geometry.type}, {"joint", geometry.joint}, {"axis_z", geometry.axis_z}};
+    for (int a = 0; a < 3; a++) {
+        fprintf(stream, "},\n        .%s = {", arrays[a].name);
+        for (int k = 0; k < geometry.n_elements; k++)
+            fprintf(stream, "%s%d", k ? ", " : "", arrays[a].values[k]);
+    }
+    fputs("}},\n", stream);
+}
+
+static void print_applied(FILE *stream, const mukca_offsets *o)
+{
+    fprintf(stream, "    .n_effects = %d,\n    .effects = {", o->n_effects);
+    for (const mukca_effect *e = o->effects; e < o->effects + o->n_effects; e++) {
+        const mukca_effect_variant *v = &e->variant;
+        fputs("\n        {.kind = MUKCA_EFFECT_", stream);
+        for (const char *c = mukca_effect_table[e->kind]->name; *c; c++)
+            fputc(toupper((unsigned char)*c), stream);
+        fprintf(stream,
+                ", .joint = %d, .placement = %d, .terms = %d,\n         .variant = {.order = %d, "
+                ".frame = %d, .neighbour = %d, .to_command = %d, .torque_scale = ",
+                e->joint, e->placement, e->terms, v->order, (int)v->frame, v->neighbour,
+                v->to_command);
+        mukca_export_numbers(stream, &v->torque_scale, 1, "");
+        fputs(", .time_constant = ", stream);
+        mukca_export_numbers(stream, &v->time_constant, 1, "");
+        print_list(stream, "},\n         .coefficient = {", e->coefficient, e->terms);
+        fputs("},", stream);
+    }
+    fprintf(stream, "%s},\n    .judged = %d, .accepted = %d,\n", o->n_effects ? "\n    " : "{0}",
+            o->acceptance.given, o->acceptance.accepted);
+}
+
+/* The arm as mukca_corrected_parse would read it, in the memory of constants. */
+static void print_arm(FILE *stream, const char *id, const mukca_export_input *input)
+{
+    fprintf(stream,
+            "\n#ifdef MUKCA_CORRECTED_H\n"
+            "/* For libmukca_rt, where mukca/corrected.h is included before: no table is read at "
+            "run time. */\nstatic const mukca_corrected %s_arm = {\n",
+            id);
+    print_chain(stream, input->chain);
+    print_geometry(stream, input);
+    print_applied(stream, input->offsets);
+    fputs("};\n#endif\n", stream);
+}
+
 static mukca_status write_c(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
     const mukca_chain *chain = input->chain;
@@ -117,6 +245,7 @@ static mukca_status write_c(FILE *stream, const mukca_export_input *input, mukca
             chain->n_joints);
     print_arrays(stream, id, input);
     print_effects(stream, id, input);
+    print_arm(stream, id, input);
     fputs("\n#endif\n", stream);
     return MUKCA_OK;
 }

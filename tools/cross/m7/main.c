@@ -5,6 +5,7 @@
 
 #include "board.h"
 #include "mukca/corrected.h"
+#include HEADER /* mukca export -f c: heron7_arm */
 
 enum { CONFIGURATIONS = 1000, JOINTS = 7 };
 
@@ -52,6 +53,16 @@ static void count(double most[CALLS], double sum[CALLS], call which, uint32_t be
     sum[which] += n / CONFIGURATIONS;
 }
 
+/* The header's arm against the table's, in all bits. */
+static bool differs(const mukca_frame *tip, const double *J, const double *q,
+                    const mukca_joint_state *state)
+{
+    static double header_J[6 * JOINTS];
+    mukca_frame header_tip;
+    mukca_corrected_jacobian(header_J, &header_tip, &heron7_arm, q, state);
+    return memcmp(header_J, J, sizeof header_J) != 0 || memcmp(&header_tip, tip, sizeof *tip) != 0;
+}
+
 int main(void)
 {
     static mukca_error error;
@@ -84,6 +95,10 @@ int main(void)
         before = board_clock();
         mukca_corrected_jacobian(J, NULL, &arm, q, &state);
         count(most, mean, JACOBIAN, before);
+        if (differs(&tip, J, q, &state)) {
+            board_print("the arm of the exported header differs from that of the table\n");
+            return 2;
+        }
         print("position ", position, 3);
         print("rotation ", tip.R, 9);
         print("translation ", tip.p, 3);
