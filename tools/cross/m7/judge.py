@@ -29,7 +29,7 @@ for line in open(out + "/size.txt"):
     words = line.split()
     if len(words) == 3 and words[1].isdigit():
         sizes[words[0]] = int(words[1])
-code = sizes[".text"] + sizes.get(".ARM.exidx", 0) + sizes[".data"]
+code = sizes[".vectors"] + sizes[".text"] + sizes.get(".ARM.exidx", 0) + sizes[".data"]
 ram = sizes[".data"] + sizes[".bss"]
 stacks = [(int(line.split()[0]), line.split()[1], line.split(" ", 2)[2].strip()) for line in open(out + "/stack.txt")]
 stack = max(size for size, name, _ in stacks if name != "main")

@@ -51,11 +51,14 @@ raw = subprocess.run(["arm-none-eabi-objcopy", "-O", "binary", "-j", ".text", im
                      capture_output=True).stdout
 objects = [line.split() for line in subprocess.run(["arm-none-eabi-nm", "-S", image], check=True, capture_output=True,
                                                    text=True).stdout.splitlines()]
+start = next(int(line.split()[3], 16) for line in subprocess.run(
+    ["arm-none-eabi-objdump", "-h", image], check=True, capture_output=True, text=True).stdout.splitlines()
+    if line.split()[1:2] == [".text"])
 for parts in objects:
     if len(parts) == 4 and (parts[3].endswith("_effect") or parts[2] in "rR"):
         begin, size = int(parts[0], 16), int(parts[1], 16)
-        for at in range(begin, begin + size - 3, 4):
-            to = addresses.get(int.from_bytes(raw[at:at + 4], "little"))
+        for at in range(begin - start, begin - start + size - 3, 4):
+            to = addresses.get(int.from_bytes(raw[at:at + 4], "little")) if at >= 0 else None
             if to and parts[3] != "vectors":
                 taken.add(to)
 
