@@ -27,8 +27,9 @@ typedef struct {
 /* Receives the warnings of a function, each one line without a newline.  NULL: no warnings. */
 typedef void mukca_note_fn(void *context, const char *text);
 
-/* Fill `error` (may be NULL) with a printf-formatted line (cut at 255 characters) and return
- * `status`, so that callers can write `return mukca_fail(...)`. */
+/* Fill `error` (may be NULL) with a printf-formatted line (cut at 255 characters, control
+ * characters replaced by ?) and return `status`, so that callers can write
+ * `return mukca_fail(...)`. */
 mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -14,6 +14,9 @@ mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *for
         error->status = status;
         vsnprintf(error->text, sizeof error->text, format, args);
         va_end(args);
+        /* names and cells of others stay in one line, without sequences that control a terminal */
+        for (char *c = error->text; *c; c++)
+            if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
     }
     return status;
 }

@@ -153,10 +153,10 @@ mukca_status mukca_pose_file_read(mukca_dataset_builder *b, const char *path, in
         status = mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
         goto out;
     }
-    const double *q = b->data->q + (size_t)first * (size_t)b->data->n_joints;
     mukca_geometry_set(&geometry, b->chain, NULL);
     for (int i = 0; i < n; i++)
-        mukca_fk_pose(&tip[i], &geometry, q + (size_t)i * (size_t)b->data->n_joints, NULL);
+        mukca_fk_pose(&tip[i], &geometry,
+                      b->data->q + (size_t)(first + i) * (size_t)b->data->n_joints, NULL);
     pairing p = {.tip = tip,
                  .pose = (const double(*)[POSE])l.poses,
                  .tips_are_fewer = n <= l.n,

@@ -335,6 +335,18 @@ static size_t print_pose(char *text, const double q[2], const double lever[3])
                            p[1] + tip.p[1], p[2] + tip.p[2], w[0], w[1], w[2], w[3]);
 }
 
+/* A file of poses beside empty files of angles: the arrays of the rows do not exist yet. */
+static void poses_without_rows_are_counted(void **state)
+{
+    (void)state;
+    const char *path = folder("no_rows", "", "");
+    scratch_file("no_rows/hole_0_pose.csv", "0,0,0,1,0,0,0\n");
+    const mukca_dataset_options partial = {.partial = true};
+    assert_int_equal(mukca_dataset_load(&data, &chain, &path, 1, &partial, &error), MUKCA_OK);
+    assert_int_equal(data.n_rows, 0);
+    mukca_dataset_free(&data);
+}
+
 /* Poses are measured 30 mm beside the tip; the operator's rows lie close to each other. */
 static void poses_are_paired_with_their_rows(void **state)
 {
@@ -467,6 +479,7 @@ int main(void)
                                        cmocka_unit_test(bad_folders_get_one_clear_line),
                                        cmocka_unit_test(bad_sessions_get_one_clear_line),
                                        cmocka_unit_test(doubtful_data_are_read_with_a_note),
+                                       cmocka_unit_test(poses_without_rows_are_counted),
                                        cmocka_unit_test(poses_are_paired_with_their_rows),
                                        cmocka_unit_test(published_poses_are_paired),
                                        cmocka_unit_test(subsets_keep_what_belongs_to_their_rows)};

@@ -359,6 +359,7 @@ static void test_grammar(void **state)
         {"wrong_socket:front/0@3=1", "has no size"},
         {"duplicate:front/0@1", "2 to 30"},
         {"", "no effect is called ''"},
+        {"a\n\033[2J", "no effect is called 'a??[2J'"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         mukca_error error = {0};
