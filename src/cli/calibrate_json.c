@@ -6,7 +6,7 @@
 static json_t *cost_json(const mukca_cost_value *v)
 {
     return cli_json_numbers("total", v->total, "inconsistency", v->inconsistency, "distortion",
-                            v->distortion, "regularisation", v->regularisation, NULL);
+                            v->distortion, "regularisation", v->regularisation);
 }
 
 static json_t *null_space_json(const mukca_fit *fit)

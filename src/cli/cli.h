@@ -350,8 +350,9 @@ json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
 json_t *cli_json_real(double value);
 json_t *cli_json_reals(const double *values, int n);
 
-/* An object of such numbers: key, value, key, value, ..., NULL. */
-json_t *cli_json_numbers(const char *key, double value, ...) __attribute__((sentinel));
+/* An object of such numbers: key, value, key, value, ... */
+#define cli_json_numbers(...) cli_json_numbers_until(__VA_ARGS__, (const char *)NULL)
+json_t *cli_json_numbers_until(const char *key, double value, ...) __attribute__((sentinel));
 
 /* A JSON string; null for NULL. */
 json_t *cli_json_text(const char *text);

@@ -166,10 +166,9 @@ static json_t *as_json(const cli_call *call, const tally *t)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
     return json_pack("{s:s, s:I, s:o, s:o, s:o, s:f}", "schema", "mukca.compensate/1", "rows",
                      (json_int_t)t->rows, "before",
-                     cli_json_numbers("mean_m", t->before.mean, "max_m", t->before.max, NULL),
-                     "after",
-                     cli_json_numbers("mean_m", t->after.mean, "max_m", t->after.max, NULL),
-                     "status", counts, "elapsed_s", cli_elapsed(call));
+                     cli_json_numbers("mean_m", t->before.mean, "max_m", t->before.max), "after",
+                     cli_json_numbers("mean_m", t->after.mean, "max_m", t->after.max), "status",
+                     counts, "elapsed_s", cli_elapsed(call));
 }
 
 static mukca_status run(cli_call *call)

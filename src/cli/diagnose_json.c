@@ -141,7 +141,7 @@ static json_t *gap_object(const mukca_diagnosis *d)
     json_t *gap = cli_json_numbers("nominal_m", d->nominal_m, "geometry_m", d->geometry_m,
                                    "faults_excused_m", d->faults_excused_m, "explained_m",
                                    d->explained_m, "with_unknown_m", d->structure_m, "surprise",
-                                   d->surprise, "noise_floor_m", d->noise_floor_m, NULL);
+                                   d->surprise, "noise_floor_m", d->noise_floor_m);
     json_object_set_new(gap, "folds", json_integer(d->folds));
     json_object_set_new(gap, "held_out", shrink_object(&d->held_out));
     json_object_set_new(gap, "noise_shrink_percent", cli_json_real(d->noise_shrink_percent));
@@ -151,7 +151,7 @@ static json_t *gap_object(const mukca_diagnosis *d)
 static json_t *test_object(const mukca_diagnosis *d, const mukca_dataset *test)
 {
     json_t *object = cli_json_numbers("nominal_m", d->test_nominal_m, "geometry_m",
-                                      d->test_geometry_m, "explained_m", d->test_explained_m, NULL);
+                                      d->test_geometry_m, "explained_m", d->test_explained_m);
     json_object_set_new(object, "placements",
                         placements_array(d->test_placement_mae_m, d->n_test_placements, test));
     return object;
@@ -201,9 +201,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
                                   placements_array(d->placement_mae_m, data->n_placements, data),
                                   "axes", cli_json_reals(d->axis_rms_m, 3)));
     json_object_set_new(root, "tested", tested);
-    json_object_set_new(
-        root, "noise",
-        cli_json_numbers("sigma_m", d->sigma_m, "lag_one_correlation", d->rho, NULL));
+    json_object_set_new(root, "noise",
+                        cli_json_numbers("sigma_m", d->sigma_m, "lag_one_correlation", d->rho));
     json_t *names = json_array();
     for (int j = 0; j < chain->n_joints; j++) json_array_append_new(names, joint_name(chain, j));
     json_object_set_new(root, "joints", names);

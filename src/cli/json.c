@@ -41,7 +41,7 @@ json_t *cli_json_reals(const double *values, int n)
     return array;
 }
 
-json_t *cli_json_numbers(const char *key, double value, ...)
+json_t *cli_json_numbers_until(const char *key, double value, ...)
 {
     json_t *object = json_object();
     va_list rest;

@@ -67,11 +67,10 @@ json_t *cli_plan_json(const cli_plan *r)
     return json_pack(
         "{s:s, s:i, s:o, s:o, s:o, s:o, s:i, s:f, s:f}", "schema", "mukca.plan/1", "recorded_rows",
         p->n_recorded, "poses", rows, "places", places, "expected_error_m",
-        cli_json_numbers("before", p->expected_before, "after", p->expected_after, NULL),
+        cli_json_numbers("before", p->expected_before, "after", p->expected_after),
         "log_bayes_factor",
-        cli_json_numbers("before", p->evidence_before, "after", p->evidence_after, NULL),
-        "rows_to_name", p->rows_to_name, "payload_kg", r->payload, "elapsed_s",
-        cli_elapsed(r->call));
+        cli_json_numbers("before", p->evidence_before, "after", p->evidence_after), "rows_to_name",
+        p->rows_to_name, "payload_kg", r->payload, "elapsed_s", cli_elapsed(r->call));
 }
 
 static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)

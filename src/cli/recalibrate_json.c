@@ -60,9 +60,9 @@ static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
         if (s != MUKCA_BEFORE)
             json_object_set_new(
                 percent, stage_key[s],
-                cli_json_numbers(
-                    "max", cli_removed_percent(e[0].position.max, e[s].position.max), "mean",
-                    cli_removed_percent(e[0].position.mean, e[s].position.mean), NULL));
+                cli_json_numbers("max", cli_removed_percent(e[0].position.max, e[s].position.max),
+                                 "mean",
+                                 cli_removed_percent(e[0].position.mean, e[s].position.mean)));
         if (e[s].rotation.n == 0) continue;
         object = moments_json(&e[s].rotation, "rad");
         json_object_set_new(object, "median_rad",
@@ -171,7 +171,7 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                                       "position_left_m", o->position_left, "position_systematic_m",
                                       o->position_systematic, "rotation_nominal_rad",
                                       o->rotation_nominal, "rotation_left_rad", o->rotation_left,
-                                      "rotation_systematic_rad", o->rotation_systematic, NULL);
+                                      "rotation_systematic_rad", o->rotation_systematic);
     json_object_set_new(oracle, "huber_weights", json_boolean(r->robust != r->fit));
     json_object_set_new(root, "oracle", oracle);
     json_object_set_new(root, "constants", constants_json(r));

@@ -101,7 +101,8 @@ static void pose_residual(double *y, const mukca_linearisation *linear,
 /* The tip's frame becomes that of the log's own target. */
 static void to_target(mukca_frame *tip, const mukca_unknowns *u, int log)
 {
-    if (log > 0 && u->n_targets > 1) mukca_frame_multiply(tip, tip, &u->log.shift[log]);
+    const mukca_frame *shift = &u->log.shift[log];
+    if (log > 0 && u->n_targets > 1) mukca_frame_multiply(tip, tip, shift);
 }
 
 /* Predictions of the samples, means of their groups, and directions between paired sockets. */

@@ -154,7 +154,7 @@ static mukca_status start(pid_t *pid, const int descriptors[3], const sigset_t *
 static mukca_status run(drawing *drawn, FILE *script, FILE *complaints, mukca_error *error)
 {
     int ends[2];
-    pid_t pid;
+    pid_t pid = 0;
     sigset_t interrupts, before;
     if (fflush(script) != 0 || ferror(script) || lseek(fileno(script), 0, SEEK_SET) != 0)
         return mukca_fail(error, MUKCA_MEMORY, "cannot write a script for gnuplot: %s",
@@ -290,7 +290,7 @@ mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error)
     snprintf(terminal, sizeof terminal, "svg size %d,%d dynamic linewidth 1.2 font 'sans-serif,13'",
              plot->width, plot->height);
     mukca_status status = render(&drawn, terminal, plot, error);
-    const char *svg = status == MUKCA_OK ? strstr(drawn.bytes, "<svg") : NULL;
+    const char *svg = status == MUKCA_OK && drawn.bytes ? strstr(drawn.bytes, "<svg") : NULL;
     const char *body = svg ? strchr(svg, '>') : NULL;
     if (body) {
         fprintf(out,
