@@ -120,6 +120,33 @@ static const mukca_contender *best_of(const mukca_competition *contest, int with
     return NULL;
 }
 
+/* Room for a state of the search. */
+static bool reserve(mukca_search_state *state, mukca_regression *m)
+{
+    state->keep = MUKCA_TAKE(&m->pool, unsigned char, m->recording.data->n_rows);
+    state->faults = MUKCA_TAKE(&m->pool, mukca_faults, 1);
+    return mukca_unknowns_clone(&state->unknowns, &m->pool, &m->unknowns) && !m->pool.failed;
+}
+
+static void save(mukca_search_state *state, const mukca_competition *contest)
+{
+    const mukca_regression *m = contest->m;
+    mukca_unknowns_assign(&state->unknowns, &m->unknowns);
+    memcpy(state->keep, m->recording.keep, (size_t)m->recording.data->n_rows);
+    *state->faults = *contest->faults;
+}
+
+/* Back to the unknowns of that state, with their rows. */
+static void restore(mukca_competition *contest, const mukca_search_state *state)
+{
+    mukca_regression *m = contest->m;
+    mukca_unknowns_assign(&m->unknowns, &state->unknowns);
+    memcpy(m->recording.keep, state->keep, (size_t)m->recording.data->n_rows);
+    mukca_recording_regroup(&m->recording);
+    mukca_regression_linearise(m);
+    *contest->faults = *state->faults;
+}
+
 /* Where names come first, an unknown function waits until none passes the threshold, and takes a
  * name's place only by a clear lead. */
 static const mukca_contender *choose(mukca_competition *contest, int without, double threshold)
@@ -133,6 +160,8 @@ static const mukca_contender *choose(mukca_competition *contest, int without, do
     if (!name || name->log_odds < threshold) return all;
     const bool clear = all->log_odds > name->log_odds + PREFERENCE;
     if (without >= 0) return clear ? all : name;
+    if (!contest->parted) save(&contest->parting, contest);
+    contest->parted = true;
     contest->passed_over |= clear;
     return name;
 }
@@ -210,7 +239,7 @@ static bool add_outliers(mukca_competition *contest, double least)
 static mukca_status forward(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;
-    mukca_scan_extent extent = MUKCA_SCAN_ALL;
+    mukca_scan_extent extent = contest->n_first ? MUKCA_SCAN_LISTED : MUKCA_SCAN_ALL;
     while (m->unknowns.n_causes - outliers(m) < MOST_CAUSES && outliers(m) < MOST_OUTLIERS) {
         if (!watch(contest, "looking for causes", error)) return MUKCA_INTERRUPTED;
         mukca_scan_run(contest->scan, m, -1, extent);
@@ -332,45 +361,24 @@ static mukca_status search(mukca_competition *contest, bool names_first, mukca_e
     return status;
 }
 
-/* Back to other unknowns, with their rows. */
-static void go_to(mukca_competition *contest, const mukca_unknowns *unknowns,
-                  const unsigned char *keep, const mukca_faults *faults)
-{
-    mukca_regression *m = contest->m;
-    mukca_unknowns_assign(&m->unknowns, unknowns);
-    memcpy(m->recording.keep, keep, (size_t)m->recording.data->n_rows);
-    mukca_recording_regroup(&m->recording);
-    mukca_regression_linearise(m);
-    *contest->faults = *faults;
-}
-
 /* The order in which causes are accepted must not decide.  Names first; and where an unknown
- * function led on the way, also by the lead alone.  The more probable set stays, names being
- * preferred.  Rows come back on the way: both searches start and end with their own. */
+ * function led on the way, from there by the lead alone.  The more probable set stays, names being
+ * preferred.  Rows come back on the way: each search ends with its own. */
 static mukca_status search_both(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;
-    mukca_pool *pool = &m->pool;
-    const size_t rows = (size_t)m->recording.data->n_rows;
-    mukca_unknowns start, named;
-    unsigned char *keep = MUKCA_TAKE(pool, unsigned char, 2 * rows);
-    mukca_faults *faults = MUKCA_TAKE(pool, mukca_faults, 2);
-    if (!mukca_unknowns_clone(&start, pool, &m->unknowns) ||
-        !mukca_unknowns_clone(&named, pool, &m->unknowns) ||
-        !mukca_unknowns_clone(&contest->kept, pool, &m->unknowns) || pool->failed)
+    mukca_search_state named = {0};
+    if (!reserve(&contest->parting, m) || !reserve(&named, m) ||
+        !mukca_unknowns_clone(&contest->kept, &m->pool, &m->unknowns))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
-    memcpy(keep, m->recording.keep, rows);
-    faults[0] = *contest->faults;
     mukca_status status = search(contest, true, error);
     if (status != MUKCA_OK || !contest->passed_over) return status;
     const double score = mukca_regression_score(m);
-    mukca_unknowns_assign(&named, &m->unknowns);
-    memcpy(keep + rows, m->recording.keep, rows);
-    faults[1] = *contest->faults;
-    go_to(contest, &start, keep, &faults[0]);
+    save(&named, contest);
+    restore(contest, &contest->parting);
     status = search(contest, false, error);
     if (status == MUKCA_OK && mukca_regression_score(m) < score + PREFERENCE)
-        go_to(contest, &named, keep + rows, &faults[1]);
+        restore(contest, &named);
     return status;
 }
 

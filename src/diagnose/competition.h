@@ -14,6 +14,13 @@ typedef struct {
     int best;                /* score of its best member */
 } mukca_contender;
 
+/* Where a search can go back to. */
+typedef struct {
+    mukca_unknowns unknowns;
+    unsigned char *keep; /* [n_rows] of the recording */
+    mukca_faults *faults;
+} mukca_search_state;
+
 typedef struct {
     mukca_regression *m;
     mukca_candidates *all;
@@ -30,6 +37,8 @@ typedef struct {
     mukca_unknowns kept; /* to go back to */
     bool names_first;    /* an unknown function comes when no name passes */
     bool passed_over;    /* ... and one led by more on the way */
+    bool parted;         /* a name came before an unknown function that led */
+    mukca_search_state parting; /* before the first step where one did */
 } mukca_competition;
 
 /* Collapse the last scan into candidates, best first. */

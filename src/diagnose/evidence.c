@@ -126,6 +126,8 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     mukca_normal_equations *normal = &evidence->normal[index];
     const int d = recording->dim, size = linear->n_columns + 1;
     const double rho = normal->rho;
+    if (!unknowns->weight && normal->version == linear->version) return normal;
+    normal->version = unknowns->weight ? 0 : linear->version;
     const collection from = {.normal = normal,
                              .recording = recording,
                              .linear = linear,

@@ -14,6 +14,7 @@ extern const double mukca_evidence_rho[MUKCA_RHOS];
 typedef struct {
     double rho, log_det;
     int dof, n, n_pairs;
+    unsigned version;      /* of the columns that they are formed from; 0: none, or weighted */
     double distance_sigma; /* m */
     double *gram;          /* [size][size] */
     double *distance;      /* [n_pairs][size] */
@@ -38,7 +39,8 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
 /* Index of an AR(1) coefficient. */
 int mukca_evidence_index(double rho);
 
-/* Fill the normal equations of one AR(1) coefficient from the columns; returns them. */
+/* Fill the normal equations of one AR(1) coefficient from the columns, where these are others than
+ * the last time; returns them. */
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,
                                                const mukca_recording *recording,
                                                const mukca_unknowns *unknowns,

@@ -178,6 +178,7 @@ static void cross_predict(mukca_folds *b, mukca_normal_equations *normal)
         for (int i = 0; i < size * size; i++) normal->gram[i] += b->gram[i];
         memcpy(normal->distance, b->distance, distances);
     }
+    normal->version = 0; /* the folds came back with rounding errors */
 }
 
 void mukca_folds_run(double *error, mukca_folds *b, bool by_socket)

@@ -277,6 +277,7 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
                                 mukca_unknowns *u)
 {
     linear->n_columns = mukca_unknowns_column(u, u->n_causes);
+    linear->version++;
     const int ld = linear->n_columns + 1, n_joints = recording->chain->n_joints;
     mukca_unknowns_set_geometry(u, recording->chain);
     predict(linear, recording, u);

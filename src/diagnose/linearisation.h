@@ -10,6 +10,7 @@
 
 typedef struct {
     int n_columns;          /* in use, without y */
+    unsigned version;       /* counts the updates: what is formed from the columns is kept by it */
     double *tip;            /* [n_samples][3] predicted position */
     double *tip_frame;      /* [n_samples][9] orientation of the tip */
     double (*mean)[3];      /* [n_groups] of the predicted positions, m */
