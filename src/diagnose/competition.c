@@ -134,6 +134,7 @@ static void save(mukca_search_state *state, const mukca_competition *contest)
     mukca_unknowns_assign(&state->unknowns, &m->unknowns);
     memcpy(state->keep, m->recording.keep, (size_t)m->recording.data->n_rows);
     *state->faults = *contest->faults;
+    state->steps = contest->scan->steps;
 }
 
 /* Back to the unknowns of that state, with their rows. */
@@ -323,22 +324,22 @@ static double lead_of(const mukca_competition *contest, const mukca_contender *t
     return top->log_odds - rival;
 }
 
-/* Take each cause out, look who fills the hole best, and swap or drop; again where something
- * changed, but for causes that led by far. */
+/* Take each cause out, look who fills the hole best, and swap or drop; again until all were
+ * tested against the same others, but for causes that led by far. */
 static mukca_status settle(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;
-    bool changed = true;
-    for (int round = 0; round < ROUNDS && changed; round++) {
-        changed = false;
+    int settled = 0; /* causes tested since the last change */
+    for (int round = 0; round < ROUNDS; round++) {
         for (int c = 0; c < m->unknowns.n_causes; c++) {
+            if (settled++ == m->unknowns.n_causes) return MUKCA_OK;
             if (m->unknowns.cause[c].lead > SAFE_LEAD) continue;
             if (!watch(contest, "testing each cause again", error)) return MUKCA_INTERRUPTED;
             mukca_scan_run(contest->scan, m, c, MUKCA_SCAN_CONTENDERS);
             mukca_competition_rank(contest);
             const mukca_contender *top = leader(contest, c, FIRST_THRESHOLD);
             if (!top) {
-                if (drop(contest, c)) changed = true, c--;
+                if (drop(contest, c)) settled = 0, c--;
                 continue;
             }
             m->unknowns.cause[c].lead = lead_of(contest, top);
@@ -347,7 +348,7 @@ static mukca_status settle(mukca_competition *contest, mukca_error *error)
             if (now->kind == MUKCA_CANDIDATE_OUTLIER || round + 1 == ROUNDS ||
                 mukca_candidate_same(best, now))
                 continue;
-            if (swap(contest, c, best, round == 0)) changed = true;
+            if (swap(contest, c, best, round == 0)) settled = 0;
         }
     }
     return MUKCA_OK;
@@ -376,6 +377,8 @@ static mukca_status search_both(mukca_competition *contest, mukca_error *error)
     const double score = mukca_regression_score(m);
     save(&named, contest);
     restore(contest, &contest->parting);
+    const int later = mukca_scan_repeat(contest->scan, contest->parting.steps);
+    for (int c = 0; c < m->unknowns.n_causes; c++) m->unknowns.cause[c].step += later;
     status = search(contest, false, error);
     if (status == MUKCA_OK && mukca_regression_score(m) < score + PREFERENCE)
         restore(contest, &named);

@@ -19,6 +19,7 @@ typedef struct {
     mukca_unknowns unknowns;
     unsigned char *keep; /* [n_rows] of the recording */
     mukca_faults *faults;
+    int steps; /* of the scan */
 } mukca_search_state;
 
 typedef struct {

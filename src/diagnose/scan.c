@@ -232,6 +232,16 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     if (without < 0) scan->steps++;
 }
 
+int mukca_scan_repeat(mukca_scan *scan, int steps)
+{
+    const int from = scan->steps;
+    if (from + steps > MUKCA_SCAN_STEPS) return 0;
+    memcpy(scan->history + from * scan->capacity, scan->history,
+           sizeof *scan->history * (size_t)(steps * scan->capacity));
+    scan->steps += steps;
+    return from;
+}
+
 /* The projector in the state of the last run. */
 static mukca_projector aim_again(mukca_scan *scan, mukca_regression *m, int without)
 {

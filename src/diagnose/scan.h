@@ -58,6 +58,10 @@ const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index);
  * first, so that its score is what the data say of it. */
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent);
 
+/* Remember the first runs once more, after all others, for a search that starts behind them;
+ * returns by how many steps they moved. */
+int mukca_scan_repeat(mukca_scan *scan, int steps);
+
 /* Largest canonical correlation of two candidates, after geometry and the other causes are
  * projected out, in the state of the last run with the same `without`; NaN where it is not defined.
  */

@@ -47,6 +47,15 @@ MUKCA_INLINE void gram1x8(double *c, long step, mukca_columns a, mukca_columns b
     for (int i = 0; i < 4; i++) c[(4 + i) * step] += s1[i];
 }
 
+/* The same for four columns a[m][4], `step` apart in c, too. */
+MUKCA_INLINE void gram4x8_turned(double *c, long step, mukca_columns a, mukca_columns b, int m)
+{
+    double block[32] = {0};
+    gram4x8(block, 8, a, b, m);
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 8; j++) c[j * step + i] += block[8 * i + j];
+}
+
 MUKCA_INLINE double gram1x1(mukca_columns a, mukca_columns b, int m)
 {
     double s = 0;
@@ -70,7 +79,16 @@ MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m,
     for (int i = n4; i < n; i++)
         for (int j = upper ? i & ~7 : 0; j < k8; j += 8)
             gram1x8(C + (long)i * k + j, 1, from(X, i), from(Y, j), m);
-    for (int j = k8; j < k; j++) {
+    int j4 = k8;
+    if (k - k8 >= 4) {
+        for (int i = 0; i < n8; i += 8)
+            gram4x8_turned(C + (long)i * k + k8, k, from(Y, k8), from(X, i), m);
+        for (int i = n8; i < n; i++)
+            for (int j = k8; j < k8 + 4; j++)
+                C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
+        j4 += 4;
+    }
+    for (int j = j4; j < k; j++) {
         for (int i = 0; i < n8; i += 8) gram1x8(C + (long)i * k + j, k, from(Y, j), from(X, i), m);
         for (int i = n8; i < n; i++) C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
     }
@@ -123,11 +141,27 @@ MUKCA_CLONES void mukca_dense_forward(double *b, int k, const double *L, int n)
             bi[0] = (bi[0] - dot4(row, b, i)) / row[i];
             continue;
         }
-        for (int j = 0; j < i; j++) {
-            const double *bj = b + (long)j * k;
-            for (int c = 0; c < k; c++) bi[c] -= row[j] * bj[c];
+        int c = 0;
+        for (; c + 16 <= k; c += 16) { /* sixteen sums stay in registers */
+            four s0 = LOAD4(bi + c), s1 = LOAD4(bi + c + 4), s2 = LOAD4(bi + c + 8),
+                 s3 = LOAD4(bi + c + 12);
+            const double *bj = b + c;
+            for (int j = 0; j < i; j++, bj += k) {
+                s0 -= row[j] * LOAD4(bj);
+                s1 -= row[j] * LOAD4(bj + 4);
+                s2 -= row[j] * LOAD4(bj + 8);
+                s3 -= row[j] * LOAD4(bj + 12);
+            }
+            STORE4(bi + c, s0);
+            STORE4(bi + c + 4, s1);
+            STORE4(bi + c + 8, s2);
+            STORE4(bi + c + 12, s3);
         }
-        for (int c = 0; c < k; c++) bi[c] /= row[i];
+        for (int j = 0; j < i && c < k; j++) {
+            const double *bj = b + (long)j * k;
+            for (int e = c; e < k; e++) bi[e] -= row[j] * bj[e];
+        }
+        for (c = 0; c < k; c++) bi[c] /= row[i];
     }
 }
 
