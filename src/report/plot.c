@@ -120,6 +120,12 @@ static mukca_status wait_for(pid_t pid, mukca_error *error)
     /* a signal to the whole process group may end gnuplot before it interrupts the reading */
     if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM))
         return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
+    /* POSIX: so ends a spawned process whose program could not be run, where spawning did not tell
+     */
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "cannot run gnuplot, which draws the figures; install the package "
+                          "gnuplot-nox");
     return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
