@@ -52,11 +52,7 @@ class Listener : public console_bridge::OutputHandler
 class Memory
 {
    public:
-    Memory()
-    {
-        exhausted_ = false;
-        before_ = std::set_new_handler(fail);
-    }
+    Memory() : before_(std::set_new_handler(fail)) { exhausted_ = false; }
     ~Memory() { std::set_new_handler(before_); }
     Memory(const Memory &) = delete;
     Memory &operator=(const Memory &) = delete;

@@ -94,7 +94,7 @@ static bool set_field(mukca_server_state *state, const char *key, const char *va
         if (*value && (strlen(value) >= fields[i].size || !fields[i].ok(value))) return false;
         char *field = (char *)state + fields[i].offset;
         memset(field, 0, fields[i].size); /* states are compared as bytes */
-        memcpy(field, value, strlen(value));
+        snprintf(field, fields[i].size, "%s", value);
     }
     return true;
 }
