@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "diagnose/heavy_tails.h"
+
 /* Log posterior odds that the first cause and later ones need: 20 to 1, and 55 to 1 since later
  * ones are tried many times. */
 #define FIRST_THRESHOLD 3.0
@@ -13,6 +15,7 @@
 #define PREFERENCE 3.0
 /* A cause that leads by more log odds is not tested again in one search. */
 #define SAFE_LEAD 15.0
+enum { BY_TAILS = 3 }; /* in noise_made: not to be accepted in this scan */
 enum { MOST_CAUSES = 10, MOST_OUTLIERS = 12, ROUNDS = 4 };
 
 static int by_odds(const void *a, const void *b)
@@ -120,32 +123,13 @@ static const mukca_contender *best_of(const mukca_competition *contest, int with
     return NULL;
 }
 
-/* Room for a state of the search. */
-static bool reserve(mukca_search_state *state, mukca_regression *m)
-{
-    state->keep = MUKCA_TAKE(&m->pool, unsigned char, m->recording.data->n_rows);
-    state->faults = MUKCA_TAKE(&m->pool, mukca_faults, 1);
-    return mukca_unknowns_clone(&state->unknowns, &m->pool, &m->unknowns) && !m->pool.failed;
-}
-
-static void save(mukca_search_state *state, const mukca_competition *contest)
+void mukca_competition_save(mukca_search_state *state, const mukca_competition *contest)
 {
     const mukca_regression *m = contest->m;
     mukca_unknowns_assign(&state->unknowns, &m->unknowns);
     memcpy(state->keep, m->recording.keep, (size_t)m->recording.data->n_rows);
     *state->faults = *contest->faults;
     state->steps = contest->scan->steps;
-}
-
-/* Back to the unknowns of that state, with their rows. */
-static void restore(mukca_competition *contest, const mukca_search_state *state)
-{
-    mukca_regression *m = contest->m;
-    mukca_unknowns_assign(&m->unknowns, &state->unknowns);
-    memcpy(m->recording.keep, state->keep, (size_t)m->recording.data->n_rows);
-    mukca_recording_regroup(&m->recording);
-    mukca_regression_linearise(m);
-    *contest->faults = *state->faults;
 }
 
 /* Where names come first, an unknown function waits until none passes the threshold, and takes a
@@ -161,7 +145,7 @@ static const mukca_contender *choose(mukca_competition *contest, int without, do
     if (!name || name->log_odds < threshold) return all;
     const bool clear = all->log_odds > name->log_odds + PREFERENCE;
     if (without >= 0) return clear ? all : name;
-    if (!contest->parted) save(&contest->parting, contest);
+    if (!contest->parted) mukca_competition_save(&contest->parting, contest);
     contest->parted = true;
     contest->passed_over |= clear;
     return name;
@@ -180,13 +164,52 @@ static bool made_by_noise(mukca_competition *contest, const mukca_contender *c, 
     return *known > 0;
 }
 
+/* Does it displace a socket or the arm from some row on, or in one placement?  A few outliers do
+ * that, too. */
+static bool is_shift(const mukca_candidate *h)
+{
+    return h->kind == MUKCA_CANDIDATE_STEP || h->kind == MUKCA_CANDIDATE_CREEP ||
+           h->kind == MUKCA_CANDIDATE_SLIP ||
+           mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_PER_PLACEMENT);
+}
+
+/* Does a shift lead only by the tails of the noise?  Then all that shift the same are out of this
+ * scan. */
+static bool made_by_tails(mukca_competition *contest, const mukca_contender *c, int without,
+                          double threshold)
+{
+    const mukca_candidate *h = mukca_scan_candidate(contest->scan, c->best);
+    if (!is_shift(h)) return false;
+    const double gain =
+        mukca_heavy_tails_gain(contest->m, &contest->kept, contest->tails, without, h);
+    if (c->log_odds - gain >= threshold) return false;
+    const mukca_contender key = *c;
+    for (int i = 0; i < contest->scan->n_scores; i++) {
+        const mukca_contender other = key_of(mukca_scan_candidate(contest->scan, i));
+        if (same_key(&key, &other) && contest->noise_made[i] <= 0)
+            contest->noise_made[i] = BY_TAILS;
+    }
+    return true;
+}
+
+/* Scan, and rank what it scored. */
+static void scan_and_rank(mukca_competition *contest, int without, mukca_scan_extent extent)
+{
+    for (int i = 0; i < contest->scan->capacity; i++)
+        if (contest->noise_made[i] == BY_TAILS) contest->noise_made[i] = 0;
+    mukca_scan_run(contest->scan, contest->m, without, extent);
+    mukca_competition_rank(contest);
+}
+
 /* Who comes next, or takes the place of the cause left out; NULL: nobody reaches the threshold. */
 static const mukca_contender *leader(mukca_competition *contest, int without, double threshold)
 {
     for (;;) {
         const mukca_contender *top = choose(contest, without, threshold);
         if (!top || top->log_odds < threshold) return NULL;
-        if (!made_by_noise(contest, top, without, threshold)) return top;
+        if (!made_by_noise(contest, top, without, threshold) &&
+            !made_by_tails(contest, top, without, threshold))
+            return top;
         mukca_competition_rank(contest);
     }
 }
@@ -243,8 +266,7 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
     mukca_scan_extent extent = contest->n_first ? MUKCA_SCAN_LISTED : MUKCA_SCAN_ALL;
     while (m->unknowns.n_causes - outliers(m) < MOST_CAUSES && outliers(m) < MOST_OUTLIERS) {
         if (!watch(contest, "looking for causes", error)) return MUKCA_INTERRUPTED;
-        mukca_scan_run(contest->scan, m, -1, extent);
-        mukca_competition_rank(contest);
+        scan_and_rank(contest, -1, extent);
         if (!contest->n_first) {
             contest->n_first = contest->n_table;
             memcpy(contest->first, contest->table,
@@ -335,8 +357,7 @@ static mukca_status settle(mukca_competition *contest, mukca_error *error)
             if (settled++ == m->unknowns.n_causes) return MUKCA_OK;
             if (m->unknowns.cause[c].lead > SAFE_LEAD) continue;
             if (!watch(contest, "testing each cause again", error)) return MUKCA_INTERRUPTED;
-            mukca_scan_run(contest->scan, m, c, MUKCA_SCAN_CONTENDERS);
-            mukca_competition_rank(contest);
+            scan_and_rank(contest, c, MUKCA_SCAN_CONTENDERS);
             const mukca_contender *top = leader(contest, c, FIRST_THRESHOLD);
             if (!top) {
                 if (drop(contest, c)) settled = 0, c--;
@@ -354,46 +375,11 @@ static mukca_status settle(mukca_competition *contest, mukca_error *error)
     return MUKCA_OK;
 }
 
-static mukca_status search(mukca_competition *contest, bool names_first, mukca_error *error)
+mukca_status mukca_competition_search(mukca_competition *contest, bool names_first,
+                                      mukca_error *error)
 {
     contest->names_first = names_first;
     mukca_status status = forward(contest, error);
     if (status == MUKCA_OK) status = settle(contest, error);
     return status;
-}
-
-/* The order in which causes are accepted must not decide.  Names first; and where an unknown
- * function led on the way, from there by the lead alone.  The more probable set stays, names being
- * preferred.  Rows come back on the way: each search ends with its own. */
-static mukca_status search_both(mukca_competition *contest, mukca_error *error)
-{
-    mukca_regression *m = contest->m;
-    mukca_search_state named = {0};
-    if (!reserve(&contest->parting, m) || !reserve(&named, m) ||
-        !mukca_unknowns_clone(&contest->kept, &m->pool, &m->unknowns))
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
-    mukca_status status = search(contest, true, error);
-    if (status != MUKCA_OK || !contest->passed_over) return status;
-    const double score = mukca_regression_score(m);
-    save(&named, contest);
-    restore(contest, &contest->parting);
-    const int later = mukca_scan_repeat(contest->scan, contest->parting.steps);
-    for (int c = 0; c < m->unknowns.n_causes; c++) m->unknowns.cause[c].step += later;
-    status = search(contest, false, error);
-    if (status == MUKCA_OK && mukca_regression_score(m) < score + PREFERENCE)
-        restore(contest, &named);
-    return status;
-}
-
-mukca_status mukca_competition_run(mukca_competition *contest, mukca_error *error)
-{
-    mukca_pool *pool = &contest->m->pool;
-    const int most = contest->scan->capacity;
-    contest->table = MUKCA_TAKE(pool, mukca_contender, most);
-    contest->first = MUKCA_TAKE(pool, mukca_contender, most);
-    contest->first_score = MUKCA_TAKE(pool, mukca_score, most);
-    contest->noise_made = MUKCA_TAKE(pool, signed char, most);
-    if (pool->failed)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
-    return search_both(contest, error);
 }

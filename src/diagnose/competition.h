@@ -33,14 +33,18 @@ typedef struct {
     mukca_contender *first; /* the same after the first scan: what each candidate is worth alone */
     int n_first;
     mukca_score *first_score;
-    signed char
-        *noise_made;     /* [scores] 1: the noise in the angles makes its score, -1: tested, 0 */
-    mukca_unknowns kept; /* to go back to */
-    bool names_first;    /* an unknown function comes when no name passes */
-    bool passed_over;    /* ... and one led by more on the way */
-    bool parted;         /* a name came before an unknown function that led */
+    signed char *noise_made;    /* [scores] above 0: excluded, 1 since the noise in the angles makes
+        its score; -1:    tested, 0 */
+    double *tails;              /* [4 * n_rows] scratch */
+    mukca_unknowns kept;        /* to go back to */
+    bool names_first;           /* an unknown function comes when no name passes */
+    bool passed_over;           /* ... and one led by more on the way */
+    bool parted;                /* a name came before an unknown function that led */
     mukca_search_state parting; /* before the first step where one did */
 } mukca_competition;
+
+/* Keep the state of the search. */
+void mukca_competition_save(mukca_search_state *state, const mukca_competition *contest);
 
 /* Collapse the last scan into candidates, best first. */
 void mukca_competition_rank(mukca_competition *contest);
@@ -50,8 +54,9 @@ void mukca_competition_rank(mukca_competition *contest);
 bool mukca_competition_taken(const mukca_competition *contest, const mukca_contender *candidate,
                              int except);
 
-/* Run the competition on a screened, fitted model; causes end in contest->m.  Errors:
- * MUKCA_INTERRUPTED. */
-mukca_status mukca_competition_run(mukca_competition *contest, mukca_error *error);
+/* Forward steps, then swaps, from the present model on; with names_first an unknown function waits
+ * until no name passes.  Errors: MUKCA_INTERRUPTED. */
+mukca_status mukca_competition_search(mukca_competition *contest, bool names_first,
+                                      mukca_error *error);
 
 #endif

@@ -10,6 +10,7 @@
 #include "diagnose/confounding.h"
 #include "diagnose/cross_validation.h"
 #include "diagnose/logs.h"
+#include "diagnose/search.h"
 #include "diagnose/streams.h"
 #include "diagnose/test_data.h"
 #include "diagnose/untested.h"
@@ -103,7 +104,7 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
     if (status != MUKCA_OK) return status;
     mukca_competition competition = {
         .m = m, .all = &all, .scan = &scan, .faults = &s->faults, .options = options};
-    status = mukca_competition_run(&competition, error);
+    status = mukca_search_run(&competition, error);
     s->sigma_m = m->unknowns.sigma;
     s->rho = m->unknowns.rho;
     if (status == MUKCA_OK && s->sigma_m < MOST_SIGMA) {

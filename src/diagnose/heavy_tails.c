@@ -1,0 +1,106 @@
+/* What correlated noise with heavy tails adds to the score of a candidate.
+ *
+ * A badly seated ball stays badly seated for some samples.  Gaussian evidence takes that for a
+ * socket that moved.  So the residuals with and without the candidate are compared again, by their
+ * likelihood as first-order autoregressive series whose innovations are Gaussian or Student's t.
+ */
+#include "diagnose/heavy_tails.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Degrees of freedom recommended where they are not known (Lange, Little and Taylor 1989). */
+#define STUDENT_NU 4.0
+#define PI 3.14159265358979323846
+/* Memory of the noise: what the evidence is averaged over, and what recordings had at most. */
+static const double memories[] = {0, 0.25, 0.5, 0.7, 0.85};
+enum { USUAL_MEMORIES = 3, MEMORIES = sizeof memories / sizeof *memories };
+
+/* Residuals r[n_samples][3] of the fitted model, m. */
+static void residuals(double *r, const mukca_regression *m)
+{
+    const int n = m->linear.n_columns, d = m->recording.dim;
+    for (int i = 0; i < m->recording.n_samples; i++)
+        for (int c = 0; c < 3; c++) {
+            const double *x = m->linear.columns + (size_t)(i * d + c) * (size_t)(n + 1);
+            r[3 * i + c] = x[n];
+            for (int k = 0; k < n; k++) r[3 * i + c] -= x[k] * m->evidence.mean[k];
+        }
+}
+
+/* square[]: squared innovations of a first-order series about their mean in each socket, each
+ * sample given the one before; returns their number. */
+static int innovations(double *square, const double *r, const mukca_recording *recording,
+                       double memory)
+{
+    int count = 0;
+    for (int g = 0; g < recording->n_groups; g++) {
+        const mukca_group *group = &recording->groups[g];
+        const double *x = r + (size_t)3 * (size_t)group->start;
+        if (group->count < 2) continue;
+        for (int i = 1; i < group->count; i++) square[count + i - 1] = 0;
+        for (int c = 0; c < 3; c++) {
+            double mean = 0;
+            for (int i = 1; i < group->count; i++)
+                mean += (x[3 * i + c] - memory * x[3 * i - 3 + c]) / (group->count - 1);
+            for (int i = 1; i < group->count; i++) {
+                const double e = x[3 * i + c] - memory * x[3 * i - 3 + c] - mean;
+                square[count + i - 1] += e * e;
+            }
+        }
+        count += group->count - 1;
+    }
+    return count;
+}
+
+/* Largest log likelihood of vectors of these squared lengths over the scale: nu infinite is
+ * Gaussian.  Constants of both are kept, so that they compare. */
+static double likelihood(const double *square, int count, double nu)
+{
+    double variance = 1e-18, sum = 0;
+    for (int i = 0; i < count; i++) variance += square[i] / (3 * count);
+    if (!isfinite(nu)) return -1.5 * count * (log(2 * PI * variance) + 1);
+    for (int pass = 0; pass < 30; pass++) { /* expectation maximisation, to far below 1 % */
+        double next = 1e-18;
+        for (int i = 0; i < count; i++)
+            next += (nu + 3) / (nu + square[i] / variance) * square[i] / (3 * count);
+        variance = next;
+    }
+    for (int i = 0; i < count; i++) sum -= 0.5 * (nu + 3) * log1p(square[i] / (variance * nu));
+    return sum +
+           count * (lgamma(0.5 * (nu + 3)) - lgamma(0.5 * nu) - 1.5 * log(nu * PI * variance));
+}
+
+/* value[0]: best log likelihood as the evidence has it, value[1]: with tails and memory. */
+static void explain(double value[2], double *square, const double *r,
+                    const mukca_recording *recording)
+{
+    value[0] = value[1] = -HUGE_VAL;
+    for (int i = 0; i < MEMORIES; i++) {
+        const int count = innovations(square, r, recording, memories[i]);
+        const double gaussian = likelihood(square, count, INFINITY);
+        if (i < USUAL_MEMORIES) value[0] = fmax(value[0], gaussian);
+        value[1] = fmax(value[1], fmax(gaussian, likelihood(square, count, STUDENT_NU)));
+    }
+}
+
+double mukca_heavy_tails_gain(mukca_regression *m, mukca_unknowns *kept, double *memory,
+                              int without, const mukca_candidate *candidate)
+{
+    mukca_unknowns *u = &m->unknowns;
+    double *square = memory + 3 * (size_t)m->recording.data->n_rows, gain = 0, value[2][2];
+    mukca_unknowns_assign(kept, u);
+    if (without >= 0) mukca_unknowns_drop(u, without);
+    if (mukca_unknowns_add(u, candidate)) {
+        for (int with = 1; with >= 0; with--) {
+            mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
+            residuals(memory, m);
+            explain(value[with], square, memory, &m->recording);
+            if (with) mukca_unknowns_drop(u, u->n_causes - 1);
+        }
+        gain = (value[1][0] - value[0][0]) - (value[1][1] - value[0][1]);
+    }
+    mukca_unknowns_assign(u, kept);
+    mukca_regression_linearise(m);
+    return fmax(gain, 0);
+}

@@ -1,0 +1,116 @@
+/* The search for the most probable set of causes, from several starts. */
+#include "diagnose/search.h"
+
+#include <string.h>
+
+/* A set of names is preferred to one with an unknown function that is up to so much larger in log
+ * odds (20 to 1). */
+#define PREFERENCE 3.0
+/* Springs of this canonical correlation are one cause by two names. */
+#define SAME_SPRING 0.99
+enum { BARRED = 2 }; /* in noise_made: not to be accepted in this search */
+
+static bool is_spring(const mukca_candidate *h)
+{
+    return mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_ELASTIC);
+}
+
+/* Bar an elastic cause and those that do the same (a tilting base and bending at the first joint),
+ * where the set has another one besides; false: it has not. */
+static bool bar_first_spring(mukca_competition *contest)
+{
+    mukca_regression *m = contest->m;
+    const mukca_unknowns *u = &m->unknowns;
+    int first = -1, springs = 0;
+    for (int c = 0; c < u->n_causes; c++) {
+        if (!is_spring(&u->cause[c].candidate)) continue;
+        springs++;
+        if (first < 0 || u->cause[c].step < u->cause[first].step) first = c;
+    }
+    if (springs < 2) return false;
+    const mukca_candidate *barred = &u->cause[first].candidate;
+    mukca_scan_run(contest->scan, m, first, MUKCA_SCAN_CONTENDERS);
+    for (int i = 0; i < contest->all->first_unlisted; i++) {
+        const mukca_candidate *h = &contest->all->list[i];
+        if (is_spring(h) &&
+            (mukca_candidate_same(h, barred) ||
+             mukca_scan_correlation(contest->scan, m, first, h, barred) > SAME_SPRING))
+            contest->noise_made[i] = BARRED;
+    }
+    return true;
+}
+
+/* Room for a state of the search. */
+static bool reserve(mukca_search_state *state, mukca_regression *m)
+{
+    state->keep = MUKCA_TAKE(&m->pool, unsigned char, m->recording.data->n_rows);
+    state->faults = MUKCA_TAKE(&m->pool, mukca_faults, 1);
+    return mukca_unknowns_clone(&state->unknowns, &m->pool, &m->unknowns) && !m->pool.failed;
+}
+
+/* Back to the unknowns of that state, with their rows. */
+static void restore(mukca_competition *contest, const mukca_search_state *state)
+{
+    mukca_regression *m = contest->m;
+    mukca_unknowns_assign(&m->unknowns, &state->unknowns);
+    memcpy(m->recording.keep, state->keep, (size_t)m->recording.data->n_rows);
+    mukca_recording_regroup(&m->recording);
+    mukca_regression_linearise(m);
+    *contest->faults = *state->faults;
+}
+
+/* Search again from a state; the set found before stays unless the new one leads it by `lead`.
+ * `before` is scratch. */
+static mukca_status search_again(mukca_competition *contest, const mukca_search_state *from,
+                                 mukca_search_state *before, bool names_first, double lead,
+                                 mukca_error *error)
+{
+    const double score = mukca_regression_score(contest->m);
+    mukca_competition_save(before, contest);
+    restore(contest, from);
+    const int later = mukca_scan_repeat(contest->scan, from->steps);
+    for (int c = 0; c < contest->m->unknowns.n_causes; c++)
+        contest->m->unknowns.cause[c].step += later;
+    const mukca_status status = mukca_competition_search(contest, names_first, error);
+    if (status == MUKCA_OK && mukca_regression_score(contest->m) < score + lead)
+        restore(contest, before);
+    return status;
+}
+
+/* The order in which causes are accepted must not decide.  Names first; where an unknown function
+ * led on the way, from there by the lead alone; where springs share the deflection, also without
+ * the one that was accepted first: one that does part of everything, such as a tilting base, comes
+ * before the two that do all of it.  The most probable set stays, names being preferred.  Rows come
+ * back on the way: each search ends with its own. */
+static mukca_status search_all(mukca_competition *contest, mukca_error *error)
+{
+    mukca_regression *m = contest->m;
+    mukca_search_state start = {0}, before = {0};
+    if (!reserve(&contest->parting, m) || !reserve(&start, m) || !reserve(&before, m) ||
+        !mukca_unknowns_clone(&contest->kept, &m->pool, &m->unknowns))
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
+    mukca_competition_save(&start, contest);
+    mukca_status status = mukca_competition_search(contest, true, error);
+    if (status == MUKCA_OK && contest->passed_over)
+        status = search_again(contest, &contest->parting, &before, false, PREFERENCE, error);
+    if (status == MUKCA_OK && bar_first_spring(contest)) {
+        status = search_again(contest, &start, &before, true, 0, error);
+        for (int i = 0; i < contest->scan->capacity; i++)
+            if (contest->noise_made[i] == BARRED) contest->noise_made[i] = 0;
+    }
+    return status;
+}
+
+mukca_status mukca_search_run(mukca_competition *contest, mukca_error *error)
+{
+    mukca_pool *pool = &contest->m->pool;
+    const int most = contest->scan->capacity;
+    contest->table = MUKCA_TAKE(pool, mukca_contender, most);
+    contest->first = MUKCA_TAKE(pool, mukca_contender, most);
+    contest->first_score = MUKCA_TAKE(pool, mukca_score, most);
+    contest->noise_made = MUKCA_TAKE(pool, signed char, most);
+    contest->tails = MUKCA_TAKE(pool, double, 4 * (size_t)contest->m->recording.data->n_rows);
+    if (pool->failed)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
+    return search_all(contest, error);
+}
