@@ -117,11 +117,33 @@ MUKCA_CLONES void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, i
     gram(C, X, Y, m, false);
 }
 
+/* Columns [0, i) of the factor's rows i to i + 3, at row[4][n]: four independent sums, each in the
+ * order of dot4. */
+MUKCA_INLINE void four_rows(double *row, const double *A, int i, int n)
+{
+    for (int j = 0; j < i; j++) {
+        const double *other = A + (long)j * n;
+        const int j4 = j & ~3;
+        four s[4] = {{0}};
+        for (int k = 0; k < j4; k += 4)
+            for (int r = 0; r < 4; r++) s[r] += LOAD4(row + (long)r * n + k) * LOAD4(other + k);
+        for (int r = 0; r < 4; r++) {
+            double *x = row + (long)r * n;
+            double sum = (s[r][0] + s[r][1]) + (s[r][2] + s[r][3]);
+            for (int k = j4; k < j; k++) sum += x[k] * other[k];
+            x[j] = (x[j] - sum) / other[j];
+        }
+    }
+}
+
 MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
 {
     for (int i = 0; i < n; i++) {
         double *row = A + (long)i * n;
-        for (int j = 0; j < i; j++) {
+        int j = 0;
+        if (i + 4 <= n && i % 4 == 0) four_rows(row, A, i, n);
+        if ((i | 3) < n) j = i & ~3;
+        for (; j < i; j++) {
             const double *other = A + (long)j * n;
             row[j] = (row[j] - dot4(row, other, j)) / other[j];
         }
