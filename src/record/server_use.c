@@ -9,8 +9,8 @@
 #include "io/output.h"
 #include "record/server.h"
 
-/* Held-out error over that of the table in use.  The mean error of some 40 samples varies by a tenth
- * from chance, and placements differ; twice the error is neither. */
+/* Held-out error over that of the table in use.  The mean error of some 40 samples varies by a
+ * tenth from chance, and placements differ; twice the error is neither. */
 static const double most_error_ratio = 2;
 
 static void path_in_use(char path[MUKCA_SERVER_PATH], const mukca_server *s)
