@@ -342,7 +342,7 @@ static void poses_without_rows_are_counted(void **state)
     const char *path = folder("no_rows", "", "");
     scratch_file("no_rows/hole_0_pose.csv", "0,0,0,1,0,0,0\n");
     const mukca_dataset_options partial = {.partial = true};
-    assert_int_equal(mukca_dataset_load(&data, &chain, &path, 1, &partial, &error), MUKCA_OK);
+    assert_int_equal(load_one(path, &partial), MUKCA_OK);
     assert_int_equal(data.n_rows, 0);
     mukca_dataset_free(&data);
 }
