@@ -52,7 +52,7 @@ for pattern in nlopt lcm/ jansson libxml urdf console_bridge unistd.h sys/; do
     hit=$(grep -ln "#[ \t]*include[ \t]*<$pattern" $sources include/mukca/*.h 2>/dev/null)
     [ -z "$hit" ] || fail "the core includes <$pattern...>: $hit"
 done
-foreign=$(nm -g --defined-only "$build/libmukca_core.a" | awk 'NF == 3 && $3 !~ /^mukca_/ { print $3 }')
+foreign=$(nm -g --defined-only "$build/libmukca_core.a" | awk 'NF == 3 && $3 !~ /^(__odr_asan[.])?mukca_/ { print $3 }')
 [ -z "$foreign" ] || fail "the core library exports names that are not mukca_*: $(echo "$foreign" | tr '\n' ' ')"
 
 # The library for control loops is freestanding but for libm: no stdio, no allocation, no clock, no
