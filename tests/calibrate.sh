@@ -9,17 +9,8 @@ trap 'rm -rf "$dir"' EXIT
 export SOURCE_DATE_EPOCH=1700000000
 failed=0
 
-ok() { # NAME COMMAND...
-    local name=$1
-    shift
-    if "$@" >"$dir/out" 2>"$dir/err"; then
-        echo "ok $name"
-    else
-        echo "not ok $name: $*"
-        tail -n 5 "$dir/out" "$dir/err"
-        failed=1
-    fi
-}
+# shellcheck source=tests/ok.bash
+. tests/ok.bash
 
 exits() { # CODE COMMAND...: and exactly one line of complaint
     local want=$1 code

@@ -10,17 +10,8 @@ export SOURCE_DATE_EPOCH=1700000000
 failed=0
 effect=joint_compliance:joint_2=7.2e-5
 
-ok() { # NAME COMMAND...
-    local name=$1
-    shift
-    if "$@" >"$dir/out" 2>"$dir/err"; then
-        echo "ok $name"
-    else
-        echo "not ok $name: $*"
-        tail -n 5 "$dir/out" "$dir/err"
-        failed=1
-    fi
-}
+# shellcheck source=tests/ok.bash
+. tests/ok.bash
 
 simulate() { # FILE SEED OPTION...
     local file=$1 seed=$2

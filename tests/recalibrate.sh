@@ -13,17 +13,8 @@ trap 'rm -rf "$dir"' EXIT
 export SOURCE_DATE_EPOCH=1700000000
 failed=0
 
-ok() { # NAME COMMAND...
-    local name=$1
-    shift
-    if "$@" >"$dir/out" 2>"$dir/err"; then
-        echo "ok $name"
-    else
-        echo "not ok $name: $*"
-        tail -n 5 "$dir/out" "$dir/err"
-        failed=1
-    fi
-}
+# shellcheck source=tests/ok.bash
+. tests/ok.bash
 
 refuses() { # NAME CODE PATTERN COMMAND...
     local name=$1 want=$2 pattern=$3 code

@@ -8,17 +8,8 @@ dir=$(mktemp -d) || exit 1
 trap 'rm -rf "$dir"' EXIT
 failed=0
 
-ok() { # NAME COMMAND...
-    local name=$1
-    shift
-    if "$@" >"$dir/out" 2>"$dir/err"; then
-        echo "ok $name"
-    else
-        echo "not ok $name: $*"
-        tail -n 5 "$dir/out" "$dir/err"
-        failed=1
-    fi
-}
+# shellcheck source=tests/ok.bash
+. tests/ok.bash
 
 arm() { "$mukca" "$1" -q --urdf data/demo/arm.urdf "${@:2}"; }
 simulate() { arm simulate --seed 5 --noise 1e-4 --perturb 1,2 "$@"; }

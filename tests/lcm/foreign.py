@@ -261,3 +261,17 @@ def robots():
                 rows += [("front", socket, [float(x) for x in line.split(",")]) for line in f]
         found.append((name, kind, rate, channel, os.path.join(real, urdf), rows))
     return found
+
+
+def take(client, arm, rows):
+    """Record the rows; the angles of those that were acknowledged."""
+    kept = []
+    for placement, label, q in rows:
+        arm.go(q)
+        for _ in range(40):
+            client.wait(lambda: False, 0.12)
+            sample = client.trigger(placement, label, seconds=2)
+            if sample and sample.accepted:
+                kept.append(list(sample.position))
+                break
+    return kept

@@ -1,7 +1,7 @@
 """The folder of serve: names that meet no other file, one server, earlier versions, finished sessions."""
 import os
 
-from foreign import Arm, Client, ROOT, check, demo_rows, finish, fresh, spawn, stop, table
+from foreign import Arm, Client, ROOT, check, demo_rows, finish, fresh, spawn, stop, table, take
 
 URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
 ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
@@ -10,20 +10,6 @@ ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
 def serve(state, *more):
     return spawn("serve", "--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--state", state,
                  "--window", "0.05", *more)
-
-
-def take(client, arm, rows):
-    """Record the rows; the angles of those that were acknowledged."""
-    kept = []
-    for placement, label, q in rows:
-        arm.go(q)
-        for _ in range(40):
-            client.wait(lambda: False, 0.12)
-            sample = client.trigger(placement, label, seconds=2)
-            if sample and sample.accepted:
-                kept.append(list(sample.position))
-                break
-    return kept
 
 
 def recorded(state, name):

@@ -3,7 +3,7 @@ import os
 import random
 import shutil
 
-from foreign import Arm, Client, ROOT, check, demo_rows, finish, fresh, mukca, spawn, stop
+from foreign import Arm, Client, ROOT, check, demo_rows, finish, fresh, mukca, spawn, stop, take
 
 URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
 ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
@@ -14,19 +14,6 @@ DEFAULT = "start,add,trigger,socket,placement,finish,calibrate,diagnose,result"
 def serve(state, *more):
     return spawn("serve", "--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--state", state,
                  "--window", "0.05", "--publish-pose", *(more or ("--accept", DEFAULT + ",use")))
-
-
-def take(client, arm, rows):
-    good = 0
-    for placement, label, q in rows:
-        arm.go(q)
-        for _ in range(40):
-            client.wait(lambda: False, 0.12)
-            sample = client.trigger(placement, label, seconds=2)
-            if sample and sample.accepted:
-                good += 1
-                break
-    return good
 
 
 def pose(client, arm):
@@ -46,7 +33,7 @@ def moved(a, b):
 
 def session(client, arm, name, rows):
     client.command("start", name)
-    taken = take(client, arm, rows)
+    taken = len(take(client, arm, rows))
     check(name + ": samples", taken == len(rows), taken)
     answer = client.command("calibrate")
     return answer, client.command("use", name)
@@ -63,7 +50,7 @@ def main():
         client.wait_stream()
         check("use: nothing to use", client.command("use").code == 1)
         client.command("start", "good")
-        check("good: samples", take(client, arm, good) == len(good))
+        check("good: samples", len(take(client, arm, good)) == len(good))
         answer = client.command("calibrate")
         check("good: accepted, and says what to do", answer.code == 0 and "accepted, for `use`" in answer.text,
               answer.text)
