@@ -7,7 +7,7 @@ import subprocess
 from common import BUILD, HERE, REPEATS, output, python_with
 
 URDF, TIP, JOINTS, ROWS = "data/demo/arm.urdf", "ball_link", 7, 1000
-CC, CXX = os.environ.get("CC", "gcc"), os.environ.get("CXX", "g++")
+CC, CXX = os.environ.get("CC", "gcc").split(), os.environ.get("CXX", "g++").split()
 # as its CMake files have them
 PINOCCHIO_DEFINES = ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
                      "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
@@ -28,7 +28,7 @@ def casadi_library(folder):
         return []
     source, library = (os.path.join(folder, name) for name in ("casadi_fk.c", "casadi_fk.so"))
     output(python, os.path.join(HERE, "casadi_fk.py"), URDF, TIP, source)
-    output(CC, "-O3", "-fPIC", "-shared", "-o", library, source, "-lm")
+    output(*CC, "-O3", "-fPIC", "-shared", "-o", library, source, "-lm")
     return [library]
 
 
@@ -43,7 +43,7 @@ def pinocchio(folder, rows, repeats):
     program = os.path.join(folder, "pinocchio_fk")
     lib = os.path.join(prefix, "lib")
     done = subprocess.run(
-        [CXX, "-std=c++17", "-O3", "-DNDEBUG", "-w", *PINOCCHIO_DEFINES, "-isystem", os.path.join(prefix, "include"),
+        [*CXX, "-std=c++17", "-O3", "-DNDEBUG", "-w", *PINOCCHIO_DEFINES, "-isystem", os.path.join(prefix, "include"),
          "-isystem", os.path.join(prefix, "include/eigen3"), "-o", program,
          os.path.join(HERE, "pinocchio_fk.cc"), f"-L{lib}", f"-Wl,-rpath,{lib}",
          "-lpinocchio_parsers", "-lpinocchio_default", "-lurdfdom_model"], capture_output=True, text=True)
