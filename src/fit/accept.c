@@ -22,7 +22,7 @@ mukca_status mukca_fit_accept(mukca_offsets *offsets, const mukca_fit *fit,
                               const mukca_accept_task *task, mukca_error *error)
 {
     const mukca_dataset *data = task->data;
-    const mukca_fit_options *options = task->options;
+    mukca_fit_options options = *task->options;
     const mukca_score *test = task->test;
     mukca_acceptance *a = &offsets->acceptance;
     mukca_cross_validation cv;
@@ -31,7 +31,8 @@ mukca_status mukca_fit_accept(mukca_offsets *offsets, const mukca_fit *fit,
         a->error_nominal_m = test[0].mae;
         a->error_m = test[1].mae;
     } else {
-        mukca_status status = mukca_fit_cross_validate(&cv, task->chain, data, options, error);
+        options.start = fit->theta;
+        mukca_status status = mukca_fit_cross_validate(&cv, task->chain, data, &options, error);
         if (status != MUKCA_OK) return status;
         snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d %s", cv.folds,
                  cv.placements ? "folds of placements" : "folds of consecutive samples");
@@ -46,8 +47,8 @@ mukca_status mukca_fit_accept(mukca_offsets *offsets, const mukca_fit *fit,
     mukca_tip_change_judge(offsets, &(mukca_tip_change_task){.chain = &fit->chain,
                                                              .to = offsets,
                                                              .data = data,
-                                                             .base_frame = options->free_base,
-                                                             .tool_frame = options->free_tool});
+                                                             .base_frame = options.free_base,
+                                                             .tool_frame = options.free_tool});
     mukca_acceptance_judge(a, mukca_stop_text(fit->outcome.stop));
     return MUKCA_OK;
 }

@@ -95,6 +95,7 @@ mukca_status mukca_fit_cross_validate(mukca_cross_validation *result, const mukc
     if (folds < 0) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     inner.solver = NULL;
     inner.limits.progress = NULL;
+    inner.parameters_only = true;
     for (int f = 0; f < folds && folds > 1 && status == MUKCA_OK; f++) {
         mukca_dataset part[2] = {{0}};
         for (int held = 0; held < 2 && status == MUKCA_OK; held++) {

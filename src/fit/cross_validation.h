@@ -12,7 +12,8 @@ typedef struct {
                              with the free frames aligned */
 } mukca_cross_validation;
 
-/* Fit as mukca_fit_run does, by Gauss-Newton.  Errors: those of mukca_fit_run. */
+/* Fit as mukca_fit_run does, by Gauss-Newton from options->start.  Errors: those of mukca_fit_run.
+ */
 mukca_status mukca_fit_cross_validate(mukca_cross_validation *result, const mukca_chain *chain,
                                       const mukca_dataset *data, const mukca_fit_options *options,
                                       mukca_error *error);

@@ -60,6 +60,7 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     mukca_cost_evaluate(&fit->nominal, NULL, &cost, x);
     mukca_parameters_pack(x, &fit->parameters, fit->theta);
     mukca_cost_hold(&cost, x);
+    if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
     const mukca_solver *solver = options->solver ? options->solver : &mukca_solver_gauss_newton;
     status = solver->run(x, &fit->outcome, &cost, &options->limits, error);
     if (status != MUKCA_OK) goto out;
@@ -68,7 +69,7 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
         goto out;
     }
     mukca_parameters_unpack(fit->theta, &fit->parameters, x);
-    status = analyse(fit, &cost, x, fit->memory + n * n, error);
+    if (!options->parameters_only) status = analyse(fit, &cost, x, fit->memory + n * n, error);
 out:
     free(workspace);
     if (status != MUKCA_OK) mukca_fit_free(fit);

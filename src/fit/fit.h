@@ -12,6 +12,8 @@ typedef struct {
     mukca_cost_options cost;
     const mukca_solver *solver; /* NULL: Gauss-Newton */
     mukca_solver_options limits;
+    const double *start;  /* [6 * chain.n_elements] where the solver begins; NULL: nominal values */
+    bool parameters_only; /* theta alone: neither convergence nor identifiability */
 } mukca_fit_options;
 
 typedef struct {
