@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
+#include "base/note.h"
 #include "base/number.h"
 #include "cli/cli.h"
 #include "io/output.h"
@@ -18,8 +20,10 @@ typedef struct {
 } compensate_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(compensate_options, poses, "poses", CLI_FLAG, NULL,
-               "rows are poses (x_m y_m z_m, optionally qw qx qy qz), not joint targets"),
+    CLI_OPTION(
+        compensate_options, poses, "poses", CLI_FLAG, NULL,
+        "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry rz), not "
+        "joint targets"),
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
     CLI_OPTION(compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
@@ -89,57 +93,91 @@ static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mu
     return status;
 }
 
-static mukca_status read_pose(mukca_frame *target, const mukca_table *table, const int *column,
-                              bool oriented, mukca_error *error)
+/* The columns of a table of poses: the position, and one way to give the orientation. */
+enum { POSE_PLACES = 10 };
+static const char *const pose_names[POSE_PLACES] = {"x_m", "y_m", "z_m", "qw", "qx",
+                                                    "qy",  "qz",  "rx",  "ry", "rz"};
+typedef struct {
+    mukca_table table;
+    int column[POSE_PLACES];
+    int first, end; /* of the orientation's columns: 3 to 7, 7 to 10, or none */
+} pose_table;
+
+static mukca_status open_poses(pose_table *p, const char *path, cli_call *call)
 {
-    double q[4];
-    for (int i = 0; i < (oriented ? 7 : 3); i++) {
-        mukca_status status =
-            mukca_table_number(i < 3 ? &target->p[i] : &q[i - 3], table, column[i], error);
-        if (status != MUKCA_OK) return status;
-        if (i < 3 && fabs(target->p[i]) > MUKCA_NUMBER_LARGEST)
-            return mukca_table_fail(error, table, column[i], "%g is no position; give m",
-                                    target->p[i]);
+    mukca_table *t = &p->table;
+    mukca_status status = mukca_table_open(t, path, MUKCA_HEADER, &call->error);
+    if (status != MUKCA_OK) return status;
+    if (mukca_table_find(t, "qw") >= 0)
+        p->first = 3, p->end = 7;
+    else if (mukca_table_find(t, "rx") >= 0)
+        p->first = 7, p->end = 10;
+    for (int i = 0; i < POSE_PLACES && status == MUKCA_OK; i++)
+        if (i < 3 || (i >= p->first && i < p->end))
+            status = mukca_table_require(&p->column[i], t, pose_names[i], &call->error);
+    if (status != MUKCA_OK) return status;
+    char list[160] = "";
+    int unknown = 0;
+    for (int c = 0; c < t->n_columns; c++) {
+        bool known = false;
+        for (int i = 0; i < POSE_PLACES; i++) known |= strcmp(t->header[c], pose_names[i]) == 0;
+        const size_t used = strlen(list);
+        if (known) continue;
+        snprintf(list + used, sizeof list - used, "%s%s", unknown++ ? ", " : "", t->header[c]);
     }
-    if (!oriented) return MUKCA_OK;
-    if (!mukca_rows_normalise(q))
-        return mukca_table_fail(error, table, column[3],
+    if (unknown)
+        mukca_note_format(cli_note, call, "%s: %d unknown column%s ignored: %s",
+                          mukca_file_shown(path), unknown, unknown > 1 ? "s" : "", list);
+    return MUKCA_OK;
+}
+
+static mukca_status read_pose(mukca_frame *target, const pose_table *p, mukca_error *error)
+{
+    const mukca_table *table = &p->table;
+    double v[POSE_PLACES];
+    for (int i = 0; i < POSE_PLACES; i++) {
+        if (i >= 3 && (i < p->first || i >= p->end)) continue;
+        mukca_status status = mukca_table_number(&v[i], table, p->column[i], error);
+        if (status != MUKCA_OK) return status;
+        if (fabs(v[i]) > MUKCA_NUMBER_LARGEST)
+            return mukca_table_fail(error, table, p->column[i], "%g is no %s", v[i],
+                                    i < 3 ? "position; give m" : "rotation; give rad");
+    }
+    memcpy(target->p, v, sizeof target->p);
+    if (p->first == 7) mukca_rotation_exp(target->R, v + 7);
+    if (p->first != 3) return MUKCA_OK;
+    if (!mukca_rows_normalise(v + 3))
+        return mukca_table_fail(error, table, p->column[3],
                                 "the quaternion's length is not 1 (order: qw qx qy qz)");
-    mukca_rotation_from_quaternion(target->R, q);
+    mukca_rotation_from_quaternion(target->R, v + 3);
     return MUKCA_OK;
 }
 
 static mukca_status from_poses(cli_call *call, FILE *stream, tally *t, const mukca_corrected *arm,
                                const char *path, bool first)
 {
-    static const char *const name[7] = {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
     const compensate_options *o = call->options;
     mukca_compensator compensator;
-    mukca_table table;
-    int column[7];
+    pose_table poses = {0};
     double q[MUKCA_MAX_JOINTS] = {0};
-    mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, &call->error);
-    if (status != MUKCA_OK) return status;
-    const bool oriented = mukca_table_find(&table, "qw") >= 0;
-    for (int i = 0; i < (oriented ? 7 : 3) && status == MUKCA_OK; i++)
-        status = mukca_table_require(&column[i], &table, name[i], &call->error);
+    mukca_status status = open_poses(&poses, path, call);
     if (status == MUKCA_OK && first) print_header(stream, &arm->chain, false);
-    mukca_compensator_start(&compensator, arm, o->position_only || !oriented, o->tolerance);
+    mukca_compensator_start(&compensator, arm, o->position_only || poses.first == 0, o->tolerance);
     while (status == MUKCA_OK && !ferror(stream)) {
         bool more;
         mukca_frame target;
-        status = mukca_table_next(&table, &more, &call->error);
+        status = mukca_table_next(&poses.table, &more, &call->error);
         if (status != MUKCA_OK || !more) break;
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
-        if (status == MUKCA_OK) status = read_pose(&target, &table, column, oriented, &call->error);
+        if (status == MUKCA_OK) status = read_pose(&target, &poses, &call->error);
         if (status != MUKCA_OK) break;
         const mukca_row_reading reading = {
-            .time = (double)NAN, .placement = -1, .number = table.row};
+            .time = (double)NAN, .placement = -1, .number = poses.table.row};
         mukca_compensation c = mukca_compensate_pose(q, &compensator, &target, &reading);
         print_row(stream, q, arm->chain.n_joints, &c);
         count(t, &c);
     }
-    mukca_table_close(&table);
+    mukca_table_close(&poses.table);
     return status;
 }
 

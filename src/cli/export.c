@@ -36,6 +36,11 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
+#define FORMAT_ENDING(name, endings, description) #name " " endings ", "
+static const char other_formats[] =
+    MUKCA_EXPORT_LIST(FORMAT_ENDING) "or for SDF: write a URDF, then gz sdf -p FILE.urdf";
+#undef FORMAT_ENDING
+
 static const export_options defaults = {.format = -1};
 
 static mukca_status check(cli_call *call, const mukca_export_input *input)
@@ -59,7 +64,12 @@ static mukca_status run(cli_call *call)
 {
     export_options *o = call->options;
     const cli_common *c = call->common;
-    if (o->format < 0) o->format = mukca_exporter_find(o->check ? o->check : c->output);
+    const char *file = o->check ? o->check : c->output;
+    if (o->format < 0) o->format = mukca_exporter_find(file);
+    if (o->format < 0)
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "%.100s: no format has this ending; choose one with --format (%s)", file,
+                          other_formats);
     cli_model model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, &model);

@@ -15,15 +15,17 @@ const mukca_exporter mukca_exporters[] = {
 
 int mukca_exporter_find(const char *path)
 {
-    const char *dot = path ? strrchr(path, '.') : NULL;
+    const char *slash = path ? strrchr(path, '/') : NULL;
+    const char *dot = path ? strrchr(slash ? slash : path, '.') : NULL;
     const size_t length = dot ? strlen(dot) : 0;
-    for (int i = 0; dot && mukca_exporters[i].name; i++)
+    if (length < 2) return 0;
+    for (int i = 0; mukca_exporters[i].name; i++)
         for (const char *at = mukca_exporters[i].endings; *at; at += at[0] == ' ') {
             const size_t ending = strcspn(at, " ");
             if (ending == length && strncmp(at, dot, length) == 0) return i;
             at += ending;
         }
-    return 0;
+    return -1;
 }
 
 mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,

@@ -48,7 +48,8 @@ typedef struct {
 
 extern const mukca_exporter mukca_exporters[]; /* ended by a NULL name */
 
-/* Index of the format for the file name `path` (may be NULL) by its ending; 0 (URDF) otherwise. */
+/* Index of the format for the file name `path` by its ending; 0 (URDF) where `path` is NULL or has
+ * no ending, -1 where no format has it. */
 int mukca_exporter_find(const char *path);
 
 /* Write to `stream`; effects that the format cannot represent are noted. */

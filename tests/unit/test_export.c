@@ -231,10 +231,11 @@ static void endings_choose_a_format(void **state)
     (void)state;
     static const char *const names[][2] = {
         {"a.urdf", "urdf"}, {"a.b/c.yml", "yaml"}, {"x.yaml", "yaml"}, {"x.h", "c"},
-        {"x.mjcf", "mjcf"}, {"x.unknown", "urdf"}, {"x.y", "urdf"},    {"x.", "urdf"}};
+        {"x.mjcf", "mjcf"}, {"a.b/c", "urdf"},     {"x", "urdf"},      {"x.", "urdf"}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         assert_string_equal(mukca_exporters[mukca_exporter_find(names[i][0])].name, names[i][1]);
     assert_int_equal(mukca_exporter_find(NULL), 0);
+    assert_int_equal(mukca_exporter_find("x.sdf"), -1);
 }
 
 int main(void)

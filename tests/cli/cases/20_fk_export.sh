@@ -91,3 +91,21 @@ if ${CC:-cc} -std=c99 -Wall -Wextra -Werror -o use use.c -lm 2>compile.log; then
 else
     fail "the exported C header compiles" "$(cat compile.log)"
 fi
+refuse 2 "arm.sdf: no format has this ending; choose one with --format .*gz sdf -p" export --urdf arm.urdf -o arm.sdf
+refuse 2 "no format has this ending" export --urdf arm.urdf --check arm.sdf
+expect "--format decides, whatever the ending" "$MUKCA" export --urdf arm.urdf --format urdf -o arm.sdf
+
+# orientations of --poses: quaternions, or rotation vectors as UR controllers have them
+printf 'x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n0.4\t0.1\t0.5\t0.5\t0.5\t0.5\t0.5\n' >quaternion.tsv
+printf 'x_m\ty_m\tz_m\trx\try\trz\n0.4\t0.1\t0.5\t1.2091995761561452\t1.2091995761561452\t1.2091995761561452\n' >vector.tsv
+printf 'x_m\ty_m\tz_m\trx\try\n0.4\t0.1\t0.5\t1\t1\n' >half.tsv
+printf 'x_m\ty_m\tz_m\troll\tyaw\n0.4\t0.1\t0.5\t1\t1\n' >angles.tsv
+six="--urdf $root/data/gen3.urdf"
+"$MUKCA" compensate $six --poses quaternion.tsv -q >with_quaternion.tsv
+"$MUKCA" compensate $six --poses vector.tsv -q >with_vector.tsv
+expect "rx ry rz turn the target as the quaternion does" awk -F '\t' '
+    { for (i = 1; i <= 7; i++) value[NR, i] = $i }
+    END { for (i = 1; i <= 7; i++) if (NR != 4 || !((value[2, i] - value[4, i]) ^ 2 < 1e-12)) exit 1 }' \
+    with_quaternion.tsv with_vector.tsv
+refuse 3 "half.tsv:1: no column 'rz'" compensate $six --poses half.tsv
+accept "angles.tsv: 2 unknown columns ignored: roll, yaw" compensate $six --poses angles.tsv

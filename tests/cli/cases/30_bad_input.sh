@@ -233,7 +233,7 @@ refuse 2 "is larger than any arm's" simulate $a --effect joint_scale:j2=1e300
 
 # outputs
 refuse 3 'offsets.tsv: exists already; --force overwrites it' calibrate $a good -o offsets.tsv
-refuse 3 'offsets.tsv: exists already' export $a -o offsets.tsv
+refuse 3 'offsets.tsv: exists already' export $a --format urdf -o offsets.tsv
 refuse 6 '/dev/full: cannot write: No space left on device' calibrate $a good -o /dev/full
 refuse 6 '/dev/full: cannot write: No space left on device' calibrate $a good --json /dev/full
 refuse 6 '/dev/full: cannot write: No space left on device' export $a -o /dev/full
