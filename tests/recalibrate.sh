@@ -113,6 +113,29 @@ refuses "poses that repeat the nominal model" 5 "no calibration in these poses" 
     "$dir/nominal.tsv" -o "$dir/none.tsv"
 ok "nothing written then" test ! -e "$dir/none.tsv"
 
+# A mounted tool: its offset goes to the tool, not to the joint before it; and one story is told
+{
+    grep '^#' "$dir/truth.tsv"
+    printf 'joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\tterm\n'
+    printf 'tool_joint\tz\tm\t-0.0615\t-0.12326\t-0.06176\t0\t1\t-\n'
+    printf 'joint_1\tx\tm\t0\t0.002\t0.002\t0\t1\t-\n'
+} >"$dir/mounted.tsv"
+"$mukca" simulate "${arm[@]}" --offsets "$dir/mounted.tsv" --recipe sweeps -o "$dir/mounted_log.tsv" -q
+ok "a mounted tool" "$mukca" recalibrate "${arm[@]}" "$dir/mounted_log.tsv" --iterate -o "$dir/found.tsv"
+cat "$dir/out" "$dir/err" >"$dir/said"
+ok "one story: what was found, what was written" sh -c "
+    grep -q '^Result' '$dir/said' && grep -q '^Written' '$dir/said' &&
+    ! grep -q 'saves the result\|nothing was written\|joint_3 y' '$dir/said'"
+ok "the tool's offset is the tool's alone" awk -F '\t' '
+    $1 == "joint_7" && $2 == "y" { arm = $6 } $1 == "tool_joint" && $2 == "z" { tool = $6 }
+    END { exit !(arm * arm < 1e-12 && (tool + 0.06176) ^ 2 < 1e-10) }' "$dir/found.tsv"
+refuses "a verdict alone where the poses are nominal" 5 "no offsets table is written" \
+    "$mukca" recalibrate "${arm[@]}" "$dir/nominal.tsv" -o "$dir/none.tsv"
+test ! -s "$dir/out"
+nothing=$?
+ok "and no figures" test $nothing = 0
+ok "-v lists all offsets" sh -c "'$mukca' recalibrate --urdf '$urdf' '$dir/mounted_log.tsv' -v | grep -q 'joint_3 y'"
+
 # Compensation and exports of what was found
 ok "compensate" "$mukca" compensate "${arm[@]}" --offsets "$dir/offsets.tsv" "$dir/q.tsv" -o "$dir/sent.tsv" --json "$dir/c.json"
 ok "all reached" test "$(number "$dir/c.json" status ok)" = 165

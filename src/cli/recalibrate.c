@@ -282,7 +282,7 @@ static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
     return mukca_fail(
         &call->error, MUKCA_UNIDENTIFIABLE,
         "no calibration in these poses: they equal the nominal model within their noise (median "
-        "%.4f mm nominal, %.4f mm after a fit); nothing was written; use "
+        "%.4f mm nominal, %.4f mm after a fit); no offsets table is written; use "
         "another tracker, or calibrate from sockets",
         1e3 * o->position_nominal, 1e3 * o->position_left);
 }
@@ -334,16 +334,15 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
     if (status == MUKCA_OK) status = recalibrate(call, w);
     if (status != MUKCA_OK) return status;
-    cli_recalibrate_print(call, r);
     fill_offsets(&w->offsets, &r->fit[r->n_models - 1], chain, &r->arm);
     judge_offsets(&w->offsets, r, chain);
     if (r->oracle.calibrated) status = write_offsets(call, &w->offsets);
     if (status == MUKCA_OK && call->common->json)
         status = cli_write_json(call, cli_recalibrate_json(call, r, &w->offsets, chain));
     if (status == MUKCA_OK && !r->oracle.calibrated) return refuse(call, r);
-    if (status != MUKCA_OK || w->offsets.acceptance.accepted) return status;
-    cli_answer_wrapped(call, "Do not use this result: %s.", w->offsets.acceptance.reason);
-    return MUKCA_NEGATIVE;
+    if (status != MUKCA_OK) return status;
+    cli_recalibrate_print(call, r, &w->offsets.acceptance);
+    return w->offsets.acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
 const cli_command cli_command_recalibrate = {
@@ -356,8 +355,9 @@ const cli_command cli_command_recalibrate = {
     .description =
         "DATA are pose logs (tables with the joints and x_m y_m z_m, qw qx qy qz) or folders with "
         "hole_*_pose.csv. Step one fits the joint zeros to the orientations, step two the link "
-        "offsets to the positions, each by a linear regression of least norm; parameters that the "
-        "log does not identify are listed. Logs are read row by row; memory does not grow with "
+        "offsets to the positions, each by a linear regression of least norm; what the log cannot "
+        "distinguish from the place of the tool goes to the tool. -v lists all offsets and those that the "
+        "log does not identify. Logs are read row by row; memory does not grow with "
         "them. Logs without orientations are solved in one step, tilts of the axes included.\n\n"
         "Poses that only repeat the nominal model are reported, with exit code 5; a table that is "
         "not "

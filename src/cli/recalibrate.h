@@ -18,8 +18,9 @@ typedef struct {
     mukca_constants constants;
 } cli_recalibrated;
 
-/* One screen for people. */
-void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r);
+/* One screen for people, after the files were written; `acceptance`: of the last model. */
+void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r,
+                           const mukca_acceptance *acceptance);
 
 /* `offsets`: of the last model. */
 json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,

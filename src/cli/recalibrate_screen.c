@@ -1,4 +1,4 @@
-/* The re-calibration for people: verdict, then the tables of the paper. */
+/* The re-calibration for people: verdict, the tables of the paper, and what was written. */
 #include <math.h>
 #include <string.h>
 
@@ -72,17 +72,39 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
     }
 }
 
-static void print_findings(cli_call *call, const cli_recalibrated *r)
+/* The largest offset of each kind (joint zeros, the arm's lengths, the tool) that is identified. */
+static void print_largest(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
+{
+    char text[MUKCA_UNKNOWN_TEXT], words[400] = "";
+    mukca_text line = MUKCA_TEXT(words);
+    for (int kind = 0; kind < 3; kind++) {
+        int best = -1;
+        for (int u = 0; u < f->n; u++) {
+            const mukca_unknown *x = &f->unknown[u];
+            const int of = x->tool ? 2 : !mukca_unknown_is_angle(x->kind);
+            const bool larger = best < 0 || fabs(f->value[u]) > fabs(f->value[best]);
+            if (of == kind && larger && (f->identifiable[u] || x->tool)) best = u;
+        }
+        if (best < 0) continue;
+        mukca_unknown_text(text, &f->unknown[best], arm);
+        mukca_text_put(&line, "%s %s %+.3f %s", line.used ? "," : "; largest:", text,
+                       1e3 * f->value[best],
+                       mukca_unknown_is_angle(f->unknown[best].kind) ? "mrad" : "mm");
+    }
+    cli_answer_keyed(call, "Offsets", "%d of %d combinations identified%s", f->rank, f->n, words);
+}
+
+static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
     const mukca_recalibration *f = &r->fit[0];
     char text[MUKCA_UNKNOWN_TEXT], words[800] = "";
     mukca_text line = MUKCA_TEXT(words);
     cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
-    if (r->oracle.calibrated)
-        cli_answer_keyed(call, "Result",
-                         "the poses contain a calibration: median position error %.4f mm nominal, "
-                         "%.4f mm after the fit",
-                         1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+    cli_answer_keyed(call, "Result",
+                     "the poses contain a calibration: median position error %.4f mm nominal, "
+                     "%.4f mm after the fit",
+                     1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+    if (!a->accepted) cli_answer_keyed(call, "", "Do not use this result: %s.", a->reason);
     for (int j = 0; j < r->arm.n_joints; j++)
         if (cli_never_moved(f, j))
             cli_answer_wrapped(call,
@@ -96,7 +118,7 @@ static void print_findings(cli_call *call, const cli_recalibrated *r)
                            "errors); corrected",
                            f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms",
                            f->lag_score);
-    if (!r->oracle.calibrated || r->constants.n == 0) return;
+    if (r->constants.n == 0) return;
     mukca_text_put(&line, "Constants: %d explain%s the difference:", r->constants.n,
                    r->constants.n > 1 ? "" : "s");
     for (int c = 0; c < r->constants.n; c++) {
@@ -110,16 +132,22 @@ static void print_findings(cli_call *call, const cli_recalibrated *r)
                        1e3 * r->constants.errors.position.mean);
 }
 
-void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r)
+void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
-    print_findings(call, r);
+    const char *output = call->common->output;
+    print_findings(call, r, a);
     for (int m = 0; m < r->n_models; m++) {
         const mukca_recalibration *f = &r->fit[m];
         if (r->n_models > 1)
             cli_answer(call, "Model %d: the log%s\n", m + 1, m ? " and the work volume" : "");
         print_errors(call, "Training data", f->errors, f->has_angles);
         if (r->test) print_errors(call, "Test data", r->test[m], f->has_angles);
-        print_unknowns(call, f, &r->arm);
+        print_largest(call, f, &r->arm);
+        if (call->common->verbose) print_unknowns(call, f, &r->arm);
     }
-    if (!call->common->output) cli_answer_keyed(call, "Next", "-o offsets.tsv saves the result");
+    if (output)
+        cli_answer_keyed(call, "Written", "%s%s", output,
+                         a->accepted ? "" : " (other commands refuse this table)");
+    else if (a->accepted)
+        cli_answer_keyed(call, "Next", "-o offsets.tsv saves the result; -v lists all offsets");
 }

@@ -27,6 +27,7 @@ typedef struct {
     mukca_unknown_kind kind;
     int element; /* -1 where it has none */
     int axis;    /* 0, 1, 2; of a tilt 0 or 1 */
+    bool tool;   /* of the tool, whose place nobody knows beforehand */
 } mukca_unknown;
 
 enum { MUKCA_MAX_UNKNOWNS = MUKCA_MAX_JOINTS * 6 + 3 + 12 + 1, MUKCA_UNKNOWN_TEXT = 64 + 16 };

@@ -37,7 +37,9 @@ typedef struct {
 
 static void add_unknown(mukca_pose_system *s, mukca_unknown_kind kind, int element, int axis)
 {
-    s->unknown[s->n++] = (mukca_unknown){kind, element, axis};
+    const bool tool = kind == MUKCA_UNKNOWN_TOOL_SHIFT || kind == MUKCA_UNKNOWN_TOOL_TURN;
+    s->unknown[s->n++] =
+        (mukca_unknown){.kind = kind, .element = element, .axis = axis, .tool = tool};
 }
 
 static void add_three(mukca_pose_system *s, mukca_unknown_kind kind, int element)
@@ -61,7 +63,10 @@ static void choose_unknowns(mukca_pose_system *a, mukca_pose_system *p, const mu
         for (int axis = 0; o->tilts && axis < 2; axis++)
             add_unknown(a, MUKCA_UNKNOWN_TILT, k, axis);
     }
-    if (chain->element[last].joint >= 0) add_three(p, MUKCA_UNKNOWN_TOOL_SHIFT, -1);
+    if (chain->element[last].joint >= 0)
+        add_three(p, MUKCA_UNKNOWN_TOOL_SHIFT, -1);
+    else
+        for (int i = p->n - 3; i < p->n; i++) p->unknown[i].tool = true;
     if (o->free_base) {
         add_three(p, MUKCA_UNKNOWN_BASE_SHIFT, -1);
         add_three(a, MUKCA_UNKNOWN_BASE_TURN, -1);

@@ -64,6 +64,42 @@ void mukca_pose_system_move_carried(mukca_pose_system *s, const double *steps)
             s->R[i * width + width - 1] -= s->R[i * width + s->n + c] * steps[c];
 }
 
+/* Prior sizes of a tool's unknowns over those of an arm's: what the rows leave to both goes to the
+ * tool, as calibrate, which does not regularise the tool, has it.  1e3 leaves 1e-6 of it to the
+ * arm. */
+static const double tool_freedom = 1e3;
+
+/* Replace the solutions v[n] in the first `rank` columns of V[n][n] by those that are as good, with
+ * the least norm in units of the prior sizes: null directions N, the other columns, are added to v,
+ * v + N c with (N' W N) c = -N' W v. */
+static void prefer_tool(double *V, const mukca_pose_system *s, int n, int rank)
+{
+    double A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], w[MUKCA_MAX_UNKNOWNS];
+    const int free = n - rank;
+    bool any = false;
+    for (int i = 0; i < n; i++) {
+        w[i] = s->unknown[i].tool ? 1 / (tool_freedom * tool_freedom) : 1;
+        any |= s->unknown[i].tool;
+    }
+    if (!any || free == 0) return;
+    for (int a = 0; a < free; a++)
+        for (int b = 0; b < free; b++) {
+            A[a * free + b] = 0;
+            for (int i = 0; i < n; i++)
+                A[a * free + b] += V[i * n + rank + a] * w[i] * V[i * n + rank + b];
+        }
+    if (mukca_dense_cholesky(A, free) != 0) return;
+    for (int k = 0; k < rank; k++) {
+        double c[MUKCA_MAX_UNKNOWNS] = {0};
+        for (int a = 0; a < free; a++)
+            for (int i = 0; i < n; i++) c[a] -= V[i * n + rank + a] * w[i] * V[i * n + k];
+        mukca_dense_forward(c, 1, A, free);
+        mukca_dense_backward(c, 1, A, free);
+        for (int i = 0; i < n; i++)
+            for (int a = 0; a < free; a++) V[i * n + k] += V[i * n + rank + a] * c[a];
+    }
+}
+
 bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int n, double loosest)
 {
     const int width = width_of(s);
@@ -85,6 +121,7 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
     const double least = fmax(1e-9 * singular[0], sqrt(out->sigma2) / loosest);
     while (out->rank < n && singular[out->rank] > least) out->rank++;
     out->n_null = n - out->rank;
+    prefer_tool(V, s, n, out->rank);
     for (int k = 0; k < n; k++) {
         double z = 0;
         for (int i = 0; i < n; i++) z += U[i * n + k] * d[i];

@@ -24,7 +24,7 @@ typedef struct {
 typedef struct {
     int rank;
     double sigma2;                    /* variance of a weighted row */
-    double x[MUKCA_MAX_UNKNOWNS];     /* step, minimum norm */
+    double x[MUKCA_MAX_UNKNOWNS];     /* step; minimum norm of the arm's, then of the tool's */
     double sigma[MUKCA_MAX_UNKNOWNS]; /* standard error within the identifiable part */
     bool identifiable[MUKCA_MAX_UNKNOWNS];
     int n_null;
