@@ -53,7 +53,7 @@ leads() { # FILES...: is compliance of joint 2 the first cause, 60 to 85 urad/(N
         awk -v x="$size" 'BEGIN { exit !(x > 60e-6 && x < 85e-6) }'
 }
 
-simulate "$dir/none.tsv" 1 --effect "$effect" --perturb 0.5,2 --truth "$dir/truth.tsv"
+simulate "$dir/none.tsv" 1 --payload 0 --effect "$effect" --perturb 0.5,2 --truth "$dir/truth.tsv"
 i=0
 for kg in 1 3 6; do
     i=$((i + 1))
