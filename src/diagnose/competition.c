@@ -348,7 +348,7 @@ static double lead_of(const mukca_competition *contest, const mukca_contender *t
 
 /* Take each cause out, look who fills the hole best, and swap or drop; again until all were
  * tested against the same others, but for causes that led by far. */
-static mukca_status settle(mukca_competition *contest, mukca_error *error)
+mukca_status mukca_competition_settle(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;
     int settled = 0; /* causes tested since the last change */
@@ -380,6 +380,6 @@ mukca_status mukca_competition_search(mukca_competition *contest, bool names_fir
 {
     contest->names_first = names_first;
     mukca_status status = forward(contest, error);
-    if (status == MUKCA_OK) status = settle(contest, error);
+    if (status == MUKCA_OK) status = mukca_competition_settle(contest, error);
     return status;
 }

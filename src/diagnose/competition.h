@@ -59,4 +59,7 @@ bool mukca_competition_taken(const mukca_competition *contest, const mukca_conte
 mukca_status mukca_competition_search(mukca_competition *contest, bool names_first,
                                       mukca_error *error);
 
+/* The swaps alone.  Errors: MUKCA_INTERRUPTED. */
+mukca_status mukca_competition_settle(mukca_competition *contest, mukca_error *error);
+
 #endif

@@ -94,9 +94,14 @@ static mukca_status search_all(mukca_competition *contest, mukca_error *error)
     if (status == MUKCA_OK && contest->passed_over)
         status = search_again(contest, &contest->parting, &before, false, PREFERENCE, error);
     if (status == MUKCA_OK && bar_first_spring(contest)) {
+        const double score = mukca_regression_score(m);
         status = search_again(contest, &start, &before, true, 0, error);
         for (int i = 0; i < contest->scan->capacity; i++)
             if (contest->noise_made[i] == BARRED) contest->noise_made[i] = 0;
+        /* in the new set, what was barred may do better in the place of another */
+        const bool changed = mukca_regression_score(m) != score;
+        for (int c = 0; changed && c < m->unknowns.n_causes; c++) m->unknowns.cause[c].lead = 0;
+        if (status == MUKCA_OK && changed) status = mukca_competition_settle(contest, error);
     }
     return status;
 }

@@ -20,7 +20,11 @@ static bool backlash_candidate(mukca_effect *effect, const mukca_effect_survey *
     const int j = effect->joint;
     const bool both_sides = (survey->joint[j].torque_low < 0 && survey->joint[j].torque_high > 0) ||
                             survey->joint[j].torque_least < 0.3 * survey->joint[j].torque_most;
-    if (i >= 3 || !mukca_survey_loads(survey, j) || !both_sides) return false;
+    /* below its torque scale the joint never rests at an end of its free motion: the effect is that
+     * of a spring, and its size is not determined */
+    if (i >= 3 || !mukca_survey_loads(survey, j) || !both_sides ||
+        survey->joint[j].torque_most < scales[i])
+        return false;
     effect->variant.torque_scale = scales[i];
     return true;
 }
