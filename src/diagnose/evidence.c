@@ -34,6 +34,9 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                                 (size_t)(recording->data->n_rows * recording->dim) * (size_t)size)};
     evidence->work = MUKCA_TAKE(pool, double, size);
     evidence->factor = MUKCA_TAKE(pool, double, size *size);
+    evidence->marginal = MUKCA_TAKE(pool, double, 4 * size * size);
+    evidence->order = MUKCA_TAKE(pool, int, size);
+    evidence->mark = MUKCA_TAKE(pool, unsigned char, size);
     evidence->prior = MUKCA_TAKE(pool, double, capacity);
     evidence->mean = MUKCA_TAKE(pool, double, capacity);
     return !pool->failed;

@@ -28,6 +28,9 @@ typedef struct {
     double *mean;   /* [capacity] posterior mean of the last fit */
     double *factor; /* [n][n] Cholesky factor of the scaled posterior precision, of the last one */
     double *work;   /* [n] of the last one: factor^-1 of the scaled right side */
+    double *marginal; /* [4][n + 1][n + 1], order[n], mark[n]: scratch of the choice of scales */
+    int *order;
+    unsigned char *mark;
     double quadratic; /* of the last one: squared misfit and departure from the priors, each in
                          units of its sigma */
 } mukca_evidence;

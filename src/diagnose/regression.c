@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/scales.h"
+
 mukca_status mukca_regression_create(mukca_regression *m, const mukca_chain *chain,
                                      const mukca_dataset *data,
                                      const mukca_recording_options *options, mukca_error *error)
@@ -53,45 +55,6 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
                                          terms);
 }
 
-/* Evidence with the priors of the present scales. */
-static double evaluate_scales(mukca_regression *m, const mukca_normal_equations *normal)
-{
-    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
-    return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL);
-}
-
-/* Prior scales by evidence: the geometry's two, then each cause's, one at a time. */
-static void choose_scales(mukca_regression *m, const mukca_normal_equations *normal)
-{
-    /* Around what published arms show: links within 0.5 to 4 mm, axes within 1 to 10 mrad. */
-    static const double lengths[] = {0.5e-3, 1e-3, 2e-3, 4e-3};
-    static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
-    mukca_unknowns *u = &m->unknowns;
-    double best = -HUGE_VAL, length = u->sigma_length, angle = u->sigma_angle;
-    for (int a = 0; a < 4; a++)
-        for (int b = 0; b < 4; b++) {
-            u->sigma_length = lengths[a], u->sigma_angle = angles[b];
-            mukca_unknowns_set_geometry_prior(u, &m->recording);
-            const double value = evaluate_scales(m, normal);
-            if (value > best) best = value, length = lengths[a], angle = angles[b];
-        }
-    u->sigma_length = length, u->sigma_angle = angle;
-    mukca_unknowns_set_geometry_prior(u, &m->recording);
-    for (int c = 0; c < u->n_causes; c++) {
-        double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
-        const int n = mukca_candidate_scales(scales, weight, &u->cause[c].candidate);
-        double chosen = u->cause[c].scale;
-        best = -HUGE_VAL;
-        for (int i = 0; i < n; i++) {
-            u->cause[c].scale = scales[i];
-            const double value = evaluate_scales(m, normal) + weight[i];
-            if (value > best) best = value, chosen = scales[i];
-        }
-        u->cause[c].scale = chosen;
-    }
-    mukca_unknowns_prior(m->evidence.prior, u);
-}
-
 /* Noise and AR(1) coefficient by evidence, and the prior scales with them; returns the normal
  * equations at the best. */
 static const mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freedom freedom)
@@ -110,7 +73,7 @@ static const mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit
         }
     }
     if (freedom == MUKCA_FIT_ALL) {
-        choose_scales(m, chosen);
+        mukca_scales_choose(u, &m->evidence, &m->recording, chosen);
         u->sigma = mukca_evidence_noise(&m->evidence, chosen, u->sigma, NULL);
     }
     return chosen;

@@ -117,37 +117,68 @@ MUKCA_CLONES void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, i
     gram(C, X, Y, m, false);
 }
 
-/* Columns [0, i) of the factor's rows i to i + 3, at row[4][n]: four independent sums, each in the
- * order of dot4. */
-MUKCA_INLINE void four_rows(double *row, const double *A, int i, int n)
+/* Solve L x = b for eight right-hand sides b[n][8], `ld` apart: four rows at a time keep their sums
+ * in registers. */
+MUKCA_INLINE void forward8(double *b, int ld, const double *L, int ldl, int n)
 {
-    for (int j = 0; j < i; j++) {
-        const double *other = A + (long)j * n;
-        const int j4 = j & ~3;
-        four s[4] = {{0}};
-        for (int k = 0; k < j4; k += 4)
-            for (int r = 0; r < 4; r++) s[r] += LOAD4(row + (long)r * n + k) * LOAD4(other + k);
-        for (int r = 0; r < 4; r++) {
-            double *x = row + (long)r * n;
-            double sum = (s[r][0] + s[r][1]) + (s[r][2] + s[r][3]);
-            for (int k = j4; k < j; k++) sum += x[k] * other[k];
-            x[j] = (x[j] - sum) / other[j];
+    for (int i = 0; i < n; i += 4) {
+        const int rows = n - i < 4 ? n - i : 4;
+        const double *l[4];
+        four x[4][2];
+        for (int r = 0; r < 4; r++) { /* a row that is not there does the last one again */
+            const int row = i + (r < rows ? r : rows - 1);
+            l[r] = L + (long)row * ldl;
+            x[r][0] = LOAD4(b + (long)row * ld), x[r][1] = LOAD4(b + (long)row * ld + 4);
         }
+        const double *bj = b;
+        for (int j = 0; j < i; j++, bj += ld) {
+            const four lo = LOAD4(bj), hi = LOAD4(bj + 4);
+            for (int r = 0; r < 4; r++) x[r][0] -= l[r][j] * lo, x[r][1] -= l[r][j] * hi;
+        }
+        for (int r = 0; r < rows; r++) {
+            for (int j = 0; j < r; j++)
+                x[r][0] -= l[r][i + j] * x[j][0], x[r][1] -= l[r][i + j] * x[j][1];
+            x[r][0] /= l[r][i + r], x[r][1] /= l[r][i + r];
+            STORE4(b + (long)(i + r) * ld, x[r][0]);
+            STORE4(b + (long)(i + r) * ld + 4, x[r][1]);
+        }
+    }
+}
+
+enum { WIDEST = 512 }; /* columns left of a block of rows that is factored at once: 32 kB */
+
+/* Columns [0, i) of the factor's rows i to i + 7, and what they take from the eight columns behind:
+ * a forward substitution with the rows as right-hand sides. */
+MUKCA_INLINE void eight_rows(double *A, int i, int n)
+{
+    double b[8 * WIDEST], block[64] = {0};
+    double *row = A + (long)i * n;
+    for (int r = 0; r < 8; r++)
+        for (int j = 0; j < i; j++) b[8 * j + r] = row[(long)r * n + j];
+    forward8(b, 8, A, n, i);
+    const mukca_columns x = {b, 8, 8};
+    gram4x8(block, 8, x, x, i);
+    gram4x8(block + 32, 8, from(x, 4), x, i);
+    for (int r = 0; r < 8; r++) {
+        for (int j = 0; j < i; j++) row[(long)r * n + j] = b[8 * j + r];
+        for (int j = 0; j <= r; j++) row[(long)r * n + i + j] -= block[8 * r + j];
     }
 }
 
 MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
 {
+    int done = 0; /* columns that the row's block has taken already */
     for (int i = 0; i < n; i++) {
         double *row = A + (long)i * n;
-        int j = 0;
-        if (i + 4 <= n && i % 4 == 0) four_rows(row, A, i, n);
-        if ((i | 3) < n) j = i & ~3;
-        for (; j < i; j++) {
-            const double *other = A + (long)j * n;
-            row[j] = (row[j] - dot4(row, other, j)) / other[j];
+        if (i % 8 == 0) {
+            done = i + 8 <= n && i <= WIDEST ? i : 0;
+            if (done) eight_rows(A, i, n);
         }
-        double pivot = row[i] - dot4(row, row, i);
+        for (int j = done; j < i; j++) {
+            const double *other = A + (long)j * n;
+            row[j] = (row[j] - dot4(row + done, other + done, j - done)) / other[j];
+        }
+        double pivot = row[i] - dot4(row + done, row + done, i - done);
         if (!(pivot > 0) || isinf(pivot)) return 1 + i;
         row[i] = sqrt(pivot);
     }
@@ -156,34 +187,20 @@ MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
 
 MUKCA_CLONES void mukca_dense_forward(double *b, int k, const double *L, int n)
 {
-    for (int i = 0; i < n; i++) {
+    int done = 0;
+    for (; done + 8 <= k; done += 8) forward8(b + done, k, L, n, n);
+    for (int i = 0; i < n && done < k; i++) {
         const double *row = L + (long)i * n;
         double *bi = b + (long)i * k;
         if (k == 1) {
             bi[0] = (bi[0] - dot4(row, b, i)) / row[i];
             continue;
         }
-        int c = 0;
-        for (; c + 16 <= k; c += 16) { /* sixteen sums stay in registers */
-            four s0 = LOAD4(bi + c), s1 = LOAD4(bi + c + 4), s2 = LOAD4(bi + c + 8),
-                 s3 = LOAD4(bi + c + 12);
-            const double *bj = b + c;
-            for (int j = 0; j < i; j++, bj += k) {
-                s0 -= row[j] * LOAD4(bj);
-                s1 -= row[j] * LOAD4(bj + 4);
-                s2 -= row[j] * LOAD4(bj + 8);
-                s3 -= row[j] * LOAD4(bj + 12);
-            }
-            STORE4(bi + c, s0);
-            STORE4(bi + c + 4, s1);
-            STORE4(bi + c + 8, s2);
-            STORE4(bi + c + 12, s3);
-        }
-        for (int j = 0; j < i && c < k; j++) {
+        for (int j = 0; j < i; j++) {
             const double *bj = b + (long)j * k;
-            for (int e = c; e < k; e++) bi[e] -= row[j] * bj[e];
+            for (int c = done; c < k; c++) bi[c] -= row[j] * bj[c];
         }
-        for (c = 0; c < k; c++) bi[c] /= row[i];
+        for (int c = done; c < k; c++) bi[c] /= row[i];
     }
 }
 

@@ -13,6 +13,7 @@
 #include "diagnose/folds.h"
 #include "diagnose/projector.h"
 #include "diagnose/ripple.h"
+#include "diagnose/scales.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
 #include "math/dense.h"
@@ -295,12 +296,52 @@ static void never_left_out(void **state)
     mukca_dataset_free(&data);
 }
 
+/* The scales that are chosen by Schur complements have the largest evidence of all. */
+static void scales(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    mukca_unknowns *u = &m->unknowns;
+    const mukca_candidate *h = find(f, MUKCA_CANDIDATE_EFFECT, MUKCA_EFFECT_JOINT_COMPLIANCE, 1);
+    double scale[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES], worst = HUGE_VAL;
+    const int n = mukca_candidate_scales(scale, weight, h);
+    assert_true(mukca_unknowns_add(u, h));
+    mukca_regression_fit(m, 2, MUKCA_FIT_NOISE);
+    const mukca_normal_equations *normal = mukca_regression_collect_own(m);
+    mukca_scales_choose(u, &m->evidence, &m->recording, normal);
+    const double before = u->cause[0].scale;
+    mukca_scales_choose(u, &m->evidence, &m->recording, normal);
+    const double best = mukca_regression_score(m), chosen = u->cause[0].scale,
+                 length = u->sigma_length, angle = u->sigma_angle;
+    for (int i = 0; i < n; i++) {
+        u->cause[0].scale = scale[i];
+        assert_true(mukca_regression_score(m) <= best + 1e-9);
+    }
+    u->cause[0].scale = chosen;
+    assert_true(chosen == before); /* so the geometry's were chosen with it */
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++) {
+            static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
+            u->sigma_length = 0.5e-3 * (1 << i), u->sigma_angle = angles[k];
+            mukca_unknowns_set_geometry_prior(u, &m->recording);
+            const double value = mukca_regression_score(m);
+            assert_true(value <= best + 1e-9);
+            worst = fmin(worst, value);
+        }
+    assert_true(worst < best - 0.1); /* the grid makes a difference */
+    u->sigma_length = length, u->sigma_angle = angle;
+    mukca_unknowns_set_geometry_prior(u, &m->recording);
+    mukca_unknowns_drop(u, 0);
+    mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(geometry_columns),
                                        cmocka_unit_test(effect_columns),
                                        cmocka_unit_test(projected_evidence),
                                        cmocka_unit_test(harmonics),
+                                       cmocka_unit_test(scales),
                                        cmocka_unit_test(priors),
                                        cmocka_unit_test(reinstated),
                                        cmocka_unit_test(never_left_out)};

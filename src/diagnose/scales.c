@@ -1,0 +1,175 @@
+/* Prior scales of geometry and causes by evidence.
+ *
+ * A scale is the prior of a few columns.  The other columns are integrated out once, which leaves
+ * small normal equations (their Schur complement) for all values of the scale.
+ */
+#include "diagnose/scales.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "math/dense.h"
+
+/* Normal equations of the columns order[size - 1] that are left, and of y behind them. */
+typedef struct {
+    int size;
+    const int *order;
+    double *A;           /* [size][size], both triangles */
+    double log_diagonal; /* of the factor of those that were integrated out */
+} marginal;
+
+/* All columns in the given order. */
+static void gather(marginal *out, const mukca_normal_equations *normal, double sigma)
+{
+    const int size = normal->n + 1;
+    const double precision = 1 / (sigma * sigma),
+                 known = normal->distance_sigma * normal->distance_sigma;
+    out->size = size;
+    out->log_diagonal = 0;
+    for (int i = 0; i < size; i++) {
+        const int at = i + 1 < size ? out->order[i] : i;
+        const double *row = normal->gram + (size_t)at * (size_t)size;
+        double *A = out->A + (size_t)i * (size_t)size;
+        for (int j = 0; j + 1 < size; j++) A[j] = precision * row[out->order[j]];
+        A[size - 1] = precision * row[size - 1];
+        for (int p = 0; p < normal->n_pairs; p++) {
+            const double *distance = normal->distance + p * size;
+            const double w = distance[at] / (known + sigma * sigma * normal->variance[p]);
+            for (int j = 0; j + 1 < size && w != 0; j++) A[j] += w * distance[out->order[j]];
+            A[size - 1] += w * distance[size - 1];
+        }
+    }
+}
+
+/* Integrate the first k columns out under the priors prior[order[]]; out->A holds their factor
+ * first, and is scratch.  False: they cannot be factored. */
+static bool integrate(marginal *out, const marginal *in, int k, const double *prior)
+{
+    const int size = in->size, rest = size - k;
+    double *L = out->A + (size_t)rest * (size_t)rest, *T = L + (size_t)k * (size_t)k;
+    for (int i = 0; i < k; i++) {
+        const double own = prior[in->order[i]];
+        const double *A = in->A + (size_t)i * (size_t)size;
+        for (int j = 0; j <= i; j++) L[i * k + j] = own * A[j] * prior[in->order[j]];
+        L[i * k + i] += 1;
+        for (int j = 0; j < rest; j++) T[i * rest + j] = own * A[k + j];
+    }
+    if (mukca_dense_cholesky(L, k)) return false;
+    mukca_dense_forward(T, rest, L, k);
+    memset(out->A, 0, sizeof *out->A * (size_t)(rest * rest));
+    mukca_dense_syrk(out->A, rest, T, k, rest);
+    for (int i = 0; i < rest; i++)
+        for (int j = 0; j < rest; j++)
+            out->A[i * rest + j] =
+                in->A[(size_t)(k + i) * (size_t)size + (size_t)(k + j)] - out->A[i * rest + j];
+    out->size = rest;
+    out->order = in->order + k;
+    out->log_diagonal = in->log_diagonal;
+    for (int i = 0; i < k; i++) out->log_diagonal += log(L[i * k + i]);
+    return true;
+}
+
+/* Log evidence, up to a constant, once the remaining columns have these priors. */
+static double finish(marginal *scratch, const marginal *in, const double *prior)
+{
+    if (!integrate(scratch, in, in->size - 1, prior)) return -HUGE_VAL;
+    return -0.5 * scratch->A[0] - scratch->log_diagonal;
+}
+
+typedef struct {
+    mukca_unknowns *u;
+    mukca_evidence *evidence;
+    const mukca_recording *recording;
+    const mukca_normal_equations *normal;
+    int *order;                    /* [n] */
+    marginal all, some, few, none; /* ever fewer columns */
+} choice;
+
+/* prior[n] of the geometry's scales. */
+static void set_geometry(const choice *s, double length, double angle)
+{
+    s->u->sigma_length = length, s->u->sigma_angle = angle;
+    mukca_unknowns_set_geometry_prior(s->u, s->recording);
+    mukca_unknowns_prior(s->evidence->prior, s->u);
+}
+
+/* Append the columns before `end` whose mark is `as`; returns how many there are then. */
+static int append(int *order, int n, const unsigned char *mark, int end, unsigned char as)
+{
+    for (int i = 0; i < end; i++)
+        if (mark[i] == as) order[n++] = i;
+    return n;
+}
+
+static void choose_geometry(choice *s)
+{
+    /* Around what published arms show: links within 0.5 to 4 mm, axes within 1 to 10 mrad. */
+    static const double lengths[] = {0.5e-3, 1e-3, 2e-3, 4e-3};
+    static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
+    enum { FIXED, LENGTH, ANGLE };
+    const int n = s->normal->n;
+    double *prior = s->evidence->prior, best = -HUGE_VAL, length = s->u->sigma_length,
+           angle = s->u->sigma_angle;
+    unsigned char *mark = s->evidence->mark;
+    memset(mark, FIXED, (size_t)n);
+    set_geometry(s, lengths[0], angles[0]);
+    memcpy(s->evidence->work, prior, sizeof *prior * (size_t)n);
+    set_geometry(s, lengths[1], angles[0]);
+    for (int i = 0; i < n; i++)
+        if (prior[i] != s->evidence->work[i]) mark[i] = LENGTH;
+    set_geometry(s, lengths[0], angles[1]);
+    for (int i = 0; i < n; i++)
+        if (prior[i] != s->evidence->work[i]) mark[i] = ANGLE;
+    const int fixed = append(s->order, 0, mark, n, FIXED);
+    const int both = append(s->order, fixed, mark, n, LENGTH);
+    append(s->order, both, mark, n, ANGLE);
+    gather(&s->all, s->normal, s->u->sigma);
+    if (!integrate(&s->some, &s->all, fixed, prior)) return;
+    for (int a = 0; a < 4; a++) {
+        set_geometry(s, lengths[a], angles[0]);
+        if (!integrate(&s->few, &s->some, both - fixed, prior)) continue;
+        for (int b = 0; b < 4; b++) {
+            set_geometry(s, lengths[a], angles[b]);
+            const double value = finish(&s->none, &s->few, prior);
+            if (value > best) best = value, length = lengths[a], angle = angles[b];
+        }
+    }
+    set_geometry(s, length, angle);
+}
+
+static void choose_cause(choice *s, int c)
+{
+    mukca_accepted *cause = &s->u->cause[c];
+    const int n = s->normal->n, terms = cause->candidate.terms,
+              column = mukca_unknowns_column(s->u, c);
+    double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES], chosen = cause->scale;
+    double best = -HUGE_VAL;
+    const int n_scales = mukca_candidate_scales(scales, weight, &cause->candidate);
+    for (int i = 0; i < n; i++) /* its own columns last */
+        s->order[i] = i < column ? i : i + terms < n ? i + terms : i + terms - n + column;
+    gather(&s->all, s->normal, s->u->sigma);
+    if (!integrate(&s->few, &s->all, n - terms, s->evidence->prior)) return;
+    for (int i = 0; i < n_scales; i++) {
+        cause->scale = scales[i];
+        mukca_unknowns_prior(s->evidence->prior, s->u);
+        const double value = finish(&s->none, &s->few, s->evidence->prior) + weight[i];
+        if (value > best) best = value, chosen = scales[i];
+    }
+    cause->scale = chosen;
+    mukca_unknowns_prior(s->evidence->prior, s->u);
+}
+
+void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
+                         const mukca_recording *recording, const mukca_normal_equations *normal)
+{
+    const size_t square = (size_t)(normal->n + 1) * (size_t)(normal->n + 1);
+    choice s = {.u = u, .evidence = evidence, .recording = recording, .normal = normal};
+    double *A = evidence->marginal;
+    s.order = evidence->order;
+    s.all = (marginal){.order = s.order, .A = A};
+    s.some.A = A + square;
+    s.few.A = A + 2 * square;
+    s.none.A = A + 3 * square;
+    choose_geometry(&s);
+    for (int c = 0; c < u->n_causes; c++) choose_cause(&s, c);
+}
