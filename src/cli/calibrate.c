@@ -30,6 +30,7 @@ static const cli_option options[] = {
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
     CLI_ANGLES_OPTION,
+    CLI_TABLE_OPTIONS,
     CLI_OPTION(calibrate_options, free, "free", CLI_TEXT, "LIST",
                "fit these only: joints, parameters (x y z roll pitch yaw) or joint.parameter, with "
                "commas; "

@@ -14,6 +14,7 @@
 
 #include "io/offsets.h"
 #include "io/output.h"
+#include "io/rows.h"
 #include "mukca/chain.h"
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
@@ -82,11 +83,13 @@ typedef struct {
 /* The contract's common options: the first member of every command's options struct. */
 typedef struct {
     const char *urdf, *base, *tip, *inertials, *offsets, *distances, *json, *output, *payload;
+    const char *units;
     cli_list test;
     int angles;        /* index into cli_angles */
+    int map;           /* index into cli_maps */
     double distance;   /* m */
     double gravity[3]; /* m/s^2; all 0: upright base */
-    bool force, accept_failed, quiet, verbose;
+    bool inverse_poses, force, accept_failed, quiet, verbose;
 } cli_common;
 
 /* Rows of option tables for them.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION: help text. */
@@ -127,6 +130,19 @@ typedef struct {
     CLI_CHOICE_OPTION(cli_common, angles, "angles", "STREAM", cli_angles,                     \
                       "fit the angles that were read, or those that were commanded (columns " \
                       "JOINT.command; without them all angles are commands; default: reading)")
+#define CLI_UNITS_OPTION                                                                         \
+    CLI_COMMON(units, 0, CLI_TEXT, "UNITS",                                                      \
+               "units of the tables that are read: rad or deg, m or mm, as in deg,mm (default: " \
+               "rad,m); columns x, y, z are then positions, too")
+#define CLI_TABLE_OPTIONS                                                                        \
+    CLI_UNITS_OPTION,                                                                            \
+        CLI_CHOICE_OPTION(cli_common, map, "map", "MAP", cli_maps,                               \
+                          "name: the first line of a table names its columns; order: it has no " \
+                          "such line, the joints come in the chain's order, then the pose "      \
+                          "(default: name)"),                                                    \
+        CLI_OPTION(cli_common, inverse_poses, "inverse-poses", CLI_FLAG, NULL,                   \
+                   "the measured poses are those of the fixed frame in the target's, as a "      \
+                   "camera on the arm sees a fixed board")
 #define CLI_TEST_OPTION \
     CLI_COMMON(test, 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported")
 #define CLI_JSON_OPTION \
@@ -150,7 +166,7 @@ typedef struct {
 /* The common options that mean the same everywhere, ended as a table is; -o is each command's own.
  */
 extern const cli_option cli_common_options[];
-extern const char *const cli_angles[];        /* of --angles, ended by NULL */
+extern const char *const cli_angles[], *const cli_maps[]; /* of --angles, --map; ended by NULL */
 bool cli_is_common(const cli_option *option); /* is it one of them, with the same text? */
 
 typedef struct cli_call cli_call;
@@ -303,6 +319,10 @@ mukca_status cli_load_model(cli_call *call, cli_model *model);
 /* Read an offsets table under --force and --accept-failed.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukca_chain *chain,
                               const char *path);
+
+/* The format of the tables that are read, from --units, --map and --inverse-poses.  Errors:
+ * MUKCA_USAGE. */
+mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 
 /* Read DATA paths for the model's chain; --distance, --distances and --payload apply.  Free with
  * mukca_dataset_free. */

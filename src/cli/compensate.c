@@ -31,6 +31,7 @@ static const cli_option options[] = {
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
+    CLI_UNITS_OPTION,
     CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
     CLI_FORCE_OPTION,
@@ -72,8 +73,10 @@ static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mu
     mukca_compensator compensator;
     mukca_rows rows;
     mukca_row row;
-    const mukca_rows_options header = {.kind = MUKCA_EITHER, .note = cli_note, .context = call};
-    mukca_status status = mukca_rows_open(&rows, path, &arm->chain, &header, &call->error);
+    mukca_rows_options header = {.kind = MUKCA_EITHER, .note = cli_note, .context = call};
+    mukca_status status = cli_read_format(call, &header.format);
+    if (status == MUKCA_OK)
+        status = mukca_rows_open(&rows, path, &arm->chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
     mukca_compensator_start(&compensator, arm, o->position_only, o->tolerance);
     if (first) print_header(stream, &arm->chain, rows.column.time >= 0);

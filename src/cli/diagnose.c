@@ -27,6 +27,7 @@ static const cli_option options[] = {
     CLI_DISTANCE_OPTIONS,
     CLI_PAYLOAD_OPTION,
     CLI_ANGLES_OPTION,
+    CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("write the offsets table: geometry and causes"),
     CLI_JSON_OPTION,
     CLI_FORCE_OPTION,

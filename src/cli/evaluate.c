@@ -27,6 +27,7 @@ static const cli_option options[] = {
     CLI_DISTANCE_OPTIONS,
     CLI_PAYLOAD_OPTION,
     CLI_ANGLES_OPTION,
+    CLI_TABLE_OPTIONS,
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};

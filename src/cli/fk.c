@@ -16,6 +16,7 @@ static const cli_option options[] = {
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
+    CLI_UNITS_OPTION,
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
@@ -51,8 +52,10 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
     mukca_rows rows;
     mukca_row row;
     mukca_row_state states;
-    const mukca_rows_options header = {.kind = MUKCA_EITHER};
-    mukca_status status = mukca_rows_open(&rows, path, &model->chain, &header, &call->error);
+    mukca_rows_options header = {.kind = MUKCA_EITHER};
+    mukca_status status = cli_read_format(call, &header.format);
+    if (status == MUKCA_OK)
+        status = mukca_rows_open(&rows, path, &model->chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
     mukca_row_state_start(&states, model->chain.n_joints);
     if (first) fputs(o->pose ? "x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n" : "x_m\ty_m\tz_m\n", stream);

@@ -82,6 +82,30 @@ static mukca_status read_payload(double *payload, cli_call *call, int n_paths)
                       text, n, n_paths);
 }
 
+mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
+{
+    static const struct {
+        const char *name;
+        double angle, length;
+    } units[] = {{"rad", 1, 0}, {"deg", M_PI / 180, 0}, {"m", 0, 1}, {"mm", 0, 1e-3}};
+    const cli_common *c = call->common;
+    *format = (mukca_rows_format){
+        .units = c->units, .by_order = c->map == 1, .inverse = c->inverse_poses};
+    for (const char *next = c->units; next;) {
+        const size_t length = strcspn(next, ",");
+        size_t k = 0;
+        while (k < 4 && (strncmp(units[k].name, next, length) != 0 || units[k].name[length])) k++;
+        double *unit = k < 2 ? &format->angle : &format->length;
+        if (k == 4 || *unit > 0)
+            return mukca_fail(&call->error, MUKCA_USAGE,
+                              "--units %.40s: give rad or deg, and m or mm, as in deg,mm",
+                              c->units);
+        *unit = k < 2 ? units[k].angle : units[k].length;
+        next = next[length] ? next + length + 1 : NULL;
+    }
+    return MUKCA_OK;
+}
+
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths)
 {
@@ -93,6 +117,8 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
                           c->distance > 10 ? "millimetres" : "centimetres");
     mukca_dataset_options options = {
         .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
+    const mukca_status units = cli_read_format(call, &options.format);
+    if (units != MUKCA_OK) return units;
     double *payload = c->payload ? calloc((size_t)paths->n + 1, sizeof *payload) : NULL;
     mukca_status status = MUKCA_OK;
     if (c->payload && !payload)

@@ -14,11 +14,12 @@
 static const double usual_distance = 0.05;
 
 const char *const cli_angles[] = {"reading", "command", NULL};
+const char *const cli_maps[] = {"name", "order", NULL};
 
 const cli_option cli_common_options[] = {CLI_MODEL_OPTIONS, CLI_OFFSETS_OPTION,   CLI_ACCEPT_OPTION,
                                          CLI_TEST_OPTION,   CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,
                                          CLI_FORCE_OPTION,  CLI_PAYLOAD_OPTION,   CLI_ANGLES_OPTION,
-                                         CLI_TALK_OPTIONS,  CLI_END_OPTIONS};
+                                         CLI_TABLE_OPTIONS, CLI_TALK_OPTIONS,     CLI_END_OPTIONS};
 
 bool cli_is_common(const cli_option *option)
 {

@@ -38,6 +38,7 @@ static const cli_option options[] = {
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
     CLI_PAYLOAD_OPTION,
+    CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("write the postures there, a session file (default: standard output)"),
     CLI_JSON_OPTION,
     CLI_FORCE_OPTION,

@@ -32,6 +32,7 @@ static const cli_option options[] = {
     CLI_OPTION(recalibrate_options, free_tool, "free-tool", CLI_FLAG, NULL,
                "fit the rotation of the measured frame against the tip"),
     CLI_MODEL_OPTIONS,
+    CLI_TABLE_OPTIONS,
     CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),
     CLI_FORCE_OPTION,
@@ -65,11 +66,15 @@ static mukca_status open_input(cli_call *call, pose_input *in, const cli_model *
     }
     if (in->n_folders > 0) {
         const cli_list list = {in->folders, in->n_folders};
-        mukca_status status = cli_load_data(call, &in->data, model, &list);
+        const mukca_status status = cli_load_data(call, &in->data, model, &list);
         if (status != MUKCA_OK) return status;
         mukca_pose_log_from_dataset(&in->logs[in->n_logs++], &in->cursor, &in->data);
     }
-    in->stream = (mukca_pose_stream){.paths = in->files,
+    mukca_rows_format format;
+    mukca_status status = cli_read_format(call, &format);
+    if (status != MUKCA_OK) return status;
+    in->stream = (mukca_pose_stream){.format = format,
+                                     .paths = in->files,
                                      .n_paths = in->n_files,
                                      .chain = &model->chain,
                                      .note = cli_note,

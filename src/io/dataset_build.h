@@ -11,8 +11,9 @@ typedef struct {
     mukca_note_fn *note; /* may be NULL */
     void *context;
     mukca_error *error;
-    int capacity;   /* rows allocated */
-    double payload; /* kg, for rows that have none of their own; NaN: unknown */
+    int capacity;             /* rows allocated */
+    mukca_rows_format format; /* of the files */
+    double payload;           /* kg, for rows that have none of their own; NaN: unknown */
 } mukca_dataset_builder;
 
 /* All return MUKCA_MEMORY on failure; what they add is the last item of its list in the dataset. */

@@ -119,6 +119,22 @@ static void prune(mukca_dataset *d, int *map)
     for (int s = 0; s < d->n_sockets; s++) d->sockets[s].placement = map[d->sockets[s].placement];
 }
 
+mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, mukca_error *error)
+{
+    mukca_dataset kept = {0};
+    const int most = data->n_sockets > data->n_placements ? data->n_sockets : data->n_placements;
+    int *map = malloc(((size_t)most + 1) * sizeof *map);
+    mukca_status status = map ? mukca_dataset_subset(&kept, data, keep, error)
+                              : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (status == MUKCA_OK) {
+        mukca_dataset_free(data);
+        *data = kept;
+        prune(data, map);
+    }
+    free(map);
+    return status;
+}
+
 /* One note for a file: how many of its rows repeat others. */
 static void report(const mukca_dataset *data, int file, const mukca_dataset *of,
                    const int *original, mukca_note_fn *note, void *context)
@@ -151,7 +167,6 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
     const size_t names = 2 * (size_t)data->n_sockets + (size_t)data->n_placements;
     int *original = malloc(((size_t)n + (size_t)listed + size + names + 1) * sizeof *original);
     unsigned char *keep = malloc((size_t)n + 1);
-    mukca_dataset kept = {0};
     mukca_status status = MUKCA_OK;
     if (!original || !keep) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n);
@@ -167,11 +182,7 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
     }
     if (!copies) goto out;
     for (int f = 0; f < data->n_files; f++) report(data, f, of, original, note, context);
-    status = mukca_dataset_subset(&kept, data, keep, error);
-    if (status != MUKCA_OK) goto out;
-    mukca_dataset_free(data);
-    *data = kept;
-    prune(data, map);
+    status = mukca_dataset_keep(data, keep, error);
 out:
     free(original);
     free(keep);

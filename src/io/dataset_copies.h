@@ -15,4 +15,8 @@
 mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *of,
                                        mukca_note_fn *note, void *context, mukca_error *error);
 
+/* Keep the rows whose keep[row] is not 0, and the sockets and placements that have some.  Errors:
+ * MUKCA_MEMORY. */
+mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, mukca_error *error);
+
 #endif

@@ -1,6 +1,7 @@
 /* Datasets from files: finds out what each path is, reads it, and checks the whole. */
 #include "io/dataset_load.h"
 
+#include <dirent.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,7 +17,7 @@
 
 /* Published folders have two holes; a mean needs two rows, a distance two sockets; the limits from
  * above catch tables of another kind. */
-enum { MOST_HOLES = 100, LEAST_ROWS = 2, LEAST_SOCKETS = 2, MOST_SOCKETS = 1000 };
+enum { MOST_HOLES = 100, LEAST_ROWS = 2, LEAST_SOCKETS = 2, MOST_SOCKETS = 1000, LACK = 320 };
 static const double usual_distance = 0.05; /* m, of the published artefact */
 
 /* The last `parts` parts of a path, without slashes at its end; its last 63 bytes. */
@@ -39,7 +40,7 @@ static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int so
     mukca_rows rows;
     mukca_row row;
     const mukca_rows_options plain = {
-        .kind = MUKCA_NO_HEADER, .note = b->note, .context = b->context};
+        .kind = MUKCA_NO_HEADER, .format = b->format, .note = b->note, .context = b->context};
     mukca_status status = mukca_rows_open(&rows, path, b->chain, &plain, b->error);
     if (status != MUKCA_OK) return status;
     status = mukca_build_file(b, path);
@@ -53,7 +54,8 @@ static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int so
 }
 
 /* How many sockets a folder holds: files hole_0.csv, hole_1.csv and so on, none missing. */
-static mukca_status count_holes(int *n, const mukca_dataset_builder *b, const char *folder)
+static mukca_status count_holes(int *n, const mukca_dataset_builder *b, const char *folder,
+                                int least)
 {
     char path[1100];
     int missing = -1;
@@ -65,14 +67,15 @@ static mukca_status count_holes(int *n, const mukca_dataset_builder *b, const ch
         else if (missing < 0)
             missing = hole;
     }
-    if (*n >= LEAST_SOCKETS && (missing < 0 || missing >= *n)) return MUKCA_OK;
+    if (*n >= least && (missing < 0 || missing >= *n)) return MUKCA_OK;
     return mukca_fail(b->error, MUKCA_INPUT,
                       "%s: no hole_%d.csv; a placement is a folder with hole_0.csv, hole_1.csv "
                       "and so on",
                       mukca_file_shown(folder), missing);
 }
 
-static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
+/* `least`: sockets that it must have; fewer than two are set aside later. */
+static mukca_status read_placement(mukca_dataset_builder *b, const char *folder, int least)
 {
     char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100], label[16];
     int holes;
@@ -80,7 +83,7 @@ static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
     const char *named = realpath(folder, whole) ? whole : folder; /* `.` has a name, too */
     last_parts(name, named, 1);
     last_parts(qualified, named, 2);
-    mukca_status status = count_holes(&holes, b, folder);
+    mukca_status status = count_holes(&holes, b, folder, least);
     if (status != MUKCA_OK) return status;
     status = mukca_build_placement(b, name, qualified);
     for (int hole = 0; hole < holes && status == MUKCA_OK; hole++) {
@@ -95,6 +98,37 @@ static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
             status = mukca_pose_file_read(b, path, first, d->n_rows - first);
     }
     return status;
+}
+
+/* Whether a folder's entry is a folder with a placement. */
+static bool holds_placement(const char *folder, const char *entry)
+{
+    char path[1100];
+    if (entry[0] == '.') return false;
+    snprintf(path, sizeof path, "%.800s/%.256s/hole_0.csv", folder, entry);
+    return access(path, F_OK) == 0;
+}
+
+/* A placement, or a folder of placements in the order of their names. */
+static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
+{
+    struct dirent **entries;
+    char path[1100];
+    int found = 0;
+    mukca_status status = MUKCA_OK;
+    snprintf(path, sizeof path, "%.1000s/hole_0.csv", folder);
+    const int n = access(path, F_OK) == 0 ? 0 : scandir(folder, &entries, NULL, alphasort);
+    if (n < 0) return mukca_file_fail(b->error, folder);
+    for (int i = 0; i < n; i++) {
+        if (status == MUKCA_OK && holds_placement(folder, entries[i]->d_name)) {
+            snprintf(path, sizeof path, "%.800s/%.256s", folder, entries[i]->d_name);
+            status = read_placement(b, path, 1);
+            found++;
+        }
+        free(entries[i]);
+    }
+    if (n > 0) free(entries);
+    return found ? status : read_placement(b, folder, LEAST_SOCKETS);
 }
 
 /* A session file in reading: the placements and sockets that it has brought so far. */
@@ -164,7 +198,7 @@ static mukca_status find_socket(int *socket, mukca_dataset_builder *b, session *
 static mukca_status check_columns(const mukca_dataset_builder *b, const mukca_rows *rows)
 {
     const mukca_columns *c = &rows->column;
-    if (c->socket >= 0 || (c->position[0] >= 0 && c->placement < 0)) return MUKCA_OK;
+    if (c->socket >= 0 || (c->n_measured > 0 && c->placement < 0)) return MUKCA_OK;
     return mukca_table_fail(b->error, &rows->table, -1,
                             c->placement >= 0
                                 ? "no column 'socket'; add the label of each row's socket"
@@ -206,7 +240,7 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
 {
     session s = {.first_placement = b->data->n_placements, .first_socket = b->data->n_sockets};
     const mukca_rows_options header = {
-        .kind = MUKCA_HEADER, .note = b->note, .context = b->context};
+        .kind = MUKCA_HEADER, .format = b->format, .note = b->note, .context = b->context};
     mukca_status status = mukca_rows_open(&s.rows, path, b->chain, &header, b->error);
     if (status != MUKCA_OK) return status;
     last_parts(s.stem, path, 1);
@@ -229,32 +263,82 @@ static const char *file_of(const mukca_dataset *d, int socket)
     return "";
 }
 
-/* How many sockets has a placement, how many rows a socket. */
-static mukca_status check_counts(const mukca_dataset_builder *b)
+/* What a placement lacks; `text` stays empty where it lacks nothing.  Returns its sockets with
+ * enough rows. */
+static int find_lack(char text[LACK], const mukca_dataset *d, int placement, const int *rows)
+{
+    int good = 0, last = 0, poor = -1;
+    text[0] = '\0';
+    for (int s = 0; s < d->n_sockets; s++) {
+        if (d->sockets[s].placement != placement) continue;
+        last = s;
+        good += rows[s] >= LEAST_ROWS;
+        if (poor < 0 && rows[s] < LEAST_ROWS) poor = s;
+    }
+    const char *name = d->placements[placement].name;
+    if (poor >= 0) {
+        const char *file = file_of(d, poor);
+        snprintf(text, LACK,
+                 "%s%splacement '%s', socket '%s': %d row%s; at least %d are needed, 20 or more "
+                 "recommended",
+                 file, rows[poor] ? ": " : "", name, d->sockets[poor].label, rows[poor],
+                 rows[poor] == 1 ? "" : "s", LEAST_ROWS);
+    } else if (good < LEAST_SOCKETS) {
+        snprintf(text, LACK,
+                 "%s: placement '%s': only one socket; at least two, a known distance apart, are "
+                 "needed",
+                 file_of(d, last), name);
+    }
+    return good;
+}
+
+/* Unfinished placements, and sockets of others, get keep[row] = 0; the first lack to `lack`.
+ * `note`: also say so.  Returns the rows left. */
+static int find_finished(unsigned char *keep, char lack[LACK], const mukca_dataset_builder *b,
+                         const int *rows, bool note)
 {
     const mukca_dataset *d = b->data;
-    for (int s = 0; s < d->n_sockets; s++) {
-        int rows = 0;
-        for (int i = 0; i < d->n_rows; i++) rows += d->socket[i] == s;
-        if (rows < LEAST_ROWS)
-            return mukca_fail(
-                b->error, MUKCA_INPUT,
-                "%s%splacement '%s', socket '%s': %d row%s; at least %d are needed, 20 or "
-                "more recommended",
-                file_of(d, s), rows ? ": " : "", d->placements[d->sockets[s].placement].name,
-                d->sockets[s].label, rows, rows == 1 ? "" : "s", LEAST_ROWS);
-    }
+    int left = 0;
+    memset(keep, 1, (size_t)d->n_rows);
+    lack[0] = '\0';
     for (int p = 0; p < d->n_placements; p++) {
-        int sockets = 0, last = 0;
-        for (int s = 0; s < d->n_sockets; s++)
-            if (d->sockets[s].placement == p) sockets++, last = s;
-        if (sockets < LEAST_SOCKETS)
-            return mukca_fail(b->error, MUKCA_INPUT,
-                              "%s: placement '%s': only one socket; at least two, a known distance "
-                              "apart, are needed",
-                              file_of(d, last), d->placements[p].name);
+        char text[LACK];
+        const bool whole = find_lack(text, d, p, rows) < LEAST_SOCKETS;
+        if (!text[0]) continue;
+        if (!lack[0]) memcpy(lack, text, sizeof text);
+        if (note)
+            mukca_note_format(b->note, b->context, "%s; %s not used", text,
+                              whole ? "the placement is" : "the socket is");
+        for (int i = 0; i < d->n_rows; i++)
+            if (mukca_dataset_placement(d, i) == p && (whole || rows[d->socket[i]] < LEAST_ROWS))
+                keep[i] = 0;
     }
-    return MUKCA_OK;
+    for (int i = 0; i < d->n_rows; i++) left += keep[i];
+    return left;
+}
+
+/* Set unfinished placements aside; an error where nothing else is there. */
+static mukca_status drop_unfinished(const mukca_dataset_builder *b)
+{
+    mukca_dataset *d = b->data;
+    char lack[LACK];
+    int *rows = calloc((size_t)d->n_sockets + 1, sizeof *rows);
+    unsigned char *keep = malloc((size_t)d->n_rows + 1);
+    mukca_status status = MUKCA_OK;
+    if (!rows || !keep) {
+        status = mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
+        goto out;
+    }
+    for (int i = 0; i < d->n_rows; i++)
+        if (d->socket[i] >= 0) rows[d->socket[i]]++;
+    if (find_finished(keep, lack, b, rows, false) == 0 && lack[0])
+        status = mukca_fail(b->error, MUKCA_INPUT, "%s", lack);
+    else if (lack[0] && find_finished(keep, lack, b, rows, true) < d->n_rows)
+        status = mukca_dataset_keep(d, keep, b->error);
+out:
+    free(rows);
+    free(keep);
+    return status;
 }
 
 static mukca_status read_path(mukca_dataset_builder *b, const char *path)
@@ -273,6 +357,7 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
     if (!options) options = &defaults;
     mukca_dataset_builder b = {.data = data,
                                .chain = chain,
+                               .format = options->format,
                                .note = options->note,
                                .context = options->context,
                                .error = error,
@@ -286,7 +371,7 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
     }
     if (status == MUKCA_OK && !options->partial)
         status = mukca_dataset_drop_copies(data, NULL, options->note, options->context, error);
-    if (status == MUKCA_OK && !options->partial) status = check_counts(&b);
+    if (status == MUKCA_OK && !options->partial) status = drop_unfinished(&b);
     if (status == MUKCA_OK)
         status = options->distances
                      ? mukca_distances_read(&b, options->distances)

@@ -16,6 +16,7 @@ enum { POSE = 7, MOST_PAIRS = 1 << 26 };
 typedef struct {
     double (*poses)[POSE];
     int n, capacity;
+    double length; /* m per unit of the positions */
 } list;
 
 static mukca_status read_row(void *context, const mukca_table *t, const int *column,
@@ -35,6 +36,7 @@ static mukca_status read_row(void *context, const mukca_table *t, const int *col
     double *pose = l->poses[l->n++];
     for (int i = 0; i < POSE; i++) {
         mukca_status status = mukca_table_number(&pose[i], t, i, error);
+        if (i < 3) pose[i] *= l->length;
         if (status == MUKCA_OK && i < 3) status = mukca_rows_check_length(t, i, pose[i], error);
         if (status != MUKCA_OK) return status;
     }
@@ -142,7 +144,7 @@ static void note_difference(const mukca_dataset_builder *b, const char *path, in
 
 mukca_status mukca_pose_file_read(mukca_dataset_builder *b, const char *path, int first, int n)
 {
-    list l = {0};
+    list l = {.length = b->format.length > 0 ? b->format.length : 1};
     mukca_pool pool = {0};
     mukca_geometry geometry;
     mukca_status status = mukca_table_read(path, NULL, 0, read_row, &l, b->error);

@@ -6,13 +6,15 @@
 
 static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
 {
-    const mukca_rows_options options = {
-        .kind = MUKCA_HEADER, .note = s->noted ? NULL : s->note, .context = s->context};
+    const mukca_rows_options options = {.kind = MUKCA_HEADER,
+                                        .format = s->format,
+                                        .note = s->noted ? NULL : s->note,
+                                        .context = s->context};
     const mukca_status status =
         mukca_rows_open(&s->rows, s->paths[s->at], s->chain, &options, error);
     if (status != MUKCA_OK) return status;
     s->open = true;
-    if (s->rows.column.position[0] >= 0) return MUKCA_OK;
+    if (s->rows.column.n_measured > 0) return MUKCA_OK;
     return mukca_table_fail(error, &s->rows.table, -1,
                             "no columns x_m, y_m, z_m; a pose log needs measured positions");
 }

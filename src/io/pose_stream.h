@@ -10,6 +10,7 @@ typedef struct {
     const char *const *paths; /* TSV or CSV with header */
     int n_paths;
     const mukca_chain *chain;
+    mukca_rows_format format;
     mukca_note_fn *note; /* of the first reading only; may be NULL */
     void *context;
     /* internal */

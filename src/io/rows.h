@@ -8,18 +8,40 @@
 #include "io/table.h"
 #include "mukca/row_state.h"
 
+/* How tables that others made are written; zeroed: as mukca writes them. */
 typedef struct {
-    mukca_table_kind kind; /* a table without header has one column per joint and no other */
-    mukca_note_fn *note;   /* may be NULL */
+    double angle, length; /* rad and m of the file's units; 0: 1 */
+    bool units;           /* they were given: columns x, y, z are positions */
+    /* A table without header may hold poses: the joints in the chain's order, then x y z, then
+     * nothing, qw qx qy qz, or instead of all of them the 16 numbers of a matrix. */
+    bool by_order;
+    bool
+        inverse; /* poses of the measuring frame in the target's, as a camera on the arm has them */
+} mukca_rows_format;
+
+typedef struct {
+    mukca_table_kind kind;
+    mukca_rows_format format;
+    mukca_note_fn *note; /* may be NULL */
     void *context;
 } mukca_rows_options;
 
+enum { MUKCA_ROWS_TARGETS = 16 }; /* measured in one line of a table */
+
+/* Columns of one measured target, -1 where absent; a matrix replaces the others. */
+typedef struct {
+    char target[MUKCA_NAME_SIZE];               /* L of columns x_m.L; "" of x_m */
+    double length;                              /* m per unit of the positions */
+    int position[3], quaternion[4], matrix[16]; /* each all or none; w first; row by row */
+} mukca_measured_columns;
+
 /* Indices into the table's cells, -1 where a column is absent. */
 typedef struct {
-    int placement, socket, time, temperature, payload;
+    int placement, socket, target, time, temperature, payload;
     int joint[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
         velocity[MUKCA_MAX_JOINTS];
-    int position[3], quaternion[4]; /* all or none; w first */
+    int n_measured;
+    mukca_measured_columns measured[MUKCA_ROWS_TARGETS];
 } mukca_columns;
 
 typedef struct {
@@ -30,11 +52,12 @@ typedef struct {
     bool has_command;              /* for one joint at least */
     bool by_command;               /* no angles but the commanded ones */
     bool warned[MUKCA_MAX_JOINTS]; /* beyond its limits */
+    int measured;                  /* targets of the current line that have been returned */
 } mukca_rows;
 
 /* One row; what the file lacks is NaN, texts are NULL.  Texts are valid until the next row. */
 typedef struct {
-    const char *placement, *socket;
+    const char *placement, *socket, *target;
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
         velocity[MUKCA_MAX_JOINTS];    /* rad or m, N m, rad, rad/s */
     double time, temperature, payload; /* s, degrees Celsius, kg */
@@ -47,13 +70,17 @@ mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_cha
                              const mukca_rows_options *options, mukca_error *error);
 
 /* Read and check one row: numbers, angles that look like degrees, positions that look like
- * millimetres, quaternions that are not normalised.  *more is false at the end. */
+ * millimetres, quaternions that are not normalised.  A line that measures several targets gives a
+ * row of each.  *more is false at the end. */
 mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca_error *error);
 
 /* The row for the accumulator of row states; its placement is unknown.  It points into `row`. */
 mukca_row_reading mukca_row_read(const mukca_row *row, const mukca_rows *rows);
 
 void mukca_rows_close(mukca_rows *rows); /* harmless on a zeroed one */
+
+/* Find the columns by the header, or by their order (part of mukca_rows_open). */
+mukca_status mukca_rows_map(mukca_rows *rows, mukca_error *error);
 
 /* Refuse a measured length that looks like millimetres. */
 mukca_status mukca_rows_check_length(const mukca_table *table, int column, double metres,

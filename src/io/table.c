@@ -74,14 +74,35 @@ static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
     }
 }
 
+/* Semicolons part the cells where no tab does and each cell has at most one comma: a decimal one.
+ */
+static bool has_semicolons(const char *line)
+{
+    if (!strchr(line, ';') || strchr(line, '\t')) return false;
+    for (int commas = 0; *line; line++) {
+        commas = *line == ';' ? 0 : commas + (*line == ',');
+        if (commas > 1) return false;
+    }
+    return true;
+}
+
+/* A number, with a decimal comma where semicolons part the cells. */
+static bool parse_number(double *value, const mukca_table *t, const char *cell)
+{
+    char copy[64];
+    const size_t comma = strcspn(cell, ",");
+    if (t->delimiter != ';' || !cell[comma] || strlen(cell) >= sizeof copy)
+        return mukca_number_parse(value, cell);
+    memcpy(copy, cell, strlen(cell) + 1);
+    copy[comma] = '.';
+    return mukca_number_parse(value, copy);
+}
+
 /* The first content line decides on delimiter and width. */
 static mukca_status set_shape(mukca_table *t, mukca_error *error)
 {
     const char *line = t->buffer;
-    t->delimiter = mukca_cells_delimiter(line);
-    if (t->delimiter == ',' && !strchr(line, ',') && strchr(line, ';'))
-        return mukca_table_fail(
-            error, t, -1, "columns are separated by ';'; use tabs or commas, and decimal points");
+    t->delimiter = has_semicolons(line) ? ';' : mukca_cells_delimiter(line);
     t->n_columns = mukca_cells_count(line, t->delimiter);
     if (*line == '<') return mukca_table_fail(error, t, -1, "is XML or HTML; expected a table");
     if (t->n_columns == 1 && line[strcspn(line, " ")])
@@ -111,7 +132,7 @@ static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_err
     int numbers = 0;
     for (int i = 0; i < t->n_columns; i++) {
         double value;
-        numbers += mukca_number_parse(&value, t->header[i]);
+        numbers += parse_number(&value, t, t->header[i]);
     }
     for (int i = 0; i < t->n_columns && numbers < t->n_columns; i++)
         for (int k = 0; k < i && t->header[i][0]; k++)
@@ -193,7 +214,8 @@ mukca_status mukca_table_require(int *column, const mukca_table *t, const char *
 mukca_status mukca_table_number(double *value, const mukca_table *t, int column, mukca_error *error)
 {
     char fault[MUKCA_CELL_FAULT];
-    if (mukca_cell_number(value, t->cell[column], fault)) return MUKCA_OK;
+    if (parse_number(value, t, t->cell[column]) || mukca_cell_number(value, t->cell[column], fault))
+        return MUKCA_OK;
     return mukca_table_fail(error, t, column, "%s%s", fault,
                             t->header || t->row > 1 ? "" : "; this file has no header line");
 }

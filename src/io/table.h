@@ -1,7 +1,8 @@
 /* Tables of text: TSV or CSV, `#` comments, with a header or without; read row by row.
  *
- * Cells are trimmed and freed of surrounding double quotes; blank lines and a byte-order mark are
- * skipped; lines may end in CR LF.  All errors are MUKCA_INPUT and name file, line and column.
+ * Cells may be separated by semicolons; their numbers may then have decimal commas.  Cells are
+ * trimmed and freed of surrounding double quotes; blank lines and a byte-order mark are skipped;
+ * lines may end in CR LF.  All errors are MUKCA_INPUT and name file, line and column.
  */
 #ifndef MUKCA_IO_TABLE_H
 #define MUKCA_IO_TABLE_H

@@ -151,8 +151,8 @@ printf '0,0\n0,0\n' >bad/hole_1.csv
 refuse 3 'bad/hole_1.csv:1: 2 columns, but the chain has 3 joints' calibrate $a bad
 printf '0,0,0\n10,90,45\n' >bad/hole_1.csv
 refuse 3 "bad/hole_1.csv:2: column 2: joint 'j2' is 90, more than two turns" calibrate $a bad
-printf '0;0;0\n0;0;0\n' >bad/hole_1.csv
-refuse 3 "bad/hole_1.csv:1: columns are separated by ';'" calibrate $a bad
+printf '0;0;0\n0;0;0,0,0\n' >bad/hole_1.csv
+refuse 3 "bad/hole_1.csv:2: column 3: '0,0,0' has a decimal comma" calibrate $a bad
 
 rows 1 4 | tee bad/hole_0.csv bad/hole_1.csv >bad/hole_3.csv
 refuse 3 'bad: no hole_2.csv; .* and so on' calibrate $a bad

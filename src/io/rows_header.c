@@ -1,0 +1,216 @@
+/* Recorded rows: which column is what. */
+#include <math.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/note.h"
+#include "base/number.h"
+#include "base/suggest.h"
+#include "io/rows.h"
+
+static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca_error *error)
+{
+    const mukca_table *t = &rows->table;
+    const char *meant = NULL;
+    int best = 99;
+    for (int c = 0; c < t->n_columns; c++) {
+        double value;
+        if (mukca_number_parse(&value, t->header[c]))
+            return mukca_table_fail(
+                error, t, -1, "no column for joint '%s'; the first line must be a header of names",
+                joint);
+        if (mukca_chain_find_joint(rows->chain, t->header[c]) < 0 &&
+            mukca_suggest_better(&best, joint, t->header[c]))
+            meant = t->header[c];
+    }
+    if (meant)
+        return mukca_table_fail(error, t, -1,
+                                "no column for joint '%s' of the chain; did you mean '%.40s'?",
+                                joint, meant);
+    return mukca_table_fail(error, t, -1,
+                            "no column for joint '%s' of the chain; check --urdf and --tip", joint);
+}
+
+/* Columns of the header that are read; the others get a note. */
+typedef struct {
+    mukca_rows *rows;
+    bool known[MUKCA_TABLE_COLUMNS];
+} header;
+
+/* Column `prefix``suffix`, -1 where absent. */
+static int find(header *h, const char *prefix, const char *suffix)
+{
+    char name[2 * MUKCA_NAME_SIZE];
+    snprintf(name, sizeof name, "%s%s", prefix, suffix);
+    const int column = mukca_table_find(&h->rows->table, name);
+    if (column >= 0) h->known[column] = true;
+    return column;
+}
+
+/* Columns that belong together; `suffix` ends the name of each. */
+typedef struct {
+    int n;
+    const char *const *names;
+    const char *suffix;
+} group;
+
+/* All columns of a group or none. */
+static mukca_status find_group(int *columns, const group *g, header *h, mukca_error *error)
+{
+    const char *const *names = g->names;
+    const int n = g->n;
+    int found = 0;
+    const char *absent = NULL;
+    for (int i = 0; i < n; i++) {
+        columns[i] = find(h, names[i], g->suffix);
+        found += columns[i] >= 0;
+        if (columns[i] < 0) absent = names[i];
+    }
+    if (found == 0 || found == n) return MUKCA_OK;
+    return mukca_table_fail(error, &h->rows->table, -1,
+                            "no column '%s%s'; %s to %s belong together", absent, g->suffix,
+                            names[0], names[n - 1]);
+}
+
+static void note_unknown_columns(const header *h)
+{
+    const mukca_table *t = &h->rows->table;
+    const mukca_rows_options *o = &h->rows->options;
+    char list[120] = "";
+    int unknown = 0;
+    for (int c = 0; c < t->n_columns; c++) {
+        const char *dot = strrchr(t->header[c], '.');
+        const size_t used = strlen(list);
+        if (h->known[c] || (dot && strcmp(dot, ".spread") == 0)) continue; /* from mukca capture */
+        if (used + strlen(t->header[c]) + 8 < sizeof list)
+            snprintf(list + used, sizeof list - used, "%s%s", unknown ? ", " : "", t->header[c]);
+        else if (used < 3 || strcmp(list + used - 3, "...") != 0)
+            snprintf(list + used, sizeof list - used, ", ...");
+        unknown++;
+    }
+    if (unknown)
+        mukca_note_format(o->note, o->context, "%s: %d unknown column%s ignored: %s",
+                          mukca_file_shown(t->path), unknown, unknown > 1 ? "s" : "", list);
+}
+
+/* The ways to write a measured pose; `length`: m per unit, 0: by --units. */
+static const struct {
+    const char *names[16];
+    int n;
+    double length;
+} forms[] = {{{"x_m", "y_m", "z_m"}, 3, 0},
+             {{"x_mm", "y_mm", "z_mm"}, 3, 1e-3},
+             {{"x", "y", "z"}, 3, 0},
+             {{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23",
+               "m30", "m31", "m32", "m33"},
+              16,
+              0}};
+enum { FORMS = sizeof forms / sizeof *forms, PLAIN = 2 };
+
+/* Columns of the target whose first one is `column`, if it is of that form. */
+static mukca_status find_measured(header *h, int column, int form, mukca_error *error)
+{
+    static const char *const quaternion[] = {"qw", "qx", "qy", "qz"};
+    mukca_rows *rows = h->rows;
+    mukca_columns *c = &rows->column;
+    const char *name = rows->table.header[column], *first = forms[form].names[0];
+    const char *suffix = name + strlen(first);
+    if (strncmp(name, first, strlen(first)) != 0 || (*suffix && *suffix != '.') ||
+        h->known[column] || strlen(suffix) > sizeof c->measured->target)
+        return MUKCA_OK;
+    if (c->n_measured == MUKCA_ROWS_TARGETS)
+        return mukca_table_fail(error, &rows->table, column, "more than %d targets in a line",
+                                (int)MUKCA_ROWS_TARGETS);
+    mukca_measured_columns *m = &c->measured[c->n_measured++];
+    memset(m, -1, sizeof *m);
+    snprintf(m->target, sizeof m->target, "%s", *suffix ? suffix + 1 : "");
+    m->length = forms[form].length > 0 ? forms[form].length : rows->options.format.length;
+    const bool matrix = forms[form].n == 16;
+    mukca_status status = find_group(matrix ? m->matrix : m->position,
+                                     &(group){forms[form].n, forms[form].names, suffix}, h, error);
+    if (status == MUKCA_OK && !matrix)
+        status = find_group(m->quaternion, &(group){4, quaternion, suffix}, h, error);
+    return status;
+}
+
+static mukca_status map_header(mukca_rows *rows, mukca_error *error)
+{
+    const mukca_rows_format *format = &rows->options.format;
+    mukca_columns *c = &rows->column;
+    header h = {.rows = rows};
+    c->placement = find(&h, "placement", "");
+    c->socket = find(&h, "socket", "");
+    c->target = find(&h, "target", "");
+    c->time = find(&h, "time_s", "");
+    c->temperature = find(&h, "temperature_c", "");
+    c->payload = find(&h, "payload_kg", "");
+    for (int j = 0; j < rows->chain->n_joints; j++) {
+        const char *name = mukca_chain_joint_name(rows->chain, j);
+        c->joint[j] = find(&h, name, "");
+        c->effort[j] = find(&h, name, ".effort");
+        c->command[j] = find(&h, name, ".command");
+        if (j == 0) rows->by_command = c->joint[0] < 0 && c->command[0] >= 0;
+        if (rows->by_command) c->joint[j] = c->command[j];
+        if (c->joint[j] < 0) return fail_header(rows, name, error);
+        c->velocity[j] = find(&h, name, ".velocity");
+        rows->has_command |= c->command[j] >= 0;
+    }
+    for (int form = 0; form < FORMS; form++)
+        for (int column = 0; column < rows->table.n_columns; column++) {
+            if (form == PLAIN && !format->units) continue; /* x, y, z of what unit? */
+            const mukca_status status = find_measured(&h, column, form, error);
+            if (status != MUKCA_OK) return status;
+        }
+    if (c->socket >= 0 && c->n_measured > 1)
+        c->n_measured = 1; /* a sample of a socket is one row */
+    note_unknown_columns(&h);
+    /* angles that a driver corrected before it published them (mukca capture --stream corrected) */
+    if (strstr(rows->table.comments, "# stream: corrected\n"))
+        mukca_note_format(rows->options.note, rows->options.context,
+                          "%s: the driver has corrected these angles already; offsets found here "
+                          "add to its own",
+                          mukca_file_shown(rows->table.path));
+    return MUKCA_OK;
+}
+
+/* A table without header: the joints, then the pose, in the order that its width says. */
+static mukca_status map_order(mukca_rows *rows, mukca_error *error)
+{
+    const mukca_table *t = &rows->table;
+    const mukca_rows_options *o = &rows->options;
+    mukca_columns *c = &rows->column;
+    const int n = rows->chain->n_joints, more = t->n_columns - n;
+    const bool poses = more == 3 || more == 7 || more == 16;
+    for (int j = 0; j < n; j++) c->joint[j] = j;
+    if (o->kind == MUKCA_HEADER && poses && !o->format.by_order)
+        return mukca_table_fail(
+            error, t, -1,
+            "has no header; %d columns may be %d joints and %s: name them in the first line, or "
+            "confirm that order with --map order",
+            t->n_columns, n,
+            more == 3   ? "x y z"
+            : more == 7 ? "x y z qw qx qy qz"
+                        : "a 4x4 matrix row by row");
+    if (o->kind == MUKCA_HEADER && !poses)
+        return mukca_table_fail(error, t, -1,
+                                "starts with numbers; the first line must name the columns");
+    if (more != 0 && !(poses && o->format.by_order))
+        return mukca_table_fail(error, t, -1,
+                                "%d columns, but the chain has %d joints; check --urdf and --tip",
+                                t->n_columns, n);
+    if (more == 0) return MUKCA_OK;
+    mukca_measured_columns *m = &c->measured[c->n_measured++];
+    m->target[0] = '\0';
+    m->length = o->format.length;
+    for (int i = 0; i < more; i++)
+        *(more == 16 ? &m->matrix[i] : i < 3 ? &m->position[i] : &m->quaternion[i - 3]) = n + i;
+    return MUKCA_OK;
+}
+
+mukca_status mukca_rows_map(mukca_rows *rows, mukca_error *error)
+{
+    memset(&rows->column, -1, sizeof rows->column);
+    rows->column.n_measured = 0;
+    if (rows->table.header) return map_header(rows, error);
+    return rows->table.n_columns ? map_order(rows, error) : MUKCA_OK; /* at the first row */
+}
