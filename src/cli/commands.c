@@ -10,6 +10,7 @@
     X(serve)                \
     X(send)                 \
     X(simulate)             \
+    X(urdf)                 \
     X(plan)                 \
     X(calibrate)            \
     X(recalibrate)          \

@@ -92,7 +92,7 @@ static mukca_status run(cli_call *call)
 const cli_command cli_command_export = {
     .name = "export",
     .group = CLI_USE,
-    .summary = "the calibrated model as URDF, YAML, C header or MuJoCo model",
+    .summary = "the calibrated model in the formats of others",
     .synopsis = "",
     .description =
         "Writes the model that --urdf and --offsets describe. A URDF is patched in place: the "

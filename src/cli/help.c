@@ -137,15 +137,11 @@ void cli_print_overview(FILE *stream)
 
 void cli_print_start(FILE *stream)
 {
-    fputs(
-        "mukca calibrates robot arms. It needs the arm's URDF and joint angles recorded\n"
-        "while a ball on the arm sits in one of two sockets.\n\n",
-        stream);
+    fputs("mukca calibrates robot arms from joint angles with a ball in sockets, or poses.\n\n",
+          stream);
     print_commands(stream, "");
-    fputs(
-        "\nStart with `mukca help calibrate`; `mukca help` shows all. `make demo` in the\n"
-        "source folder plays the whole way on the data that come with it.\n",
-        stream);
+    fputs("\nStart with `mukca help calibrate`; `mukca help` and `make demo` show more.\n",
+          stream);
 }
 
 void cli_print_effects(FILE *stream)

@@ -12,7 +12,9 @@
     X(urdf, ".urdf", "the URDF with calibrated origins, otherwise unchanged")  \
     X(yaml, ".yaml .yml", "origins of all joints, and causes")                 \
     X(c, ".h", "C arrays of origins and axes, causes, an arm for libmukca_rt") \
-    X(mjcf, ".mjcf", "a MuJoCo model with springs and stops for causes")
+    X(mjcf, ".mjcf", "a MuJoCo model with springs and stops for causes")       \
+    X(dh, ".dh", "a Denavit-Hartenberg table, standard")                       \
+    X(mdh, ".mdh", "a Denavit-Hartenberg table, modified (Craig)")
 
 typedef struct {
     const char *urdf_path;    /* what the chain was loaded from */

@@ -1,0 +1,95 @@
+/* mukca urdf: a URDF from a Denavit-Hartenberg table. */
+#include <string.h>
+
+#include "base/file.h"
+#include "cli/cli.h"
+#include "io/dh_table.h"
+#include "io/output.h"
+#include "io/urdf_write.h"
+
+typedef struct {
+    cli_common common;
+    const char *dh;
+    int convention; /* -1: not given */
+} urdf_options;
+
+static const cli_option options[] = {
+    CLI_OPTION(urdf_options, dh, "dh", CLI_TEXT, "FILE",
+               "the table: joint, a, alpha, d, theta, one row per joint, m and rad"),
+    CLI_CHOICE_OPTION(urdf_options, convention, "convention", "NAME", mukca_dh_convention_name,
+                      "what the rows mean (default: as the table says, else standard)"),
+    CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+static const urdf_options defaults = {.convention = -1};
+
+/* The robot's name: that of the file, without folder and ending. */
+static void name_robot(mukca_chain *chain, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    snprintf(chain->robot, sizeof chain->robot, "%.40s", slash ? slash + 1 : path);
+    char *dot = strchr(chain->robot, '.');
+    if (dot && dot > chain->robot) *dot = '\0';
+    if (strcmp(path, "-") == 0) snprintf(chain->robot, sizeof chain->robot, "arm");
+}
+
+static mukca_status load(cli_call *call, mukca_chain *chain)
+{
+    const urdf_options *o = call->options;
+    mukca_dh dh;
+    bool stated = false;
+    mukca_status status = mukca_dh_read(&dh, &stated, o->dh, &call->error);
+    if (status != MUKCA_OK) return status;
+    if (stated && o->convention >= 0 && o->convention != (int)dh.convention)
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "%s says that it is a %s table; leave out --convention",
+                          mukca_file_shown(o->dh), mukca_dh_convention_name[dh.convention]);
+    if (o->convention >= 0) dh.convention = (mukca_dh_convention)o->convention;
+    if (!stated && o->convention < 0)
+        cli_note(call,
+                 "the table is taken for a standard one; --convention modified reads it otherwise");
+    mukca_dh_to_chain(chain, &dh);
+    name_robot(chain, o->dh);
+    return MUKCA_OK;
+}
+
+static mukca_status run(cli_call *call)
+{
+    const urdf_options *o = call->options;
+    mukca_chain *chain = &call->session->model.chain;
+    mukca_output output = {0};
+    if (!o->dh)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--dh FILE is needed: the table to convert");
+    if (mukca_output_same(o->dh, call->common->output))
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "%.120s is an input of this command; refusing to overwrite it", o->dh);
+    mukca_status status = load(call, chain);
+    if (status == MUKCA_OK) status = cli_output_open(call, &output);
+    if (status == MUKCA_OK) mukca_urdf_write(output.stream, chain);
+    return mukca_output_finish(&output, status, &call->error);
+}
+
+const cli_command cli_command_urdf = {
+    .name = "urdf",
+    .group = CLI_MEASURE,
+    .summary = "a URDF from a Denavit-Hartenberg table",
+    .synopsis = "",
+    .description =
+        "Writes the URDF of an arm of which only a Denavit-Hartenberg table is known. The table "
+        "(TSV or CSV) has the columns joint, a, alpha, d and theta, in m and rad, and may have "
+        "type (revolute, continuous, prismatic, fixed; default: revolute), lower and upper. Joints "
+        "without limits turn without end. Row by row, the pose of the tip is the product of\n"
+        "  standard  Rz(theta + q) Tz(d) Tx(a) Rx(alpha)\n"
+        "  modified  Rx(alpha) Tx(a) Rz(theta + q) Tz(d)\n\n"
+        "A fixed row before the first joint places the base, one behind the last joint the tool. "
+        "mukca export -f dh and -f mdh write such tables; this command reads them back.",
+    .example =
+        "mukca export --urdf data/demo/arm.urdf -f dh -o build/demo/arm.dh\n"
+        "mukca urdf --dh build/demo/arm.dh",
+    .options = options,
+    .options_size = sizeof(urdf_options),
+    .defaults = &defaults,
+    .run = run,
+};

@@ -1,0 +1,132 @@
+/* Denavit-Hartenberg tables as files. */
+#include "io/dh_table.h"
+
+#include <string.h>
+
+#include "base/file.h"
+#include "base/number.h"
+#include "io/table.h"
+
+enum { JOINT, A, ALPHA, D, THETA, TYPE, LOWER, UPPER, COLUMNS };
+
+/* What a column may be called; the first four numbers are needed. */
+static const char *const names[COLUMNS][2] = {
+    {"joint", NULL},        {"a", "a_m"},   {"alpha", "alpha_rad"}, {"d", "d_m"},
+    {"theta", "theta_rad"}, {"type", NULL}, {"lower", NULL},        {"upper", NULL}};
+
+/* rad; a turn and a half.  A table in degrees has larger angles. */
+static const double largest_angle = 9.5;
+
+static mukca_status read_header(int column[COLUMNS], const mukca_table *table, mukca_error *error)
+{
+    for (int c = 0; c < table->n_columns; c++) {
+        bool known = false;
+        for (int i = 0; i < COLUMNS; i++)
+            for (int n = 0; n < 2 && names[i][n]; n++)
+                known = known || strcmp(table->header[c], names[i][n]) == 0;
+        if (!known)
+            return mukca_table_fail(error, table, c,
+                                    "unknown column; a table has joint, a, alpha, d, theta, and "
+                                    "may have type, lower and upper, in m and rad");
+    }
+    for (int i = 0; i < COLUMNS; i++) {
+        column[i] = mukca_table_find(table, names[i][0]);
+        if (column[i] < 0 && names[i][1]) column[i] = mukca_table_find(table, names[i][1]);
+        if (column[i] < 0 && i <= THETA)
+            return mukca_table_fail(error, table, -1, "the header has no column '%s'", names[i][0]);
+    }
+    return MUKCA_OK;
+}
+
+/* A number; an empty cell of an optional column leaves *value. */
+static mukca_status read_number(double *value, const mukca_table *table, int column, double most,
+                                mukca_error *error)
+{
+    const mukca_status status = mukca_table_number(value, table, column, error);
+    if (status != MUKCA_OK || fabs(*value) <= most) return status;
+    return mukca_table_fail(error, table, column,
+                            "%g is out of range; lengths are in m, angles in rad", *value);
+}
+
+static mukca_status read_name(mukca_dh_row *row, const mukca_dh *dh, const mukca_table *table,
+                              int column, mukca_error *error)
+{
+    const char *name = table->cell[column];
+    if (!*name || strlen(name) >= MUKCA_NAME_SIZE)
+        return mukca_table_fail(error, table, column, "the name of a joint has 1 to 63 characters");
+    for (int k = 0; k < dh->n_rows; k++)
+        if (strcmp(dh->row[k].name, name) == 0)
+            return mukca_table_fail(error, table, column, "joint '%s' has a row already", name);
+    memcpy(row->name, name, strlen(name) + 1);
+    return MUKCA_OK;
+}
+
+static mukca_status read_type(mukca_dh_row *row, const mukca_table *table, int column,
+                              mukca_error *error)
+{
+    if (column < 0 || !table->cell[column][0]) return MUKCA_OK;
+    for (int type = MUKCA_FIXED; type <= MUKCA_PRISMATIC; type++)
+        if (strcmp(table->cell[column], mukca_joint_type_name[type]) == 0) {
+            row->type = (mukca_joint_type)type;
+            return MUKCA_OK;
+        }
+    return mukca_table_fail(error, table, column,
+                            "unknown type; give revolute, continuous, prismatic or fixed");
+}
+
+static mukca_status read_row(mukca_dh_row *row, const mukca_dh *dh, const mukca_table *table,
+                             const int column[COLUMNS], mukca_error *error)
+{
+    double *const number[COLUMNS] = {
+        [A] = &row->a,         [ALPHA] = &row->alpha, [D] = &row->d,
+        [THETA] = &row->theta, [LOWER] = &row->lower, [UPPER] = &row->upper};
+    *row = (mukca_dh_row){.type = MUKCA_REVOLUTE, .lower = -HUGE_VAL, .upper = HUGE_VAL};
+    mukca_status status = read_name(row, dh, table, column[JOINT], error);
+    if (status == MUKCA_OK) status = read_type(row, table, column[TYPE], error);
+    for (int i = 0; i < COLUMNS && status == MUKCA_OK; i++) {
+        const double most = i == ALPHA || i == THETA ? largest_angle : MUKCA_NUMBER_LARGEST;
+        const bool given = number[i] && column[i] >= 0 && (i <= THETA || table->cell[column[i]][0]);
+        if (given) status = read_number(number[i], table, column[i], most, error);
+    }
+    if (status != MUKCA_OK || row->lower < row->upper) return status;
+    return mukca_table_fail(error, table, column[UPPER], "is not above the lower limit");
+}
+
+static bool read_convention(mukca_dh *dh, const mukca_table *table)
+{
+    const char *line = strstr(table->comments, "# convention: ");
+    if (!line) return false;
+    line += strlen("# convention: ");
+    dh->convention = strncmp(line, "modified", 8) == 0 ? MUKCA_DH_MODIFIED : MUKCA_DH_STANDARD;
+    return true;
+}
+
+mukca_status mukca_dh_read(mukca_dh *dh, bool *stated, const char *path, mukca_error *error)
+{
+    mukca_table table;
+    int column[COLUMNS], moving = 0;
+    *dh = (mukca_dh){0};
+    mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, error);
+    if (status == MUKCA_OK) status = read_header(column, &table, error);
+    if (status == MUKCA_OK) *stated = read_convention(dh, &table);
+    for (bool more = true; status == MUKCA_OK;) {
+        const int most = sizeof dh->row / sizeof *dh->row;
+        status = mukca_table_next(&table, &more, error);
+        if (status != MUKCA_OK || !more) break;
+        mukca_dh_row *row = &dh->row[dh->n_rows];
+        if (dh->n_rows == most)
+            status = mukca_table_fail(error, &table, -1, "more than %d rows", most);
+        else
+            status = read_row(row, dh, &table, column, error);
+        if (status != MUKCA_OK) break;
+        moving += row->type != MUKCA_FIXED;
+        dh->n_rows++;
+        if (moving > MUKCA_MAX_JOINTS)
+            status = mukca_table_fail(error, &table, -1, "more than %d joints that move",
+                                      MUKCA_MAX_JOINTS);
+    }
+    if (status == MUKCA_OK && moving == 0)
+        status = mukca_fail(error, MUKCA_INPUT, "%s: no joint moves", mukca_file_shown(path));
+    mukca_table_close(&table);
+    return status;
+}

@@ -1,0 +1,208 @@
+/* Denavit-Hartenberg tables: from a chain, and a chain from one. */
+#include "model/dh.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "math/random.h"
+
+const char *const mukca_dh_convention_name[] = {"standard", "modified", NULL};
+
+static const double pi = 3.14159265358979323846;
+
+/* Sine of the angle below which two axes count as parallel.  Taking them for parallel costs sine
+ * times a metre; keeping the common normal costs the rounding of d = metre / sine, 1e-16 / sine:
+ * equal at 1e-8. */
+static const double parallel = 1e-8;
+
+/* Smaller lengths and angles (m, rad) are rounding; the rows that follow take them up. */
+static const double smallest = 1e-12;
+
+static double clean(double x)
+{
+    return fabs(x) < smallest ? 0 : x;
+}
+
+/* Rz(theta) Tz(d) Tx(a) Rx(alpha) */
+static mukca_frame row_frame(const mukca_dh_row *r)
+{
+    const double c = cos(r->theta), s = sin(r->theta), ca = cos(r->alpha), sa = sin(r->alpha);
+    return (mukca_frame){.R = {c, -s * ca, s * sa, s, c * ca, -c * sa, 0, sa, ca},
+                         .p = {r->a * c, r->a * s, r->d}};
+}
+
+/* The row from the frame F, whose z axis is one line, to the line through p along z, base frame.
+ * For the last line, `tip` is the frame on it that is wanted; else NULL. */
+static void find_row(mukca_dh_row *r, const mukca_frame *F, const mukca_frame *line,
+                     const mukca_frame *tip)
+{
+    const double shift[3] = {line->p[0] - F->p[0], line->p[1] - F->p[1], line->p[2] - F->p[2]};
+    const double axis[3] = {line->R[2], line->R[5], line->R[8]};
+    double w[3], z[3];
+    mukca_mat3_tvec(w, F->R, shift);
+    mukca_mat3_tvec(z, F->R, axis);
+    const double sine = hypot(z[0], z[1]);
+    r->d = tip ? clean(w[2]) : 0;
+    if (sine >= parallel) {
+        r->theta = atan2(z[0], -z[1]);
+        r->d = clean(w[2] - z[2] * (w[0] * z[0] + w[1] * z[1]) / (sine * sine));
+    } else if (hypot(w[0], w[1]) >= smallest) {
+        r->theta = atan2(w[1], w[0]);
+    } else if (tip) {
+        double turn[9];
+        mukca_mat3_tmul(turn, F->R, tip->R);
+        r->theta = atan2(turn[3], turn[0]);
+    } else {
+        r->theta = 0;
+    }
+    /* x may point either way along the normal: the smaller turn */
+    if (fabs(r->theta) > pi / 2 + parallel && (sine >= parallel || !tip))
+        r->theta -= copysign(pi, r->theta);
+    r->theta = clean(r->theta);
+    const double c = cos(r->theta), s = sin(r->theta);
+    r->a = clean(c * w[0] + s * w[1]);
+    r->alpha = clean(atan2(s * z[0] - c * z[1], z[2]));
+}
+
+/* A frame whose z axis is that of joint j at q = 0; past the last joint: the tip. */
+static mukca_frame joint_line(const mukca_chain *chain, const mukca_geometry *g, int j,
+                              const mukca_frame *before, const mukca_frame *tip)
+{
+    if (j == chain->n_joints) return *tip;
+    const int k = chain->joint_element[j];
+    mukca_frame line = before[k];
+    double z[3];
+    mukca_mat3_vec(z, before[k].R, g->axis[k]);
+    for (int i = 0; i < 3; i++) line.R[3 * i + 2] = z[i];
+    return line;
+}
+
+static bool is_zero(const mukca_dh_row *r)
+{
+    return r->a == 0 && r->alpha == 0 && r->d == 0 && r->theta == 0;
+}
+
+/* A name for a fixed row that no joint has. */
+static void name_row(char name[MUKCA_NAME_SIZE], const mukca_chain *chain, const char *wanted)
+{
+    snprintf(name, MUKCA_NAME_SIZE, "%s", wanted);
+    while (mukca_chain_find_joint(chain, name) >= 0) {
+        const size_t n = strlen(name);
+        if (n + 1 < MUKCA_NAME_SIZE) memcpy(name + n, "_", 2);
+    }
+}
+
+/* Standard rows become modified ones: what lies behind the turn of a row moves to the next. */
+static void shift_rows(mukca_dh_row *row, int n)
+{
+    for (int k = n - 1; k >= 0; k--) {
+        row[k].a = k ? row[k - 1].a : 0;
+        row[k].alpha = k ? row[k - 1].alpha : 0;
+    }
+}
+
+void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *theta,
+                         mukca_dh_convention convention)
+{
+    const double q[MUKCA_MAX_JOINTS] = {0};
+    const int n = chain->n_joints;
+    mukca_geometry geometry;
+    mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
+    mukca_frame F = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    mukca_dh_row row[MUKCA_MAX_JOINTS + 2];
+    mukca_geometry_set(&geometry, chain, theta);
+    mukca_fk_frames(before, &tip, &geometry, q, NULL);
+    for (int k = 0; k < n + 2; k++) {
+        mukca_dh_row *r = &row[k];
+        const int j = k - 1;
+        const mukca_frame line = joint_line(chain, &geometry, k < n ? k : n, before, &tip);
+        *r = (mukca_dh_row){.type = MUKCA_FIXED, .lower = -HUGE_VAL, .upper = HUGE_VAL};
+        find_row(r, &F, &line, k >= n ? &tip : NULL);
+        const mukca_frame step = row_frame(r);
+        mukca_frame_multiply(&F, &F, &step);
+        if (j < 0 || j == n) {
+            name_row(r->name, chain, j < 0 ? "base" : "tip");
+            continue;
+        }
+        const mukca_element *e = &chain->element[chain->joint_element[j]];
+        memcpy(r->name, e->name, sizeof r->name);
+        r->type = e->type;
+        r->lower = e->lower;
+        r->upper = e->upper;
+    }
+    if (convention == MUKCA_DH_MODIFIED) shift_rows(row, n + 2);
+    *dh = (mukca_dh){.convention = convention};
+    for (int k = 0; k < n + 2; k++)
+        if (row[k].type != MUKCA_FIXED || !is_zero(&row[k])) dh->row[dh->n_rows++] = row[k];
+}
+
+/* An element whose origin is Tz(d) Tx(a) Rx(alpha) Rz(theta) Tz(e). */
+static void add_element(mukca_chain *chain, const mukca_dh_row *r, double before[3], double theta,
+                        double e)
+{
+    mukca_element *to = &chain->element[chain->n_elements];
+    const double d = before[0], a = before[1], alpha = before[2];
+    const double c = cos(theta), s = sin(theta), ca = cos(alpha), sa = sin(alpha);
+    const double R[9] = {c, -s, 0, ca * s, ca * c, -sa, sa * s, sa * c, ca};
+    *to = (mukca_element){.type = r->type,
+                          .joint = -1,
+                          .xyz = {a, -sa * e, d + ca * e},
+                          .axis = {0, 0, 1},
+                          .lower = r->lower,
+                          .upper = r->upper};
+    mukca_rotation_to_rpy(to->rpy, R, NULL);
+    memcpy(to->name, r->name, sizeof to->name);
+    if (to->type != MUKCA_FIXED) {
+        to->joint = chain->n_joints;
+        chain->joint_element[chain->n_joints++] = chain->n_elements;
+    }
+    snprintf(to->child, sizeof to->child, "link_%d", ++chain->n_elements);
+}
+
+void mukca_dh_to_chain(mukca_chain *chain, const mukca_dh *dh)
+{
+    const bool modified = dh->convention == MUKCA_DH_MODIFIED;
+    double before[3] = {0}; /* d, a, alpha that lie behind the last turn */
+    *chain = (mukca_chain){.base = "base_link", .tip = "tip_link"};
+    for (int k = 0; k < dh->n_rows; k++) {
+        const mukca_dh_row *r = &dh->row[k];
+        const double own[3] = {0, r->a, r->alpha}, rest[3] = {r->d, r->a, r->alpha};
+        if (modified) memcpy(before, own, sizeof own);
+        add_element(chain, r, before, r->theta, modified ? r->d : 0);
+        if (!modified) memcpy(before, rest, sizeof rest);
+    }
+    if (!modified && (before[0] != 0 || before[1] != 0 || before[2] != 0)) {
+        mukca_dh_row last = {.type = MUKCA_FIXED};
+        name_row(last.name, chain, "flange");
+        add_element(chain, &last, before, 0, 0);
+    }
+    if (chain->n_elements == 0) return;
+    memcpy(chain->element[chain->n_elements - 1].child, "tip_link", sizeof "tip_link");
+}
+
+double mukca_dh_residual(const mukca_dh *dh, const mukca_chain *chain, const double *theta)
+{
+    enum { POSTURES = 500 };
+    mukca_chain other;
+    mukca_geometry a, b;
+    mukca_random random;
+    double worst = 0;
+    mukca_dh_to_chain(&other, dh);
+    mukca_geometry_set(&a, chain, theta);
+    mukca_geometry_set(&b, &other, NULL);
+    mukca_random_seed(&random, 1);
+    for (int i = 0; i < POSTURES; i++) {
+        double q[MUKCA_MAX_JOINTS], p[3], r[3];
+        for (int j = 0; j < chain->n_joints; j++) {
+            const mukca_element *e = &chain->element[chain->joint_element[j]];
+            const double reach = mukca_joint_turns(e->type) ? pi : 1;
+            const double lower = isfinite(e->lower) ? e->lower : -reach;
+            const double upper = isfinite(e->upper) ? e->upper : reach;
+            q[j] = lower + (upper - lower) * mukca_random_uniform(&random);
+        }
+        mukca_fk_position(p, &a, q, NULL);
+        mukca_fk_position(r, &b, q, NULL);
+        worst = fmax(worst, mukca_distance3(p, r));
+    }
+    return worst;
+}

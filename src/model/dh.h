@@ -1,0 +1,41 @@
+/* Denavit-Hartenberg tables: from a chain, and a chain from one. */
+#ifndef MUKCA_MODEL_DH_H
+#define MUKCA_MODEL_DH_H
+
+#include "mukca/chain.h"
+
+/* Row k maps the frame of row k to that of row k - 1:
+ *   standard  T = Rz(theta + q) Tz(d) Tx(a) Rx(alpha)   (Denavit, Hartenberg 1955; Paul 1981)
+ *   modified  T = Rx(alpha) Tx(a) Rz(theta + q) Tz(d)   (Khalil 1986; Craig 1989)
+ * A prismatic joint adds q to d. */
+typedef enum { MUKCA_DH_STANDARD, MUKCA_DH_MODIFIED } mukca_dh_convention;
+
+extern const char *const mukca_dh_convention_name[]; /* ended by NULL */
+
+typedef struct {
+    char name[MUKCA_NAME_SIZE];
+    mukca_joint_type type;     /* fixed: a frame that does not move, as of the base and the tool */
+    double a, alpha, d, theta; /* m, rad */
+    double lower, upper;       /* rad or m; -HUGE_VAL, HUGE_VAL where unlimited */
+} mukca_dh_row;
+
+typedef struct {
+    mukca_dh_convention convention;
+    int n_rows;
+    mukca_dh_row row[MUKCA_MAX_ELEMENTS - 1];
+} mukca_dh;
+
+/* The chain with theta[6 * n_elements] (NULL: nominal).  Exact: fixed rows before the first and
+ * behind the last joint take what the rows of the joints cannot hold; they are left out where they
+ * are zero.  d of nearly parallel axes is large (Hayati 1983): their common normal is far away. */
+void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *theta,
+                         mukca_dh_convention convention);
+
+/* The chain of a table, from link `base` to link `tip`; robot and SHA-256 are empty. */
+void mukca_dh_to_chain(mukca_chain *chain, const mukca_dh *dh);
+
+/* Largest distance between the tips of the chain with `theta` and of the table, m, over random
+ * postures within the limits. */
+double mukca_dh_residual(const mukca_dh *dh, const mukca_chain *chain, const double *theta);
+
+#endif

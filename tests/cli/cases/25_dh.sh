@@ -1,0 +1,40 @@
+# Denavit-Hartenberg tables: out, back as a URDF, the same tip.
+. "$here/fixture.sh"
+rows 1 50 >fifty.csv
+"$MUKCA" fk --urdf arm.urdf --pose fifty.csv >nominal.tsv
+for format in dh mdh; do
+    "$MUKCA" export --urdf arm.urdf -o "arm.$format"
+    run urdf --dh "arm.$format" -o "$format.urdf"
+    expect "urdf writes a URDF of the table" test -s "$format.urdf"
+    "$MUKCA" fk --urdf "$format.urdf" --pose fifty.csv >back.tsv
+    paste nominal.tsv back.tsv >both.tsv
+    expect "export -f $format, read back by urdf --dh, is the same arm" awk '
+        NR > 1 { for (i = 1; i <= 7; i++) { d = $i - $(i + 7); if (!(d * d <= 1e-18)) exit 1 } }
+        END { if (NR != 51) exit 1 }' both.tsv
+    answer "agrees with the table" export --urdf arm.urdf --check "arm.$format"
+done
+refuse 2 'says that it is a modified table' urdf --dh arm.mdh --convention standard
+refuse 2 'dh FILE is needed' urdf
+refuse 2 'arm.dh is an input of this command' urdf --dh arm.dh -o arm.dh --force
+
+# bad tables: one line each
+table() { printf "joint\ta\talpha\td\ttheta$1\n$2" >bad.tsv; }
+table '' 'j1\t0\t1.5\t0.2\t0\nj1\t0\t0\t0\t0\n'
+refuse 3 "bad.tsv:3: column 'joint': joint 'j1' has a row already" urdf --dh bad.tsv
+table '' 'j1\t0\t90\t0.2\t0\n'
+refuse 3 "bad.tsv:2: column 'alpha': 90 is out of range; lengths are in m, angles in rad" urdf --dh bad.tsv
+table '' 'j1\t0\tx\t0.2\t0\n'
+refuse 3 "bad.tsv:2: column 'alpha'" urdf --dh bad.tsv
+table '\ttype' 'j1\t0\t0\t0.2\t0\tball\n'
+refuse 3 "bad.tsv:2: column 'type': unknown type" urdf --dh bad.tsv
+table '\ttype' 'j1\t0\t0\t0.2\t0\tfixed\n'
+refuse 3 'bad.tsv: no joint moves' urdf --dh bad.tsv
+table '\tlower\tupper' 'j1\t0\t0\t0.2\t0\t1\t-1\n'
+refuse 3 "bad.tsv:2: column 'upper': is not above the lower limit" urdf --dh bad.tsv
+table '\tbeta' 'j1\t0\t0\t0.2\t0\t0\n'
+refuse 3 "bad.tsv:1: column 'beta': unknown column" urdf --dh bad.tsv
+printf 'joint\ta\talpha\td\nj1\t0\t0\t0\n' >bad.tsv
+refuse 3 "bad.tsv:1: the header has no column 'theta'" urdf --dh bad.tsv
+refuse 3 'nix.tsv: cannot read' urdf --dh nix.tsv
+table '' 'j1\t0\t1.5\t0.2\t0\n'
+accept 'taken for a standard one' urdf --dh bad.tsv
