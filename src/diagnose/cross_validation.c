@@ -32,11 +32,13 @@ static double noise_gain(int placements)
     return placements < (int)(sizeof gain / sizeof *gain) ? gain[placements] : (double)NAN;
 }
 
-/* Does an effect belong to one placement, which must have been seen to predict it? */
-static bool of_placement(const mukca_effect *effect)
+/* Are the folds sockets?  An effect of one placement needs that placement to be predicted, and the
+ * geometry needs two: one leaves so much of it open that its error hides what a cause does. */
+static bool needs_sockets(const mukca_effect *effect, const mukca_recording *recording)
 {
-    return mukca_effect_has((int)effect->kind, MUKCA_TRAIT_PER_PLACEMENT) &&
-           !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);
+    return recording->data->n_placements == 2 ||
+           (mukca_effect_has((int)effect->kind, MUKCA_TRAIT_PER_PLACEMENT) &&
+            !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT));
 }
 
 double mukca_cross_validation_structure(mukca_regression *m)
@@ -139,7 +141,7 @@ static mukca_status measure_each(measurement *s, int *least, mukca_error *error)
     for (int i = 0; i < n; i++) {
         const int c = s->v->suspected[i] ? -1 : mukca_cause_find(m, &s->findings->causes[i]);
         if (c < 0 || !m->unknowns.cause[c].candidate.basis) continue;
-        const bool by_socket = of_placement(&s->findings->causes[i].effect);
+        const bool by_socket = needs_sockets(&s->findings->causes[i].effect, &m->recording);
         if (o->progress &&
             !o->progress(o->progress_context, 0.7 + 0.2 * i / n, "measuring on held-out samples"))
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
