@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "math/random.h"
-
 enum {
     DRAWN = 256,   /* postures; 1 % of the workspace is missed with a probability of 8 % */
     RECORDED = 512 /* at most, of the data */
@@ -78,8 +76,7 @@ static void compare(comparison *c, const double *q)
     if (variance > 0 && !(change / sqrt(variance) <= c->ratio)) c->ratio = change / sqrt(variance);
 }
 
-/* A posture within the joint limits; a joint without any turns once, or travels 1 m. */
-static void draw(double *q, const mukca_chain *chain, mukca_random *random)
+void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *random)
 {
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
@@ -104,7 +101,7 @@ double mukca_tip_change(double *sigma, const mukca_tip_change_task *task)
         mukca_geometry_set(&c.geometry[side], task->chain, c.theta[side]);
     mukca_random_seed(&random, 1);
     for (int i = 0; i < DRAWN; i++) {
-        draw(q, task->chain, &random);
+        mukca_posture_draw(q, task->chain, &random);
         compare(&c, q);
     }
     for (int i = 0; data && i < data->n_rows; i += step)

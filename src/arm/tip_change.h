@@ -3,6 +3,7 @@
 #define MUKCA_ARM_TIP_CHANGE_H
 
 #include "arm/offsets.h"
+#include "math/random.h"
 
 typedef struct {
     const mukca_chain *chain;
@@ -17,6 +18,10 @@ typedef struct {
  * within the joint limits; *sigma (may be NULL) is the largest ratio to the prior standard
  * deviation of the displacement in the same posture. */
 double mukca_tip_change(double *sigma, const mukca_tip_change_task *task);
+
+/* q[n_joints]: a posture within the joint limits; a joint without any turns once, or travels 1 m.
+ */
+void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *random);
 
 /* Fill the sizes in to->acceptance: tip_change and largest_offset, against the nominal model. */
 void mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_task *task);

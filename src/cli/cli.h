@@ -370,6 +370,9 @@ json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
 json_t *cli_json_real(double value);
 json_t *cli_json_reals(const double *values, int n);
 
+/* A pose: position_m, and quaternion, w first. */
+json_t *cli_json_frame(const mukca_frame *frame);
+
 /* An object of such numbers: key, value, key, value, ... */
 #define cli_json_numbers(...) cli_json_numbers_until(__VA_ARGS__, (const char *)NULL)
 json_t *cli_json_numbers_until(const char *key, double value, ...) __attribute__((sentinel));

@@ -17,6 +17,7 @@
     X(evaluate)             \
     X(diagnose)             \
     X(report)               \
+    X(compare)              \
     X(compensate)           \
     X(export)               \
     X(fk)

@@ -137,11 +137,10 @@ void cli_print_overview(FILE *stream)
 
 void cli_print_start(FILE *stream)
 {
-    fputs("mukca calibrates robot arms from joint angles with a ball in sockets, or poses.\n\n",
+    fputs("mukca calibrates robot arms from joint angles with a ball in sockets, or poses.\n",
           stream);
     print_commands(stream, "");
-    fputs("\nStart with `mukca help calibrate`; `mukca help` and `make demo` show more.\n",
-          stream);
+    fputs("Start with `mukca help calibrate`; `mukca help` and `make demo` show more.\n", stream);
 }
 
 void cli_print_effects(FILE *stream)

@@ -98,3 +98,11 @@ json_t *cli_json_acceptance(const mukca_acceptance *a)
     }
     return object;
 }
+
+json_t *cli_json_frame(const mukca_frame *T)
+{
+    double q[4];
+    mukca_rotation_to_quaternion(q, T->R);
+    return json_pack("{s:o, s:o}", "position_m", cli_json_reals(T->p, 3), "quaternion",
+                     cli_json_reals(q, 4));
+}

@@ -74,14 +74,6 @@ static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
                      position, "orientation", orientation, "removed_percent", percent);
 }
 
-static json_t *frame_json(const mukca_frame *T)
-{
-    double q[4];
-    mukca_rotation_to_quaternion(q, T->R);
-    return json_pack("{s:o, s:o}", "position_m", cli_json_reals(T->p, 3), "quaternion",
-                     cli_json_reals(q, 4));
-}
-
 static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *arm)
 {
     char text[MUKCA_UNKNOWN_TEXT];
@@ -154,8 +146,8 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                       r->test ? errors_json(r->test[m], fit->has_angles) : json_null(), "unknowns",
                       fit->n, "rank", fit->rank, "offsets", unknowns_json(fit, &r->arm),
                       "not_identifiable", null_json(fit, &r->arm), "base",
-                      frame_json(&fit->stage[MUKCA_WITH_BOTH].base), "tool",
-                      frame_json(&fit->stage[MUKCA_WITH_BOTH].tool), "passes", fit->passes));
+                      cli_json_frame(&fit->stage[MUKCA_WITH_BOTH].base), "tool",
+                      cli_json_frame(&fit->stage[MUKCA_WITH_BOTH].tool), "passes", fit->passes));
     }
     json_t *root =
         json_pack("{s:s, s:s, s:{s:s, s:s, s:s}, s:I, s:I, s:{s:b, s:o, s:s, s:o}}", "schema",

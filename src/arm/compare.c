@@ -1,0 +1,134 @@
+/* Two models of one arm: the errors of the tip, as they are and with base and tool aligned. */
+#include "arm/compare.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "arm/compare_axes.h"
+#include "arm/tip_change.h"
+#include "math/dense.h"
+#include "math/stats.h"
+
+enum { FREE = 9, MOST_STEPS = 50 }; /* turn and shift of the base, shift of the tool */
+
+/* B's tip, aligned: base * b * tool. */
+static void align(mukca_frame *out, const mukca_comparison *c, const mukca_frame *b)
+{
+    mukca_frame_multiply(out, &c->base, b);
+    mukca_frame_multiply(out, out, &c->tool);
+}
+
+/* Base from the positions alone (Kabsch 1976), for a start. */
+static void start(mukca_comparison *c)
+{
+    double mean[2][3] = {{0}}, H[9] = {0}, turned[3];
+    for (int i = 0; i < MUKCA_COMPARED; i++)
+        for (int r = 0; r < 3; r++) {
+            mean[0][r] += c->tip[0][i].p[r] / MUKCA_COMPARED;
+            mean[1][r] += c->tip[1][i].p[r] / MUKCA_COMPARED;
+        }
+    for (int i = 0; i < MUKCA_COMPARED; i++)
+        for (int r = 0; r < 9; r++)
+            H[r] +=
+                (c->tip[1][i].p[r / 3] - mean[1][r / 3]) * (c->tip[0][i].p[r % 3] - mean[0][r % 3]);
+    c->base = c->tool = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    mukca_rotation_nearest(c->base.R, H);
+    mukca_mat3_vec(turned, c->base.R, mean[1]);
+    for (int r = 0; r < 3; r++) c->base.p[r] = mean[0][r] - turned[r];
+}
+
+/* One Gauss-Newton step of the positions; returns its largest element. */
+static double refine(mukca_comparison *c)
+{
+    enum { SIZE = FREE + 1 };
+    double R[FREE * SIZE] = {0}, x[FREE] = {0}, turn[9], turned[9], largest = 0;
+    for (int i = 0; i < MUKCA_COMPARED; i++) {
+        mukca_frame at;
+        double rows[3 * SIZE] = {0}, lever[3], RB[9];
+        align(&at, c, &c->tip[1][i]);
+        mukca_mat3_mul(RB, c->base.R, c->tip[1][i].R);
+        for (int k = 0; k < 3; k++) lever[k] = at.p[k] - c->base.p[k];
+        for (int k = 0; k < 3; k++) {
+            double *row = rows + k * SIZE;
+            row[(k + 1) % 3] = lever[(k + 2) % 3]; /* omega x lever */
+            row[(k + 2) % 3] = -lever[(k + 1) % 3];
+            row[3 + k] = 1;
+            for (int a = 0; a < 3; a++) row[6 + a] = RB[3 * k + a];
+            row[FREE] = c->tip[0][i].p[k] - at.p[k];
+        }
+        mukca_dense_qr_absorb(R, NULL, rows, 3, FREE, 1);
+    }
+    for (int a = 0; a < FREE; a++) { /* what nothing determines stays */
+        double row[SIZE] = {0};
+        row[a] = 1e-6;
+        mukca_dense_qr_absorb(R, NULL, row, 1, FREE, 1);
+    }
+    for (int i = FREE - 1; i >= 0; i--) {
+        double sum = R[i * SIZE + FREE];
+        for (int k = i + 1; k < FREE; k++) sum -= R[i * SIZE + k] * x[k];
+        x[i] = sum / R[i * SIZE + i];
+        largest = fmax(largest, fabs(x[i]));
+    }
+    mukca_rotation_exp(turn, x);
+    mukca_mat3_mul(turned, turn, c->base.R);
+    memcpy(c->base.R, turned, sizeof turned);
+    for (int k = 0; k < 3; k++) {
+        c->base.p[k] += x[3 + k];
+        c->tool.p[k] += x[6 + k];
+    }
+    return largest;
+}
+
+/* Turn of the tool: the mean of those from B's aligned tip to A's. */
+static void turn_tool(mukca_comparison *c)
+{
+    double H[9] = {0};
+    for (int i = 0; i < MUKCA_COMPARED; i++) {
+        double R[9], off[9]; /* off = (base b)' a; H sums its transpose's outer products */
+        mukca_mat3_mul(R, c->base.R, c->tip[1][i].R);
+        mukca_mat3_tmul(off, c->tip[0][i].R, R);
+        for (int k = 0; k < 9; k++) H[k] += off[k];
+    }
+    mukca_rotation_nearest(c->tool.R, H);
+}
+
+static mukca_compared_error sum_up(double *sorted)
+{
+    mukca_compared_error e = {.p95 = mukca_stats_quantile(sorted, MUKCA_COMPARED, 0.95)};
+    for (int i = 0; i < MUKCA_COMPARED; i++) {
+        e.mean += sorted[i] / MUKCA_COMPARED;
+        e.max = fmax(e.max, sorted[i]);
+    }
+    return e;
+}
+
+void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_corrected *b)
+{
+    static const mukca_frame identity = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    mukca_random random;
+    double q[MUKCA_MAX_JOINTS], turned[MUKCA_COMPARED];
+    mukca_compare_axes(c->axis, &a->geometry, &b->geometry);
+    mukca_random_seed(&random, 1);
+    for (int i = 0; i < MUKCA_COMPARED; i++) {
+        mukca_posture_draw(q, &a->chain, &random);
+        mukca_corrected_pose(&c->tip[0][i], a, q, NULL);
+        mukca_corrected_pose(&c->tip[1][i], b, q, NULL);
+    }
+    for (int aligned = 0; aligned < 2; aligned++) {
+        if (aligned) {
+            start(c);
+            for (int i = 0; i < MOST_STEPS && refine(c) > 1e-12; i++) continue;
+            turn_tool(c);
+        } else {
+            c->base = c->tool = identity;
+        }
+        for (int i = 0; i < MUKCA_COMPARED; i++) {
+            mukca_frame at;
+            align(&at, c, &c->tip[1][i]);
+            c->error[aligned][i] = mukca_distance3(at.p, c->tip[0][i].p);
+            turned[i] = mukca_rotation_between(at.R, c->tip[0][i].R);
+        }
+        c->position[aligned] = sum_up(c->error[aligned]);
+        c->rotation[aligned] = sum_up(turned);
+    }
+}

@@ -1,0 +1,126 @@
+/* The joint axes of two models: at each joint, B's axis is brought onto A's, and what that takes is
+ * the difference.
+ *
+ * A turn about an axis and a shift along it commute with the joint's motion: they are carried to
+ * the next joint, where the turn (the joint's zero) and the shift are those that bring the next
+ * axes closest together (theta and d of Denavit and Hartenberg; between parallel axes, of Hayati).
+ */
+#include "arm/compare_axes.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Axes within this angle count as parallel: a shift of 8 mm, the widest that arms call for, then
+ * moves the next axis by less than 0.2 mm, which nobody could tell from its distance. */
+static const double parallel = 0.02;
+/* Axes nearer than this count as one line, m: a turn of 20 mrad moves the next by 0.2 mm. */
+static const double one_line = 0.01;
+
+/* Next joints, in the frame of A's present one. */
+typedef struct {
+    mukca_frame a, b;
+    double axis[2][3];
+    double own[3];       /* A's present axis */
+    mukca_frame carried; /* B's present frame in A's: a turn about `own` and a shift along it */
+    bool slides;         /* the next joint: its axis has no place */
+} pair;
+
+/* The links before the next joint, from element `from` on; returns its element. */
+static int next_link(mukca_frame *link, double axis[3], const mukca_geometry *g, int from)
+{
+    int k = from;
+    *link = g->origin[k];
+    while (g->joint[k] < 0) mukca_frame_multiply(link, link, &g->origin[++k]);
+    mukca_mat3_vec(axis, link->R, g->axis[k]);
+    return k;
+}
+
+/* Angle about `axis` from v to w. */
+static double turn_between(const double axis[3], const double v[3], const double w[3])
+{
+    double c[3];
+    mukca_cross(c, v, w);
+    return atan2(mukca_dot3(axis, c), mukca_dot3(v, w) - mukca_dot3(axis, v) * mukca_dot3(axis, w));
+}
+
+/* The part of v across `axis`. */
+static void across(double out[3], const double axis[3], const double v[3])
+{
+    const double along = mukca_dot3(axis, v);
+    for (int i = 0; i < 3; i++) out[i] = v[i] - along * axis[i];
+}
+
+/* Apply a turn about the present axis and a shift along it to B. */
+static void apply(pair *p, double turn, double shift)
+{
+    mukca_frame screw;
+    double turned[3];
+    mukca_rotation_about(screw.R, p->own, turn);
+    for (int i = 0; i < 3; i++) screw.p[i] = shift * p->own[i];
+    mukca_frame_multiply(&p->b, &screw, &p->b);
+    mukca_mat3_vec(turned, screw.R, p->axis[1]);
+    memcpy(p->axis[1], turned, sizeof turned);
+}
+
+/* Bring B's next axis as close to A's as the present joint can; NaN: nothing shows it. */
+static void fit_screw(double *turn, double *shift, pair *p)
+{
+    double v[3], w[3], off[3];
+    across(v, p->axis[1], p->own);
+    across(w, p->own, p->a.p);
+    const double slope = mukca_norm3(v);
+    *turn = *shift = (double)NAN;
+    if (slope > parallel)
+        *turn = turn_between(p->own, p->axis[1], p->axis[0]);
+    else if (!p->slides && mukca_norm3(w) > one_line)
+        *turn = turn_between(p->own, p->b.p, p->a.p);
+    if (isfinite(*turn)) apply(p, *turn, 0);
+    if (p->slides || !(slope > parallel)) return;
+    for (int i = 0; i < 3; i++) off[i] = p->a.p[i] - p->b.p[i];
+    across(v, p->axis[1], p->own);
+    *shift = mukca_dot3(off, v) / mukca_dot3(v, v);
+    apply(p, 0, *shift);
+}
+
+/* Record the difference of the axes and remove it: what is left is carried on. */
+static void bring_onto(mukca_axis_difference *out, pair *p)
+{
+    double w[3], Q[9], off[3], from[3], level[9];
+    for (int i = 0; i < 3; i++) from[i] = p->b.p[i] - p->a.p[i];
+    across(off, p->axis[1], from);
+    mukca_cross(w, p->axis[1], p->axis[0]);
+    const double s = mukca_norm3(w), along = mukca_dot3(p->axis[1], from);
+    out->angle = atan2(s, mukca_dot3(p->axis[1], p->axis[0]));
+    out->distance = p->slides ? (double)NAN : mukca_norm3(off);
+    for (int i = 0; i < 3; i++) w[i] *= s > 0 ? out->angle / s : 0;
+    mukca_rotation_exp(Q, w);
+    mukca_mat3_mul(level, Q, p->b.R);
+    mukca_mat3_tmul(p->carried.R, p->a.R, level);
+    if (!p->slides)
+        for (int i = 0; i < 3; i++) from[i] = along * p->axis[0][i];
+    mukca_mat3_tvec(p->carried.p, p->a.R, from);
+    mukca_mat3_tvec(p->own, p->a.R, p->axis[0]);
+}
+
+void mukca_compare_axes(mukca_axis_difference *out, const mukca_geometry *a,
+                        const mukca_geometry *b)
+{
+    pair p = {.carried = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}}};
+    int at[2] = {-1, -1};
+    for (int j = 0; j < a->n_joints; j++) {
+        double axis[3];
+        at[0] = next_link(&p.a, p.axis[0], a, at[0] + 1);
+        at[1] = next_link(&p.b, axis, b, at[1] + 1);
+        mukca_frame_multiply(&p.b, &p.carried, &p.b);
+        mukca_mat3_vec(p.axis[1], p.carried.R, axis);
+        p.slides = !mukca_joint_turns(a->type[at[0]]);
+        out[j] = (mukca_axis_difference){.zero = NAN, .slide = NAN};
+        if (j > 0) {
+            double turn, shift;
+            fit_screw(&turn, &shift, &p);
+            if (j > 1) out[j - 1].zero = -turn, out[j - 1].slide = -shift;
+        }
+        bring_onto(&out[j], &p);
+        if (j == 0) out[0].angle = 0, out[0].distance = p.slides ? (double)NAN : 0; /* the base's */
+    }
+}

@@ -1,0 +1,263 @@
+/* mukca compare: two models of one arm, independently of gauge. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/note.h"
+#include "cli/cli.h"
+#include "io/urdf.h"
+#include "report/comparison.h"
+
+typedef struct {
+    cli_common common;
+    const char *plot;
+} compare_options;
+
+static const cli_option options[] = {
+    CLI_JSON_OPTION,
+    CLI_OPTION(compare_options, plot, "plot", CLI_TEXT, "FILE",
+               "draw the errors of the tip, by gnuplot (.svg, .png or .pdf)"),
+    CLI_MODEL_OPTIONS,
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+typedef struct {
+    mukca_corrected arm[2];
+    mukca_acceptance verdict[2]; /* not given: no table */
+    mukca_offsets offsets;
+    mukca_comparison comparison;
+} compare_work;
+
+static mukca_status load_urdf(cli_call *call, mukca_chain *chain, const char *path)
+{
+    const cli_common *c = call->common;
+    mukca_urdf_options model = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
+    memcpy(model.gravity, c->gravity, sizeof model.gravity);
+    return mukca_urdf_load(chain, path, &model, cli_note, call, &call->error);
+}
+
+/* Which kind of file is it?  XML is a URDF; an offsets table holds its chain, or belongs to --urdf.
+ */
+static mukca_status load(cli_call *call, int side)
+{
+    compare_work *w = call->work;
+    mukca_corrected *arm = &w->arm[side];
+    const char *path = call->arguments.items[side];
+    char *text;
+    mukca_status status = mukca_file_read(&text, path, &call->error);
+    if (status != MUKCA_OK) return status;
+    const bool xml = text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<';
+    if (xml) {
+        status = load_urdf(call, &arm->chain, path);
+        mukca_offsets_init(&w->offsets, &arm->chain);
+    } else {
+        const mukca_bytes table = {text, strlen(text)};
+        status = mukca_chain_parse(&arm->chain, table, mukca_file_shown(path), &call->error);
+        if (status != MUKCA_OK && call->common->urdf)
+            status = load_urdf(call, &arm->chain, call->common->urdf);
+        if (status == MUKCA_OK) status = cli_read_offsets(call, &w->offsets, &arm->chain, path);
+    }
+    free(text);
+    if (status != MUKCA_OK) return status;
+    w->verdict[side] = w->offsets.acceptance;
+    mukca_geometry_set(&arm->geometry, &arm->chain, w->offsets.theta);
+    arm->n_effects = w->offsets.n_effects;
+    memcpy(arm->effects, w->offsets.effects, sizeof arm->effects);
+    return MUKCA_OK;
+}
+
+/* The arms must have as many joints; those are paired in order. */
+static mukca_status check_pairs(cli_call *call)
+{
+    const compare_work *w = call->work;
+    const mukca_chain *a = &w->arm[0].chain, *b = &w->arm[1].chain;
+    const char *const *path = call->arguments.items;
+    if (a->n_joints != b->n_joints)
+        return mukca_fail(&call->error, MUKCA_INPUT,
+                          "%.60s has %d joints from '%s' to '%s', %.60s has %d from '%s' to '%s'; "
+                          "choose with --base and --tip",
+                          mukca_file_shown(path[0]), a->n_joints, a->base, a->tip,
+                          mukca_file_shown(path[1]), b->n_joints, b->base, b->tip);
+    for (int j = 0; j < a->n_joints; j++) {
+        const mukca_element *x = &a->element[a->joint_element[j]],
+                            *y = &b->element[b->joint_element[j]];
+        if (mukca_joint_turns(x->type) != mukca_joint_turns(y->type))
+            return mukca_fail(&call->error, MUKCA_INPUT,
+                              "joint '%s' of %.60s turns or slides, joint '%s' of %.60s does not; "
+                              "they are not models of one arm",
+                              x->name, mukca_file_shown(path[0]), y->name,
+                              mukca_file_shown(path[1]));
+        if (strcmp(x->name, y->name) != 0) {
+            mukca_note_format(cli_note, call, "joints are paired in order: '%s' with '%s', ...",
+                              x->name, y->name);
+            break;
+        }
+    }
+    return MUKCA_OK;
+}
+
+static void print_number(cli_call *call, double value)
+{
+    if (isfinite(value)) /* and no -0.0000 */
+        cli_answer(call, " %12.4f", fabs(value) < 5e-8 ? 0 : 1e3 * value);
+    else
+        cli_answer(call, " %12s", "-");
+}
+
+static void print(cli_call *call)
+{
+    static const char *const row[2] = {"as they are", "base and tool aligned"};
+    const compare_work *w = call->work;
+    const mukca_comparison *c = &w->comparison;
+    for (int side = 0; side < 2; side++) {
+        const char key[2] = {side ? 'B' : 'A'};
+        char text[MUKCA_ACCEPTANCE_SENTENCE] = "";
+        if (w->verdict[side].given) mukca_acceptance_sentence(text, &w->verdict[side]);
+        cli_answer_keyed(call, key, "%s: %s, %d joints%s%s", call->arguments.items[side],
+                         w->arm[side].chain.robot, w->arm[side].chain.n_joints, *text ? "; " : "",
+                         text);
+    }
+    cli_answer(call, "Tip, %d postures             mean     95 %%      max\n", MUKCA_COMPARED);
+    for (int aligned = 0; aligned < 2; aligned++) {
+        const mukca_compared_error *p = &c->position[aligned], *r = &c->rotation[aligned];
+        cli_answer(call, "  %-21s %8.3f %8.3f %8.3f mm\n", row[aligned], 1e3 * p->mean,
+                   1e3 * p->p95, 1e3 * p->max);
+        cli_answer(call, "  %-21s %8.3f %8.3f %8.3f mrad\n", "", 1e3 * r->mean, 1e3 * r->p95,
+                   1e3 * r->max);
+    }
+    cli_answer(call,
+               "Axes of B against A, each seen from the axis before it\n"
+               "  %-20s %12s %12s %12s %12s\n",
+               "joint", "angle, mrad", "distance, mm", "zero, mrad", "shift, mm");
+    for (int j = 0; j < w->arm[0].chain.n_joints; j++) {
+        const mukca_axis_difference *d = &c->axis[j];
+        cli_answer(call, "  %-20s", mukca_chain_joint_name(&w->arm[0].chain, j));
+        print_number(call, d->angle);
+        print_number(call, d->distance);
+        print_number(call, d->zero);
+        print_number(call, d->slide);
+        cli_answer(call, "\n");
+    }
+}
+
+static json_t *error_json(const mukca_compared_error e[2], const char *unit)
+{
+    static const char *const keys[2] = {"as_they_are", "aligned"};
+    char name[3][16];
+    json_t *json = json_object();
+    snprintf(name[0], sizeof *name, "mean_%s", unit);
+    snprintf(name[1], sizeof *name, "p95_%s", unit);
+    snprintf(name[2], sizeof *name, "max_%s", unit);
+    for (int aligned = 0; aligned < 2; aligned++)
+        json_object_set_new(json, keys[aligned],
+                            cli_json_numbers(name[0], e[aligned].mean, name[1], e[aligned].p95,
+                                             name[2], e[aligned].max));
+    return json;
+}
+
+static json_t *as_json(const cli_call *call)
+{
+    const compare_work *w = call->work;
+    const mukca_comparison *c = &w->comparison;
+    json_t *axes = json_array(), *models = json_array();
+    for (int side = 0; side < 2; side++)
+        json_array_append_new(
+            models,
+            json_pack("{s:s, s:s, s:o}", "file", call->arguments.items[side], "robot",
+                      w->arm[side].chain.robot, "acceptance",
+                      cli_json_acceptance(w->verdict[side].given ? &w->verdict[side] : NULL)));
+    for (int j = 0; j < w->arm[0].chain.n_joints; j++) {
+        json_t *axis =
+            cli_json_numbers("angle_rad", c->axis[j].angle, "distance_m", c->axis[j].distance,
+                             "zero_rad", c->axis[j].zero, "shift_m", c->axis[j].slide);
+        json_object_set_new(axis, "joint",
+                            cli_json_text(mukca_chain_joint_name(&w->arm[0].chain, j)));
+        json_array_append_new(axes, axis);
+    }
+    return json_pack("{s:s, s:o, s:i, s:o, s:o, s:o, s:o, s:o, s:f}", "schema", "mukca.compare/1",
+                     "models", models, "postures", (int)MUKCA_COMPARED, "axes", axes, "position",
+                     error_json(c->position, "m"), "rotation", error_json(c->rotation, "rad"),
+                     "base", cli_json_frame(&c->base), "tool", cli_json_frame(&c->tool),
+                     "elapsed_s", cli_elapsed(call));
+}
+
+/* The figure's format by its ending; NULL: none. */
+static const char *plot_format(const char *path)
+{
+    static const char *const formats[] = {"svg", "png", "pdf"};
+    const char *dot = strrchr(path, '.');
+    for (int i = 0; dot && i < 3; i++)
+        if (strcmp(dot + 1, formats[i]) == 0) return formats[i];
+    return NULL;
+}
+
+static mukca_status check_plot(cli_call *call)
+{
+    const compare_options *o = call->options;
+    if (!o->plot) return MUKCA_OK;
+    if (!plot_format(o->plot))
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "--plot %.100s: end the name in .svg, .png or .pdf", o->plot);
+    mukca_status status = cli_keep_inputs(call, o->plot);
+    if (status != MUKCA_OK) return status;
+    return mukca_output_check(o->plot, call->common->force, &call->error);
+}
+
+static mukca_status draw(cli_call *call)
+{
+    const compare_options *o = call->options;
+    const compare_work *w = call->work;
+    mukca_plot plot;
+    mukca_status status = mukca_plot_open(&plot, &call->error);
+    if (status == MUKCA_OK) {
+        mukca_comparison_draw(&plot, &w->comparison);
+        status = mukca_plot_file(o->plot, plot_format(o->plot), &plot, &call->error);
+    }
+    mukca_plot_free(&plot);
+    return status;
+}
+
+static mukca_status run(cli_call *call)
+{
+    const compare_options *o = call->options;
+    compare_work *w = call->work;
+    call->common->accept_failed = true; /* a table that did not pass is compared, too */
+    mukca_status status = cli_keep_inputs(call, call->common->json);
+    if (status == MUKCA_OK) status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = check_plot(call);
+    for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
+    if (status == MUKCA_OK) status = check_pairs(call);
+    if (status != MUKCA_OK) return status;
+    mukca_compare(&w->comparison, &w->arm[0], &w->arm[1]);
+    if (o->plot) status = draw(call);
+    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, as_json(call));
+    if (status == MUKCA_OK) print(call);
+    return status;
+}
+
+const cli_command cli_command_compare = {
+    .name = "compare",
+    .group = CLI_UNDERSTAND,
+    .summary = "differences between two models of one arm: axes and tip",
+    .synopsis = "A B",
+    .min_arguments = 2,
+    .max_arguments = 2,
+    .description =
+        "A and B are URDFs or offsets tables: nominal and calibrated, or this year's table and "
+        "last year's. Where the base frame, the tool and the links' frames lie is convention "
+        "(gauge); it does not count.\n\n"
+        "Tip: distance of the two tips in postures drawn within the joint limits of A, as the "
+        "models are, and after the base and the tool of B were moved to fit best (least "
+        "squares).\n\n"
+        "Axes: for each joint the angle between its axes and their distance, seen from the axis "
+        "before; the difference of the joint's zero and the shift along the axis to the next one. "
+        "- where it is gauge, or the axes are parallel and nothing shows it.\n\n"
+        "A table without the arm's chain in its comments (made by hand) belongs to --urdf.",
+    .example = "mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
+    .options = options,
+    .options_size = sizeof(compare_options),
+    .run = run,
+    .work_size = sizeof(compare_work),
+};

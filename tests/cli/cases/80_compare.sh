@@ -1,0 +1,29 @@
+# Two models compared.
+. "$here/fixture.sh"
+sed 's/xyz="0.5 0 0"/xyz="0.502 0 0"/; s/name="small"/name="longer"/' arm.urdf >longer.urdf
+sed 's/name="j3" type="revolute"/name="j3" type="fixed"/' arm.urdf >two.urdf
+golden compare compare arm.urdf longer.urdf
+run compare arm.urdf longer.urdf --json - --tip hand
+expect "a longer link is 2 mm of axis distance at its joint alone" awk '
+    /"joint": "j3"/ { j3 = distance } /"distance_m"/ { distance = $2 + 0; if (distance > 1e-9) n++ }
+    /"distance_m"/ && distance > 1e-9 { d = distance }
+    END { exit !(n == 1 && (d - 0.002) ^ 2 < 1e-18) }' "$scratch/out"
+refuse 3 'has 3 joints .* has 2 ' compare arm.urdf two.urdf
+refuse 3 'nix.urdf: cannot read' compare arm.urdf nix.urdf
+refuse 2 'end the name in .svg, .png or .pdf' compare arm.urdf longer.urdf --plot x.gif
+refuse 2 'is an input of this command' compare arm.urdf longer.urdf --json arm.urdf --force
+refuse 3 'element' compare arm.urdf session.tsv
+{
+    echo "# urdf_sha256: $(sha256sum arm.urdf | cut -d ' ' -f 1)"
+    printf 'joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\tterm\n'
+    printf 'j3\tx\tm\t0.5\t0.502\t0.002\t1e-5\t1\t-\n'
+} >hand.tsv
+accept "holds no verdict" compare arm.urdf hand.tsv --urdf arm.urdf
+expect "a table and the URDF that it makes are one model" sh -c "
+    '$MUKCA' compare hand.tsv longer.urdf --urdf arm.urdf -q --json same.json &&
+    awk '/\"max_m\"/ { n++; if (!(\$2 + 0 < 1e-12)) exit 1 } END { exit n != 2 }' same.json"
+if command -v gnuplot >/dev/null; then
+    "$MUKCA" compare arm.urdf longer.urdf -q --plot figure.svg
+    expect "--plot draws a figure" grep -q 'error of the tip, mm' figure.svg
+    refuse 3 'figure.svg: exists already' compare arm.urdf longer.urdf --plot figure.svg
+fi
