@@ -4,8 +4,8 @@
 # they belong.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-rooms='base math model effect arm fit recalibrate capture plan simulate diagnose io lcm report record cli'
-core='base math model effect arm fit recalibrate capture plan simulate diagnose'
+rooms='base math model effect arm fit recalibrate capture plan simulate diagnose fleet io lcm report record cli'
+core='base math model effect arm fit recalibrate capture plan simulate diagnose fleet'
 build=${BUILD:-build}
 bad=0
 fail() {

@@ -16,6 +16,7 @@
     X(recalibrate)          \
     X(evaluate)             \
     X(diagnose)             \
+    X(fleet)                \
     X(report)               \
     X(compare)              \
     X(compensate)           \

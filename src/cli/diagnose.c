@@ -1,5 +1,8 @@
 /* mukca diagnose: identify and quantify the causes of the remaining error. */
 #include "cli/diagnose.h"
+#include "cli/traits.h"
+#include "io/summary.h"
+#include "io/traits.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,8 +12,8 @@ enum { MANY_ROWS = 20000 };
 
 typedef struct {
     cli_common common;
-    const char *without, *expect;
-    bool free_base, free_tool;
+    const char *without, *expect, *summary, *arm, *traits;
+    bool free_base, free_tool, traits_only;
 } diagnose_options;
 
 static const cli_option options[] = {
@@ -23,6 +26,14 @@ static const cli_option options[] = {
                "pose logs: fit the frame of the tracker"),
     CLI_OPTION(diagnose_options, free_tool, "free-tool", CLI_FLAG, NULL,
                "pose logs: fit the offset of the target"),
+    CLI_OPTION(
+        diagnose_options, summary, "summary", CLI_TEXT, "FILE",
+        "write what the data say of effects that arms of this model share (for mukca fleet)"),
+    CLI_OPTION(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
+               "label of the arm in the summary (default: the name of the data's folder)"),
+    CLI_TRAITS_OPTION(diagnose_options, traits),
+    CLI_OPTION(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
+               "elastic coefficients: the means of --traits, nothing of this arm"),
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
     CLI_PAYLOAD_OPTION,
@@ -53,6 +64,9 @@ typedef struct {
     mukca_next_poses next;
     mukca_offsets offsets; /* with the chain of its rows */
     mukca_chain chain;
+    mukca_summary summary;
+    mukca_traits traits;
+    mukca_adoption adoption;
 } diagnose_work;
 
 static void release(void *work)
@@ -86,6 +100,81 @@ static mukca_status write_offsets(cli_call *call, const mukca_diagnosed *r)
     return cli_write_offsets(call, call->common->output, &w->offsets, &w->chain, r->data, comments);
 }
 
+/* Summary and traits need the regression: both start from the diagnosed causes. */
+static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagnosis *d,
+                          mukca_error *error)
+{
+    cli_call *call = context;
+    const diagnose_options *o = call->options;
+    diagnose_work *w = call->work;
+    mukca_status status = MUKCA_OK;
+    if (o->summary) {
+        mukca_unknowns own;
+        if (!mukca_unknowns_clone(&own, &m->pool, &m->unknowns))
+            return mukca_fail(error, MUKCA_MEMORY, "out of memory for the summary");
+        status = mukca_summary_take(&w->summary, m, error);
+        mukca_unknowns_assign(&m->unknowns, &own);
+        mukca_regression_linearise(m);
+    }
+    if (status != MUKCA_OK || !o->traits) return status;
+    const mukca_adopt_options adopt = {
+        .traits = &w->traits,
+        .test = call->session->test.n_rows ? &call->session->test : NULL,
+        .only = o->traits_only,
+        .folds = true,
+        .applied = call->common->output != NULL};
+    return mukca_adopt(&w->adoption, m, d, &adopt, error);
+}
+
+/* Checks before the long work, and the traits. */
+static mukca_status prepare(cli_call *call)
+{
+    const diagnose_options *o = call->options;
+    diagnose_work *w = call->work;
+    mukca_status status = MUKCA_OK;
+    if (o->traits_only && !o->traits)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--traits-only needs --traits FILE");
+    if (o->arm && !o->summary)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--arm is the label in --summary FILE");
+    if (o->summary) {
+        if (mukca_output_same(o->summary, call->common->json) ||
+            mukca_output_same(o->summary, call->common->output))
+            return mukca_fail(&call->error, MUKCA_USAGE,
+                              "--summary and another output cannot both go to %s", o->summary);
+        status = cli_keep_inputs(call, o->summary);
+        if (status == MUKCA_OK)
+            status = mukca_output_check(o->summary, call->common->force, &call->error);
+        if (status == MUKCA_OK) status = cli_arm_label(call, w->summary.arm, o->arm);
+    }
+    if (status == MUKCA_OK && o->traits)
+        status =
+            mukca_traits_read(&w->traits, o->traits, &call->session->model.chain, &call->error);
+    return status;
+}
+
+static mukca_status write_summary(cli_call *call)
+{
+    const diagnose_options *o = call->options;
+    diagnose_work *w = call->work;
+    mukca_output output = {0};
+    if (!o->summary) return MUKCA_OK;
+    if (w->diagnosis.why)
+        return mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE, "no summary to write: %s",
+                          w->diagnosis.why);
+    w->summary.data = mukca_summary_hash(&call->session->data);
+    mukca_status status = mukca_output_open(&output, o->summary, call->common->force, &call->error);
+    if (status == MUKCA_OK) status = mukca_summary_write(output.stream, &w->summary, &call->error);
+    return mukca_output_finish(&output, status, &call->error);
+}
+
+/* Exchange the errors of the arm's own fit and those with the traits. */
+static void exchange(mukca_diagnosis *d, mukca_adoption *a)
+{
+    const double explained = d->explained_m, test = d->test_explained_m;
+    d->explained_m = a->explained_m, d->test_explained_m = a->test_explained_m;
+    a->explained_m = explained, a->test_explained_m = test;
+}
+
 static mukca_status run(cli_call *call)
 {
     const diagnose_options *o = call->options;
@@ -98,6 +187,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && o->expect && expected < 0)
         status = cli_fail_effect(&call->error, "--expect", o->expect);
     if (status == MUKCA_OK) status = cli_load(call);
+    if (status == MUKCA_OK) status = prepare(call);
     if (status != MUKCA_OK) return status;
     if (s->data.n_rows > MANY_ROWS)
         cli_note(call, "more than 20000 samples take minutes and gigabytes; a tenth is enough");
@@ -107,6 +197,8 @@ static mukca_status run(cli_call *call)
                                              .free_base = o->free_base,
                                              .free_tool = o->free_tool,
                                              .applied = call->common->output != NULL,
+                                             .go_on = o->summary || o->traits ? go_on : NULL,
+                                             .go_on_context = call,
                                              .progress = cli_show_progress,
                                              .progress_context = call};
     const mukca_diagnosed result = {.diagnosis = d,
@@ -119,17 +211,28 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK)
         status =
             mukca_next_poses_choose(&w->next, d, &s->model.chain, &s->data, cli_stop, &call->error);
+    if (status == MUKCA_OK) status = write_summary(call);
+    const bool with_traits = w->adoption.traits != NULL;
+    json_t *traits = status == MUKCA_OK && with_traits && call->common->json
+                         ? cli_adoption_json(&w->adoption, &s->model.chain)
+                         : NULL;
+    if (with_traits) exchange(d, &w->adoption);
     if (status == MUKCA_OK) status = write_offsets(call, &result);
     const mukca_acceptance *acceptance = &w->offsets.acceptance;
     const bool judged = call->common->output != NULL;
     if (status == MUKCA_OK && call->common->json) {
         json_t *json = cli_diagnosis_json(&result);
         json_object_set_new(json, "acceptance", cli_json_acceptance(judged ? acceptance : NULL));
+        json_object_set_new(json, "traits", traits ? traits : json_null());
         status = cli_write_json(call, json);
+    } else {
+        json_decref(traits);
     }
+    if (with_traits) exchange(d, &w->adoption);
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &result);
+    if (with_traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
     if (judged && !acceptance->accepted) {
         cli_answer_wrapped(call, "Do not use the offsets table: %s.", acceptance->reason);
         return MUKCA_NEGATIVE;

@@ -78,7 +78,7 @@ void mukca_applied_fit(mukca_applied *a, mukca_regression *m)
     mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
     if (!(mukca_regression_factor(m) > -HUGE_VAL)) return;
     parameter_sigmas(a, m);
-    for (int c = 0; c < u->n_causes && a->n_effects < MUKCA_MAX_CAUSES; c++) {
+    for (int c = 0; c < u->n_causes && a->n_effects < MUKCA_MAX_APPLIED; c++) {
         const mukca_candidate *h = &u->cause[c].candidate;
         if (h->kind != MUKCA_CANDIDATE_EFFECT) continue;
         const int column = mukca_unknowns_column(u, c), i = a->n_effects++;

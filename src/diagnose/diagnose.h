@@ -39,6 +39,8 @@ typedef enum {
 
 extern const char *const mukca_fault_name[];
 
+enum { MUKCA_MAX_APPLIED = 40 }; /* effects: the causes, or all that a fleet knows */
+
 enum { MUKCA_MAX_CAUSES = 12, MUKCA_MAX_TIES = 12, MUKCA_MAX_FAULTS = 64, MUKCA_MAX_TESTED = 512 };
 
 typedef struct {
@@ -106,8 +108,8 @@ typedef struct {
     mukca_geometry geometry;
     mukca_frame tracker; /* pose logs: T_measured_base */
     int n_effects;
-    mukca_effect effects[MUKCA_MAX_CAUSES];
-    double effect_sigma[MUKCA_MAX_CAUSES][MUKCA_MAX_TERMS];
+    mukca_effect effects[MUKCA_MAX_APPLIED];
+    double effect_sigma[MUKCA_MAX_APPLIED][MUKCA_MAX_TERMS];
     /* [6 * n_elements] standard error of each parameter, and that of what was believed before the
      * rows; NaN: not fitted */
     double theta_sigma[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
@@ -192,6 +194,13 @@ typedef struct {
  * interrupts. */
 typedef bool mukca_progress_fn(void *context, double share, const char *doing);
 
+/* What may go on with the regression of a diagnosis (diagnose/regression.h) before it is freed:
+ * geometry, recording faults and the causes that were found.  Not called where nothing can be
+ * tested. */
+struct mukca_regression;
+typedef mukca_status mukca_continue_fn(void *context, struct mukca_regression *regression,
+                                       mukca_diagnosis *diagnosis, mukca_error *error);
+
 typedef struct {
     const mukca_dataset *test;     /* held-out data, or NULL */
     const unsigned char *disabled; /* [MUKCA_EFFECT_COUNT] effects left out, or NULL */
@@ -200,6 +209,8 @@ typedef struct {
     bool no_folds;      /* skip the held-out measurement */
     bool applied;       /* fit what can be applied elsewhere, too */
     bool confounding;   /* measure what is confounded with what */
+    mukca_continue_fn *go_on;
+    void *go_on_context;
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;

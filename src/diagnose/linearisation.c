@@ -265,7 +265,8 @@ static void fill_y(mukca_linearisation *linear, const mukca_recording *recording
                 const mukca_candidate *h = &u->cause[e].candidate;
                 /* A socket's fault moves the socket, not the arm: tip does not hold it. */
                 for (int t = 0; mukca_candidate_moves_arm(h) && t < h->terms; t++)
-                    sum += X[c * ld + column + t] * u->cause[e].coefficient[t];
+                    sum += X[c * ld + column + t] *
+                           (u->cause[e].coefficient[t] - u->cause[e].centre);
                 column += h->terms;
             }
             X[c * ld + ld - 1] = sum;

@@ -101,6 +101,7 @@ double mukca_regression_score(mukca_regression *m)
     double score = mukca_regression_factor(m);
     for (int c = 0; c < m->unknowns.n_causes; c++) {
         const mukca_accepted *cause = &m->unknowns.cause[c];
+        if (cause->known) continue;
         double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
         const int n = mukca_candidate_scales(scales, weight, &cause->candidate);
         int at = 0;

@@ -9,7 +9,7 @@
 
 #include "diagnose/evidence.h"
 
-typedef struct {
+typedef struct mukca_regression {
     mukca_recording recording;
     mukca_unknowns unknowns;
     mukca_linearisation linear;

@@ -171,5 +171,6 @@ void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
     s.few.A = A + 2 * square;
     s.none.A = A + 3 * square;
     choose_geometry(&s);
-    for (int c = 0; c < u->n_causes; c++) choose_cause(&s, c);
+    for (int c = 0; c < u->n_causes; c++)
+        if (!u->cause[c].known) choose_cause(&s, c);
 }

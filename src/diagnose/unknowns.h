@@ -1,6 +1,7 @@
 /* The unknowns of the diagnosis: offsets of the geometry, accepted causes, noise and prior scales.
  *
- * All offsets and coefficients are zero-mean Gaussians before the data.
+ * All offsets and coefficients are zero-mean Gaussians before the data, but for coefficients whose
+ * mean is known from elsewhere: the columns then count from that.
  */
 #ifndef MUKCA_DIAGNOSE_UNKNOWNS_H
 #define MUKCA_DIAGNOSE_UNKNOWNS_H
@@ -8,12 +9,15 @@
 #include "diagnose/candidate.h"
 #include "fit/align.h"
 
-enum { MUKCA_MAX_ACCEPTED = 24 };
+enum { MUKCA_MAX_ACCEPTED = 64 };
 
 /* A candidate that was accepted. */
 typedef struct {
     mukca_candidate candidate;
     double scale; /* prior sigma of coefficient * unit */
+    /* Prior of one coefficient from elsewhere: its mean, and the scale is not to be chosen. */
+    bool known;
+    double centre;
     double coefficient[MUKCA_MAX_COLUMNS];
     int step;    /* of the competition, when it was accepted */
     double lead; /* log odds by which it led when it was last tested; 0: not yet */

@@ -111,7 +111,7 @@ static double *explain(mukca_report *r)
 {
     const mukca_applied *applied = &r->diagnosed.diagnosis->applied;
     double theta[MUKCA_MAX_THETA];
-    mukca_effect general[MUKCA_MAX_CAUSES];
+    mukca_effect general[MUKCA_MAX_APPLIED];
     int n = 0;
     for (int i = 0; i < applied->n_effects; i++)
         if (applied->effects[i].placement < 0) general[n++] = applied->effects[i];

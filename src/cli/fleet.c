@@ -1,0 +1,276 @@
+/* mukca fleet: pool the summaries of many arms of one model. */
+#include <math.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "fleet/traits.h"
+#include "io/summary.h"
+#include "io/traits.h"
+#include "report/wording.h"
+
+typedef struct {
+    cli_common common;
+    bool partial;
+} fleet_options;
+
+static const cli_option options[] = {
+    CLI_OUTPUT_OPTION("write the traits table; with --partial, the summary of summaries"),
+    CLI_OPTION(fleet_options, partial, "partial", CLI_FLAG, NULL,
+               "join the summaries into one file (-o) for a later mukca fleet; pool nothing"),
+    CLI_JSON_OPTION,
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+typedef struct {
+    mukca_fleet fleet;
+    mukca_fleet_result result;
+    const char *path; /* of the file that is being read */
+} fleet_work;
+
+static void release(void *work)
+{
+    fleet_work *w = work;
+    mukca_fleet_result_free(&w->result);
+    mukca_fleet_free(&w->fleet);
+}
+
+static mukca_status take(void *context, const mukca_summary *summary, mukca_error *error)
+{
+    fleet_work *w = context;
+    return mukca_fleet_take(&w->fleet, summary, w->path, error);
+}
+
+static mukca_status read_all(cli_call *call)
+{
+    fleet_work *w = call->work;
+    mukca_status status = MUKCA_OK;
+    for (int i = 0; i < call->arguments.n && status == MUKCA_OK; i++) {
+        w->path = call->arguments.items[i];
+        if (cli_interrupted()) return mukca_fail(&call->error, MUKCA_INTERRUPTED, "interrupted");
+        cli_progress(call, "reading summaries", i, call->arguments.n);
+        status = mukca_summary_read(w->path, take, w, &call->error);
+    }
+    return status == MUKCA_OK ? mukca_fleet_gather(&w->fleet, &call->error) : status;
+}
+
+/* The summaries in the order of their hashes: the same bytes however they were joined before. */
+static mukca_status write_partial(FILE *stream, const mukca_fleet *fleet, mukca_error *error)
+{
+    mukca_status status = MUKCA_OK;
+    for (int s = 0; s < fleet->n_sessions && status == MUKCA_OK; s++) {
+        mukca_summary summary;
+        mukca_fleet_give(&summary, fleet, s);
+        status = mukca_summary_write(stream, &summary, error);
+    }
+    return status;
+}
+
+static mukca_status write_output(cli_call *call)
+{
+    const fleet_options *o = call->options;
+    const fleet_work *w = call->work;
+    mukca_output output = {0};
+    if (!call->common->output) return MUKCA_OK;
+    mukca_status status =
+        mukca_output_open(&output, call->common->output, call->common->force, &call->error);
+    if (status != MUKCA_OK) return status;
+    if (o->partial)
+        status = write_partial(output.stream, &w->fleet, &call->error);
+    else
+        mukca_traits_write(output.stream, &w->result.traits);
+    return mukca_output_finish(&output, status, &call->error);
+}
+
+/* ---- as JSON ---- */
+
+static json_t *joint_name(const mukca_fleet *f, int joint)
+{
+    return joint < 0 ? json_null() : cli_json_text(f->model.joint[joint]);
+}
+
+static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
+{
+    const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
+    const double ci95[2] = {t->low, t->high};
+    json_t *object =
+        cli_json_numbers("mean", t->mean, "spread", t->spread, "error", t->error,
+                         "log_bayes_factor", t->log_bayes_factor, "probability", t->probability);
+    json_object_set_new(object, "effect", json_string(info->name));
+    json_object_set_new(object, "joint", joint_name(f, t->effect.joint));
+    json_object_set_new(
+        object, "order",
+        t->effect.variant.order ? json_integer(t->effect.variant.order) : json_null());
+    json_object_set_new(object, "unit", json_string(info->unit));
+    json_object_set_new(object, "arms", json_integer(t->arms));
+    json_object_set_new(object, "ci95", isfinite(t->low) ? cli_json_reals(ci95, 2) : json_null());
+    return object;
+}
+
+static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
+{
+    const double ci95[2] = {d->low, d->high};
+    return json_pack(
+        "{s:o, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "arm", cli_json_text(f->arm[d->arm].name),
+        "effect", mukca_effect_table[d->effect.kind]->name, "joint", joint_name(f, d->effect.joint),
+        "ratio", cli_json_real(d->ratio), "probability", cli_json_real(d->probability),
+        "log_bayes_factor", cli_json_real(d->log_bayes_factor), "value", cli_json_real(d->value),
+        "ci95", cli_json_reals(ci95, 2), "mean", cli_json_real(d->mean));
+}
+
+static json_t *arm_object(const mukca_fleet_result *r, const mukca_fleet *f, int arm)
+{
+    json_t *effects = json_array();
+    const int n = r->population.n;
+    for (int k = 0; k < n && r->departure[arm].k >= 0; k++)
+        json_array_append_new(effects, departure_object(&r->estimate[arm * n + k], f));
+    return json_pack("{s:o, s:i, s:i, s:o}", "arm", cli_json_text(f->arm[arm].name), "sessions",
+                     f->arm[arm].end - f->arm[arm].first, "samples", f->arm[arm].samples, "effects",
+                     effects);
+}
+
+static json_t *result_json(const fleet_work *w)
+{
+    const mukca_fleet_result *r = &w->result;
+    const mukca_fleet *f = &w->fleet;
+    json_t *effects = json_array(), *orders = json_array(), *departures = json_array(),
+           *arms = json_array();
+    for (int i = 0; i < r->traits.n; i++)
+        json_array_append_new(effects, trait_object(&r->traits.list[i], f));
+    for (int j = 0; j < f->model.n_joints; j++)
+        if (r->order[j].order)
+            json_array_append_new(
+                orders,
+                json_pack("{s:o, s:i, s:o, s:o, s:i}", "joint", joint_name(f, j), "order",
+                          r->order[j].order, "probability", cli_json_real(r->order[j].probability),
+                          "log_bayes_factor", cli_json_real(r->order[j].log_bayes_factor), "arms",
+                          r->order[j].arms));
+    for (int a = 0; a < f->n_arms; a++) {
+        if (r->departure[a].probability >= MUKCA_DEPARTS)
+            json_array_append_new(departures, departure_object(&r->departure[a], f));
+        json_array_append_new(arms, arm_object(r, f, a));
+    }
+    return json_pack("{s:s, s:s, s:i, s:i, s:o, s:o, s:o, s:o}", "schema", "mukca.fleet/1", "robot",
+                     f->model.robot, "n_arms", f->n_arms, "samples", r->traits.n_samples, "effects",
+                     effects, "orders", orders, "departures", departures, "arms", arms);
+}
+
+/* ---- for people ---- */
+
+static void describe_effect(char words[MUKCA_WORDING], const mukca_effect *e, const mukca_fleet *f)
+{
+    snprintf(words, MUKCA_WORDING, "%s%s%s", mukca_effect_table[e->kind]->title,
+             e->joint < 0                           ? ""
+             : e->kind == MUKCA_EFFECT_LINK_BENDING ? " before "
+                                                    : " at ",
+             e->joint < 0 ? "" : f->model.joint[e->joint]);
+}
+
+static void print_shared(cli_call *call, const fleet_work *w)
+{
+    const mukca_fleet_result *r = &w->result;
+    char words[MUKCA_WORDING], probability[MUKCA_WORDING];
+    int shown = 0;
+    for (int k = 0; k < r->population.n; k++) {
+        const mukca_shared *s = &r->shared[k];
+        const double f = mukca_effect_table[s->effect.kind]->display_factor;
+        if (s->probability < 0.5) continue;
+        describe_effect(words, &s->effect, &w->fleet);
+        mukca_wording_probability(probability, s->probability);
+        cli_answer_keyed(call, shown++ ? "" : "Shared",
+                         "%s, %.3g urad/(N·m) [%.3g, %.3g], arms differ by %.2g (%.0f %%), %s",
+                         words, f * s->mean, f * s->low, f * s->high, f * s->spread,
+                         100 * s->spread / s->mean, probability);
+    }
+    if (!shown) cli_answer_keyed(call, "Shared", "no elastic coefficient");
+    shown = 0;
+    for (int j = 0; j < w->fleet.model.n_joints; j++) {
+        const mukca_shared_order *o = &r->order[j];
+        if (!o->order || o->probability < MUKCA_ORDER_SHARED) continue;
+        mukca_wording_probability(probability, o->probability);
+        cli_answer_keyed(call, shown++ ? "" : "Ripple",
+                         "transmission ripple at %s, %d per turn, seen in %d of %d arms, %s",
+                         w->fleet.model.joint[j], o->order, o->arms, w->fleet.n_arms, probability);
+    }
+    if (!shown) cli_answer_keyed(call, "Ripple", "no shared order");
+}
+
+static void print_departures(cli_call *call, const fleet_work *w)
+{
+    char words[MUKCA_WORDING], probability[MUKCA_WORDING], ratio[64];
+    int shown = 0;
+    for (int a = 0; a < w->fleet.n_arms; a++) {
+        const mukca_departure *d = &w->result.departure[a];
+        if (!(d->probability >= MUKCA_DEPARTS)) continue;
+        const double f = mukca_effect_table[d->effect.kind]->display_factor;
+        describe_effect(words, &d->effect, &w->fleet);
+        mukca_wording_probability(probability, d->probability);
+        if (!isfinite(d->ratio))
+            snprintf(ratio, sizeof ratio, "unlike");
+        else if (d->ratio >= 1)
+            snprintf(ratio, sizeof ratio, "%.1f times softer than", d->ratio);
+        else
+            snprintf(ratio, sizeof ratio, "stiffer (%.1f of the deflection) than", d->ratio);
+        cli_answer_keyed(call, shown++ ? "" : "Departs",
+                         "%s: %s %s %d sisters, %.3g urad/(N·m) [%.3g, %.3g] against %.3g, %s",
+                         w->fleet.arm[a].name, words, ratio, w->fleet.n_arms - 1, f * d->value,
+                         f * d->low, f * d->high, f * d->mean, probability);
+    }
+    if (!shown)
+        cli_answer_keyed(call, "Departs",
+                         w->fleet.n_arms < 3 ? "not testable with two arms" : "no arm");
+}
+
+static mukca_status run(cli_call *call)
+{
+    const fleet_options *o = call->options;
+    fleet_work *w = call->work;
+    if (o->partial && (!call->common->output || call->common->json))
+        return mukca_fail(&call->error, MUKCA_USAGE, "--partial needs -o FILE and writes no JSON");
+    mukca_status status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->output);
+    if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->json);
+    if (status == MUKCA_OK) status = read_all(call);
+    if (status == MUKCA_OK && !o->partial)
+        status = mukca_fleet_pool(&w->result, &w->fleet, &call->error);
+    if (status == MUKCA_OK) status = write_output(call);
+    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, result_json(w));
+    if (status != MUKCA_OK) return status;
+    cli_answer(call, "%s: %d arms, %d sessions\n\n", w->fleet.model.robot, w->fleet.n_arms,
+               w->fleet.n_sessions);
+    if (o->partial) return MUKCA_OK;
+    print_shared(call, w);
+    print_departures(call, w);
+    return MUKCA_OK;
+}
+
+const cli_command cli_command_fleet = {
+    .name = "fleet",
+    .group = CLI_UNDERSTAND,
+    .summary = "pool the summaries of many arms of one model",
+    .synopsis = "SUMMARY...",
+    .min_arguments = 1,
+    .max_arguments = -1,
+    .description =
+        "Reads the files of diagnose --summary. Sessions with the same arm label are one arm's "
+        "data. Prints which elastic coefficients the arms share (mean, 95 % interval, spread "
+        "between arms), the orders of transmission ripple that they share, and which arms depart "
+        "from all others. Probabilities take the number of arms and coefficients into account.\n\n"
+        "-o writes the traits table: the population as prior for diagnose --traits, calibrate "
+        "--traits and capture --traits.\n\n"
+        "--partial writes the summaries into one file instead, for a tree of jobs: pooling the "
+        "parts gives the same bytes as pooling all files at once. See docs/fleet.md for GNU "
+        "parallel and Slurm.",
+    .example =
+        "mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv --summary "
+        "build/demo/arm_1.json --arm 1 --force\n"
+        "mukca diagnose --urdf data/demo/arm.urdf data/demo/test.tsv --summary "
+        "build/demo/arm_2.json --arm 2 --force\n"
+        "mukca fleet build/demo/arm_1.json build/demo/arm_2.json -o "
+        "build/demo/heron7.traits.tsv --force",
+    .options = options,
+    .options_size = sizeof(fleet_options),
+    .run = run,
+    .work_size = sizeof(fleet_work),
+    .release = release,
+};

@@ -1,0 +1,137 @@
+/* The label of an arm; what a fleet's traits did for a diagnosis. */
+#include "cli/traits.h"
+
+#include <libgen.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "report/wording.h"
+
+/* Name of the folder that holds `path`. */
+static bool folder_of(char name[MUKCA_NAME_SIZE], const char *path)
+{
+    char whole[PATH_MAX];
+    if (!realpath(path, whole)) return false;
+    const char *folder = basename(dirname(whole));
+    if (!*folder || *folder == '/' || strlen(folder) >= MUKCA_NAME_SIZE) return false;
+    memcpy(name, folder, strlen(folder) + 1);
+    return true;
+}
+
+mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const char *given)
+{
+    char other[MUKCA_NAME_SIZE];
+    if (given) {
+        if (!*given || strlen(given) >= MUKCA_NAME_SIZE || strpbrk(given, "\t\r\n"))
+            return mukca_fail(&call->error, MUKCA_USAGE,
+                              "--arm: the label must have 1 to 63 bytes and no tab or line feed");
+        memcpy(label, given, strlen(given) + 1);
+        return MUKCA_OK;
+    }
+    for (int i = 0; i < call->arguments.n; i++)
+        if (!folder_of(i ? other : label, call->arguments.items[i]) ||
+            (i && strcmp(other, label) != 0))
+            return mukca_fail(&call->error, MUKCA_USAGE,
+                              "the data do not lie in one folder that could name the arm; give "
+                              "--arm NAME");
+    return MUKCA_OK;
+}
+
+/* ---- for people ---- */
+
+static void put_coefficient(mukca_text *text, const mukca_inherited *c, const mukca_chain *chain)
+{
+    char words[MUKCA_WORDING];
+    const mukca_trait *t = c->trait;
+    const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
+    const double f = info->display_factor;
+    mukca_wording_effect(words, t->effect.kind, chain, t->effect.joint);
+    mukca_text_put(
+        text, "%s, %.3g urad/(N·m) [%.3g, %.3g]; fleet %.3g ± %.2g; %.0f %% from this arm", words,
+        f * c->value, f * c->low, f * c->high, f * t->mean, f * t->spread, 100 * c->own);
+}
+
+void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_diagnosis *d,
+                        const mukca_chain *chain)
+{
+    char line[1024] = "", orders[512] = "";
+    mukca_text text = MUKCA_TEXT(line), list = MUKCA_TEXT(orders);
+    int n_orders = 0, shown = 0;
+    for (int i = 0; i < a->traits->n; i++) {
+        const mukca_effect *e = &a->traits->list[i].effect;
+        if (e->kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
+        mukca_text_put(&list, "%s%d at %s", n_orders++ ? ", " : "", e->variant.order,
+                       mukca_chain_joint_name(chain, e->joint));
+    }
+    if (!a->adopted) {
+        cli_answer_keyed(call, "Fleet",
+                         "the traits of %d arms contradict this arm's data (log Bayes factor "
+                         "%.1f) and are not used; its own fit stands. Are they of this model, and "
+                         "the link masses right?",
+                         a->traits->n_arms, a->log_evidence);
+        return;
+    }
+    cli_answer_keyed(call, "Fleet",
+                     a->only ? "only the means of %d arms' traits, nothing elastic of this arm "
+                               "(log Bayes factor %.1f against its own fit)"
+                             : "the traits of %d arms are the prior; this arm's data agree (log "
+                               "Bayes factor %.1f against its own fit)",
+                     a->traits->n_arms, a->log_evidence);
+    for (int i = 0; i < a->n; i++) {
+        const mukca_inherited *c = &a->list[i];
+        if (!(c->trait->probability > 0.5)) continue; /* the others are in the JSON */
+        put_coefficient(&text, c, chain);
+        cli_answer_keyed(call, shown++ ? "" : "Elastic", "%s", line);
+        line[text.used = 0] = '\0';
+    }
+    if (n_orders && !a->only)
+        cli_answer_keyed(call, "Ripple", "orders known from the fleet: %s", orders);
+    if (isfinite(a->explained_m))
+        cli_answer_keyed(call, "Error", "held out, with the traits %.3f mm (without %.3f mm)",
+                         1e3 * a->explained_m, 1e3 * a->own_explained_m);
+    if (isfinite(d->test_geometry_m))
+        cli_answer_keyed(call, "", "test data, with the traits %.3f mm (without %.3f mm)",
+                         1e3 * a->test_explained_m, 1e3 * a->own_test_explained_m);
+}
+
+/* ---- as JSON ---- */
+
+json_t *cli_adoption_json(const mukca_adoption *a, const mukca_chain *chain)
+{
+    json_t *elastic = json_array(), *orders = json_array();
+    for (int i = 0; i < a->n; i++) {
+        const mukca_inherited *c = &a->list[i];
+        const double ci95[2] = {c->low, c->high};
+        json_array_append_new(
+            elastic,
+            json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "effect",
+                      mukca_effect_table[c->trait->effect.kind]->name, "joint",
+                      cli_json_text(mukca_chain_joint_name(chain, c->trait->effect.joint)), "value",
+                      cli_json_real(c->value), "ci95", cli_json_reals(ci95, 2), "mean",
+                      cli_json_real(c->trait->mean), "spread", cli_json_real(c->trait->spread),
+                      "probability", cli_json_real(c->trait->probability), "own_share",
+                      cli_json_real(c->own)));
+    }
+    for (int i = 0; i < a->traits->n; i++) {
+        const mukca_effect *e = &a->traits->list[i].effect;
+        if (e->kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
+        json_array_append_new(
+            orders, json_pack("{s:o, s:i, s:o}", "joint",
+                              cli_json_text(mukca_chain_joint_name(chain, e->joint)), "order",
+                              e->variant.order, "probability",
+                              cli_json_real(a->traits->list[i].probability)));
+    }
+    json_t *object =
+        cli_json_numbers("log_bayes_factor", a->log_evidence, "explained_m", a->explained_m,
+                         "without_m", a->own_explained_m, "test_explained_m", a->test_explained_m,
+                         "test_without_m", a->own_test_explained_m);
+    json_object_set_new(object, "used", json_boolean(a->adopted));
+    json_object_set_new(object, "only", json_boolean(a->only));
+    json_object_set_new(object, "arms", json_integer(a->traits->n_arms));
+    json_object_set_new(object, "effects", elastic);
+    json_object_set_new(object, "orders", orders);
+    return object;
+}

@@ -1,0 +1,22 @@
+/* Options of commands that write a summary for the fleet or use its traits. */
+#ifndef MUKCA_CLI_TRAITS_H
+#define MUKCA_CLI_TRAITS_H
+
+#include "cli/cli.h"
+#include "fleet/adopt.h"
+
+/* --traits FILE. */
+#define CLI_TRAITS_OPTION(type, member)                  \
+    CLI_OPTION(type, member, "traits", CLI_TEXT, "FILE", \
+               "what the fleet of this model knows (mukca fleet -o), as prior")
+
+/* The label of the arm: `given`, else the name of the folder that the data lie in.  Errors:
+ * MUKCA_USAGE (data of several folders, no usable name). */
+mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const char *given);
+
+/* What came from the fleet and what from this arm, for people and as JSON. */
+void cli_adoption_print(cli_call *call, const mukca_adoption *adoption,
+                        const mukca_diagnosis *diagnosis, const mukca_chain *chain);
+json_t *cli_adoption_json(const mukca_adoption *adoption, const mukca_chain *chain);
+
+#endif

@@ -1,0 +1,218 @@
+/* One more arm with the traits of its model as prior. */
+#include "fleet/adopt.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "diagnose/applied.h"
+#include "diagnose/folds.h"
+#include "diagnose/test_data.h"
+
+#define INTERVAL 1.959963984540054
+
+/* Prior sigma of a coefficient that no fleet knows, rad/(N m): the usual sizes of
+ * mukca_sizes_spring. */
+#define WIDE 30e-6
+
+/* Coefficients to which nothing may be added, rad/(N m): far below what any data show. */
+#define HELD 1e-10
+
+typedef struct {
+    mukca_adoption *adoption;
+    mukca_regression *m;
+    const mukca_adopt_options *options;
+    mukca_unknowns own, base; /* as diagnosed; without elastic causes, with the known orders */
+    mukca_unknowns kept;      /* to go back to */
+    mukca_fleet_prior prior[MUKCA_FLEET_TERMS];
+} task;
+
+/* Add the orders that the fleet knows. */
+static bool put_orders(task *t)
+{
+    mukca_unknowns *u = &t->m->unknowns;
+    const mukca_traits *traits = t->options->traits;
+    for (int i = 0; i < traits->n; i++) {
+        const mukca_trait *known = &traits->list[i];
+        if (known->effect.kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
+        const int c =
+            mukca_fleet_add_harmonic(t->m, known->effect.joint, known->effect.variant.order);
+        if (c < 0) return false;
+        u->cause[c].candidate.log_prior = log(known->probability); /* no looking elsewhere */
+    }
+    return true;
+}
+
+/* An order that the arm's own data named gives way to the fleet's where it is needed no more. */
+static double prune_orders(task *t, double score)
+{
+    mukca_regression *m = t->m;
+    mukca_unknowns *u = &m->unknowns;
+    for (int c = u->n_causes - 1; c >= 0; c--) {
+        const mukca_candidate h = u->cause[c].candidate;
+        bool other = false, known = false;
+        for (int i = 0; i < t->options->traits->n && !t->options->only; i++) {
+            const mukca_effect *e = &t->options->traits->list[i].effect;
+            if (mukca_candidate_class(&h) != (int)e->kind || e->joint != h.joint) continue;
+            known |= mukca_effect_same(e, &h.effect);
+            other |= e->kind == MUKCA_EFFECT_GEAR_HARMONIC;
+        }
+        if (known || !other) continue;
+        mukca_unknowns_assign(&t->kept, u);
+        mukca_unknowns_drop(u, c);
+        mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
+        const double without = mukca_regression_score(m);
+        if (without > score) {
+            score = without;
+            continue;
+        }
+        mukca_unknowns_assign(u, &t->kept);
+        mukca_regression_linearise(m);
+    }
+    return score;
+}
+
+/* Fit with a prior of the coefficients; the log posterior, up to what all fits share. */
+static double fit(task *t, const mukca_fleet_prior *prior)
+{
+    mukca_unknowns_assign(&t->m->unknowns, &t->base);
+    if (!mukca_fleet_add(t->m, prior)) return -HUGE_VAL;
+    mukca_regression_fit(t->m, 6, MUKCA_FIT_ALL);
+    return prune_orders(t, mukca_regression_score(t->m));
+}
+
+/* Prior of the coefficients: scatter and uncertain mean together. */
+static void read_prior(task *t)
+{
+    const int n = t->m->recording.chain->n_joints;
+    for (int k = 0; k < mukca_fleet_terms(n); k++) {
+        const mukca_effect term = mukca_fleet_term(k, n);
+        t->prior[k] = (mukca_fleet_prior){0, t->options->only ? HELD : WIDE};
+        for (int i = 0; i < t->options->traits->n; i++) {
+            const mukca_trait *trait = &t->options->traits->list[i];
+            if (!mukca_effect_same(&trait->effect, &term)) continue;
+            t->prior[k].mean = trait->mean;
+            t->prior[k].sigma = t->options->only ? HELD : hypot(trait->spread, trait->error);
+        }
+    }
+}
+
+static void list_coefficients(task *t)
+{
+    mukca_adoption *a = t->adoption;
+    mukca_unknowns *u = &t->m->unknowns;
+    const double one = 1;
+    mukca_regression_factor(t->m);
+    for (int c = 0; c < u->n_causes; c++) {
+        const mukca_accepted *cause = &u->cause[c];
+        for (int i = 0; i < t->options->traits->n && cause->known; i++) {
+            const mukca_trait *trait = &t->options->traits->list[i];
+            if (!mukca_effect_same(&trait->effect, &cause->candidate.effect)) continue;
+            const double value = cause->coefficient[0],
+                         sigma = mukca_regression_standard_error(t->m, mukca_unknowns_column(u, c),
+                                                                 &one, 1),
+                         kept = sigma * cause->candidate.unit[0] / cause->scale;
+            a->list[a->n++] = (mukca_inherited){.trait = trait,
+                                                .value = value,
+                                                .low = fmax(value - INTERVAL * sigma, 0),
+                                                .high = value + INTERVAL * sigma,
+                                                .own = fmax(1 - kept * kept, 0)};
+        }
+    }
+}
+
+/* Held-out error of the present fit, and (NULL: not wanted) that of each placement. */
+static double held_out(task *t, double *placement)
+{
+    mukca_folds b = {.m = t->m};
+    mukca_folds_create(&b);
+    if (t->m->pool.failed) return NAN;
+    mukca_folds_run(b.error, &b, false);
+    if (placement) mukca_folds_by_placement(placement, &t->m->recording, b.error);
+    return mukca_folds_mean(b.error, t->m->recording.data->n_rows);
+}
+
+/* What belongs to one placement says nothing of another.  It is fitted where that makes the arm
+ * predict other placements better, which only these can tell. */
+static void choose_placement_effects(task *t, const mukca_diagnosis *d)
+{
+    mukca_unknowns *u = &t->m->unknowns;
+    const int n = u->n_causes;
+    if (d->folds < 3) return;
+    mukca_unknowns_assign(&t->kept, u);
+    for (int c = n - 1; c >= 0; c--) {
+        const int class = mukca_candidate_class(&u->cause[c].candidate);
+        if (mukca_effect_has(class, MUKCA_TRAIT_PER_PLACEMENT)) mukca_unknowns_drop(u, c);
+    }
+    if (u->n_causes == n) return;
+    const double with = held_out(t, NULL);
+    mukca_regression_fit(t->m, 6, MUKCA_FIT_ALL);
+    if (held_out(t, NULL) < with) return;
+    mukca_unknowns_assign(u, &t->kept);
+    mukca_regression_linearise(t->m);
+}
+
+/* Errors and what can be applied, from the fit with the traits. */
+static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
+{
+    mukca_regression *m = t->m;
+    mukca_status status = MUKCA_OK;
+    d->geometry = m->unknowns.geometry;
+    if (t->options->folds && d->folds > 1)
+        t->adoption->explained_m = held_out(t, d->placement_mae_m);
+    if (t->options->test) {
+        mukca_test_errors errors;
+        const mukca_arm_state arm = mukca_unknowns_arm(&m->unknowns);
+        status = mukca_test_data_measure(&errors, &d->pool, m, &arm, t->options->test, error);
+        t->adoption->test_explained_m = errors.explained_m;
+        d->test_placement_mae_m = errors.placement_m;
+    }
+    if (t->options->applied) {
+        memset(&d->applied, 0, sizeof d->applied);
+        mukca_applied_fit(&d->applied, m);
+    }
+    return status;
+}
+
+mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis *d,
+                         const mukca_adopt_options *options, mukca_error *error)
+{
+    task t = {.adoption = a, .m = m, .options = options};
+    mukca_fleet_prior wide[MUKCA_FLEET_TERMS];
+    mukca_fleet_model model;
+    *a = (mukca_adoption){.traits = options->traits,
+                          .only = options->only,
+                          .explained_m = d->explained_m,
+                          .test_explained_m = d->test_explained_m,
+                          .own_explained_m = d->explained_m,
+                          .own_test_explained_m = d->test_explained_m};
+    mukca_fleet_model_of(&model, m->recording.chain);
+    const char *differs = mukca_fleet_model_differs(&model, &options->traits->model);
+    if (differs)
+        return mukca_fail(
+            error, MUKCA_INPUT,
+            "the traits are of another model: %s; give the traits of this arm's model", differs);
+    bool ok = mukca_unknowns_clone(&t.own, &m->pool, &m->unknowns) &&
+              mukca_unknowns_clone(&t.base, &m->pool, &m->unknowns) &&
+              mukca_unknowns_clone(&t.kept, &m->pool, &m->unknowns);
+    double own = mukca_regression_score(m);
+    for (int k = 0; k < MUKCA_FLEET_TERMS; k++) wide[k] = (mukca_fleet_prior){0, WIDE};
+    if (ok) {
+        mukca_fleet_strip(m, false);
+        ok = options->only || put_orders(&t);
+        mukca_unknowns_assign(&t.base, &m->unknowns);
+    }
+    if (!ok || m->pool.failed)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the traits");
+    read_prior(&t);
+    own = fmax(own, fit(&t, wide));
+    a->log_evidence = fit(&t, t.prior) - own;
+    a->adopted = options->only || a->log_evidence > 0;
+    if (a->adopted) {
+        choose_placement_effects(&t, d);
+        list_coefficients(&t);
+        return take_over(&t, d, error);
+    }
+    mukca_unknowns_assign(&m->unknowns, &t.own);
+    mukca_regression_linearise(m);
+    return MUKCA_OK;
+}

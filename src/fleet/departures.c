@@ -1,0 +1,140 @@
+/* Arms that depart from their fleet: each against the posterior predictive of its sisters. */
+#include "fleet/departures.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "math/dense.h"
+#include "math/stats.h"
+
+enum {
+    T = MUKCA_FLEET_TERMS,
+    REFITS = 64 /* up to so many arms the spread is fitted without each in turn; of more, one arm
+                   changes it by less than its own uncertainty */
+};
+
+#define INTERVAL 1.959963984540054
+
+/* How far an arm may depart, prior sigmas, rad/(N m): as soft as the usual springs of
+ * mukca_sizes_spring. */
+static const double sizes[] = {30e-6, 100e-6, 300e-6};
+enum { SIZES = sizeof sizes / sizeof *sizes };
+
+/* Covariance of one more arm's coefficients about the mean: the scatter, wider by what few arms
+ * know of it (Student's t), and the uncertainty of the mean. */
+static void predictive(double *V, const mukca_population *p)
+{
+    const int n = p->n;
+    const double nu = p->n_arms + 1.0, wider = nu > 2 ? nu / (nu - 2) : 3;
+    memcpy(V, p->covariance, sizeof *V * (size_t)(n * n));
+    for (int i = 0; i < n; i++) V[i * n + i] += wider * p->spread[i] * p->spread[i];
+}
+
+/* An arm against its sisters. */
+typedef struct {
+    const mukca_population *sisters;
+    double V[T * T];      /* of its coefficients before its data */
+    mukca_arm_evidence w; /* what it says of their mean; e becomes the residual about that */
+} comparison;
+
+static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm)
+{
+    const int n = p->n;
+    mukca_arm_evidence own;
+    c->sisters = p;
+    predictive(c->V, p);
+    mukca_population_arm(&own, p, f, arm);
+    if (!mukca_population_scatter(&c->w, &own, c->V, n)) return false;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) c->w.e[i] -= c->w.L[i * n + k] * p->mean[k];
+    return true;
+}
+
+/* Coefficient k of the arm where its prior is wider by s2 there: mean and standard deviation. */
+static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
+{
+    const int n = c->sisters->n;
+    const double *W = c->w.L, *V = c->V;
+    const double shrink = s2 / (1 + s2 * W[k * n + k]);
+    double own = 0, variance = V[k * n + k] + s2, row[T];
+    for (int i = 0; i < n; i++) {
+        row[i] = V[k * n + i] + (i == k ? s2 : 0);
+        own += row[i] * (c->w.e[i] - shrink * W[i * n + k] * c->w.e[k]);
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            variance -= row[i] * row[j] * (W[i * n + j] - shrink * W[i * n + k] * W[k * n + j]);
+    const double half = INTERVAL * sqrt(fmax(variance, 0));
+    d->mean = c->sisters->mean[k];
+    d->value = d->mean + own;
+    d->low = fmax(d->value - half, 0), d->high = d->value + half;
+    d->ratio = d->mean > 0 ? d->value / d->mean : (double)INFINITY;
+}
+
+/* Log Bayes factor of a departure in coefficient k; *best gets the prior variance that fits. */
+static double departs(const comparison *c, int k, double *best)
+{
+    const double W = c->w.L[k * c->sisters->n + k], r = c->w.e[k];
+    double value[SIZES], most = -HUGE_VAL;
+    for (int s = 0; s < SIZES; s++) {
+        const double s2 = sizes[s] * sizes[s], d = 1 + s2 * W;
+        value[s] = -0.5 * log(d) + 0.5 * s2 * r * r / d - log(SIZES);
+        if (value[s] > most) most = value[s], *best = s2;
+    }
+    return mukca_stats_log_sum_exp(value, SIZES);
+}
+
+/* The whole fleet without one arm, its spread as it is. */
+static void downdate(mukca_population *p, const mukca_fleet *f, int arm)
+{
+    const int n = p->n;
+    double V[T * T] = {0}, A[T * T], b[T];
+    mukca_arm_evidence own, w;
+    for (int i = 0; i < n; i++) V[i * n + i] = p->spread[i] * p->spread[i];
+    mukca_population_arm(&own, p, f, arm);
+    if (!mukca_population_scatter(&w, &own, V, n)) return;
+    for (int i = 0; i < n * n; i++) A[i] = p->information[i] - w.L[i];
+    for (int i = 0; i < n; i++) b[i] = p->vector[i] - w.e[i];
+    if (mukca_dense_cholesky(A, n)) return;
+    mukca_dense_forward(b, 1, A, n);
+    mukca_dense_backward(b, 1, A, n);
+    for (int i = 0; i < n; i++) p->mean[i] = fmax(b[i], 0);
+}
+
+void mukca_departures_find(mukca_departure *departure, mukca_departure *estimates,
+                           const mukca_population *all, const mukca_fleet *f)
+{
+    const int n = all->n;
+    /* Even odds that no arm of the fleet departs, whatever their number (J. Scott, J. Berger, Bayes
+     * and empirical-Bayes multiplicity adjustment, Ann. Stat. 38, 2010); then any coefficient. */
+    const double alone = pow(0.5, 1.0 / f->n_arms), each = log((1 - alone) / (n * alone));
+    for (int a = 0; a < f->n_arms; a++) {
+        mukca_population sisters = *all;
+        comparison c;
+        double odds[T + 1] = {0}, size[T] = {0};
+        int top = 0;
+        departure[a] = (mukca_departure){.arm = a, .k = -1};
+        if (f->n_arms < 3) continue; /* of two, either may depart */
+        if (f->n_arms <= REFITS)
+            mukca_population_fit(&sisters, f, a, true);
+        else
+            downdate(&sisters, f, a);
+        if (!sisters.n || !compare(&c, &sisters, f, a)) continue;
+        for (int k = 0; k < n; k++) {
+            odds[k] = departs(&c, k, &size[k]) + each;
+            if (odds[k] > odds[top]) top = k;
+        }
+        odds[n] = 0;
+        const double total = mukca_stats_log_sum_exp(odds, n + 1);
+        departure[a].k = top;
+        departure[a].effect = mukca_fleet_term(all->term[top], f->model.n_joints);
+        departure[a].log_bayes_factor = odds[top] - each;
+        departure[a].probability = 1 - exp(-total); /* of any departure; the top one is named */
+        estimate(&departure[a], &c, top, size[top]);
+        for (int k = 0; k < n && estimates; k++) {
+            mukca_departure *e = &estimates[a * n + k];
+            *e = (mukca_departure){.arm = a, .k = k, .probability = exp(odds[k] - total)};
+            estimate(e, &c, k, exp(odds[k] - total) > 0.5 ? size[k] : 0);
+        }
+    }
+}

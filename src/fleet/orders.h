@@ -1,0 +1,17 @@
+/* Orders of transmission ripple that a fleet shares. */
+#ifndef MUKCA_FLEET_ORDERS_H
+#define MUKCA_FLEET_ORDERS_H
+
+#include "fleet/fleet.h"
+
+typedef struct {
+    int joint, order;
+    double log_bayes_factor; /* sum over the arms */
+    double probability; /* shared, against other orders, an order of each arm's own, and none */
+    int arms;           /* whose own data favour it */
+} mukca_shared_order;
+
+/* shared[n_joints]: the most probable order of each joint (order 0: none was scanned). */
+void mukca_orders_pool(mukca_shared_order *shared, const mukca_fleet *fleet);
+
+#endif

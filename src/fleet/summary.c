@@ -1,0 +1,158 @@
+/* The summary of a recording for its fleet. */
+#include "fleet/summary.h"
+
+#include <math.h>
+#include <string.h>
+
+/* FNV-1a, 64 bits (Fowler, Noll, Vo). */
+static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t n)
+{
+    const unsigned char *b = bytes;
+    for (size_t i = 0; i < n; i++) hash = (hash ^ b[i]) * UINT64_C(1099511628211);
+    return hash;
+}
+
+#define HASH_START UINT64_C(14695981039346656037)
+
+/* Numbers to a multiple of `unit`: equal files from other tools differ in the last digit. */
+static uint64_t hash_numbers(uint64_t hash, const double *x, int n, double unit)
+{
+    for (int i = 0; i < n; i++) {
+        const int64_t rounded = (int64_t)round(fmin(fmax(x[i] / unit, -1e15), 1e15));
+        hash = hash_bytes(hash, &rounded, sizeof rounded);
+    }
+    return hash;
+}
+
+void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain)
+{
+    *model = (mukca_fleet_model){
+        .n_joints = chain->n_joints, .geometry = HASH_START, .masses = HASH_START};
+    memcpy(model->robot, chain->robot, sizeof model->robot);
+    memcpy(model->base, chain->base, sizeof model->base);
+    memcpy(model->tip, chain->tip, sizeof model->tip);
+    for (int j = 0; j < chain->n_joints; j++)
+        memcpy(model->joint[j], mukca_chain_joint_name(chain, j), sizeof *model->joint);
+    mukca_geometry nominal;
+    mukca_geometry_set(&nominal, chain, NULL);
+    for (int k = 0; k < chain->n_elements; k++) {
+        const mukca_element *e = &chain->element[k];
+        model->geometry = hash_numbers(model->geometry, nominal.origin[k].R, 9, 1e-6);
+        model->geometry = hash_numbers(model->geometry, nominal.origin[k].p, 3, 1e-6);
+        if (e->joint >= 0) model->geometry = hash_numbers(model->geometry, e->axis, 3, 1e-6);
+    }
+    for (int i = 0; i < chain->n_masses; i++) {
+        const double element = chain->mass[i].element;
+        model->masses = hash_numbers(model->masses, &element, 1, 1);
+        model->masses = hash_numbers(model->masses, &chain->mass[i].kg, 1, 1e-3);
+        model->masses = hash_numbers(model->masses, chain->mass[i].com, 3, 1e-6);
+    }
+    model->masses = hash_numbers(model->masses, chain->gravity, 3, 1e-3);
+}
+
+const char *mukca_fleet_model_differs(const mukca_fleet_model *a, const mukca_fleet_model *b)
+{
+    if (a->n_joints != b->n_joints) return "the number of joints differs";
+    if (strcmp(a->base, b->base) != 0 || strcmp(a->tip, b->tip) != 0)
+        return "base or tip of the chain differ";
+    for (int j = 0; j < a->n_joints; j++)
+        if (strcmp(a->joint[j], b->joint[j]) != 0) return "the names of the joints differ";
+    if (a->geometry != b->geometry) return "the nominal geometry differs";
+    return a->masses != b->masses ? "the link masses differ (--inertials)" : NULL;
+}
+
+uint64_t mukca_summary_hash(const mukca_dataset *data)
+{
+    const size_t rows = (size_t)data->n_rows;
+    uint64_t hash = hash_bytes(HASH_START, data->q, rows * (size_t)data->n_joints * sizeof(double));
+    hash = hash_bytes(hash, data->socket, rows * sizeof *data->socket);
+    if (data->position) hash = hash_bytes(hash, data->position, 3 * rows * sizeof(double));
+    return hash;
+}
+
+/* Log Bayes factors of all orders of all joints against the present model. */
+static bool scan_orders(mukca_summary *s, mukca_regression *m)
+{
+    const mukca_recording *r = &m->recording;
+    const size_t projector = mukca_projector_size(m), view = mukca_joint_view_size(m);
+    double *memory =
+        MUKCA_TAKE(&m->pool, double,
+                   projector + view + (size_t)(r->data->n_sockets + 1) * 6 * MUKCA_MAX_COLUMNS);
+    if (!memory) return false;
+    mukca_projector p = mukca_projector_lay_out(m, memory);
+    const mukca_normal_equations *normal = mukca_regression_collect_own(m);
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    mukca_projector_aim(&p, normal, m->unknowns.sigma);
+    for (int j = 0; j < r->chain->n_joints; j++) {
+        double value[MUKCA_RIPPLE_ORDERS + 1], travel[2];
+        mukca_recording_travel(travel, r, j);
+        const mukca_joint_type type = r->chain->element[r->chain->joint_element[j]].type;
+        if (!mukca_joint_turns((int)type) || travel[1] - travel[0] < MUKCA_LEAST_RANGE) continue;
+        const mukca_joint_view at = mukca_joint_view_aim(&p, j, memory + projector);
+        mukca_ripple_scan(value, &at, memory + projector + view, p.white);
+        for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
+            const double quanta = round(value[o + 2] / MUKCA_FLEET_QUANTUM);
+            s->ripple[j][o] = (int16_t)fmin(fmax(quanta, -INT16_MAX), INT16_MAX);
+        }
+    }
+    return true;
+}
+
+/* Information on the last columns with all others integrated out: their block of the factor of the
+ * scaled posterior precision is that of its Schur complement, which is I + D S D with the prior
+ * sigmas D. */
+static void marginalise(mukca_summary *s, const mukca_regression *m)
+{
+    const mukca_unknowns *u = &m->unknowns;
+    const double *L = m->evidence.factor, *z = m->evidence.work, *D = m->evidence.prior;
+    const int n = m->linear.n_columns, terms = mukca_fleet_terms(s->model.n_joints);
+    int first = n, column[MUKCA_FLEET_TERMS];
+    for (int i = 0; i < terms; i++) {
+        const mukca_effect term = mukca_fleet_term(i, s->model.n_joints);
+        column[i] = -1;
+        for (int c = 0; c < u->n_causes; c++)
+            if (u->cause[c].known && mukca_effect_same(&u->cause[c].candidate.effect, &term))
+                column[i] = mukca_unknowns_column(u, c);
+        if (column[i] >= 0 && column[i] < first) first = column[i];
+    }
+    for (int i = 0; i < terms; i++) {
+        const int a = column[i];
+        double *row = s->information + mukca_fleet_packed(i);
+        s->vector[i] = 0;
+        for (int k = first; a >= 0 && k <= a; k++) s->vector[i] += L[a * n + k] * z[k] / D[a];
+        for (int j = 0; j <= i; j++) {
+            const int b = column[j];
+            row[j] = 0;
+            if (a < 0 || b < 0) continue;
+            for (int k = first; k <= b; k++) row[j] += L[a * n + k] * L[b * n + k];
+            row[j] = (row[j] - (a == b)) / (D[a] * D[b]);
+        }
+    }
+}
+
+mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_error *error)
+{
+    /* While it is linearised, each coefficient is held to the size of soft gears: three times a
+     * Panda's largest.  The summary itself does not hold it. */
+    const double held = 300e-6;
+    mukca_fleet_prior prior[MUKCA_FLEET_TERMS];
+    mukca_unknowns own;
+    for (int i = 0; i < MUKCA_FLEET_TERMS; i++) prior[i] = (mukca_fleet_prior){0, held};
+    mukca_fleet_model_of(&s->model, m->recording.chain);
+    s->samples = m->recording.n_samples;
+    bool ok = mukca_unknowns_clone(&own, &m->pool, &m->unknowns);
+    for (int ripple = 1; ripple >= 0 && ok; ripple--) { /* the orders compete without the arm's */
+        mukca_unknowns_assign(&m->unknowns, &own);
+        mukca_fleet_strip(m, ripple);
+        ok = mukca_fleet_add(m, prior);
+        mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
+        if (ripple && ok) ok = scan_orders(s, m);
+    }
+    if (!ok || m->pool.failed)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the summary");
+    s->sigma_m = m->unknowns.sigma;
+    if (!isfinite(mukca_regression_factor(m)))
+        return mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the data cannot be summarised: no fit");
+    marginalise(s, m);
+    return MUKCA_OK;
+}

@@ -1,0 +1,43 @@
+/* The traits of a robot model: what its fleet knows, as prior for one more arm. */
+#ifndef MUKCA_FLEET_TRAITS_H
+#define MUKCA_FLEET_TRAITS_H
+
+#include "fleet/departures.h"
+#include "fleet/orders.h"
+
+enum { MUKCA_MAX_TRAITS = MUKCA_FLEET_TERMS + MUKCA_MAX_JOINTS };
+
+/* A coefficient, or (gear_harmonic) an order of ripple, whose mean is 0: the phase is each arm's.
+ */
+typedef struct {
+    mukca_effect effect;
+    double mean, spread, error, low, high; /* rad/(N m); the spread of an order is not known: NaN */
+    int arms;
+    double log_bayes_factor, probability;
+} mukca_trait;
+
+typedef struct {
+    mukca_fleet_model model;
+    int n, n_arms, n_sessions, n_samples;
+    mukca_trait list[MUKCA_MAX_TRAITS];
+} mukca_traits;
+
+/* From this probability on an order is a trait. */
+#define MUKCA_ORDER_SHARED 0.5
+
+/* What a fleet comes to. */
+typedef struct {
+    mukca_population population;
+    mukca_shared shared[MUKCA_FLEET_TERMS];     /* [population.n] */
+    mukca_shared_order order[MUKCA_MAX_JOINTS]; /* [n_joints] */
+    mukca_departure *departure, *estimate;      /* [n_arms], [n_arms][population.n] */
+    mukca_traits traits;
+    mukca_pool pool;
+} mukca_fleet_result;
+
+/* Pool a gathered fleet.  Errors: MUKCA_INPUT (fewer than two arms), MUKCA_MEMORY. */
+mukca_status mukca_fleet_pool(mukca_fleet_result *result, const mukca_fleet *fleet,
+                              mukca_error *error);
+void mukca_fleet_result_free(mukca_fleet_result *result);
+
+#endif

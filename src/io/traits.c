@@ -1,0 +1,190 @@
+/* The traits of a model as a table: provenance in `#` lines, one row per coefficient or order. */
+#include "io/traits.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/table.h"
+#include "mukca/version.h"
+
+static void put(FILE *stream, double value)
+{
+    if (isfinite(value))
+        fprintf(stream, "\t%.9g", value);
+    else
+        fputc('\t', stream);
+}
+
+void mukca_traits_write(FILE *stream, const mukca_traits *t)
+{
+    const mukca_fleet_model *m = &t->model;
+    fputs("# mukca " MUKCA_VERSION " traits table\n", stream);
+    fprintf(stream, "# robot: %s\n# base: %s\n# tip: %s\n# joints:", m->robot, m->base, m->tip);
+    for (int j = 0; j < m->n_joints; j++) fprintf(stream, "%s%s", j ? ", " : " ", m->joint[j]);
+    fprintf(stream, "\n# geometry: %016" PRIx64 "\n# masses: %016" PRIx64 "\n", m->geometry,
+            m->masses);
+    fprintf(stream, "# arms: %d\n# sessions: %d\n# samples: %d\n", t->n_arms, t->n_sessions,
+            t->n_samples);
+    fputs(
+        "# mean: of the fleet; error: its standard error; low, high: its 95 % interval; spread: "
+        "standard deviation between arms\n# probability: that the arms share it\n",
+        stream);
+    fputs(
+        "effect\tjoint\tterm\tunit\tmean\tspread\tarms\tlog_bayes_factor\tprobability\terror\t"
+        "low\thigh\n",
+        stream);
+    for (int i = 0; i < t->n; i++) {
+        const mukca_trait *r = &t->list[i];
+        char term[MUKCA_EFFECT_TEXT];
+        mukca_effect_variant_text(term, &r->effect);
+        const bool order = r->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC;
+        fprintf(stream, "%s\t%s\t%s%s\t%s", mukca_effect_table[r->effect.kind]->name,
+                r->effect.joint < 0 ? "" : m->joint[r->effect.joint], order ? "order=" : "", term,
+                mukca_effect_table[r->effect.kind]->unit);
+        put(stream, r->mean);
+        put(stream, r->spread);
+        fprintf(stream, "\t%d", r->arms);
+        put(stream, r->log_bayes_factor);
+        put(stream, r->probability);
+        put(stream, r->error);
+        put(stream, r->low);
+        put(stream, r->high);
+        fputc('\n', stream);
+    }
+}
+
+/* Value of a `# key: value` line of the table's head; NULL: there is none. */
+static const char *head(char value[MUKCA_NAME_SIZE], const mukca_table *table, const char *key)
+{
+    const size_t length = strlen(key);
+    for (const char *line = table->comments; *line;
+         line += strcspn(line, "\n"), line += *line != 0) {
+        const char *at = line + strspn(line, "# ");
+        if (strncmp(at, key, length) != 0 || at[length] != ':') continue;
+        at += length + 1 + (at[length + 1] == ' ');
+        const size_t n = strcspn(at, "\r\n");
+        if (n >= MUKCA_NAME_SIZE) return NULL;
+        memcpy(value, at, n);
+        value[n] = '\0';
+        return value;
+    }
+    return NULL;
+}
+
+static bool hash(uint64_t *value, const mukca_table *table, const char *key)
+{
+    char text[MUKCA_NAME_SIZE];
+    if (!head(text, table, key) || strlen(text) != 16) return false;
+    char *end;
+    *value = strtoull(text, &end, 16);
+    return !*end;
+}
+
+/* The joints' names come from the chain: its nominal geometry must be that of the fleet. */
+static mukca_status check_model(mukca_traits *t, const mukca_table *table, const mukca_chain *chain,
+                                mukca_error *error)
+{
+    char text[MUKCA_NAME_SIZE];
+    mukca_fleet_model own;
+    mukca_fleet_model_of(&own, chain);
+    t->model = own;
+    if (!hash(&t->model.geometry, table, "geometry") || !hash(&t->model.masses, table, "masses"))
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s: no traits table: `# geometry:` or `# masses:` is missing; make it "
+                          "with mukca fleet",
+                          table->path);
+    const char *differs = mukca_fleet_model_differs(&own, &t->model);
+    if (differs)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s: traits of another model: %s; give those of this arm's model",
+                          table->path, differs);
+    t->n_arms = head(text, table, "arms") ? atoi(text) : 0;
+    t->n_sessions = head(text, table, "sessions") ? atoi(text) : 0;
+    t->n_samples = head(text, table, "samples") ? atoi(text) : 0;
+    return MUKCA_OK;
+}
+
+/* Columns of the table. */
+enum { EFFECT, JOINT, TERM, MEAN, SPREAD, ARMS, EVIDENCE, PROBABILITY, ERROR, COLUMNS };
+static const char *const columns[COLUMNS] = {
+    "effect",           "joint",       "term", "mean", "spread", "arms",
+    "log_bayes_factor", "probability", "error"};
+
+static mukca_status take_effect(mukca_effect *e, const mukca_table *table, const int *column,
+                                const mukca_chain *chain, mukca_error *error)
+{
+    const char *joint = table->cell[column[JOINT]], *term = table->cell[column[TERM]];
+    const int kind = mukca_effect_find(table->cell[column[EFFECT]]);
+    const bool order = kind == MUKCA_EFFECT_GEAR_HARMONIC;
+    if (!order && (kind < 0 || !mukca_effect_has(kind, MUKCA_TRAIT_ELASTIC) ||
+                   kind == MUKCA_EFFECT_SERVO_SAG))
+        return mukca_table_fail(error, table, column[EFFECT],
+                                "'%s' is no trait; joint_compliance, link_bending, base_compliance "
+                                "and gear_harmonic are",
+                                table->cell[column[EFFECT]]);
+    *e = (mukca_effect){.kind = (mukca_effect_kind)kind, .joint = -1, .placement = -1};
+    if (mukca_effect_has_joint(kind)) {
+        e->joint = mukca_chain_find_joint(chain, joint);
+        if (e->joint < 0)
+            return mukca_table_fail(error, table, column[JOINT], "'%s' is no joint of the arm",
+                                    joint);
+    }
+    if (order &&
+        (strncmp(term, "order=", 6) != 0 || mukca_effect_set_variant(e, term + 6, chain->n_joints)))
+        return mukca_table_fail(error, table, column[TERM], "'%s' is not order=N, N from 2 to 400",
+                                term);
+    e->terms = mukca_effect_terms(e);
+    return MUKCA_OK;
+}
+
+static mukca_status take_row(mukca_traits *t, const mukca_table *table, const int *column,
+                             const mukca_chain *chain, mukca_error *error)
+{
+    mukca_trait r = {.spread = NAN, .error = NAN, .low = NAN, .high = NAN};
+    double arms, *const number[] = {&r.mean,        &r.spread, &arms, &r.log_bayes_factor,
+                                    &r.probability, &r.error};
+    mukca_status status = take_effect(&r.effect, table, column, chain, error);
+    const bool order = r.effect.kind == MUKCA_EFFECT_GEAR_HARMONIC;
+    for (int i = MEAN; i < COLUMNS && status == MUKCA_OK; i++) {
+        if (order && (i == SPREAD || i == ERROR)) continue;
+        status = mukca_table_number(number[i - MEAN], table, column[i], error);
+    }
+    if (status != MUKCA_OK) return status;
+    r.arms = (int)fmin(fmax(arms, 0), 1e9);
+    if (!order && !(r.spread > 0 && r.error > 0 && r.mean >= 0))
+        return mukca_table_fail(error, table, column[r.mean >= 0 ? SPREAD : MEAN],
+                                "a mean is at least 0, its spread and error are above 0");
+    if (!(r.probability >= 0 && r.probability <= 1))
+        return mukca_table_fail(error, table, column[PROBABILITY], "not between 0 and 1");
+    for (int i = 0; i < t->n; i++)
+        if (mukca_effect_same(&t->list[i].effect, &r.effect))
+            return mukca_table_fail(error, table, column[EFFECT], "the same trait twice");
+    if (t->n == MUKCA_MAX_TRAITS) return mukca_table_fail(error, table, -1, "too many traits");
+    t->list[t->n++] = r;
+    return MUKCA_OK;
+}
+
+mukca_status mukca_traits_read(mukca_traits *t, const char *path, const mukca_chain *chain,
+                               mukca_error *error)
+{
+    mukca_table table;
+    int column[COLUMNS];
+    bool more;
+    memset(t, 0, sizeof *t);
+    mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, error);
+    if (status != MUKCA_OK) return status;
+    status = check_model(t, &table, chain, error);
+    for (int i = 0; i < COLUMNS && status == MUKCA_OK; i++)
+        status = mukca_table_require(&column[i], &table, columns[i], error);
+    while (status == MUKCA_OK) {
+        status = mukca_table_next(&table, &more, error);
+        if (status != MUKCA_OK || !more) break;
+        status = take_row(t, &table, column, chain, error);
+    }
+    if (status == MUKCA_OK && table.cut_off)
+        status = mukca_table_fail(error, &table, -1, "the file is cut off; make it again");
+    mukca_table_close(&table);
+    return status;
+}

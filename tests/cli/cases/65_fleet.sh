@@ -1,0 +1,70 @@
+# fleet, diagnose --summary and --traits: bad input gets one clear line; parts give the same bytes as
+# the whole.
+demo=$root/data/demo
+a="--urdf $demo/arm.urdf"
+mkdir seven && cp "$demo/train.tsv" seven/
+expect "a summary is written" "$MUKCA" diagnose -q $a seven/train.tsv --summary 7.json
+expect "the label is the folder's name" grep -q '"arm":"seven"' 7.json
+expect "another one" "$MUKCA" diagnose -q $a "$demo/test.tsv" --arm eight --summary 8.json
+expect "a summary is a few tens of kB" test "$(wc -c <7.json)" -lt 40000
+"$MUKCA" simulate $a --placements 3 --rows 15 --seed 3 --perturb 1,2 --noise 1e-4 \
+    --effect joint_compliance:joint_4=5e-5 -o nine.tsv
+expect "a third one" "$MUKCA" diagnose -q $a nine.tsv --arm nine --summary 9.json
+answer "joint compliance at joint_4, 4" fleet 7.json 8.json 9.json -o all.traits.tsv --json all.json
+expect "its JSON has effects, orders and departures" grep -q '"departures"' all.json
+"$MUKCA" fleet -q --partial 9.json 7.json -o part.json
+"$MUKCA" fleet -q --partial part.json 8.json -o whole.json
+"$MUKCA" fleet -q --partial 7.json 8.json 9.json -o once.json
+expect "a tree of partial jobs gives the same bytes" cmp whole.json once.json
+"$MUKCA" fleet -q 8.json part.json -o tree.traits.tsv
+expect "and so do the traits" cmp tree.traits.tsv all.traits.tsv
+answer "^Fleet   the traits of 3 arms" diagnose $a seven/train.tsv --traits all.traits.tsv
+answer "only the means of 3 arms" diagnose $a seven/train.tsv --traits all.traits.tsv --traits-only
+# a traits file of other arms: the arm's own fit wins, and that is said
+awk -F '\t' -v OFS='\t' '$1 == "joint_compliance" && $2 == "joint_4" { $5 = 0; $6 = 1e-6; $10 = 1e-6 }
+    $1 == "joint_compliance" && $2 == "joint_2" { $5 = 3e-4; $6 = 1e-6; $10 = 1e-6 } { print }' \
+    all.traits.tsv >wrong.traits.tsv
+answer "contradict this arm's data" diagnose $a seven/train.tsv --traits wrong.traits.tsv
+
+refuse 3 "missing.json: cannot read: No such file" fleet missing.json
+refuse 3 "7.json: the only arm ('seven'); a fleet needs two arms" fleet 7.json -o new.tsv
+refuse 3 "the same recording as" fleet 7.json 8.json 7.json -o new.tsv
+head -c 5000 8.json >cut.json
+refuse 3 "cut.json:1: the file is cut off" fleet 7.json cut.json
+: >empty.json
+refuse 3 "empty.json: the file is empty" fleet 7.json empty.json
+sed 's/summary\/1/summary\/2/' 8.json >new.json
+refuse 3 "new.json:1: of another version than mukca.summary/1" fleet 7.json new.json
+echo '{"schema": "other"}' >other.json
+refuse 3 "other.json:1: no summary" fleet 7.json other.json
+sed 's/"vector":\[[^,]*/"vector":[1e999/' 8.json >inf.json
+refuse 3 "inf.json:1: " fleet 7.json inf.json
+sed 's/"vector":\[[^,]*/"vector":[null/' 8.json >null.json
+refuse 3 'null.json:1: `vector` .* no finite number' fleet 7.json null.json
+sed 's/"joint_3"/"elbow"/' 8.json >names.json
+refuse 3 "names.json: of another model than 7.json: the names of the joints differ" fleet 7.json names.json
+sed 's/"ripple":\["...../"ripple":["*****/' 8.json >ripple.json
+refuse 3 'ripple.json:1: `ripple` is damaged' fleet 7.json ripple.json
+refuse 2 "is an input of this command" fleet 7.json 8.json -o 7.json --force
+refuse 2 "partial needs -o FILE" fleet --partial 7.json 8.json
+refuse 2 "traits-only needs --traits" diagnose $a seven/train.tsv --traits-only
+refuse 2 "arm is the label in --summary" diagnose $a seven/train.tsv --arm x
+refuse 2 "1 to 63 bytes" diagnose $a seven/train.tsv --arm "$(printf 'a\tb')" --summary new2.json
+refuse 2 "cannot both go to" diagnose $a seven/train.tsv --json x.json --summary x.json
+refuse 2 "do not lie in one folder" diagnose $a seven/train.tsv "$demo/test.tsv" --summary new2.json
+sed 's/<mass value="[^"]*"/<mass value="2.5"/' "$demo/arm.urdf" >masses.urdf
+refuse 3 "traits of another model: the link masses differ" diagnose --urdf masses.urdf seven/train.tsv --traits all.traits.tsv
+refuse 3 "8.json.*no traits table\|8.json" diagnose $a seven/train.tsv --traits 8.json
+bad() { sed "$1" all.traits.tsv >bad.traits.tsv; }
+bad 's/^joint_compliance/backlash/'
+refuse 3 "bad.traits.tsv:[0-9]*: column 'effect': 'backlash' is no trait" diagnose $a seven/train.tsv --traits bad.traits.tsv
+bad 's/	joint_4	/	joint_9	/'
+refuse 3 "'joint_9' is no joint of the arm" diagnose $a seven/train.tsv --traits bad.traits.tsv
+bad '/^joint_compliance	joint_4/ { p; }'
+refuse 3 "the same trait twice" diagnose $a seven/train.tsv --traits bad.traits.tsv
+bad '/^base_compliance/ s/rad\/(N\*m)	[^	]*/rad\/(N*m)	nan/'
+refuse 3 "bad.traits.tsv:[0-9]*: column 'mean'" diagnose $a seven/train.tsv --traits bad.traits.tsv
+head -c -5 all.traits.tsv >bad.traits.tsv
+refuse 3 "bad.traits.tsv" diagnose $a seven/train.tsv --traits bad.traits.tsv
+awk '/^#/ || /^placement/ || ($1 == "front" && row[$2]++ < 2)' seven/train.tsv >few.tsv
+refuse 5 "no summary to write: too few" diagnose $a few.tsv --arm x --summary new2.json

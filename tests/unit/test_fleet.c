@@ -1,0 +1,245 @@
+/* Pooling of summaries: the population, orders of ripple, departures, and what cannot be pooled. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "close.h"
+#include "fleet/traits.h"
+#include "io/summary.h"
+#include "math/random.h"
+
+enum { JOINTS = 6, TERMS = 2 * JOINTS, ARMS = 12, SOFT = 2 };
+
+#define TRUE_MEAN 40e-6
+#define TRUE_SPREAD 8e-6
+
+/* An arm with compliance c at joint SOFT, known to `sigma`, the other coefficients as well. */
+static void make_summary(mukca_summary *s, int arm, double c, double sigma, mukca_random *random)
+{
+    memset(s, 0, sizeof *s);
+    s->model.n_joints = JOINTS;
+    snprintf(s->model.robot, MUKCA_NAME_SIZE, "six");
+    for (int j = 0; j < JOINTS; j++) snprintf(s->model.joint[j], MUKCA_NAME_SIZE, "j%d", j + 1);
+    snprintf(s->arm, sizeof s->arm, "arm%02d", arm);
+    s->data = 1000u + (unsigned)arm;
+    s->samples = 100;
+    s->sigma_m = 1e-4;
+    for (int i = 0; i < TERMS; i++) {
+        const double precision = 1 / (sigma * sigma);
+        s->information[mukca_fleet_packed(i) + i] = precision;
+        s->vector[i] = precision * ((i == SOFT ? c : 0) + sigma * mukca_random_normal(random));
+    }
+}
+
+static void take(mukca_fleet *f, const mukca_summary *s)
+{
+    mukca_error error;
+    if (mukca_fleet_take(f, s, s->arm, &error)) fail_msg("%s", error.text);
+}
+
+/* A fleet in which each arm alone sees the shared compliance at two standard errors. */
+static void make_fleet(mukca_fleet *f, double mean, double broken, uint64_t seed)
+{
+    static mukca_summary s[ARMS]; /* their names are the paths */
+    mukca_random random;
+    mukca_random_seed(&random, seed);
+    memset(f, 0, sizeof *f);
+    for (int a = 0; a < ARMS; a++) {
+        const double own = mean > 0 ? mean + TRUE_SPREAD * mukca_random_normal(&random) : 0;
+        make_summary(&s[a], a, a == 7 ? own + broken : own, 20e-6, &random);
+        take(f, &s[a]);
+    }
+    assert_int_equal(mukca_fleet_gather(f, NULL), MUKCA_OK);
+}
+
+static void pool(mukca_fleet_result *r, const mukca_fleet *f)
+{
+    mukca_error error;
+    if (mukca_fleet_pool(r, f, &error)) fail_msg("%s", error.text);
+}
+
+static void test_shared_is_found(void **state)
+{
+    (void)state;
+    int inside = 0;
+    for (uint64_t seed = 1; seed <= 20; seed++) {
+        mukca_fleet f;
+        mukca_fleet_result r;
+        make_fleet(&f, TRUE_MEAN, 0, seed);
+        pool(&r, &f);
+        assert_int_equal(r.population.n, TERMS);
+        assert_true(r.shared[SOFT].probability > 0.95);
+        assert_close(r.shared[SOFT].mean, TRUE_MEAN, 30e-6);
+        inside += r.shared[SOFT].low < TRUE_MEAN && TRUE_MEAN < r.shared[SOFT].high;
+        for (int k = 0; k < TERMS; k++)
+            if (k != SOFT) assert_true(r.shared[k].probability < 0.5);
+        for (int a = 0; a < ARMS; a++) assert_true(r.departure[a].probability < MUKCA_DEPARTS);
+        mukca_fleet_result_free(&r);
+        mukca_fleet_free(&f);
+    }
+    assert_true(inside >= 17); /* of 20 at 95 %: fewer in one case of 60 */
+}
+
+static void test_null_fleet(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 30; seed++) {
+        mukca_fleet f;
+        mukca_fleet_result r;
+        make_fleet(&f, 0, 0, seed);
+        pool(&r, &f);
+        for (int k = 0; k < TERMS; k++) assert_true(r.shared[k].probability < 0.95);
+        for (int j = 0; j < JOINTS; j++) assert_int_equal(r.order[j].order, 0);
+        mukca_fleet_result_free(&r);
+        mukca_fleet_free(&f);
+    }
+}
+
+static void test_broken_arm(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 10; seed++) {
+        mukca_fleet f;
+        mukca_fleet_result r;
+        make_fleet(&f, TRUE_MEAN, 200e-6, seed);
+        pool(&r, &f);
+        for (int a = 0; a < ARMS; a++)
+            assert_int_equal(r.departure[a].probability >= MUKCA_DEPARTS, a == 7);
+        assert_int_equal(r.departure[7].effect.joint, SOFT);
+        assert_true(r.departure[7].ratio > 3 && r.departure[7].ratio < 10);
+        mukca_fleet_result_free(&r);
+        mukca_fleet_free(&f);
+    }
+}
+
+/* Log Bayes factor of an order in one joint of the first arms, a penalty in the others. */
+static void set_order(mukca_fleet *f, int joint, int order, int arms, double evidence)
+{
+    for (int s = 0; s < f->n_sessions; s++)
+        f->session[s].ripple[joint * MUKCA_FLEET_ORDERS + order - 2] =
+            (int16_t)((s < arms ? evidence : -2) / MUKCA_FLEET_QUANTUM);
+}
+
+static void test_orders(void **state)
+{
+    (void)state;
+    mukca_fleet f;
+    mukca_shared_order order[MUKCA_MAX_JOINTS];
+    make_fleet(&f, 0, 0, 1);
+    set_order(&f, 0, 160, ARMS, 3);  /* too faint for any one arm */
+    set_order(&f, 1, 137, 1, 60);    /* one arm's own fault */
+    set_order(&f, 2, 100, ARMS, -1); /* nothing */
+    mukca_orders_pool(order, &f);
+    assert_int_equal(order[0].order, 160);
+    assert_true(order[0].probability > 0.99);
+    assert_close(order[0].log_bayes_factor, 36, 1e-9);
+    assert_true(order[1].probability < 0.01);
+    assert_true(order[2].probability < 0.5);
+    mukca_fleet_free(&f);
+}
+
+/* Two sessions of one arm are that arm's data; the order of reading changes no bit. */
+static void test_sessions_add_up(void **state)
+{
+    (void)state;
+    static mukca_summary s[6];
+    mukca_random random;
+    mukca_fleet_result r[2];
+    mukca_random_seed(&random, 5);
+    for (int i = 0; i < 6; i++) {
+        make_summary(&s[i], i, TRUE_MEAN, 10e-6, &random);
+        if (i >= 4) memcpy(s[i].arm, s[0].arm, sizeof s[i].arm);
+    }
+    for (int turn = 0; turn < 2; turn++) {
+        mukca_fleet f = {0};
+        for (int i = 0; i < 6; i++) take(&f, &s[turn ? 5 - i : i]);
+        assert_int_equal(mukca_fleet_gather(&f, NULL), MUKCA_OK);
+        assert_int_equal(f.n_arms, 4);
+        assert_close(f.arm[0].information[mukca_fleet_packed(SOFT) + SOFT], 3e10, 1);
+        pool(&r[turn], &f);
+        assert_int_equal(r[turn].traits.n_samples, 600);
+        mukca_fleet_free(&f);
+    }
+    assert_memory_equal(r[0].shared, r[1].shared, sizeof *r[0].shared * TERMS);
+    for (int turn = 0; turn < 2; turn++) mukca_fleet_result_free(&r[turn]);
+}
+
+static void refuse(mukca_fleet *f, const mukca_summary *s, const char *what)
+{
+    mukca_error error;
+    assert_int_equal(mukca_fleet_take(f, s, "b.json", &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, what));
+}
+
+static void test_what_cannot_be_pooled(void **state)
+{
+    (void)state;
+    static mukca_summary a, b;
+    mukca_random random;
+    mukca_fleet f = {0};
+    mukca_fleet_result r;
+    mukca_error error;
+    mukca_random_seed(&random, 5);
+    make_summary(&a, 1, 0, 1e-5, &random);
+    take(&f, &a);
+    assert_int_equal(mukca_fleet_gather(&f, &error), MUKCA_OK);
+    assert_int_equal(mukca_fleet_pool(&r, &f, &error), MUKCA_INPUT); /* a fleet of one */
+    assert_non_null(strstr(error.text, "the only arm"));
+    b = a, b.model.joint[3][0] = 'x';
+    refuse(&f, &b, "names of the joints");
+    b = a, b.model.geometry++;
+    refuse(&f, &b, "nominal geometry");
+    b = a, b.model.masses++;
+    refuse(&f, &b, "link masses");
+    b = a, b.information[mukca_fleet_packed(1) + 0] = 1e12;
+    refuse(&f, &b, "positive semidefinite");
+    b = a, b.information[0] = -1;
+    refuse(&f, &b, "positive semidefinite");
+    b = a, snprintf(b.arm, sizeof b.arm, "other");
+    take(&f, &b); /* the same recording under another name */
+    assert_int_equal(mukca_fleet_gather(&f, &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "the same recording"));
+    mukca_fleet_free(&f);
+}
+
+static mukca_status keep(void *context, const mukca_summary *s, mukca_error *error)
+{
+    (void)error;
+    *(mukca_summary *)context = *s;
+    return MUKCA_OK;
+}
+
+static void test_file(void **state)
+{
+    (void)state;
+    static mukca_summary a, b;
+    mukca_random random;
+    mukca_error error;
+    mukca_random_seed(&random, 5);
+    make_summary(&a, 1, TRUE_MEAN, 1e-5, &random);
+    for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) a.ripple[1][o] = (int16_t)(o * 165 - 32767);
+    a.model.geometry = UINT64_C(0xfedcba9876543210);
+    FILE *stream = tmpfile();
+    assert_non_null(stream);
+    assert_int_equal(mukca_summary_write(stream, &a, &error), MUKCA_OK);
+    rewind(stream);
+    assert_int_equal(mukca_summary_read_stream(stream, "a.json", keep, &b, &error), MUKCA_OK);
+    assert_memory_equal(a.ripple, b.ripple, sizeof a.ripple);
+    assert_memory_equal(&a.model, &b.model, sizeof a.model);
+    for (int i = 0; i < TERMS; i++)
+        assert_close(b.vector[i], a.vector[i], 1e-11 * fabs(a.vector[i]));
+    fclose(stream);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_shared_is_found),
+        cmocka_unit_test(test_null_fleet),
+        cmocka_unit_test(test_broken_arm),
+        cmocka_unit_test(test_orders),
+        cmocka_unit_test(test_sessions_add_up),
+        cmocka_unit_test(test_what_cannot_be_pooled),
+        cmocka_unit_test(test_file),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
