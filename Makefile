@@ -91,7 +91,7 @@ quietly = $(if $(V),,@echo '  $(1)'; )
 .DELETE_ON_ERROR:
 .SECONDARY:
 .PHONY: all core rt demo programs check check-arm64 check-cortex-m7 deb-arm64 \
-        attack soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
+        attack closed-loop soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
         verify-orders verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) $(RT) ## the program build/mukca and the core library (default)
@@ -136,10 +136,11 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tools/bench/%.o $(REST_OBJ) $(CORE)
 	@mkdir -p $(@D)
 	$(call quietly,LD $@)$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm
 
-# Examples show the core library to others: nothing but it and libm.
+# Examples show the core library to others: nothing but it and libm, and LCM where one speaks it.
+$(BUILD)/examples/example_impedance: EXAMPLE_LIBS = $(filter -llcm -l%thread-2.0 -lglib-2.0 -pthread,$(LIBS))
 $(EXAMPLES): $(BUILD)/examples/%: $(BUILD)/obj/tools/%.o $(CORE)
 	@mkdir -p $(@D)
-	$(call quietly,LD $@)$(CC) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ -lm
+	$(call quietly,LD $@)$(CC) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(EXAMPLE_LIBS) -lm
 
 $(FUZZERS): $(BUILD)/fuzzers/%: $(BUILD)/obj/tests/fuzz/%.o $(CLI_LIB) $(REST_OBJ) $(CORE)
 	@mkdir -p $(@D)
@@ -222,6 +223,9 @@ verify-orders: $(PROGRAM) ## the leading cause in other orders and halves of rea
 
 verify-small-arms: $(PROGRAM) ## false causes on pure noise for arms with two to seven axes
 	@$(TEST_ENVIRONMENT) $(call script,small_arms)
+
+closed-loop: $(PROGRAM) $(EXAMPLES) ## from capture to a peg in a hole, against MuJoCo (PyPI): table and figure
+	@$(TEST_ENVIRONMENT) $(call script,closed_loop)
 
 verify-paper: $(PROGRAM) ## Kana et al. (2022), Tables 3 to 12, ours beside theirs
 	@$(TEST_ENVIRONMENT) $(call script,verify_paper)

@@ -197,7 +197,7 @@ static mukca_status find_socket(int *socket, mukca_dataset_builder *b, session *
 
 static mukca_status check_columns(const mukca_dataset_builder *b, const mukca_rows *rows)
 {
-    const mukca_columns *c = &rows->column;
+    const mukca_row_columns *c = &rows->column;
     if (c->socket >= 0 || (c->n_measured > 0 && c->placement < 0)) return MUKCA_OK;
     return mukca_table_fail(b->error, &rows->table, -1,
                             c->placement >= 0

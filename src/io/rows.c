@@ -203,7 +203,7 @@ static void scale(double *values, const mukca_rows *rows)
 mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca_error *error)
 {
     const mukca_table *t = &rows->table;
-    const mukca_columns *c = &rows->column;
+    const mukca_row_columns *c = &rows->column;
     const int n = rows->chain->n_joints;
     *more = true;
     if (rows->measured > 0 && rows->measured < c->n_measured) /* another target of this line */

@@ -42,13 +42,13 @@ typedef struct {
         velocity[MUKCA_MAX_JOINTS];
     int n_measured;
     mukca_measured_columns measured[MUKCA_ROWS_TARGETS];
-} mukca_columns;
+} mukca_row_columns;
 
 typedef struct {
     mukca_table table;
     const mukca_chain *chain;
     mukca_rows_options options;
-    mukca_columns column;
+    mukca_row_columns column;
     bool has_command;              /* for one joint at least */
     bool by_command;               /* no angles but the commanded ones */
     bool warned[MUKCA_MAX_JOINTS]; /* beyond its limits */

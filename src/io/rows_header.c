@@ -112,7 +112,7 @@ static mukca_status find_measured(header *h, int column, int form, mukca_error *
 {
     static const char *const quaternion[] = {"qw", "qx", "qy", "qz"};
     mukca_rows *rows = h->rows;
-    mukca_columns *c = &rows->column;
+    mukca_row_columns *c = &rows->column;
     const char *name = rows->table.header[column], *first = forms[form].names[0];
     const char *suffix = name + strlen(first);
     if (strncmp(name, first, strlen(first)) != 0 || (*suffix && *suffix != '.') ||
@@ -136,7 +136,7 @@ static mukca_status find_measured(header *h, int column, int form, mukca_error *
 static mukca_status map_header(mukca_rows *rows, mukca_error *error)
 {
     const mukca_rows_format *format = &rows->options.format;
-    mukca_columns *c = &rows->column;
+    mukca_row_columns *c = &rows->column;
     header h = {.rows = rows};
     c->placement = find(&h, "placement", "");
     c->socket = find(&h, "socket", "");
@@ -178,7 +178,7 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
 {
     const mukca_table *t = &rows->table;
     const mukca_rows_options *o = &rows->options;
-    mukca_columns *c = &rows->column;
+    mukca_row_columns *c = &rows->column;
     const int n = rows->chain->n_joints, more = t->n_columns - n;
     const bool poses = more == 3 || more == 7 || more == 16;
     for (int j = 0; j < n; j++) c->joint[j] = j;
