@@ -70,7 +70,7 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
         if (kinds[k])
             memcpy(to, kinds[k], bytes);
         else
-            memset(to, 0, bytes);
+            for (int j = 0; j < capture->chain->n_joints; j++) to[j] = (double)NAN;
     }
     capture->head = (capture->head + 1) % MUKCA_CAPTURE_RING;
     if (capture->count < MUKCA_CAPTURE_RING) capture->count++;

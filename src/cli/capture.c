@@ -1,5 +1,6 @@
 /* `mukca capture`: record a session from LCM, triggered by key, by LCM message, or by standing
  * still. */
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -21,7 +22,8 @@ typedef struct {
     mukca_recorder recorder;
     cli_call *call;
     const capture_options *options;
-    bool keys, view; /* standard input and standard error are terminals */
+    int keys;  /* terminal that keys come from; -1: none */
+    bool view; /* standard error is a terminal */
     cli_capture_view terminal;
     double redrawn, published; /* s */
     bool finished;
@@ -70,9 +72,9 @@ static void press(session *s, char key)
 static void read_keys(session *s)
 {
     char keys[16];
-    ssize_t n = read(STDIN_FILENO, keys, sizeof keys);
+    ssize_t n = read(s->keys, keys, sizeof keys);
     for (ssize_t i = 0; i < n; i++) press(s, keys[i]);
-    if (n == 0) s->keys = false; /* hung up: would spin */
+    if (n == 0) s->keys = -1; /* hung up: would spin */
 }
 
 /* Ask on the terminal whether a mapping by order is right. */
@@ -83,13 +85,13 @@ static mukca_status confirm_map(session *s)
     mukca_recorder_describe_map(r, text, sizeof text);
     cli_log(s->call, "%s", text);
     if (!mukca_recorder_needs_confirmation(r)) return MUKCA_OK;
-    if (!s->keys)
+    if (s->keys < 0)
         return mukca_fail(&s->call->error, MUKCA_USAGE,
                           "%s sends no joint names; if the mapping above is right, add --map order",
                           r->channel);
     fputs("Is that right? [y/n] ", stderr);
     fflush(stderr);
-    if (!fgets(answer, sizeof answer, stdin) || (answer[0] != 'y' && answer[0] != 'Y'))
+    if (read(s->keys, answer, sizeof answer - 1) <= 0 || (answer[0] != 'y' && answer[0] != 'Y'))
         return mukca_fail(&s->call->error, MUKCA_USAGE,
                           "not confirmed: give the readings' numbers, as in --map 8-14");
     r->confirmed = true;
@@ -104,8 +106,7 @@ static mukca_status loop(session *s)
     mukca_status status = MUKCA_OK;
     while (!s->finished) {
         bool readable;
-        status = mukca_recorder_step(r, s->view ? 50 : 200, s->keys ? STDIN_FILENO : -1, &readable,
-                                     &s->call->error);
+        status = mukca_recorder_step(r, s->view ? 50 : 200, s->keys, &readable, &s->call->error);
         if (status != MUKCA_OK) break;
         if (readable) read_keys(s);
         if (cli_interrupted())
@@ -144,7 +145,7 @@ static json_t *summary(const session *s)
     }
     return json_pack("{s:s, s:s, s:i, s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:o, s:b}", "schema",
                      "mukca.capture/1", "session", r->session.path, "rows", r->session.n_rows,
-                     "channel", r->channel, "type", r->types.type[r->type].name, "stream",
+                     "channel", r->channel, "type", mukca_recorder_type(r), "stream",
                      mukca_recorder_stream(r), "received", (json_int_t)r->received, "refused",
                      (json_int_t)r->refused, "longest_gap_s", cli_json_real(r->longest_gap),
                      "sockets", sockets, "expected_m", cli_json_real(r->advice.expected),
@@ -166,14 +167,37 @@ static void conclude(session *s)
                    s->call->common->urdf, r->session.path);
 }
 
+/* A recording that was given as an argument: the command that feeds it to this one. */
+static mukca_status refuse_file(const session *s)
+{
+    const char *file = s->call->arguments.items[0], *dot = strrchr(file, '.');
+    static const struct {
+        const char *ending, *before, *after;
+    } answers[] = {
+        {".lcmlog", "--lcm-url file://", ""},
+        {".csv", "--stdin <", ""},
+        {".tsv", "--stdin <", ""},
+        {".json", "--stdin <", ""},
+        {".jsonl", "--stdin <", ""},
+        {".bag", "`rosbags-convert --src ", " --dst bag` (PyPI: rosbags) makes a bag of ROS 2"},
+        {NULL, "`ros2 bag play ",
+         " & ros2 topic echo --csv /joint_states | mukca capture --stdin ...`"}};
+    size_t k = 0;
+    while (answers[k].ending && !(dot && strcmp(dot, answers[k].ending) == 0)) k++;
+    return mukca_fail(&s->call->error, MUKCA_USAGE, "%.200s: capture reads a stream; %s%.200s%s",
+                      file, answers[k].before, file, answers[k].after);
+}
+
 static mukca_status check_usage(const session *s)
 {
     const capture_options *o = s->options;
     const cli_common *c = s->call->common;
     mukca_error *error = &s->call->error;
+    if (s->call->arguments.n) return refuse_file(s);
     if (!c->output || strcmp(c->output, "-") == 0)
         return mukca_fail(error, MUKCA_USAGE, "-o FILE is needed: the session to record");
-    if (!s->keys && !o->live.recorder.triggers && !o->live.recorder.still)
+    if (s->keys < 0 && !o->live.recorder.triggers && !o->live.recorder.still &&
+        !o->live.recorder.lines)
         return mukca_fail(error, MUKCA_USAGE,
                           "without a terminal there are no keys; use --trigger (LCM messages) or "
                           "--still");
@@ -216,17 +240,24 @@ static mukca_status prepare(session *s)
     return status ? status : mukca_recorder_start_log(r, &call->error);
 }
 
+/* Keys come from standard input, or past it from the terminal where it brings joint states. */
+static int find_terminal(bool lines)
+{
+    if (!lines) return isatty(STDIN_FILENO) ? STDIN_FILENO : -1;
+    return isatty(STDERR_FILENO) ? open("/dev/tty", O_RDONLY | O_CLOEXEC) : -1;
+}
+
 static mukca_status run(cli_call *call)
 {
     session *s = call->work;
     const char *term = getenv("TERM");
     s->call = call;
     s->options = call->options;
-    s->keys = isatty(STDIN_FILENO);
     s->view = isatty(STDERR_FILENO) && !call->common->quiet && term && strcmp(term, "dumb") != 0;
+    s->keys = find_terminal(s->options->live.recorder.lines);
     mukca_status status = prepare(s);
     if (status != MUKCA_OK) return status;
-    if (s->keys) cli_capture_enter(&s->terminal);
+    if (s->keys >= 0) cli_capture_enter(&s->terminal, s->keys);
     status = loop(s);
     if (s->view) cli_capture_draw(&s->terminal, &s->recorder);
     cli_capture_leave(&s->terminal);
@@ -261,6 +292,9 @@ static const cli_option options[] = {
     CLI_LIVE_OPTIONS(capture_options),
     CLI_OPTION(capture_options, live.recorder.triggers, "trigger", CLI_FLAG, NULL,
                "record a sample on each message on MUKCA_TRIGGER"),
+    CLI_OPTION(capture_options, live.recorder.lines, "stdin", CLI_FLAG, NULL,
+               "joint states come as lines on standard input: CSV with a header, JSON, or `ros2 "
+               "topic echo --csv`"),
     CLI_OPTION(capture_options, resume, "resume", CLI_FLAG, NULL, "continue an existing session"),
     CLI_RANGE_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N", 1, MUKCA_CAPTURE_MAX_ROWS,
                      "finish when the session has N samples"),
@@ -278,8 +312,9 @@ static const capture_options defaults = {.wait = 10};
 const cli_command cli_command_capture = {
     .name = "capture",
     .group = CLI_MEASURE,
-    .summary = "record a session from live joint states (LCM)",
+    .summary = "record a session from live joint states (LCM, or lines)",
     .synopsis = "",
+    .max_arguments = 1, /* a file, which gets an answer */
     .description =
         "Listens to the joint states of the robot. A sample is recorded when you press a, on a "
         "message on MUKCA_TRIGGER (--trigger), or when the arm stands still with its ball in a "
@@ -295,10 +330,17 @@ const cli_command cli_command_capture = {
 #define STATE_HELP(file, type, channel, fingerprint) "  " type ", " channel "\n"
     MUKCA_LCM_STATE_LIST(STATE_HELP)
 #undef STATE_HELP
-        "\nAny other type works with a description: --type and --position.",
+        "\nAny other type works with a description: --type and --position.\n\n"
+        "--stdin reads joint states as lines instead: CSV with a header (time_s and the joints as "
+        "in "
+        "a session), JSON lines, or what `ros2 topic echo --csv` prints. Names decide, not their "
+        "order. A line {\"trigger\": 1, \"placement\": \"front\", \"socket\": \"0\"} records a "
+        "sample; keys come from the terminal; --trigger listens to LCM, too.",
     .example =
         "mukca capture --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
-        "--trigger -o build/guided.tsv --force",
+        "--trigger -o build/guided.tsv --force\n"
+        "mukca capture --urdf data/demo/arm.urdf --stdin --still -o build/ros.tsv --force "
+        "<data/demo/joint_states.csv",
     .options = options,
     .options_size = sizeof(capture_options),
     .defaults = &defaults,

@@ -9,20 +9,21 @@
 
 #include "base/text.h"
 
-void cli_capture_enter(cli_capture_view *v)
+void cli_capture_enter(cli_capture_view *v, int terminal)
 {
-    if (tcgetattr(STDIN_FILENO, &v->saved)) return;
+    v->terminal = terminal;
+    if (tcgetattr(terminal, &v->saved)) return;
     struct termios raw = v->saved;
     raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO); /* ISIG stays: ^C ends the session cleanly */
     raw.c_cc[VMIN] = 0;
     raw.c_cc[VTIME] = 0;
     raw.c_cc[VSUSP] = raw.c_cc[VQUIT] = _POSIX_VDISABLE; /* they would leave it in this mode */
-    v->raw = tcsetattr(STDIN_FILENO, TCSAFLUSH, &raw) == 0;
+    v->raw = tcsetattr(terminal, TCSAFLUSH, &raw) == 0;
 }
 
 void cli_capture_leave(cli_capture_view *v)
 {
-    if (v->raw) tcsetattr(STDIN_FILENO, TCSAFLUSH, &v->saved);
+    if (v->raw) tcsetattr(v->terminal, TCSAFLUSH, &v->saved);
     v->raw = false;
 }
 

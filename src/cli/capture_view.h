@@ -9,12 +9,13 @@
 /* Zeroed: as the shell left it. */
 typedef struct {
     struct termios saved;
+    int terminal;
     bool raw;  /* keys come one by one, without echo */
     int drawn; /* lines of the view on the screen */
 } cli_capture_view;
 
-/* Set the terminal to single keys, and back. */
-void cli_capture_enter(cli_capture_view *view);
+/* Set the terminal of that descriptor to single keys, and back. */
+void cli_capture_enter(cli_capture_view *view, int terminal);
 void cli_capture_leave(cli_capture_view *view);
 
 void cli_capture_draw(cli_capture_view *view, const mukca_recorder *r);

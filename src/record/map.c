@@ -100,7 +100,7 @@ void mukca_recorder_describe_map(const mukca_recorder *r, char *lines, size_t si
     mukca_text text = {.size = size};
     text.at = lines; /* clang-tidy misses this use in an initialiser */
     mukca_text_put(&text, "%s (%s), %d readings, mapped by %s:\n", r->channel,
-                   r->types.type[r->type].name, r->n_readings, r->by_name ? "name" : "order");
+                   mukca_recorder_type(r), r->n_readings, r->by_name ? "name" : "order");
     for (int j = 0; j < r->chain->n_joints; j++)
         mukca_text_put(&text, "  reading %2d  ->  %-24s now %9.4f rad\n", r->map[j] + 1,
                        mukca_recorder_joint(r, j), r->q[j]);

@@ -30,6 +30,12 @@ static void make_printable(char *text)
     mukca_utf8_mend(text); /* what is left of them */
 }
 
+const char *mukca_recorder_type(const mukca_recorder *r)
+{
+    if (r->lines) return r->lines->format;
+    return r->type < 0 ? "" : r->types.type[r->type].name;
+}
+
 void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
 {
     va_list args;

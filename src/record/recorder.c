@@ -2,7 +2,9 @@
 #include "record/recorder.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/text.h"
 #include "lcm/description.h"
@@ -19,6 +21,11 @@ enum {                       /* us, of our choice */
  * CAMERA (unknown type)". */
 static void describe_silence(mukca_text *text, const mukca_recorder *r, const char *since)
 {
+    if (r->lines) {
+        mukca_text_put(text, "no joint state on standard input%s: does the program before it run?",
+                       since);
+        return;
+    }
     mukca_text_put(text, "no joint state%s%s%s; heard instead: ", r->channel[0] ? " on " : "",
                    r->channel, since);
     for (int i = 0; i < r->n_heard; i++) {
@@ -62,15 +69,17 @@ static mukca_status open_link(mukca_recorder *r, mukca_error *error)
     r->fit_heard = 0;
     memset(r->reported, 0, sizeof r->reported);
     memset(r->occurrences, 0, sizeof r->occurrences);
-    const char *channels[] = {r->channel[0] ? r->channel : NULL,
+    const char *channels[] = {r->channel[0] && !r->lines ? r->channel : NULL,
                               r->options->triggers ? r->trigger_channel : NULL,
                               r->hooks.command ? r->command_channel : NULL};
-    mukca_status status =
-        mukca_lcm_link_open(&r->link, &r->options->network, mukca_recorder_receive, r, error);
+    mukca_lcm_network network = r->options->network;
+    if (r->lines && !r->options->triggers) network = (mukca_lcm_network){.url = "memq://"};
+    mukca_status status = mukca_lcm_link_open(&r->link, &network, mukca_recorder_receive, r, error);
     for (int i = 0; i < 3 && !status; i++)
         if (channels[i]) status = mukca_lcm_link_listen(r->link, channels[i], error);
-    if (!status && !r->mapped) status = mukca_lcm_link_listen(r->link, NULL, error);
-    r->listens_to_all = !r->mapped;
+    const bool search = !r->mapped && !r->lines;
+    if (!status && search) status = mukca_lcm_link_listen(r->link, NULL, error);
+    r->listens_to_all = search;
     r->opened = status ? 0 : mukca_lcm_link_clock(r->link);
     return status;
 }
@@ -103,6 +112,19 @@ static mukca_status read_types(mukca_recorder *r, mukca_error *error)
     return mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_NAME, o->names, error);
 }
 
+static mukca_status open_lines(mukca_recorder *r, mukca_error *error)
+{
+    const mukca_recorder_options *o = r->options;
+    if (o->channel || o->n_types || o->log)
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--stdin reads lines: --channel, --type and --record belong to LCM");
+    r->lines = malloc(sizeof *r->lines);
+    if (!r->lines) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_joint_lines_open(r->lines, STDIN_FILENO);
+    snprintf(r->channel, sizeof r->channel, "standard input");
+    return MUKCA_OK;
+}
+
 mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options *options,
                                  const mukca_chain *chain, const double *theta,
                                  const mukca_recorder_hooks *hooks, mukca_error *error)
@@ -121,6 +143,8 @@ mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options
     if (options->channel) memcpy(r->channel, options->channel, strlen(options->channel) + 1);
     mukca_message_channel(r->trigger_channel, MUKCA_MESSAGE_TRIGGER, options->prefix);
     mukca_message_channel(r->command_channel, MUKCA_MESSAGE_COMMAND, options->prefix);
+    if (options->lines) status = open_lines(r, error);
+    if (status != MUKCA_OK) return status;
     if (options->key) status = mukca_lcm_key_read(&r->key, options->key, error);
     if (status == MUKCA_OK) status = open_link(r, error);
     /* what was signed before the start may have been accepted before */
@@ -134,6 +158,8 @@ void mukca_recorder_close(mukca_recorder *r)
     mukca_capture_free(&r->capture);
     mukca_lcm_link_close(r->link);
     r->link = NULL;
+    free(r->lines);
+    r->lines = NULL;
 }
 
 mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error *error)
@@ -174,7 +200,7 @@ static void watch(mukca_recorder *r, int64_t age)
     if (r->mapped && r->listens_to_all && age < LISTEN_US) {
         mukca_lcm_link_unlisten_all(r->link);
         r->listens_to_all = false;
-    } else if (!r->listens_to_all && age >= LISTEN_US) {
+    } else if (!r->lines && !r->listens_to_all && age >= LISTEN_US) {
         mukca_error none; /* it is tried again */
         r->n_heard = 0;
         r->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
@@ -201,7 +227,9 @@ static void warn_dropped(mukca_recorder *r)
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                  mukca_error *error)
 {
-    mukca_status status = mukca_lcm_link_wait(r->link, timeout_ms, other, readable, error);
+    mukca_status status = r->lines
+                              ? mukca_recorder_wait_lines(r, timeout_ms, other, readable, error)
+                              : mukca_lcm_link_wait(r->link, timeout_ms, other, readable, error);
     int64_t now = mukca_lcm_link_clock(r->link);
     bool replays = mukca_lcm_link_replays(r->link), ended = status == MUKCA_NEGATIVE;
     if (!r->channel[0] && r->fit_heard && (ended || now - r->fit_heard > SEARCH_US)) {

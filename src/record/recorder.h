@@ -9,6 +9,7 @@
 #include "lcm/link.h"
 #include "lcm/message.h"
 #include "lcm/signature.h"
+#include "record/joint_lines.h"
 
 enum {
     MUKCA_RECORDER_MAX_SENDERS = 32,
@@ -30,6 +31,7 @@ typedef struct {
     double window, motion, dwell; /* s, rad or m, s */
     double distance;              /* between the sockets, m; 0: 0.05 */
     bool triggers;                /* record on messages of PREFIX_TRIGGER */
+    bool lines;                   /* joint states come as lines on standard input */
     bool force;                   /* overwrite an existing log */
 } mukca_recorder_options;
 
@@ -82,6 +84,7 @@ typedef struct {
     mukca_recorder_hooks hooks;
     mukca_lcm_types types;
     mukca_lcm_link *link;
+    mukca_joint_lines *lines; /* NULL: joint states come over the link */
     char trigger_channel[64], command_channel[64];
     /* the stream */
     char channel[64]; /* empty while searching */
@@ -193,7 +196,8 @@ void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const c
 void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-double mukca_recorder_age(const mukca_recorder *r); /* s since the last joint state arrived */
+const char *mukca_recorder_type(const mukca_recorder *r); /* of the joint states; "": none yet */
+double mukca_recorder_age(const mukca_recorder *r);       /* s since the last joint state arrived */
 const char *mukca_recorder_stream(const mukca_recorder *r); /* "raw" or "corrected" */
 
 /* ---- steps of the above, for the files of this folder ---- */
@@ -208,6 +212,13 @@ mukca_status mukca_recorder_make_map(mukca_recorder *r);
 
 /* Handler of all packets; `r` is the recorder (stream.c). */
 void mukca_recorder_receive(void *r, const mukca_lcm_packet *packet);
+
+/* Joint states that were decoded to r->joints; `packet` says when they came and from whom. */
+void mukca_recorder_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type);
+
+/* Deliver lines of standard input, or wait for some; as mukca_lcm_link_wait (lines.c). */
+mukca_status mukca_recorder_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
+                                       mukca_error *error);
 
 /* Whether a sender may make a request now; and whether a usable joint state is of the sender that
  * the others are of.  False: the message is refused. */

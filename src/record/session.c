@@ -102,7 +102,7 @@ mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resu
     mukca_session_head head = {.chain = r->chain,
                                .stream = mukca_recorder_stream(r),
                                .channel = r->channel,
-                               .type = r->types.type[r->type].name,
+                               .type = mukca_recorder_type(r),
                                .has_effort = r->joints.has[MUKCA_LCM_ROLE_EFFORT],
                                .has_command = r->joints.has[MUKCA_LCM_ROLE_COMMAND]};
     mukca_capture_clear(&r->capture);
@@ -286,7 +286,7 @@ void mukca_recorder_publish_status(mukca_recorder *r, const char *state)
         .rows = r->session.n_rows,
         .rows_here = c->socket < 0 ? 0 : mukca_capture_count(c, c->socket),
         .channel = r->channel,
-        .type = r->type < 0 ? "" : r->types.type[r->type].name,
+        .type = mukca_recorder_type(r),
         .stream = mukca_recorder_stream(r),
         .rate_hz = age > 1 ? 0 : r->rate,
         .age_s = age,

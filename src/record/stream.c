@@ -102,10 +102,33 @@ static bool map_first(mukca_recorder *r, int type)
     return true;
 }
 
+/* Whether the names of the mapping are where they were, or elsewhere in the message (a driver may
+ * list its joints in any order, with others between them). */
+static bool find_names(mukca_recorder *r)
+{
+    const int n = r->joints.has[MUKCA_LCM_ROLE_NAME] ? r->joints.n : 0;
+    for (int j = 0; j < r->chain->n_joints; j++) {
+        const char *joint = mukca_recorder_joint(r, j);
+        if (r->map[j] < n && strcmp(r->joints.name[r->map[j]], joint) == 0) continue;
+        int k = 0;
+        while (k < n && strcmp(r->joints.name[k], joint) != 0) k++;
+        if (k == n) return false;
+        r->map[j] = k;
+    }
+    return true;
+}
+
 /* The message's readings to the arm's joints; false where they cannot be those. */
 static bool take_readings(mukca_recorder *r)
 {
-    if (r->joints.n != r->n_readings) {
+    if (r->by_name && !find_names(r)) {
+        mukca_recorder_refuse(r, MUKCA_RECORDER_NAMES,
+                              "%s: a message without all joints of the arm: ignored (of another "
+                              "arm, or of a gripper alone?)",
+                              r->channel);
+        return false;
+    }
+    if (!r->by_name && r->joints.n != r->n_readings) {
         mukca_recorder_refuse(r, MUKCA_RECORDER_COUNT,
                               "%s: a message with %d joints instead of %d: ignored (another arm on "
                               "this channel?)",
@@ -115,13 +138,6 @@ static bool take_readings(mukca_recorder *r)
     for (int j = 0; j < r->chain->n_joints; j++) {
         const char *joint = mukca_recorder_joint(r, j);
         double q = r->joints.value[MUKCA_LCM_ROLE_POSITION][r->map[j]];
-        if (r->by_name && strcmp(r->joints.name[r->map[j]], joint) != 0) {
-            mukca_recorder_refuse(r, MUKCA_RECORDER_NAMES,
-                                  "%s: a message with other joint names: ignored (another arm on "
-                                  "this channel?)",
-                                  r->channel);
-            return false;
-        }
         if (!plausible(r, j, q)) {
             mukca_recorder_refuse(r, MUKCA_RECORDER_RANGE,
                                   "%s: %s reads %g: no angle in rad (degrees? wrong --map?)",
@@ -153,6 +169,11 @@ static void on_joints(mukca_recorder *r, const mukca_lcm_packet *packet)
                               error.text);
         return;
     }
+    mukca_recorder_take_joints(r, packet, type);
+}
+
+void mukca_recorder_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type)
+{
     if (!r->mapped && !map_first(r, type)) return;
     if (!take_readings(r) || !mukca_recorder_one_sender(r, packet)) return;
     int64_t time = r->joints.time > 0 ? r->joints.time : packet->time;

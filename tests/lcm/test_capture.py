@@ -238,6 +238,30 @@ def keys():
     check("keys: and the others stand", [r[:2] for r in table(path)[1]] == [["front", "0"], ["left", "0"]])
 
 
+def lines():
+    """Joint states by a pipe, triggers over LCM."""
+    path = out()
+    client = Client()
+    p = capture(path, "--stdin", "--trigger", stdin=subprocess.PIPE)
+    start, rows = time.time(), []
+    for i in range(120):  # at 50 Hz: still in two postures
+        us = int(1e6 * (start + 0.02 * i))
+        q = posture(i // 60)
+        p.stdin.write("%d,%d,,grip,%s,0.5,%s,,\n" % (us // 1000000, us % 1000000 * 1000, ",".join(names()),
+                                                  ",".join(map(repr, q))))
+        p.stdin.flush()
+        client.wait(lambda: False, 0.02)
+        if i % 60 == 50:
+            sample = client.trigger("front", str(i // 60), seconds=2)
+            rows += [list(sample.position)] if sample and sample.accepted else []
+    p.stdin.close()
+    p.wait(20)
+    p.reader.join()
+    got = [[float(x) for x in r[3:10]] for r in table(path)[1]]
+    check("lines: triggers over LCM record what the pipe brings",
+          p.returncode == 0 and len(got) == 2 and got == rows, (p.said, got, rows))
+
+
 def loggers():
     """lcm-logger records a session that capture takes, too; lcm-logplayer plays it to a second one."""
     live, from_log, played = out(), out(), out()
@@ -274,6 +298,6 @@ def loggers():
 
 
 for test in (usage, silence, unmapped, finds_by_listening, two_candidates, unknown_type, by_itself,
-             keys, loggers):
+             keys, lines, loggers):
     test()
 finish()

@@ -1,0 +1,84 @@
+/* The recorder's other source: joint states and triggers as lines on standard input. */
+#include <poll.h>
+
+#include "record/recorder.h"
+
+enum { BURST = 64 /* lines at a time */ };
+
+/* Why the line at hand cannot be used. */
+static void refuse(mukca_recorder *r, const char *text)
+{
+    const int number = r->lines->number;
+    if (r->mapped)
+        mukca_recorder_refuse(r, MUKCA_RECORDER_MALFORMED, "%s:%d: %s: ignored", r->channel, number,
+                              text);
+    else if (!r->problem.status) /* the first says most */
+        mukca_fail(&r->problem, MUKCA_INPUT, "%s:%d: %s", r->channel, number, text);
+}
+
+static void trigger(mukca_recorder *r)
+{
+    mukca_error answer;
+    mukca_joint_lines *l = r->lines;
+    mukca_recorder_sample(r, l->id, l->placement, l->socket, &answer);
+    mukca_recorder_report(r, "%s", answer.text);
+}
+
+/* One line.  False: it mapped the joints and stays, to be used once the mapping is confirmed. */
+static bool take_line(mukca_recorder *r, const char *line)
+{
+    mukca_error error;
+    mukca_joint_lines *l = r->lines;
+    const mukca_lcm_packet packet = {.channel = r->channel, .time = mukca_lcm_link_clock(r->link)};
+    const bool mapped = r->mapped;
+    l->number++;
+    switch (mukca_joint_lines_parse(&r->joints, l, line, &error)) {
+        case MUKCA_LINE_JOINTS:
+            if (l->file && r->joints.time <= 0) {
+                refuse(r, "no time stamp; a recorded stream needs one (column time_s)");
+                break;
+            }
+            r->packet_time = packet.time;
+            mukca_recorder_take_joints(r, &packet, 0);
+            r->packet_time = 0;
+            break;
+        case MUKCA_LINE_TRIGGER:
+            if (r->connected) trigger(r);
+            break;
+        case MUKCA_LINE_FAULT:
+            refuse(r, error.text);
+            break;
+        case MUKCA_LINE_NONE:
+            break;
+    }
+    l->number--;
+    if (!mapped && r->mapped) {
+        r->received = r->last_arrival = 0; /* it is counted again */
+        return false;
+    }
+    mukca_joint_lines_take(l);
+    return true;
+}
+
+mukca_status mukca_recorder_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
+                                       mukca_error *error)
+{
+    mukca_joint_lines *l = r->lines;
+    bool ready = false, more = true;
+    const char *line = NULL;
+    if (readable) *readable = false;
+    for (int i = 0; i < BURST && more; i++) {
+        const int rows = r->session.n_rows;
+        line = mukca_joint_lines_peek(l);
+        more = line && take_line(r, line) && r->connected && rows == r->session.n_rows;
+    }
+    if (!line && l->ended) return MUKCA_NEGATIVE;
+    /* with lines at hand only look at the others */
+    mukca_status status = mukca_lcm_link_wait(r->link, line ? 0 : timeout_ms, l->fd, &ready, error);
+    if (status == MUKCA_OK && ready && !line) mukca_joint_lines_fill(l);
+    if (readable && other >= 0) {
+        struct pollfd p = {.fd = other, .events = POLLIN};
+        *readable = poll(&p, 1, 0) > 0;
+    }
+    return status;
+}

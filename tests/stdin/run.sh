@@ -1,0 +1,74 @@
+#!/bin/bash
+# `capture --stdin`: joint states as lines become the session that LCM gives; bad lines get one clear line.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+mukca=${MUKCA:-build/mukca}
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+failed=0
+recorded=data/demo/joint_states.csv
+
+# shellcheck source=tests/ok.bash
+. tests/ok.bash
+
+"${PYTHON:-python3}" tests/stdin/convert.py $recorded "$dir" || exit 1
+capture() { "$mukca" capture --urdf data/demo/arm.urdf "$@"; }
+rows() { grep -v '^#' "$1"; }
+same() { # LINES SESSION OPTION...: the session of these lines is that one
+    capture --stdin -o "$dir/lines.tsv" --force "${@:3}" <"$1" && diff <(rows "$dir/lines.tsv") <(rows "$2")
+}
+capture --lcm-url "file://$dir/still.lcmlog" --still -o "$dir/still.tsv" 2>"$dir/said" || cat "$dir/said"
+ok "eight samples over LCM" test "$(rows "$dir/still.tsv" | wc -l)" -eq 9
+ok "what ros2 topic echo printed" same $recorded "$dir/still.tsv" --still
+ok "names in any order, nan" same "$dir/ros.csv" "$dir/still.tsv" --still
+ok "empty velocities, efforts and frame" same "$dir/empty.csv" "$dir/still.tsv" --still
+ok "CSV with a header" same "$dir/header.csv" "$dir/still.tsv" --still
+ok "TSV with utime" same "$dir/header.tsv" "$dir/still.tsv" --still
+ok "JSON lines with arrays, of a bridge too" same "$dir/arrays.json" "$dir/still.tsv" --still
+ok "JSON lines with members" same "$dir/members.json" "$dir/still.tsv" --still
+ok "a pipe" bash -c "cat $recorded | '$mukca' capture --urdf data/demo/arm.urdf --stdin --still -o '$dir/pipe.tsv' 2>'$dir/said'"
+ok "and it has the samples" test "$(rows "$dir/pipe.tsv" | wc -l)" -eq 9
+ok "messages of the gripper alone are said" grep -q 'without all joints of the arm' "$dir/said"
+ok "and lost messages" grep -q "standard input:41: no joint state: 'A message was lost!!!': ignored" "$dir/said"
+
+capture --lcm-url "file://$dir/triggers.lcmlog" --trigger -o "$dir/triggers.tsv" 2>"$dir/said" || cat "$dir/said"
+ok "triggers over LCM" test "$(rows "$dir/triggers.tsv" | wc -l)" -eq 9
+ok "triggers as lines" same "$dir/triggers.json" "$dir/triggers.tsv"
+
+# one clear line; recording goes on where there was a stream
+refuses() { # NAME CODE PATTERN TEXT OPTION...
+    printf "$4" | capture --stdin --still -o "$dir/bad.tsv" --force "${@:5}" >"$dir/out" 2>"$dir/err"
+    local code=$?
+    if [ $code -eq "$2" ] && grep -q -- "$3" "$dir/err"; then
+        echo "ok $1"
+    else
+        echo "not ok $1: exit $code: $(cat "$dir/err")"
+        failed=1
+    fi
+}
+refuses "nothing" 4 'no joint state on standard input: does the program before it run' ''
+refuses "another language" 3 "standard input:1: no joint state: 'header:'" 'header:\n  stamp:\n'
+refuses "cut message" 3 'standard input:1: neither a row under a header of names nor a whole message' \
+    '12,0,base,joint_1,joint_2,0.1\n'
+refuses "row of another width" 3 'standard input:2: 2 columns, but 3 in the header' 'time_s,joint_1,joint_2\n1,2\n'
+refuses "other joints" 3 'names no joint "joint_1" (its first is "a")' 'time_s,a,b\n1,2,3\n'
+refuses "broken JSON" 3 'standard input:1: column [0-9]*: ' '{"position": [1, 2\n'
+refuses "JSON without positions" 3 'standard input:1: no joint state: "position" must be' '{"position": []}\n'
+joints=joint_1,joint_2,joint_3,joint_4,joint_5,joint_6,joint_7
+refuses "text for an angle" 1 'joint_2 reads nan: no angle' "time_s,$joints\n1,0,x,0,0,0,0,0\n"
+refuses "degrees" 1 'joint_1 reads 90: no angle in rad' "time_s,$joints\n1,90,0,0,0,0,0,0\n"
+refuses "no names" 2 'sends no joint names.*--map order' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n'
+refuses "order confirmed" 1 'no sample was recorded' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n' --map order
+refuses "LCM's options" 2 '--channel, --type and --record belong to LCM' '' --channel X
+printf "$joints\n0,0,0,0,0,0,0\n" >"$dir/timeless.csv"
+capture --stdin --still -o "$dir/bad.tsv" --force <"$dir/timeless.csv" >"$dir/out" 2>"$dir/said"
+ok "a file without time stamps" grep -q 'standard input:2: no time stamp; a recorded stream needs one' "$dir/said"
+for wish in bag.mcap '`ros2 bag play bag.mcap & ros2 topic echo --csv /joint_states | mukca capture --stdin' run.bag 'rosbags-convert --src run.bag' states.csv \
+    '--stdin <states.csv' log.lcmlog '--lcm-url file://log.lcmlog'; do
+    case $wish in
+    *\ * | --*) ok "and the answer names the one command" grep -q -- "$wish" "$dir/said" ;;
+    *) capture "$wish" -o "$dir/bad.tsv" >"$dir/out" 2>"$dir/said"
+       ok "capture $wish is refused" test $? -eq 2 ;;
+    esac
+done
+exit $failed
