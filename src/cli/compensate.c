@@ -9,6 +9,7 @@
 #include "base/note.h"
 #include "base/number.h"
 #include "cli/cli.h"
+#include "io/language.h"
 #include "io/output.h"
 #include "io/rows.h"
 #include "recalibrate/errors.h"
@@ -16,14 +17,33 @@
 typedef struct {
     cli_common common;
     bool poses, position_only;
+    int from, format; /* index into formats; -1: as `from` */
     double tolerance;
 } compensate_options;
+
+static const compensate_options defaults = {.format = -1};
+
+static const char *const formats[] = {"table",
+#define FORMAT_NAME(name, description) #name,
+                                      MUKCA_LANGUAGE_LIST(FORMAT_NAME)
+#undef FORMAT_NAME
+                                          NULL};
 
 static const cli_option options[] = {
     CLI_OPTION(
         compensate_options, poses, "poses", CLI_FLAG, NULL,
         "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry rz), not "
         "joint targets"),
+    CLI_CHOICE_OPTION(compensate_options, from, "from", "FORMAT", formats,
+                      "read the targets from tables (default) or from programs in this language"),
+    {.name = "format",
+     .letter = 'f',
+     .kind = CLI_CHOICE,
+     .argument = "FORMAT",
+     .help = "write a table or lines of a program (default: as --from); a program in the language "
+             "of --from keeps all of its other text",
+     .choices = formats,
+     .offset = offsetof(compensate_options, format)},
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
     CLI_OPTION(compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
@@ -43,54 +63,83 @@ typedef struct {
     long count[MUKCA_REACH_COUNT], rows;
 } tally;
 
-static void print_header(FILE *stream, const mukca_chain *chain, bool timed)
+/* One run: where the targets go, and what has been counted. */
+typedef struct {
+    cli_call *call;
+    FILE *stream;
+    const mukca_corrected *arm;
+    const mukca_language *from, *to; /* NULL: tables */
+    mukca_compensator compensator;
+    tally tally;
+    bool headed; /* the table's header is written */
+} job;
+
+static void print_header(job *b, bool timed)
 {
-    if (timed) fputs("time_s\t", stream);
+    const mukca_chain *chain = &b->arm->chain;
+    if (b->to || b->headed) return;
+    b->headed = true;
+    if (timed) fputs("time_s\t", b->stream);
     for (int j = 0; j < chain->n_joints; j++)
-        fprintf(stream, "%s\t", mukca_chain_joint_name(chain, j));
-    fputs("error_before_m\terror_m\terror_rad\tstatus\n", stream);
+        fprintf(b->stream, "%s\t", mukca_chain_joint_name(chain, j));
+    fputs("error_before_m\terror_m\terror_rad\tstatus\n", b->stream);
 }
 
-static void print_row(FILE *stream, const double *q, int n, const mukca_compensation *c)
+static void count(job *b, const mukca_compensation *c, const char *path, int line)
 {
-    for (int j = 0; j < n; j++) fprintf(stream, "%.17g\t", q[j]);
-    fprintf(stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
-            c->rotation_error, mukca_reach_text[c->reach]);
-}
-
-static void count(tally *t, const mukca_compensation *c)
-{
+    tally *t = &b->tally;
     t->rows++;
     t->count[c->reach]++;
     mukca_moments_add(&t->before, c->position_before);
     mukca_moments_add(&t->after, c->position_error);
+    if (b->to && c->reach != MUKCA_REACH_OK) /* a table has the status in a column */
+        mukca_note_format(cli_note, b->call, "%s:%d: %s", mukca_file_shown(path), line,
+                          mukca_reach_sentence[c->reach]);
 }
 
-static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mukca_corrected *arm,
-                                const char *path, bool first)
+/* A corrected target as a row of the table or a line of a program. */
+static void put(job *b, const double *q, const mukca_compensation *c)
 {
-    const compensate_options *o = call->options;
-    mukca_compensator compensator;
+    if (b->to) {
+        mukca_language_print(b->stream, b->to, &b->arm->chain, q, true);
+        fputc('\n', b->stream);
+        return;
+    }
+    for (int j = 0; j < b->arm->chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
+    fprintf(b->stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
+            c->rotation_error, mukca_reach_text[c->reach]);
+}
+
+/* Begin a path: the targets of one file. */
+static void start(job *b, bool oriented)
+{
+    const compensate_options *o = b->call->options;
+    mukca_compensator_start(&b->compensator, b->arm, o->position_only || !oriented, o->tolerance);
+}
+
+static mukca_status from_joints(job *b, const char *path)
+{
+    cli_call *call = b->call;
     mukca_rows rows;
     mukca_row row;
     mukca_rows_options header = {.kind = MUKCA_EITHER, .note = cli_note, .context = call};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
-        status = mukca_rows_open(&rows, path, &arm->chain, &header, &call->error);
+        status = mukca_rows_open(&rows, path, &b->arm->chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
-    mukca_compensator_start(&compensator, arm, o->position_only, o->tolerance);
-    if (first) print_header(stream, &arm->chain, rows.column.time >= 0);
-    while (!ferror(stream)) {
+    start(b, true);
+    print_header(b, rows.column.time >= 0);
+    while (!ferror(b->stream)) {
         bool more;
         status = mukca_rows_next(&rows, &row, &more, &call->error);
         if (status != MUKCA_OK || !more) break;
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
         if (status != MUKCA_OK) break;
         const mukca_row_reading reading = mukca_row_read(&row, &rows);
-        mukca_compensation c = mukca_compensate_joints(row.q, &compensator, &reading);
-        if (rows.column.time >= 0) fprintf(stream, "%.17g\t", row.time);
-        print_row(stream, row.q, arm->chain.n_joints, &c);
-        count(t, &c);
+        mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
+        if (!b->to && rows.column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
+        put(b, row.q, &c);
+        count(b, &c, path, rows.table.line);
     }
     mukca_rows_close(&rows);
     return status;
@@ -98,32 +147,40 @@ static mukca_status from_joints(cli_call *call, FILE *stream, tally *t, const mu
 
 /* The columns of a table of poses: the position, and one way to give the orientation. */
 enum { POSE_PLACES = 10 };
-static const char *const pose_names[POSE_PLACES] = {"x_m", "y_m", "z_m", "qw", "qx",
-                                                    "qy",  "qz",  "rx",  "ry", "rz"};
+static const char *const pose_names[2][POSE_PLACES] = {
+    {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "rx", "ry", "rz"},
+    {"x", "y", "z", "qw", "qx", "qy", "qz", "rx", "ry", "rz"}}; /* with --units */
 typedef struct {
     mukca_table table;
     int column[POSE_PLACES];
-    int first, end; /* of the orientation's columns: 3 to 7, 7 to 10, or none */
+    int first, end;       /* of the orientation's columns: 3 to 7, 7 to 10, or none */
+    double length, angle; /* units of the position and of a rotation vector: m, rad */
 } pose_table;
 
 static mukca_status open_poses(pose_table *p, const char *path, cli_call *call)
 {
     mukca_table *t = &p->table;
-    mukca_status status = mukca_table_open(t, path, MUKCA_HEADER, &call->error);
+    mukca_rows_format format;
+    mukca_status status = cli_read_format(call, &format);
+    if (status == MUKCA_OK) status = mukca_table_open(t, path, MUKCA_HEADER, &call->error);
     if (status != MUKCA_OK) return status;
+    const bool plain = format.units && mukca_table_find(t, "x") >= 0; /* else x_m: metres */
+    p->length = plain && format.length > 0 ? format.length : 1;
+    p->angle = format.angle > 0 ? format.angle : 1;
     if (mukca_table_find(t, "qw") >= 0)
         p->first = 3, p->end = 7;
     else if (mukca_table_find(t, "rx") >= 0)
         p->first = 7, p->end = 10;
     for (int i = 0; i < POSE_PLACES && status == MUKCA_OK; i++)
         if (i < 3 || (i >= p->first && i < p->end))
-            status = mukca_table_require(&p->column[i], t, pose_names[i], &call->error);
+            status = mukca_table_require(&p->column[i], t, pose_names[plain][i], &call->error);
     if (status != MUKCA_OK) return status;
     char list[160] = "";
     int unknown = 0;
     for (int c = 0; c < t->n_columns; c++) {
         bool known = false;
-        for (int i = 0; i < POSE_PLACES; i++) known |= strcmp(t->header[c], pose_names[i]) == 0;
+        for (int i = 0; i < POSE_PLACES; i++)
+            known |= strcmp(t->header[c], pose_names[plain][i]) == 0;
         const size_t used = strlen(list);
         if (known) continue;
         snprintf(list + used, sizeof list - used, "%s%s", unknown++ ? ", " : "", t->header[c]);
@@ -146,7 +203,10 @@ static mukca_status read_pose(mukca_frame *target, const pose_table *p, mukca_er
             return mukca_table_fail(error, table, p->column[i], "%g is no %s", v[i],
                                     i < 3 ? "position; give m" : "rotation; give rad");
     }
-    memcpy(target->p, v, sizeof target->p);
+    for (int i = 0; i < 3; i++) {
+        target->p[i] = p->length * v[i];
+        if (p->first == 7) v[7 + i] *= p->angle;
+    }
     if (p->first == 7) mukca_rotation_exp(target->R, v + 7);
     if (p->first != 3) return MUKCA_OK;
     if (!mukca_rows_normalise(v + 3))
@@ -156,17 +216,15 @@ static mukca_status read_pose(mukca_frame *target, const pose_table *p, mukca_er
     return MUKCA_OK;
 }
 
-static mukca_status from_poses(cli_call *call, FILE *stream, tally *t, const mukca_corrected *arm,
-                               const char *path, bool first)
+static mukca_status from_poses(job *b, const char *path)
 {
-    const compensate_options *o = call->options;
-    mukca_compensator compensator;
+    cli_call *call = b->call;
     pose_table poses = {0};
     double q[MUKCA_MAX_JOINTS] = {0};
     mukca_status status = open_poses(&poses, path, call);
-    if (status == MUKCA_OK && first) print_header(stream, &arm->chain, false);
-    mukca_compensator_start(&compensator, arm, o->position_only || poses.first == 0, o->tolerance);
-    while (status == MUKCA_OK && !ferror(stream)) {
+    if (status == MUKCA_OK) print_header(b, false);
+    start(b, poses.first != 0);
+    while (status == MUKCA_OK && !ferror(b->stream)) {
         bool more;
         mukca_frame target;
         status = mukca_table_next(&poses.table, &more, &call->error);
@@ -176,12 +234,76 @@ static mukca_status from_poses(cli_call *call, FILE *stream, tally *t, const muk
         if (status != MUKCA_OK) break;
         const mukca_row_reading reading = {
             .time = (double)NAN, .placement = -1, .number = poses.table.row};
-        mukca_compensation c = mukca_compensate_pose(q, &compensator, &target, &reading);
-        print_row(stream, q, arm->chain.n_joints, &c);
-        count(t, &c);
+        mukca_compensation c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
+        put(b, q, &c);
+        count(b, &c, path, poses.table.line);
     }
     mukca_table_close(&poses.table);
     return status;
+}
+
+/* Correct the targets of one line. */
+static mukca_status correct_line(job *b, double *q, const char *line, const char *path, int number)
+{
+    const compensate_options *o = b->call->options;
+    const mukca_chain *chain = &b->arm->chain;
+    const bool in_place = b->from == b->to;
+    mukca_program_target t;
+    size_t at = 0;
+    while (mukca_language_find(&t, b->from, chain, o->poses, line, at)) {
+        const mukca_row_reading reading = {
+            .time = (double)NAN, .placement = -1, .number = (int)b->tally.rows + 1};
+        for (int j = 0; j < chain->n_joints && !o->poses; j++)
+            if (fabs(t.q[j]) > 4 * M_PI) /* as in tables: no joint turns twice */
+                return mukca_fail(&b->call->error, MUKCA_INPUT,
+                                  "%s:%d: joint '%s' is %g rad, more than two turns; check --from",
+                                  mukca_file_shown(path), number, mukca_chain_joint_name(chain, j),
+                                  t.q[j]);
+        if (!o->poses) memcpy(q, t.q, sizeof t.q);
+        const mukca_compensation c =
+            o->poses ? mukca_compensate_pose(q, &b->compensator, &t.pose, &reading)
+                     : mukca_compensate_joints(q, &b->compensator, &reading);
+        if (in_place) fwrite(line + at, 1, t.begin - at, b->stream);
+        if (in_place && o->poses)
+            mukca_language_print(b->stream, b->to, chain, q, false);
+        else if (in_place)
+            mukca_language_replace(b->stream, b->to, chain, &t, line, q);
+        else
+            put(b, q, &c);
+        count(b, &c, path, number);
+        at = t.end;
+    }
+    if (in_place) fputs(line + at, b->stream);
+    return MUKCA_OK;
+}
+
+static mukca_status from_program(job *b, const char *path)
+{
+    cli_call *call = b->call;
+    char *text;
+    double q[MUKCA_MAX_JOINTS] = {0};
+    const long before = b->tally.rows;
+    int number = 0;
+    mukca_status status = mukca_file_read(&text, path, &call->error);
+    if (status != MUKCA_OK) return status;
+    start(b, true);
+    print_header(b, false);
+    for (char *line = text; status == MUKCA_OK && *line && !ferror(b->stream);) {
+        char *end = line + strcspn(line, "\n");
+        const bool ended = *end == '\n';
+        *end = '\0';
+        if (cli_interrupted()) status = MUKCA_INTERRUPTED;
+        if (status == MUKCA_OK) status = correct_line(b, q, line, path, ++number);
+        if (ended && b->from == b->to) fputc('\n', b->stream);
+        line = end + ended;
+    }
+    free(text);
+    if (status != MUKCA_OK || b->tally.rows > before) return status;
+    const compensate_options *o = call->options;
+    return mukca_fail(&call->error, MUKCA_INPUT,
+                      "%s: no %s of %d axes is a target in %s; check --from, --tip and --poses",
+                      mukca_file_shown(path), o->poses ? "pose for an arm" : "list",
+                      b->arm->chain.n_joints, formats[o->from]);
 }
 
 static void print_tally(cli_call *call, const tally *t, bool poses)
@@ -219,7 +341,11 @@ static mukca_status run(cli_call *call)
     const cli_model *model = &call->session->model;
     mukca_corrected *arm = call->work;
     mukca_output output = {0};
-    tally t = {.rows = 0};
+    const int to = o->format < 0 ? o->from : o->format;
+    job b = {.call = call,
+             .arm = arm,
+             .from = o->from ? mukca_languages[o->from - 1] : NULL,
+             .to = to ? mukca_languages[to - 1] : NULL};
     mukca_status status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
     if (status != MUKCA_OK) return status;
@@ -233,14 +359,18 @@ static mukca_status run(cli_call *call)
     status = json_only ? mukca_output_open(&output, "/dev/null", true, &call->error)
                        : cli_output_open(call, &output);
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
+    b.stream = output.stream;
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = o->poses ? from_poses(call, output.stream, &t, arm, input.items[i], i == 0)
-                          : from_joints(call, output.stream, &t, arm, input.items[i], i == 0);
+        status = b.from     ? from_program(&b, input.items[i])
+                 : o->poses ? from_poses(&b, input.items[i])
+                            : from_joints(&b, input.items[i]);
     status = mukca_output_finish(&output, status, &call->error);
     if (status != MUKCA_OK) return status;
-    print_tally(call, &t, o->poses);
-    return c->json ? cli_write_json(call, as_json(call, &t)) : MUKCA_OK;
+    print_tally(call, &b.tally, o->poses);
+    return c->json ? cli_write_json(call, as_json(call, &b.tally)) : MUKCA_OK;
 }
+
+#define FORMAT_LINE(name, description) "  " #name ": " description "\n"
 
 const cli_command cli_command_compensate = {
     .name = "compensate",
@@ -254,12 +384,17 @@ const cli_command cli_command_compensate = {
         "--offsets, effects included, reaches what the nominal model meant. Damped least squares "
         "with the smallest change of the joints, within their limits; along a path the corrections "
         "are continuous. For a target out of reach the row holds the nearest solution, and its "
-        "status says why.",
+        "status says why.\n\n"
+        "--from and --format read and write programs; joints from the seventh on are external "
+        "axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
+        "In URScript, targets are the arguments of movej, movel, movep and servoj, and values of "
+        "variables whose names end in _q. A pose becomes a joint target.",
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",
     .options = options,
     .options_size = sizeof(compensate_options),
+    .defaults = &defaults,
     .run = run,
     .work_size = sizeof(mukca_corrected),
 };
