@@ -27,7 +27,7 @@ typedef struct {
     char *cell[MOST_CELLS];
     int n_placements;
     int column[COLUMNS]; /* index of each column, -1: absent */
-    char robot[MUKCA_NAME_SIZE], sha[72];
+    char robot[MUKCA_NAME_SIZE], sha[72], kinematics[72];
 } reader;
 
 static mukca_status fail(const reader *r, const char *format, ...)
@@ -78,6 +78,7 @@ static void read_comment(reader *r)
     char placement[MUKCA_NAME_SIZE];
     comment(r->robot, sizeof r->robot, r->lines.line, "# robot: ");
     comment(r->sha, sizeof r->sha, r->lines.line, "# urdf_sha256: ");
+    comment(r->kinematics, sizeof r->kinematics, r->lines.line, "# kinematics_sha256: ");
     mukca_acceptance_read(into->acceptance, r->lines.line);
     if (r->n_placements == MUKCA_MAX_PLACEMENTS ||
         !comment(placement, sizeof placement, r->lines.line, "# placement: "))
@@ -100,6 +101,11 @@ static mukca_status check_origin(reader *r)
                     "was made for another URDF (robot '%.40s', SHA-256 %.12s..., not %.12s...); "
                     "--force takes its offsets nevertheless",
                     r->robot, r->sha, r->chain->urdf_sha256);
+    if (strcmp(r->kinematics, r->chain->kinematics_sha256) != 0 && !r->origin->force)
+        return fail(
+            r, "was made %s: its offsets are added to other origins; give %s",
+            r->kinematics[0] ? "with a factory file (--kinematics)" : "without --kinematics",
+            r->kinematics[0] ? "the same --kinematics FILE" : "no --kinematics");
     if (a->given && !a->accepted && !r->origin->accept_failed)
         return fail(r,
                     "this calibration did not pass: %.150s (--accept-failed uses it nevertheless)",
@@ -318,6 +324,7 @@ static mukca_status read_chain_line(reader *r)
     comment(c->base, sizeof c->base, line, "# base: ");
     comment(c->tip, sizeof c->tip, line, "# tip: ");
     comment(c->urdf_sha256, sizeof c->urdf_sha256, line, "# urdf_sha256: ");
+    comment(c->kinematics_sha256, sizeof c->kinematics_sha256, line, "# kinematics_sha256: ");
     r->n_cells = mukca_cells_count(line, '\t');
     if (r->n_cells > MOST_CELLS || !mukca_cells_split(r->cell, r->n_cells, line, '\t'))
         return MUKCA_OK;

@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "io/kinematics.h"
 #include "io/offsets.h"
 #include "io/output.h"
 #include "io/rows.h"
@@ -82,7 +83,8 @@ typedef struct {
 
 /* The contract's common options: the first member of every command's options struct. */
 typedef struct {
-    const char *urdf, *base, *tip, *inertials, *offsets, *distances, *json, *output, *payload;
+    const char *urdf, *base, *tip, *inertials, *kinematics, *offsets, *distances, *json, *output,
+        *payload;
     const char *units;
     cli_list test;
     int angles;        /* index into cli_angles */
@@ -100,6 +102,9 @@ typedef struct {
     }
 #define CLI_MODEL_OPTIONS                                                                         \
     CLI_COMMON(urdf, 0, CLI_TEXT, "FILE", "nominal model of the arm"),                            \
+        CLI_COMMON(kinematics, 0, CLI_TEXT, "FILE",                                               \
+                   "YAML with the robot's own origins (Universal Robots, Franka, UFACTORY): it "  \
+                   "replaces those of the URDF"),                                                 \
         CLI_COMMON(base, 0, CLI_TEXT, "LINK",                                                     \
                    "first link of the chain (default: the URDF's root)"),                         \
         CLI_COMMON(tip, 0, CLI_TEXT, "LINK",                                                      \
@@ -194,6 +199,8 @@ typedef struct {
 /* The arm from --urdf, --base, --tip, --inertials, --gravity, --offsets. */
 typedef struct {
     mukca_chain chain;
+    mukca_chain urdf; /* the chain before --kinematics replaced its origins */
+    mukca_kinematics kinematics;
     mukca_offsets offsets;   /* of --offsets; without: theta nominal, no effects */
     mukca_geometry geometry; /* of offsets.theta */
 } cli_model;

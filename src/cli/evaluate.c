@@ -100,7 +100,10 @@ static void print(cli_call *call, const evaluate_work *w)
     char data[80];
     cli_describe_data(data, &s->data);
     cli_answer(call, "%s: %s; %s\n", s->model.chain.robot, data,
-               calibrated ? "nominal model and offsets table" : "nominal model (no --offsets)");
+               calibrated && w->data.has_factory ? "nominal model, factory file and offsets table"
+               : calibrated                      ? "nominal model and offsets table"
+               : w->data.has_factory             ? "nominal model and factory file"
+                                                 : "nominal model (no --offsets)");
     if (calibrated) {
         char verdict_text[MUKCA_ACCEPTANCE_SENTENCE];
         mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance);
@@ -141,7 +144,7 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
         status = write_matrix(call, output.stream, lines);
         json_object_set_new(json, "matrix", lines);
     } else if (status == MUKCA_OK && output.stream) {
-        cli_scores_write_header(output.stream);
+        cli_scores_write_header(output.stream, c->kinematics != NULL);
         cli_scores_write_rows(output.stream, "data", &w->data, &s->data);
         cli_scores_write_rows(output.stream, "test", &w->test, &s->test);
     }

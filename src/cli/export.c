@@ -73,10 +73,12 @@ static mukca_status run(cli_call *call)
     cli_model model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, &model);
+    model.chain = model.urdf; /* what is exported replaces the URDF's origins */
     const mukca_export_input input = {.urdf_path = c->urdf,
                                       .offsets_path = c->offsets,
                                       .chain = &model.chain,
                                       .offsets = &model.offsets,
+                                      .kinematics = c->kinematics ? &model.kinematics : NULL,
                                       .note = o->check ? NULL : cli_note,
                                       .context = call};
     if (status == MUKCA_OK && o->check) return check(call, &input);

@@ -28,6 +28,18 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukc
     return mukca_offsets_read(offsets, chain, path, &options, &call->error);
 }
 
+static mukca_status read_kinematics(cli_call *call, cli_model *model)
+{
+    const char *path = call->common->kinematics;
+    mukca_kinematics *k = &model->kinematics;
+    const mukca_status status = mukca_kinematics_read(k, path, &call->error);
+    if (status != MUKCA_OK) return status;
+    if (call->common->verbose)
+        cli_log(call, "%s: %s, %d joints%s%s\n", path, k->layout->name, k->n,
+                k->hash[0] ? ", " : "", k->hash);
+    return mukca_kinematics_apply(&model->chain, k, path, cli_note, call, &call->error);
+}
+
 mukca_status cli_load_model(cli_call *call, cli_model *model)
 {
     const cli_common *c = call->common;
@@ -50,6 +62,9 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
         cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", c->urdf,
                 model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,
                 model->chain.n_masses, model->chain.urdf_sha256);
+    model->urdf = model->chain;
+    if (c->kinematics) status = read_kinematics(call, model);
+    if (status != MUKCA_OK) return status;
     if (c->offsets)
         status = cli_read_offsets(call, &model->offsets, &model->chain, c->offsets);
     else

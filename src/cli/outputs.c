@@ -18,9 +18,9 @@ static bool is_input(const char *path, const char *input)
 mukca_status cli_keep_inputs(cli_call *call, const char *path)
 {
     const cli_common *c = call->common;
-    const char *const inputs[] = {c->urdf, c->inertials, c->offsets, c->distances};
+    const char *const inputs[] = {c->urdf, c->inertials, c->offsets, c->distances, c->kinematics};
     bool same = false;
-    for (int i = 0; i < 4; i++) same |= is_input(path, inputs[i]);
+    for (int i = 0; i < 5; i++) same |= is_input(path, inputs[i]);
     for (int i = 0; i < call->arguments.n; i++) same |= is_input(path, call->arguments.items[i]);
     for (const cli_option *o = call->command->options; o->name; o++) {
         if (o->kind != CLI_REST) continue;

@@ -3,6 +3,19 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* Parameters of the URDF for a chain that may have elements in addition (frames of pose logs). */
+static void find_urdf_theta(double *theta, const mukca_chain *chain, const mukca_chain *urdf)
+{
+    mukca_chain_theta(theta, chain);
+    for (int k = 0; k < chain->n_elements; k++) {
+        const int from = mukca_chain_find_element(urdf, chain->element[k].name);
+        if (from < 0) continue;
+        memcpy(theta + MUKCA_PARAMETERS * k, urdf->element[from].xyz, 3 * sizeof *theta);
+        memcpy(theta + MUKCA_PARAMETERS * k + 3, urdf->element[from].rpy, 3 * sizeof *theta);
+    }
+}
 
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
                              const double *theta, const cli_model *model, const mukca_dataset *data)
@@ -14,14 +27,20 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
         n_effects = model->offsets.n_effects;
         mukca_offsets_place_effects(effects, &model->offsets, data);
     }
-    const mukca_model before = {.chain = chain}, after = {.chain = chain,
-                                                          .theta = theta,
-                                                          .effects = effects,
-                                                          .n_effects = n_effects};
+    double urdf[MUKCA_MAX_THETA];
+    const bool factory = call->common->kinematics != NULL;
+    if (factory) find_urdf_theta(urdf, chain, &call->session->model.urdf);
+    const mukca_model before = {.chain = chain, .theta = factory ? urdf : NULL};
+    const mukca_model middle = {.chain = chain};
+    const mukca_model after = {
+        .chain = chain, .theta = theta, .effects = effects, .n_effects = n_effects};
+    scores->has_factory = factory;
     scores->nominal = calloc(room, sizeof *scores->nominal);
+    scores->factory = calloc(room, sizeof *scores->factory);
     scores->calibrated = calloc(room, sizeof *scores->calibrated);
-    if (scores->nominal && scores->calibrated &&
-        mukca_evaluate(scores->nominal, &scores->nominal_mean, &before, data) >= 0)
+    if (scores->nominal && scores->factory && scores->calibrated &&
+        mukca_evaluate(scores->nominal, &scores->nominal_mean, &before, data) >= 0 &&
+        (!factory || mukca_evaluate(scores->factory, &scores->factory_mean, &middle, data) >= 0))
         scores->n = mukca_evaluate(scores->calibrated, &scores->calibrated_mean, &after, data);
     else
         scores->n = -1;
@@ -33,6 +52,7 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
 void cli_scores_free(cli_scores *scores)
 {
     free(scores->nominal);
+    free(scores->factory);
     free(scores->calibrated);
     *scores = (cli_scores){0};
 }
@@ -50,13 +70,14 @@ const char *cli_scores_name(const mukca_score *score, const mukca_dataset *data)
 
 /* The figures of a score, by column and JSON key. */
 static const struct {
-    const char *nominal, *calibrated;
+    const char *nominal, *calibrated, *factory;
     size_t offset;
-} figures[] = {
-    {"mae_nominal_m", "mae_m", offsetof(mukca_score, mae)},
-    {"std_nominal_m", "std_m", offsetof(mukca_score, std)},
-    {"distance_error_nominal_m", "distance_error_m", offsetof(mukca_score, distance_error)},
-    {"rotation_error_nominal_rad", "rotation_error_rad", offsetof(mukca_score, rotation_error)}};
+} figures[] = {{"mae_nominal_m", "mae_m", "mae_factory_m", offsetof(mukca_score, mae)},
+               {"std_nominal_m", "std_m", "std_factory_m", offsetof(mukca_score, std)},
+               {"distance_error_nominal_m", "distance_error_m", "distance_error_factory_m",
+                offsetof(mukca_score, distance_error)},
+               {"rotation_error_nominal_rad", "rotation_error_rad", "rotation_error_factory_rad",
+                offsetof(mukca_score, rotation_error)}};
 enum { FIGURES = sizeof figures / sizeof *figures, ROTATION = FIGURES - 1 };
 
 static double figure(const mukca_score *score, int k)
@@ -64,11 +85,12 @@ static double figure(const mukca_score *score, int k)
     return *(const double *)(const void *)((const char *)score + figures[k].offset);
 }
 
-void cli_scores_write_header(FILE *stream)
+void cli_scores_write_header(FILE *stream, bool factory)
 {
     fputs("set\tplacement\trows", stream);
     for (int k = 0; k < FIGURES; k++)
         fprintf(stream, "\t%s\t%s", figures[k].nominal, figures[k].calibrated);
+    for (int k = 0; k < FIGURES && factory; k++) fprintf(stream, "\t%s", figures[k].factory);
     fputc('\n', stream);
 }
 
@@ -82,6 +104,8 @@ void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scor
             cli_scores_write(stream, figure(&scores->nominal[i], k));
             cli_scores_write(stream, figure(after, k));
         }
+        for (int k = 0; k < FIGURES && scores->has_factory; k++)
+            cli_scores_write(stream, figure(&scores->factory[i], k));
         fputc('\n', stream);
     }
 }
@@ -97,40 +121,43 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
             if (k == ROTATION && !isfinite(figure(after, k))) continue;
             json_object_set_new(object, figures[k].nominal, cli_json_real(figure(before, k)));
             json_object_set_new(object, figures[k].calibrated, cli_json_real(figure(after, k)));
+            if (scores->has_factory)
+                json_object_set_new(object, figures[k].factory,
+                                    cli_json_real(figure(&scores->factory[i], k)));
         }
         json_array_append_new(array, object);
     }
     return array;
 }
 
-/* `kind`, `set`: "distortion", "train". */
-static void print_line(cli_call *call, const char *kind, const char *set, double factor,
-                       double nominal, const double *calibrated)
+/* A figure of the three models; `kind`, `set`: "distortion", "train". */
+static void print_line(cli_call *call, const cli_scores *scores, int k, const char *kind,
+                       const char *set, bool calibrated)
 {
+    static const double factor = 1e3; /* mm, mrad */
+    const double nominal = figure(&scores->nominal_mean, k);
+    const double after = figure(&scores->calibrated_mean, k);
     char name[40];
     snprintf(name, sizeof name, "%s, %s", kind, set);
     cli_answer(call, "  %-24s %12.3f", name, factor * nominal);
-    if (calibrated) cli_answer(call, " %12.3f", factor * *calibrated);
-    if (calibrated && nominal > 0)
-        cli_answer(call, " %+11.2f %%", 100 * (*calibrated / nominal - 1));
+    if (scores->has_factory) cli_answer(call, " %12.3f", factor * figure(&scores->factory_mean, k));
+    if (calibrated) cli_answer(call, " %12.3f", factor * after);
+    if (calibrated && nominal > 0) cli_answer(call, " %+11.2f %%", 100 * (after / nominal - 1));
     cli_answer(call, "\n");
 }
 
 void cli_scores_print_header(cli_call *call, bool calibrated)
 {
-    cli_answer(call, "  %-24s %12s%s\n", "Error", "nominal", calibrated ? "   calibrated" : "");
+    cli_answer(call, "  %-24s %12s%s%s\n", "Error", "nominal",
+               call->common->kinematics ? "      factory" : "", calibrated ? "   calibrated" : "");
 }
 
 void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set, bool calibrated)
 {
-    const mukca_score *a = &scores->nominal_mean, *b = &scores->calibrated_mean;
-    const bool sockets = isfinite(a->distance_error);
-    print_line(call, sockets ? "consistency mm" : "position mm", set, 1e3, a->mae,
-               calibrated ? &b->mae : NULL);
-    if (sockets)
-        print_line(call, "distortion mm", set, 1e3, a->distance_error,
-                   calibrated ? &b->distance_error : NULL);
-    if (isfinite(a->rotation_error))
-        print_line(call, "rotation mrad", set, 1e3, a->rotation_error,
-                   calibrated ? &b->rotation_error : NULL);
+    enum { MAE, STD, DISTANCE };
+    const bool sockets = isfinite(scores->nominal_mean.distance_error);
+    print_line(call, scores, MAE, sockets ? "consistency mm" : "position mm", set, calibrated);
+    if (sockets) print_line(call, scores, DISTANCE, "distortion mm", set, calibrated);
+    if (isfinite(scores->nominal_mean.rotation_error))
+        print_line(call, scores, ROTATION, "rotation mrad", set, calibrated);
 }

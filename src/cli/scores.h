@@ -7,8 +7,9 @@
 
 typedef struct {
     int n; /* placements with rows, and one more for poses */
-    mukca_score *nominal, *calibrated;
-    mukca_score nominal_mean, calibrated_mean;
+    mukca_score *nominal, *factory, *calibrated;
+    mukca_score nominal_mean, factory_mean, calibrated_mean;
+    bool has_factory; /* --kinematics: nominal is the URDF, factory the file's origins */
 } cli_scores;
 
 /* Score `data` at the chain's nominal parameters and at theta with the effects of `model` (NULL:
@@ -22,7 +23,7 @@ void cli_scores_free(cli_scores *scores); /* harmless on a zeroed one */
 json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data);
 
 /* The table of evaluate: its header, and one row per placement.  `set`: "data", "test". */
-void cli_scores_write_header(FILE *stream);
+void cli_scores_write_header(FILE *stream, bool factory);
 void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scores,
                            const mukca_dataset *data);
 

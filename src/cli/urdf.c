@@ -15,9 +15,10 @@ typedef struct {
 
 static const cli_option options[] = {
     CLI_OPTION(urdf_options, dh, "dh", CLI_TEXT, "FILE",
-               "the table: joint, a, alpha, d, theta, one row per joint, m and rad"),
+               "the table: joint, a, alpha, d, theta, one row per joint"),
     CLI_CHOICE_OPTION(urdf_options, convention, "convention", "NAME", mukca_dh_convention_name,
                       "what the rows mean (default: as the table says, else standard)"),
+    CLI_UNITS_OPTION,
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
@@ -40,7 +41,9 @@ static mukca_status load(cli_call *call, mukca_chain *chain)
     const urdf_options *o = call->options;
     mukca_dh dh;
     bool stated = false;
-    mukca_status status = mukca_dh_read(&dh, &stated, o->dh, &call->error);
+    mukca_rows_format format;
+    mukca_status status = cli_read_format(call, &format);
+    if (status == MUKCA_OK) status = mukca_dh_read(&dh, &stated, o->dh, &format, &call->error);
     if (status != MUKCA_OK) return status;
     if (stated && o->convention >= 0 && o->convention != (int)dh.convention)
         return mukca_fail(&call->error, MUKCA_USAGE,
@@ -78,7 +81,8 @@ const cli_command cli_command_urdf = {
     .synopsis = "",
     .description =
         "Writes the URDF of an arm of which only a Denavit-Hartenberg table is known. The table "
-        "(TSV or CSV) has the columns joint, a, alpha, d and theta, in m and rad, and may have "
+        "(TSV or CSV) has the columns joint, a, alpha, d and theta, in m and rad or --units, and "
+        "may have "
         "type (revolute, continuous, prismatic, fixed; default: revolute), lower and upper. Joints "
         "without limits turn without end. Row by row, the pose of the tip is the product of\n"
         "  standard  Rz(theta + q) Tz(d) Tx(a) Rx(alpha)\n"

@@ -38,14 +38,16 @@ static mukca_status read_header(int column[COLUMNS], const mukca_table *table, m
     return MUKCA_OK;
 }
 
-/* A number; an empty cell of an optional column leaves *value. */
-static mukca_status read_number(double *value, const mukca_table *table, int column, double most,
-                                mukca_error *error)
+/* A number of the file, whose unit is `unit` m or rad. */
+static mukca_status read_number(double *value, const mukca_table *table, int column, double unit,
+                                double most, mukca_error *error)
 {
     const mukca_status status = mukca_table_number(value, table, column, error);
+    *value *= unit;
     if (status != MUKCA_OK || fabs(*value) <= most) return status;
     return mukca_table_fail(error, table, column,
-                            "%g is out of range; lengths are in m, angles in rad", *value);
+                            "%s is out of range; lengths are in m, angles in rad, or see --units",
+                            table->cell[column]);
 }
 
 static mukca_status read_name(mukca_dh_row *row, const mukca_dh *dh, const mukca_table *table,
@@ -74,22 +76,34 @@ static mukca_status read_type(mukca_dh_row *row, const mukca_table *table, int c
                             "unknown type; give revolute, continuous, prismatic or fixed");
 }
 
-static mukca_status read_row(mukca_dh_row *row, const mukca_dh *dh, const mukca_table *table,
-                             const int column[COLUMNS], mukca_error *error)
+/* What a row is read with. */
+typedef struct {
+    const mukca_table *table;
+    int column[COLUMNS];
+    double angle, length; /* rad and m of a unit of the columns whose name states none */
+} reader;
+
+static mukca_status read_row(mukca_dh_row *row, const mukca_dh *dh, const reader *r,
+                             mukca_error *error)
 {
+    const mukca_table *table = r->table;
     double *const number[COLUMNS] = {
         [A] = &row->a,         [ALPHA] = &row->alpha, [D] = &row->d,
         [THETA] = &row->theta, [LOWER] = &row->lower, [UPPER] = &row->upper};
     *row = (mukca_dh_row){.type = MUKCA_REVOLUTE, .lower = -HUGE_VAL, .upper = HUGE_VAL};
-    mukca_status status = read_name(row, dh, table, column[JOINT], error);
-    if (status == MUKCA_OK) status = read_type(row, table, column[TYPE], error);
-    for (int i = 0; i < COLUMNS && status == MUKCA_OK; i++) {
-        const double most = i == ALPHA || i == THETA ? largest_angle : MUKCA_NUMBER_LARGEST;
-        const bool given = number[i] && column[i] >= 0 && (i <= THETA || table->cell[column[i]][0]);
-        if (given) status = read_number(number[i], table, column[i], most, error);
+    mukca_status status = read_name(row, dh, table, r->column[JOINT], error);
+    if (status == MUKCA_OK) status = read_type(row, table, r->column[TYPE], error);
+    for (int i = A; i < COLUMNS && status == MUKCA_OK; i++) {
+        const int c = r->column[i];
+        if (!number[i] || c < 0 || (i > THETA && !table->cell[c][0])) continue;
+        const bool own = strcmp(table->header[c], names[i][0]) != 0;
+        const bool angle = i == ALPHA || i == THETA || (i > THETA && mukca_joint_turns(row->type));
+        const double unit = own ? 1 : angle ? r->angle : r->length;
+        const double most = angle && i <= THETA ? largest_angle : MUKCA_NUMBER_LARGEST;
+        status = read_number(number[i], table, c, unit, most, error);
     }
     if (status != MUKCA_OK || row->lower < row->upper) return status;
-    return mukca_table_fail(error, table, column[UPPER], "is not above the lower limit");
+    return mukca_table_fail(error, table, r->column[UPPER], "is not above the lower limit");
 }
 
 static bool read_convention(mukca_dh *dh, const mukca_table *table)
@@ -101,13 +115,17 @@ static bool read_convention(mukca_dh *dh, const mukca_table *table)
     return true;
 }
 
-mukca_status mukca_dh_read(mukca_dh *dh, bool *stated, const char *path, mukca_error *error)
+mukca_status mukca_dh_read(mukca_dh *dh, bool *stated, const char *path,
+                           const mukca_rows_format *format, mukca_error *error)
 {
     mukca_table table;
-    int column[COLUMNS], moving = 0;
+    reader r = {.table = &table,
+                .angle = format && format->angle > 0 ? format->angle : 1,
+                .length = format && format->length > 0 ? format->length : 1};
+    int moving = 0;
     *dh = (mukca_dh){0};
     mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, error);
-    if (status == MUKCA_OK) status = read_header(column, &table, error);
+    if (status == MUKCA_OK) status = read_header(r.column, &table, error);
     if (status == MUKCA_OK) *stated = read_convention(dh, &table);
     for (bool more = true; status == MUKCA_OK;) {
         const int most = sizeof dh->row / sizeof *dh->row;
@@ -117,7 +135,7 @@ mukca_status mukca_dh_read(mukca_dh *dh, bool *stated, const char *path, mukca_e
         if (dh->n_rows == most)
             status = mukca_table_fail(error, &table, -1, "more than %d rows", most);
         else
-            status = read_row(row, dh, &table, column, error);
+            status = read_row(row, dh, &r, error);
         if (status != MUKCA_OK) break;
         moving += row->type != MUKCA_FIXED;
         dh->n_rows++;

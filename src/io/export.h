@@ -5,15 +5,17 @@
 
 #include <stdio.h>
 
+#include "io/kinematics.h"
 #include "io/offsets.h"
 
 /* name, endings of file names, what it is */
-#define MUKCA_EXPORT_LIST(X)                                                   \
-    X(urdf, ".urdf", "the URDF with calibrated origins, otherwise unchanged")  \
-    X(yaml, ".yaml .yml", "origins of all joints, and causes")                 \
-    X(c, ".h", "C arrays of origins and axes, causes, an arm for libmukca_rt") \
-    X(mjcf, ".mjcf", "a MuJoCo model with springs and stops for causes")       \
-    X(dh, ".dh", "a Denavit-Hartenberg table, standard")                       \
+#define MUKCA_EXPORT_LIST(X)                                                    \
+    X(urdf, ".urdf", "the URDF with calibrated origins, otherwise unchanged")   \
+    X(yaml, ".yaml .yml", "origins of all joints, and causes")                  \
+    X(c, ".h", "C arrays of origins and axes, causes, an arm for libmukca_rt")  \
+    X(mjcf, ".mjcf", "a MuJoCo model with springs and stops for causes")        \
+    X(kinematics, ".kinematics", "the YAML of origins of UR, Franka, UFACTORY") \
+    X(dh, ".dh", "a Denavit-Hartenberg table, standard")                        \
     X(mdh, ".mdh", "a Denavit-Hartenberg table, modified (Craig)")
 
 typedef struct {
@@ -21,7 +23,8 @@ typedef struct {
     const char *offsets_path; /* for the provenance; NULL: nominal */
     const mukca_chain *chain;
     const mukca_offsets *offsets;
-    mukca_note_fn *note; /* may be NULL */
+    const mukca_kinematics *kinematics; /* the factory file that the arm started from; or NULL */
+    mukca_note_fn *note;                /* may be NULL */
     void *context;
 } mukca_export_input;
 

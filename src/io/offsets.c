@@ -93,6 +93,8 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
     fputs("# mukca " MUKCA_VERSION " offsets table\n", stream);
     print_line(stream, "robot: ", chain->robot);
     print_line(stream, "urdf_sha256: ", chain->urdf_sha256);
+    if (chain->kinematics_sha256[0])
+        print_line(stream, "kinematics_sha256: ", chain->kinematics_sha256);
     print_line(stream, "base: ", chain->base);
     print_line(stream, "tip: ", chain->tip);
     for (int i = 0; data && i < data->n_files; i++) print_line(stream, "data: ", data->files[i]);

@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     bool stated;
     char *text = NULL;
     size_t length;
-    if (mukca_dh_read(&dh, &stated, memory_file(bytes, size), &error) != MUKCA_OK) {
+    if (mukca_dh_read(&dh, &stated, memory_file(bytes, size), NULL, &error) != MUKCA_OK) {
         if (!error.text[0] || strchr(error.text, '\n')) abort();
         return 0;
     }

@@ -17,12 +17,22 @@ refuse 2 'says that it is a modified table' urdf --dh arm.mdh --convention stand
 refuse 2 'dh FILE is needed' urdf
 refuse 2 'arm.dh is an input of this command' urdf --dh arm.dh -o arm.dh --force
 
+sed -e 's/_m\>//; s/_rad\>//; s/_m\>//; s/_rad\>//' arm.dh | awk -F '\t' -v OFS='\t' '!/^#/ && $1 != "joint" {
+    $3 *= 1000; $5 *= 1000; for (i = 4; i <= 8; i += i == 4 || i == 6 ? 2 : 1) if ($i != "") $i *= 45 / atan2(1, 1) }
+    { print }' CONVFMT=%.17g OFMT=%.17g >degrees.dh
+"$MUKCA" urdf --dh degrees.dh --units deg,mm -o degrees.urdf
+"$MUKCA" fk --urdf degrees.urdf --pose fifty.csv >back.tsv
+paste nominal.tsv back.tsv >both.tsv
+expect "urdf --dh reads degrees and millimetres" awk '
+    NR > 1 { for (i = 1; i <= 7; i++) { d = $i - $(i + 7); if (!(d * d <= 1e-18)) exit 1 } }
+    END { if (NR != 51) exit 1 }' both.tsv
+
 # bad tables: one line each
 table() { printf "joint\ta\talpha\td\ttheta$1\n$2" >bad.tsv; }
 table '' 'j1\t0\t1.5\t0.2\t0\nj1\t0\t0\t0\t0\n'
 refuse 3 "bad.tsv:3: column 'joint': joint 'j1' has a row already" urdf --dh bad.tsv
 table '' 'j1\t0\t90\t0.2\t0\n'
-refuse 3 "bad.tsv:2: column 'alpha': 90 is out of range; lengths are in m, angles in rad" urdf --dh bad.tsv
+refuse 3 "bad.tsv:2: column 'alpha': 90 is out of range; lengths are in m, angles in rad, or see --units" urdf --dh bad.tsv
 table '' 'j1\t0\tx\t0.2\t0\n'
 refuse 3 "bad.tsv:2: column 'alpha'" urdf --dh bad.tsv
 table '\ttype' 'j1\t0\t0\t0.2\t0\tball\n'

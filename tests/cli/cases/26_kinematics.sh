@@ -1,0 +1,93 @@
+# Factory files: read as the model to start from, kept apart from the URDF's, written back.
+. "$here/fixture.sh"
+. "$here/ur5e.sh"
+ur='--urdf ur5e.urdf --kinematics factory.yaml'
+awk 'BEGIN { for (i = 1; i <= 12; i++) for (j = 1; j <= 6; j++)
+    printf "%.6f%s", 2.5 * sin(1.7 * i * j + j), j < 6 ? "," : "\n" }' >rows.csv
+same() { # FILE FILE METRES: the positions of two tables
+    paste "$1" "$2" | awk -v most="$3" '
+        NR > 1 { for (i = 1; i <= 3; i++) { d = $i - $(i + NF / 2); if (!(d * d <= most * most)) exit 1 } }
+        END { if (NR != 13) exit 1 }'
+}
+
+# the factory file takes the place of the URDF's origins
+"$MUKCA" fk --urdf ur5e.urdf rows.csv >nominal.tsv
+"$MUKCA" fk $ur rows.csv >factory.tsv
+expect "a factory file changes the arm" sh -c '! cmp -s nominal.tsv factory.tsv'
+"$MUKCA" export $ur -o factory.urdf
+"$MUKCA" fk --urdf factory.urdf rows.csv >as_urdf.tsv
+expect "a factory file can be exported as a URDF" cmp factory.tsv as_urdf.tsv
+
+# calibrated from there, evaluated next to the others, and written back
+"$MUKCA" simulate -q $ur --placements 3 --rows 15 --seed 3 --noise 5e-5 --perturb 0.1,0.2 -o session.tsv --force
+"$MUKCA" calibrate -q $ur session.tsv -o table.tsv
+answer 'nominal      factory   calibrated' evaluate $ur --offsets table.tsv session.tsv -o scores.tsv
+expect "evaluate has the factory's errors: calibrated < factory < nominal" awk -F '\t' '
+    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+    NR > 1 { if (!($at["mae_m"] < $at["mae_factory_m"] && $at["mae_factory_m"] < $at["mae_nominal_m"])) exit 1 }
+    END { if (NR != 4) exit 1 }' scores.tsv
+"$MUKCA" fk $ur --offsets table.tsv rows.csv >calibrated.tsv
+for tip in '' '--tip wrist_3_link'; do
+    # shellcheck disable=SC2086
+    "$MUKCA" export -q $ur --offsets table.tsv $tip -f kinematics -o own.yaml --force
+    # shellcheck disable=SC2086
+    "$MUKCA" fk --urdf ur5e.urdf --kinematics own.yaml --tip wrist_3_link rows.csv >back.tsv
+    "$MUKCA" fk -q $ur --offsets table.tsv --tip wrist_3_link rows.csv >wrist.tsv
+    expect "export -f kinematics $tip, read back, is the calibrated arm to 1e-9 m" same wrist.tsv back.tsv 1e-9
+done
+expect "UR's hash stays that of the robot" grep -q '^  hash: calib_12345678901234567890$' own.yaml
+accept "calibrated origin of 'ball' is not exported" export $ur --offsets table.tsv -f kinematics
+accept 'the hash is missing' export --urdf ur5e.urdf -f kinematics
+answer 'agrees with the table' export $ur --offsets table.tsv -f kinematics --check own.yaml
+refuse 3 'was made with a factory file (--kinematics)' evaluate --urdf ur5e.urdf --offsets table.tsv session.tsv
+refuse 3 'was made with a factory file (--kinematics)' evaluate --urdf ur5e.urdf --kinematics own.yaml --offsets table.tsv session.tsv
+refuse 2 'factory.yaml is an input of this command' calibrate $ur session.tsv -o factory.yaml --force
+
+# Franka's and UFACTORY's layouts
+sed -e '/^kinematics/d' -e '/hash/d' -e 's/^    /      /' -e 's/^  \([a-z_0-9]*\):$/\1:\n  kinematic:/' \
+    -e 's/^      /    /' factory.yaml >franka.yaml
+"$MUKCA" fk --urdf ur5e.urdf --kinematics franka.yaml rows.csv >other.tsv
+expect "Franka's layout is read" cmp factory.tsv other.tsv
+"$MUKCA" export -q --urdf ur5e.urdf --kinematics franka.yaml -f kinematics -o written.yaml
+"$MUKCA" fk --urdf ur5e.urdf --kinematics written.yaml rows.csv >other.tsv
+expect "Franka's layout is written" sh -c 'cmp factory.tsv other.tsv && grep -q kinematic: written.yaml'
+sed 's/j\([123]\)"/joint\1"/' arm.urdf >ufactory.urdf
+"$MUKCA" export --urdf ufactory.urdf -f kinematics -o ufactory.yaml
+rows 1 12 >twelve.csv
+"$MUKCA" fk --urdf ufactory.urdf twelve.csv >arm.tsv
+"$MUKCA" fk --urdf ufactory.urdf --kinematics ufactory.yaml twelve.csv >other.tsv
+expect "UFACTORY's layout, written and read, is the same arm" sh -c 'cmp arm.tsv other.tsv && grep -q "^  joint2:" ufactory.yaml'
+
+# bad files: one line each
+bad() { sed "$1" factory.yaml >bad.yaml; }
+f='fk --urdf ur5e.urdf --kinematics bad.yaml rows.csv'
+bad '/pitch: 0.0021/d'
+refuse 3 "bad.yaml:16: 'forearm' has no pitch" $f
+bad 's/z: 0.1338.*/z: o.13/'
+refuse 3 "bad.yaml:26: no number: 'o.13'" $f
+bad 's/z: 0.1338.*/z: 1e9/'
+refuse 3 'bad.yaml:26: out of range (lengths are in m, angles in rad)' $f
+bad 's/roll: 1.5693801556761988/roll: 89.9/'
+refuse 3 'bad.yaml:34: out of range' $f
+bad 's/    pitch: 0.0021/    tilt: 0.0021/'
+refuse 3 "bad.yaml:21: expected x, y, z, roll, pitch, yaw of a joint, not 'tilt'" $f
+bad 's/wrist_2:/wrist_9:/'
+refuse 3 "bad.yaml: no entry for joint 'wrist_2_joint' (child link 'wrist_2_link'); is it of this arm?" $f
+bad 's/wrist_2:/wrist_1:/'
+refuse 3 "bad.yaml:30: a second entry 'wrist_1'" $f
+bad 's/z: 0.1338.*/z: [1, 2]/'
+refuse 3 'bad.yaml:26: expected NAME: NUMBER, not a list or an alias' $f
+bad 's/z: 0.1338.*/z: !degrees 3/'
+refuse 3 'bad.yaml:26: tags are not read' $f
+bad 's/z: 0.1338.*/z: {/'
+refuse 3 'bad.yaml:[0-9]*: ' $f
+bad 's/^kinematics:/kinematics: {{{{{/'
+refuse 3 'bad.yaml:[0-9]*: ' $f
+printf 'kinematics: 3\n' >bad.yaml
+refuse 3 "bad.yaml:1: expected x, y, z, roll, pitch, yaw of a joint, not 'kinematics'" $f
+printf 'no yaml\n' >bad.yaml
+refuse 3 'bad.yaml:1: expected `kinematics:` or names of joints' $f
+printf '# nothing\n' >bad.yaml
+refuse 3 'bad.yaml: no joint; expected x, y, z' $f
+bad 's/z: 0.1338.*/z: 0.17/'
+accept "joint 'wrist_1_joint' is 37 mm and 0.00 rad from the URDF; is it of this arm?" $f

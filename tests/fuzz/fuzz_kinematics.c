@@ -1,0 +1,28 @@
+/* Factory files: read or refused in one line, and then applied to an arm or refused in one line. */
+#include <string.h>
+
+#include "io/kinematics.h"
+#include "memory_file.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    static mukca_kinematics kinematics;
+    static mukca_chain chain;
+    mukca_error error = {MUKCA_OK, ""};
+    const char *path = memory_file(bytes, size);
+    chain = (mukca_chain){.n_elements = 2, .n_joints = 2, .joint_element = {0, 1}};
+    for (int k = 0; k < 2; k++) {
+        mukca_element *e = &chain.element[k];
+        snprintf(e->name, sizeof e->name, "arm_joint%d", k + 1);
+        snprintf(e->child, sizeof e->child, k ? "upper_arm_link" : "shoulder_link");
+    }
+    mukca_status status = mukca_kinematics_read(&kinematics, path, &error);
+    if (status == MUKCA_OK && (kinematics.n < 1 || !kinematics.layout)) abort();
+    if (status == MUKCA_OK)
+        status = mukca_kinematics_apply(&chain, &kinematics, path, NULL, NULL, &error);
+    if (status != MUKCA_OK && (!error.text[0] || strchr(error.text, '\n'))) abort();
+    for (int i = 0; i < kinematics.n && status == MUKCA_OK; i++)
+        for (int p = 0; p < MUKCA_PARAMETERS; p++)
+            if (!(kinematics.entry[i].value[p] <= 1e6)) abort();
+    return 0;
+}
