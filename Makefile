@@ -226,6 +226,8 @@ verify-small-arms: $(PROGRAM) ## false causes on pure noise for arms with two to
 
 closed-loop: $(PROGRAM) $(EXAMPLES) ## from capture to a peg in a hole, against MuJoCo (PyPI): table and figure
 	@$(TEST_ENVIRONMENT) $(call script,closed_loop)
+	@$(TEST_ENVIRONMENT) tools/closed_loop/run failures.py
+	@$(TEST_ENVIRONMENT) tools/closed_loop/run realtime.py
 
 verify-paper: $(PROGRAM) ## Kana et al. (2022), Tables 3 to 12, ours beside theirs
 	@$(TEST_ENVIRONMENT) $(call script,verify_paper)

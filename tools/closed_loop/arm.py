@@ -12,7 +12,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 
 SIDES = 24          # of peg and hole: a corner of the polygon is 0.9 % farther out than a side
-HOLES = (16e-3, 12e-3, 10.4e-3, 10.2e-3)  # diameters, m
+HOLES = (16e-3, 12e-3, 10.4e-3, 10.2e-3, 10.1e-3)  # diameters, m
 PEG = 5e-3          # radius, m
 FILLET = 0.3e-3     # at the end of the peg, m: a deburred edge
 PEG_LENGTH = 30e-3  # m
@@ -67,9 +67,11 @@ def inertial(root, name):
         row(float(t.get(k)) for k in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")))
 
 
-def hinges(name, axis, k, hidden):
-    text = '<joint name="%s" axis="%s" armature="%g" frictionloss="%g" damping="%g"/>' % (
-        name, axis, ARMATURE[k], FRICTION[k], DAMPING[k])
+def hinges(joint, k, hidden):
+    """The motor of a joint with its end stops, and what is in series with it."""
+    name, axis, limit = joint.get("name"), joint.find("axis").get("xyz"), joint.find("limit")
+    text = ('<joint name="%s" axis="%s" armature="%g" frictionloss="%g" damping="%g" limited="true" range="%s %s"/>' % (
+        name, axis, ARMATURE[k], FRICTION[k], DAMPING[k], limit.get("lower"), limit.get("upper")))
     if name in hidden.springs:  # damping: 0.001 s of the stiffness, some 10 % of critical at a few Hz
         stiffness = 1 / hidden.springs[name]
         text += '<joint name="%s.spring" axis="%s" armature="0.01" stiffness="%.12g" damping="%.12g"/>' % (
@@ -92,7 +94,7 @@ def mjcf(urdf, hidden):
         rpy = np.array(numbers(origin.get("rpy"))) + hidden.angle * random.standard_normal(3)
         bodies += '<body name="%s" pos="%s" euler="%s">%s' % (child, row(xyz), row(rpy), inertial(root, child))
         if joint.get("type") != "fixed":
-            bodies += hinges(name, joint.find("axis").get("xyz"), len(motors), hidden)
+            bodies += hinges(joint, len(motors), hidden)
             motors.append(name)
         end += "</body>"
     bodies += '<site name="tip"/>'

@@ -113,17 +113,19 @@ def plot(out, name, results):
             data_file(os.path.join(out, "%s-drawn%d" % (m, i)), line - np.array(tasks_origin()))
     titles = {"nominal": "nominal model", "geometry": "geometry", "causes": "geometry and causes"}
     script = """
-set terminal pngcairo size 1300,700 font 'sans,11'
+set terminal pngcairo size 1300,500 font 'sans,11'
 set output '%s/closed_loop.png'
 set multiplot layout 1,3
 set size ratio -1
-set key below
+set key top right
+set lmargin 6
+set rmargin 1
 set xlabel 'mm'
 set title 'peg (10 mm) above the hole (16 mm; 10.4 mm dashed)'
 """ % out
     script += "set xrange [-18:18]\nset yrange [-18:18]\nset style fill empty\nset object 1 circle at 0,0 size 8 fc rgb 'black' lw 2\n"
     script += "set object 2 circle at 0,0 size 5.2 fc rgb 'black' dt 2 lw 2\n"
-    script += "plot '%s/nominal-pegs' using 1:2:(5) with circles lc rgb '#d95f02' title 'nominal model', " % out
+    script += "plot '%s/nominal-pegs' using 1:2:(5) with circles lc rgb '#d95f02' lw 1 title 'nominal model', " % out
     script += "'%s/%s-pegs' using 1:2:(5) with circles lc rgb '#1b7837' title '%s'\n" % (out, last, titles[last])
     script += "unset object 1\nunset object 2\nset xrange [-55:55]\nset yrange [-55:55]\n"
     for m in ("nominal", last):

@@ -16,7 +16,7 @@ DOWN = np.diag([1.0, -1, -1])       # the peg's direction
 DEPTH = 10e-3                       # of the peg when taught, and of an insertion that counts, m
 PUSH = 5e-3                         # the goal of an insertion is deeper by this, m
 HOVER = 10e-3                       # above the plate, m
-TEACH = arm.HOLES[-1]
+TEACH = 10.2e-3                     # the hole in which the operator teaches
 
 
 class Controller:
