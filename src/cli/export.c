@@ -31,6 +31,7 @@ static const cli_option options[] = {
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
+    CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,
@@ -73,12 +74,16 @@ static mukca_status run(cli_call *call)
     cli_model model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, &model);
+    if (status == MUKCA_OK && call->arguments.n) /* its chain has the factory's origins still */
+        status = cli_load_data(call, &call->session->data, &model, &call->arguments);
     model.chain = model.urdf; /* what is exported replaces the URDF's origins */
     const mukca_export_input input = {.urdf_path = c->urdf,
                                       .offsets_path = c->offsets,
                                       .chain = &model.chain,
                                       .offsets = &model.offsets,
                                       .kinematics = c->kinematics ? &model.kinematics : NULL,
+                                      .postures = call->session->data.q,
+                                      .n_postures = call->session->data.n_rows,
                                       .note = o->check ? NULL : cli_note,
                                       .context = call};
     if (status == MUKCA_OK && o->check) return check(call, &input);
@@ -95,7 +100,8 @@ const cli_command cli_command_export = {
     .name = "export",
     .group = CLI_USE,
     .summary = "the calibrated model in the formats of others",
-    .synopsis = "",
+    .synopsis = "[DATA...]",
+    .max_arguments = -1,
     .description =
         "Writes the model that --urdf and --offsets describe. A URDF is patched in place: the "
         "origins of the chain's joints get the calibrated values, every other byte stays as it "
@@ -103,6 +109,9 @@ const cli_command cli_command_export = {
         "Calibrated values replace the nominal ones: calibrated = nominal + offset, in the frame "
         "and with the signs of the URDF's own origin. Nothing is subtracted. Offsets below 1e-9 m "
         "or rad count as zero.\n\n"
+        "A format that cannot hold an effect of the table gets origins that were fitted to the arm "
+        "with its effects, over its joint ranges or over the postures of DATA; what is lost is "
+        "said. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"
         "Formats, with the endings of their files:\n" MUKCA_EXPORT_LIST(FORMAT_LINE),
     .example =
         "mukca export --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv --format yaml",

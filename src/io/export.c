@@ -1,11 +1,13 @@
 /* The table of export formats; writing and checking a file of any of them. */
 #include "io/export.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/note.h"
+#include "fit/refit.h"
 
 const mukca_exporter mukca_exporters[] = {
 #define ROW(name, endings, description) {#name, endings, description, &mukca_export_##name},
@@ -28,22 +30,99 @@ int mukca_exporter_find(const char *path)
     return -1;
 }
 
+/* What is written in place of an arm that the format cannot hold. */
+typedef struct {
+    mukca_export_input input;
+    mukca_offsets offsets;
+    mukca_refit refit;
+} replacement;
+
+static void note_loss(const mukca_export_input *input, const mukca_exporter *exporter,
+                      const mukca_refit *refit)
+{
+    const mukca_acceptance *a = &input->offsets->acceptance;
+    char held_out[120] = "";
+    mukca_note_format(input->note, input->context,
+                      "%s: %s were fitted to the arm over %s; its tip differs by %.3f mm on "
+                      "average, %.3f mm at most (without the fit: %.3f mm)",
+                      exporter->name,
+                      exporter->format->zeros_only ? "offsets of the joints alone" : "the origins",
+                      input->postures ? "the postures given" : "its joint ranges",
+                      1e3 * refit->mean, 1e3 * refit->largest, 1e3 * refit->mean_before);
+    if (a->given && a->error_m > 0) /* independent errors add in squares */
+        snprintf(held_out, sizeof held_out,
+                 " (held-out error %.3f mm, of this export some %.3f mm)", 1e3 * a->error_m,
+                 1e3 * hypot(a->error_m, refit->mean));
+    mukca_note_format(input->note, input->context,
+                      "recommended: the table itself, by mukca compensate or export -f c%s",
+                      held_out);
+}
+
+/* The effects that the format holds; the others are noted.  What the others need. */
+static int keep_held(mukca_offsets *kept, const mukca_export_input *input,
+                     const mukca_exporter *exporter)
+{
+    const mukca_offsets *o = input->offsets;
+    int needs = 0;
+    kept->n_effects = 0;
+    for (const mukca_effect *effect = o->effects; effect < o->effects + o->n_effects; effect++) {
+        if (exporter->format->holds(effect)) {
+            kept->effects[kept->n_effects++] = *effect;
+            continue;
+        }
+        const char *joint = mukca_export_joint(input, effect);
+        needs |= mukca_effect_table[effect->kind]->needs;
+        mukca_note_format(input->note, input->context,
+                          "%s of %.60s is not exported: the format %s cannot represent it",
+                          mukca_effect_table[effect->kind]->name, joint ? joint : "the arm",
+                          exporter->name);
+    }
+    return needs;
+}
+
+/* Fit what the format can hold to the whole arm. */
+static mukca_status replace(replacement *r, const mukca_export_input *input,
+                            const mukca_exporter *exporter, mukca_error *error)
+{
+    const bool zeros = exporter->format->zeros_only;
+    r->offsets = *input->offsets;
+    r->input = *input;
+    r->input.offsets = &r->offsets;
+    r->input.zeros = r->refit.zeros;
+    const int needs = keep_held(&r->offsets, input, exporter);
+    if ((needs & MUKCA_NEEDS_MASSES) && input->chain->n_masses == 0)
+        mukca_note_format(input->note, input->context,
+                          "without link masses (--inertials FILE) nothing can be fitted to what "
+                          "gravity moves");
+    const mukca_refit_task task = {.chain = input->chain,
+                                   .arm = input->offsets,
+                                   .held = r->offsets.effects,
+                                   .n_held = r->offsets.n_effects,
+                                   .kind = zeros ? MUKCA_REFIT_ZEROS : MUKCA_REFIT_ORIGINS,
+                                   .postures = input->postures,
+                                   .n_postures = input->n_postures};
+    const mukca_status status = mukca_refit_run(&r->refit, &task, error);
+    if (status != MUKCA_OK) return status;
+    memcpy(r->offsets.theta, r->refit.theta, sizeof r->offsets.theta);
+    note_loss(input, exporter, &r->refit);
+    return MUKCA_OK;
+}
+
 mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
                                 const mukca_export_input *input, mukca_error *error)
 {
     const mukca_export_format *format = exporter->format;
     const mukca_offsets *o = input->offsets;
-    const mukca_status status = format->write(stream, input, error);
-    if (status != MUKCA_OK || !format->holds) return status;
-    for (const mukca_effect *effect = o->effects; effect < o->effects + o->n_effects; effect++)
-        if (!format->holds(effect)) {
-            const char *joint = mukca_export_joint(input, effect);
-            mukca_note_format(input->note, input->context,
-                              "%s of %.60s is not exported: the format %s cannot represent it",
-                              mukca_effect_table[effect->kind]->name, joint ? joint : "the arm",
-                              exporter->name);
-        }
-    return MUKCA_OK;
+    bool whole = !format->zeros_only;
+    for (int e = 0; e < o->n_effects && format->holds; e++)
+        whole = whole && format->holds(&o->effects[e]);
+    if (whole) return format->write(stream, input, error);
+    replacement *r = calloc(1, sizeof *r);
+    if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = replace(r, input, exporter, error);
+    if (status == MUKCA_OK) status = format->write(stream, &r->input, error);
+    free(r);
+    return status;
 }
 
 mukca_status mukca_export_check(mukca_export_difference *difference, const char *path,
@@ -52,10 +131,13 @@ mukca_status mukca_export_check(mukca_export_difference *difference, const char 
 {
     char *found = NULL, *wanted = NULL;
     size_t size;
+    if (exporter->format->zeros_only)
+        return mukca_fail(error, MUKCA_USAGE, "--check reads text; export %s again and compare",
+                          exporter->name);
     mukca_status status = mukca_file_read(&found, path, error);
     if (status != MUKCA_OK) return status;
     FILE *stream = open_memstream(&wanted, &size);
-    if (stream) status = exporter->format->write(stream, input, error);
+    if (stream) status = mukca_export_write(stream, exporter, input, error);
     if (!mukca_file_close(stream, &wanted))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK) {

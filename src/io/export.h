@@ -16,7 +16,8 @@
     X(mjcf, ".mjcf", "a MuJoCo model with springs and stops for causes")        \
     X(kinematics, ".kinematics", "the YAML of origins of UR, Franka, UFACTORY") \
     X(dh, ".dh", "a Denavit-Hartenberg table, standard")                        \
-    X(mdh, ".mdh", "a Denavit-Hartenberg table, modified (Craig)")
+    X(mdh, ".mdh", "a Denavit-Hartenberg table, modified (Craig)")              \
+    X(npy, ".npy", "offsets of the joints' zeros, for drake-franka-driver")
 
 typedef struct {
     const char *urdf_path;    /* what the chain was loaded from */
@@ -24,7 +25,10 @@ typedef struct {
     const mukca_chain *chain;
     const mukca_offsets *offsets;
     const mukca_kinematics *kinematics; /* the factory file that the arm started from; or NULL */
-    mukca_note_fn *note;                /* may be NULL */
+    const double *postures; /* [n_postures][n_joints] where the arm works; NULL: joint ranges */
+    int n_postures;
+    const double *zeros; /* [n_joints] for the writer of a format of zeros; else ignored */
+    mukca_note_fn *note; /* may be NULL */
     void *context;
 } mukca_export_input;
 
@@ -38,6 +42,7 @@ typedef struct {
     mukca_status (*write)(FILE *stream, const mukca_export_input *input, mukca_error *error);
     /* Can the format represent this effect?  NULL: all effects. */
     bool (*holds)(const mukca_effect *effect);
+    bool zeros_only;        /* the format holds one number per joint, added to its angle */
     const char *comment[2]; /* start and end of a comment; NULL: the format is XML */
 } mukca_export_format;
 
@@ -57,7 +62,8 @@ extern const mukca_exporter mukca_exporters[]; /* ended by a NULL name */
  * no ending, -1 where no format has it. */
 int mukca_exporter_find(const char *path);
 
-/* Write to `stream`; effects that the format cannot represent are noted. */
+/* Write to `stream`.  For effects that the format cannot represent the origins are fitted to the
+ * arm with them; what is lost is noted. */
 mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
                                 const mukca_export_input *input, mukca_error *error);
 

@@ -42,7 +42,7 @@ _mukca
 COMP_WORDS=(mukca export --format y) COMP_CWORD=3
 _mukca
 [ "${COMPREPLY[*]}" = yaml ] || exit 1
-for typed in "export -f :urdf yaml c mjcf kinematics dh mdh" "help ef:effects" "send st:status start" \
+for typed in "export -f :urdf yaml c mjcf kinematics dh mdh npy" "help ef:effects" "send st:status start" \
     "diagnose --expect backl:backlash" "diagnose ye:" "diagnose --urdf ye:"; do
     IFS=" " read -ra words <<<"${typed%%:*}"
     [[ ${typed%%:*} == *" " ]] && words+=("")

@@ -1,0 +1,190 @@
+/* The arm with its effects, approximated by a model that cannot hold them. */
+#include "fit/refit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "arm/tip_change.h"
+#include "math/dense.h"
+
+enum {
+    DRAWN = 800,     /* postures; half are fitted: 9 * 400 rows for at most 6 * 16 unknowns */
+    RECORDED = 2000, /* at most, of the data */
+    MARKS = 9,       /* numbers of a pose: three points */
+    ROUNDS = 4       /* of Gauss-Newton: effects are small, two are enough */
+};
+
+/* m from the tip to the two other points of a pose: an angle counts by what it moves at the end of
+ * a usual tool. */
+static const double tool_length = 0.1;
+/* rad or m; forward differences, whose error the next round removes */
+static const double step = 1e-6;
+/* Share of the largest curvature that is added to all: what no posture shows stays as it is. */
+static const double ridge = 1e-9;
+
+typedef struct {
+    const mukca_refit_task *task;
+    int n_rows, n_unknowns;
+    double *q;      /* [n_rows][n_joints], the fitted ones first */
+    double *target; /* [n_rows][MARKS] of the arm */
+    double *J;      /* [fitted][MARKS][n_unknowns] */
+    double *residual;
+    double *H, *g;
+    int fitted;
+} problem;
+
+/* Three points of the tool. */
+static void find_marks(double marks[MARKS], const mukca_refit_task *task,
+                       const mukca_geometry *geometry, const double *q, bool whole)
+{
+    const mukca_effect *effects = whole ? task->arm->effects : task->held;
+    const int n = whole ? task->arm->n_effects : task->n_held;
+    const mukca_joint_state state = {.q = q, .placement = -1};
+    mukca_displacement d;
+    mukca_frame T;
+    if (n > 0) mukca_effects_displacement(&d, effects, n, task->chain, geometry, q, &state);
+    mukca_fk_pose(&T, geometry, q, n > 0 ? &d : NULL);
+    for (int i = 0; i < 3; i++) {
+        marks[i] = T.p[i];
+        marks[3 + i] = T.p[i] + tool_length * T.R[3 * i];
+        marks[6 + i] = T.p[i] + tool_length * T.R[3 * i + 1];
+    }
+}
+
+/* Points of the model in posture `row`. */
+static void model_marks(double marks[MARKS], const problem *p, const mukca_geometry *geometry,
+                        const double *zeros, int row)
+{
+    double q[MUKCA_MAX_JOINTS];
+    const int n = p->task->chain->n_joints;
+    for (int j = 0; j < n; j++) q[j] = p->q[row * n + j] + zeros[j];
+    find_marks(marks, p->task, geometry, q, false);
+}
+
+/* The unknown of that index: a number of refit->theta or refit->zeros. */
+static double *unknown(mukca_refit *refit, const mukca_refit_task *task, int index)
+{
+    if (task->kind == MUKCA_REFIT_ZEROS) return &refit->zeros[index];
+    const int element = task->chain->joint_element[index / MUKCA_PARAMETERS];
+    return &refit->theta[MUKCA_PARAMETERS * element + index % MUKCA_PARAMETERS];
+}
+
+static void fill_column(problem *p, mukca_refit *refit, int column)
+{
+    mukca_geometry geometry;
+    double *x = unknown(refit, p->task, column);
+    const double kept = *x;
+    *x += step;
+    mukca_geometry_set(&geometry, p->task->chain, refit->theta);
+    for (int row = 0; row < p->fitted; row++) {
+        double marks[MARKS];
+        model_marks(marks, p, &geometry, refit->zeros, row);
+        for (int i = 0; i < MARKS; i++) {
+            const int at = row * MARKS + i;
+            p->J[at * p->n_unknowns + column] = (marks[i] - p->target[at] + p->residual[at]) / step;
+        }
+    }
+    *x = kept;
+}
+
+static void improve(problem *p, mukca_refit *refit)
+{
+    const int n = p->n_unknowns, m = p->fitted * MARKS;
+    mukca_geometry geometry;
+    double largest = 0;
+    mukca_geometry_set(&geometry, p->task->chain, refit->theta);
+    for (int row = 0; row < p->fitted; row++) {
+        double marks[MARKS];
+        model_marks(marks, p, &geometry, refit->zeros, row);
+        for (int i = 0; i < MARKS; i++)
+            p->residual[row * MARKS + i] = p->target[row * MARKS + i] - marks[i];
+    }
+    for (int column = 0; column < n; column++) fill_column(p, refit, column);
+    memset(p->H, 0, sizeof *p->H * (size_t)(n * n));
+    memset(p->g, 0, sizeof *p->g * (size_t)n);
+    mukca_dense_syrk(p->H, n, p->J, m, n);
+    mukca_dense_xty(p->g, (mukca_columns){p->J, n, n}, (mukca_columns){p->residual, 1, 1}, m);
+    for (int i = 0; i < n; i++) largest = fmax(largest, p->H[i * n + i]);
+    for (int i = 0; i < n; i++) p->H[i * n + i] += ridge * largest;
+    if (mukca_dense_cholesky(p->H, n) != 0) return;
+    mukca_dense_forward(p->g, 1, p->H, n);
+    mukca_dense_backward(p->g, 1, p->H, n);
+    for (int i = 0; i < n; i++) *unknown(refit, p->task, i) += p->g[i];
+}
+
+/* Mean and largest distance of the tips in the postures that are not fitted. */
+static double score(double *largest, const problem *p, const mukca_refit *refit)
+{
+    mukca_geometry geometry;
+    double sum = 0;
+    *largest = 0;
+    mukca_geometry_set(&geometry, p->task->chain, refit->theta);
+    for (int row = p->fitted; row < p->n_rows; row++) {
+        double marks[MARKS];
+        model_marks(marks, p, &geometry, refit->zeros, row);
+        const double error = mukca_distance3(marks, p->target + row * MARKS);
+        sum += error;
+        *largest = fmax(*largest, error);
+    }
+    return sum / (p->n_rows - p->fitted);
+}
+
+/* Even postures are fitted, odd ones are held out. */
+static void set_postures(problem *p)
+{
+    const mukca_refit_task *task = p->task;
+    const int n = task->chain->n_joints, given = task->postures ? task->n_postures : 0;
+    mukca_random random;
+    mukca_geometry geometry;
+    mukca_random_seed(&random, 1);
+    mukca_geometry_set(&geometry, task->chain, task->arm->theta);
+    for (int i = 0; i < p->n_rows; i++) {
+        const int row = i % 2 ? p->fitted + i / 2 : i / 2;
+        const long from = given ? (long)i * given / p->n_rows : 0;
+        if (given)
+            memcpy(p->q + row * n, task->postures + from * n, sizeof *p->q * (size_t)n);
+        else
+            mukca_posture_draw(p->q + row * n, task->chain, &random);
+        find_marks(p->target + row * MARKS, task, &geometry, p->q + row * n, true);
+    }
+}
+
+/* Zeros: the origins are nominal but for those that do not move (the tool). */
+static void start(mukca_refit *refit, const mukca_refit_task *task)
+{
+    const size_t one = MUKCA_PARAMETERS * sizeof *refit->theta;
+    *refit = (mukca_refit){.mean = 0};
+    memcpy(refit->theta, task->arm->theta, sizeof refit->theta);
+    for (int j = 0; j < task->chain->n_joints && task->kind == MUKCA_REFIT_ZEROS; j++) {
+        double nominal[MUKCA_MAX_THETA];
+        const int at = MUKCA_PARAMETERS * task->chain->joint_element[j];
+        mukca_chain_theta(nominal, task->chain);
+        memcpy(refit->theta + at, nominal + at, one);
+    }
+}
+
+mukca_status mukca_refit_run(mukca_refit *refit, const mukca_refit_task *task, mukca_error *error)
+{
+    const int joints = task->chain->n_joints, given = task->postures ? task->n_postures : 0;
+    const int rows = given > 1 ? given < RECORDED ? given : RECORDED : DRAWN;
+    problem p = {.task = task, .n_rows = rows, .fitted = (rows + 1) / 2};
+    p.n_unknowns = task->kind == MUKCA_REFIT_ZEROS ? joints : MUKCA_PARAMETERS * joints;
+    const size_t n = (size_t)p.n_unknowns, m = (size_t)p.fitted * MARKS;
+    double *room =
+        malloc(sizeof *room * ((size_t)(rows * (joints + MARKS)) + m * n + m + n * n + n));
+    if (!room) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    p.q = room;
+    p.target = p.q + rows * joints;
+    p.J = p.target + rows * MARKS;
+    p.residual = p.J + m * n;
+    p.H = p.residual + m;
+    p.g = p.H + n * n;
+    set_postures(&p);
+    start(refit, task);
+    refit->mean_before = score(&refit->largest, &p, refit);
+    for (int round = 0; round < ROUNDS; round++) improve(&p, refit);
+    refit->mean = score(&refit->largest, &p, refit);
+    free(room);
+    return MUKCA_OK;
+}

@@ -1,0 +1,40 @@
+/* Offsets of the joints' zeros as an array of NumPy, as drake-franka-driver loads
+ * joint_pos_offset.npy: angle of the arm = angle of the controller + offset. */
+#include <stdint.h>
+#include <string.h>
+
+#include "io/export.h"
+
+/* Format 1.0 (numpy.lib.format): magic, version, length of the header, header, data; the header
+ * ends in a line feed where data begin, at a multiple of 64 bytes. */
+static mukca_status write_npy(FILE *stream, const mukca_export_input *input, mukca_error *error)
+{
+    enum { PREFIX = 10, ALIGNED = 128 };
+    const int n = input->chain->n_joints;
+    char header[ALIGNED - PREFIX + 1];
+    (void)error;
+    const int used = snprintf(header, sizeof header,
+                              "{'descr': '<f8', 'fortran_order': False, 'shape': (%d,), }", n);
+    memset(header + used, ' ', sizeof header - (size_t)used);
+    header[sizeof header - 2] = '\n';
+    fwrite("\x93NUMPY\x01", 1, 7, stream);
+    fputc(0, stream);
+    fputc(ALIGNED - PREFIX, stream);
+    fputc(0, stream);
+    fwrite(header, 1, ALIGNED - PREFIX, stream);
+    for (int j = 0; j < n; j++) {
+        uint64_t bits;
+        memcpy(&bits, &input->zeros[j], sizeof bits);
+        for (int byte = 0; byte < 8; byte++) fputc((int)(bits >> (8 * byte) & 0xff), stream);
+    }
+    return MUKCA_OK;
+}
+
+static bool holds(const mukca_effect *effect)
+{
+    (void)effect; /* zeros of joints have no place for effects */
+    return false;
+}
+
+const mukca_export_format mukca_export_npy = {
+    .write = write_npy, .holds = holds, .zeros_only = true, .comment = {"#", "\n"}};
