@@ -232,7 +232,7 @@ closed-loop: $(PROGRAM) $(EXAMPLES) ## from capture to a peg in a hole, against 
 verify-paper: $(PROGRAM) ## Kana et al. (2022), Tables 3 to 12, ours beside theirs
 	@$(TEST_ENVIRONMENT) $(call script,verify_paper)
 
-interop: $(PROGRAM) ## exported models in Pinocchio and MuJoCo (PyPI) against mukca fk
+interop: $(PROGRAM) ## exported models in Pinocchio, MuJoCo, yourdfpy (PyPI) against mukca fk
 	@$(TEST_ENVIRONMENT) $(or $(wildcard tests/interop/run.py),$(call script,interop))
 
 blind: $(PROGRAM) ## sealed cases of the independent generator, scored

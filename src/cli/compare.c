@@ -38,8 +38,28 @@ static mukca_status load_urdf(cli_call *call, mukca_chain *chain, const char *pa
     return mukca_urdf_load(chain, path, &model, cli_note, call, &call->error);
 }
 
-/* Which kind of file is it?  XML is a URDF; an offsets table holds its chain, or belongs to --urdf.
- */
+static bool is_yaml(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && (strcmp(dot, ".yaml") == 0 || strcmp(dot, ".yml") == 0);
+}
+
+/* A factory file: its origins in place of those of --urdf. */
+static mukca_status load_factory(cli_call *call, mukca_chain *chain, const char *path)
+{
+    mukca_kinematics kinematics;
+    if (!call->common->urdf)
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "%s: --urdf FILE is needed: a factory file replaces its origins",
+                          mukca_file_shown(path));
+    mukca_status status = mukca_kinematics_read(&kinematics, path, &call->error);
+    if (status == MUKCA_OK) status = load_urdf(call, chain, call->common->urdf);
+    if (status != MUKCA_OK) return status;
+    return mukca_kinematics_apply(chain, &kinematics, path, cli_note, call, &call->error);
+}
+
+/* Which kind of file is it?  XML is a URDF, YAML a factory file; an offsets table holds its chain,
+ * or belongs to --urdf. */
 static mukca_status load(cli_call *call, int side)
 {
     compare_work *w = call->work;
@@ -49,8 +69,8 @@ static mukca_status load(cli_call *call, int side)
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
     const bool xml = text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<';
-    if (xml) {
-        status = load_urdf(call, &arm->chain, path);
+    if (xml || is_yaml(path)) {
+        status = xml ? load_urdf(call, &arm->chain, path) : load_factory(call, &arm->chain, path);
         mukca_offsets_init(&w->offsets, &arm->chain);
     } else {
         const mukca_bytes table = {text, strlen(text)};
@@ -224,6 +244,8 @@ static mukca_status run(cli_call *call)
     const compare_options *o = call->options;
     compare_work *w = call->work;
     call->common->accept_failed = true; /* a table that did not pass is compared, too */
+    if (call->common->kinematics)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--kinematics: give the file as A or as B");
     mukca_status status = cli_keep_inputs(call, call->common->json);
     if (status == MUKCA_OK) status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = check_plot(call);
@@ -245,8 +267,9 @@ const cli_command cli_command_compare = {
     .min_arguments = 2,
     .max_arguments = 2,
     .description =
-        "A and B are URDFs or offsets tables: nominal and calibrated, or this year's table and "
-        "last year's. Where the base frame, the tool and the links' frames lie is convention "
+        "A and B are URDFs, factory files (YAML, with --urdf) or offsets tables: nominal and "
+        "calibrated, or this year's table and last year's. Where the base frame, the tool and the "
+        "links' frames lie is convention "
         "(gauge); it does not count.\n\n"
         "Tip: distance of the two tips in postures drawn within the joint limits of A, as the "
         "models are, and after the base and the tool of B were moved to fit best (least "

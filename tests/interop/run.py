@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Exported URDFs in Pinocchio and MuJoCo against `mukca fk`: the same tip to 1e-9 m.
+"""Exported models in Pinocchio, MuJoCo and yourdfpy against `mukca fk`: the same tip to 1e-9 m.
 
 Both come from PyPI into a virtual environment under build/.  The arms: the demo arm, one that is odd on
 purpose, and, where they are at hand, the real ones.  Offsets are random; so are 200 postures of each.
@@ -19,6 +19,9 @@ MUKCA = os.environ.get("MUKCA", os.path.join(BUILD, "mukca"))
 WORK = os.path.join(BUILD, "interop")
 POSTURES = 200
 TOLERANCE = 1e-9
+# yourdfpy asks for all of trimesh's optional packages, 200 MB of which forward kinematics needs none
+PACKAGES = ["pin", "mujoco", "numpy", "trimesh", "networkx", "lxml", "anytree", "six"]
+ALONE = ["yourdfpy"]
 
 ODD = """<?xml version="1.0"?>
 <robot name="odd">
@@ -58,13 +61,15 @@ def enter_environment():
     python = os.path.join(home, "bin", "python")
     if os.path.realpath(sys.prefix) == os.path.realpath(home):
         return
-    if not os.path.exists(os.path.join(home, "ready")):
+    ready = os.path.join(home, "ready-" + "-".join(ALONE))
+    if not os.path.exists(ready):
         venv.create(home, with_pip=True, clear=True)
-        done = subprocess.run([python, "-m", "pip", "install", "-q", "pin", "mujoco", "numpy"])
-        if done.returncode != 0:
-            print("skip interop: Pinocchio and MuJoCo cannot be installed from PyPI")
+        pip = [python, "-m", "pip", "install", "-q"]
+        if subprocess.run([*pip, *PACKAGES]).returncode != 0 or \
+                subprocess.run([*pip, "--no-deps", *ALONE]).returncode != 0:
+            print("skip interop: Pinocchio, MuJoCo and yourdfpy cannot be installed from PyPI")
             sys.exit(77)
-        open(os.path.join(home, "ready"), "w").close()
+        open(ready, "w").close()
     os.execv(python, [python, os.path.abspath(__file__)])
 
 
@@ -136,11 +141,76 @@ def by_mujoco(xml, tip, names, rows):
         yield data.body(tip).xpos
 
 
+def by_yourdfpy(xml, tip, names, rows):
+    import io
+    import yourdfpy
+    robot = yourdfpy.URDF.load(io.StringIO(xml), load_meshes=False, build_scene_graph=True)
+    for row in rows:
+        robot.update_cfg(dict(zip(names, row)))
+        yield robot.get_transform(tip)[:3, 3]
+
+
+def fk(table, *model):
+    lines = run("fk", *model, table).splitlines()[1:]
+    return [[float(x) for x in line.split("\t")] for line in lines]
+
+
+def compare(title, ours, xml, tip, names, rows):
+    good = len(ours) == len(rows)
+    for theirs in (by_pinocchio, by_mujoco, by_yourdfpy):
+        worst = max(max(abs(a - b) for a, b in zip(p, t))
+                    for p, t in zip(ours, theirs(xml, tip, names, rows)))
+        fine = worst <= TOLERANCE
+        good = good and fine
+        print("%s %s of %s: largest difference %.1e m" % (
+            "ok" if fine else "not ok", theirs.__name__[3:], title, worst))
+    return good
+
+
+def check_npy(urdf, tip, moving, rows, table):
+    """The driver's formula, q += offset on the nominal arm, against the arm with turned joints."""
+    import numpy as np
+    import pinocchio
+    axes = {j.get("name"): [float(x) for x in j.find("axis").get("xyz").split()]
+            for j in ET.parse(urdf).getroot().findall("joint") if j.find("axis") is not None}
+    turned = []
+    for name, kind, lower, upper, origin in moving:
+        if kind == "prismatic":
+            return True
+        turn = pinocchio.exp3(random.gauss(0, 5e-3) * np.array(axes[name]))
+        R = pinocchio.rpy.rpyToMatrix(np.array(origin[3:])) @ turn
+        turned.append((name, origin[:3] + list(pinocchio.rpy.matrixToRpy(R)), origin))
+    offsets = os.path.join(WORK, "turned.tsv")
+    sha = hashlib.sha256(open(urdf, "rb").read()).hexdigest()
+    with open(offsets, "w") as f:
+        f.write("# urdf_sha256: %s\n" % sha)
+        f.write("joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\n")
+        for name, new, old in turned:
+            for p, value, nominal in zip("x y z roll pitch yaw".split(), new, old):
+                f.write("%s\t%s\t-\t%.17g\t%.17g\t%.17g\t0\t1\n" % (name, p, nominal, value, value - nominal))
+    array = os.path.join(WORK, "joint_pos_offset.npy")
+    run("export", "--urdf", urdf, "--tip", tip, "--offsets", offsets, "-o", array, "--force")
+    added = np.load(array)
+    nominal = os.path.join(WORK, "corrected.tsv")
+    with open(nominal, "w") as f:
+        f.write("\t".join(j[0] for j in moving) + "\n")
+        f.writelines("\t".join("%.17g" % x for x in np.array(row) + added) + "\n" for row in rows)
+    a = fk(table, "--urdf", urdf, "--tip", tip, "--offsets", offsets)
+    b = fk(nominal, "--urdf", urdf, "--tip", tip)
+    worst = np.abs(np.array(a) - np.array(b)).max()
+    fine = added.dtype == np.float64 and worst <= TOLERANCE
+    print("%s npy of %s, added to the angles: largest difference %.1e m" % (
+        "ok" if fine else "not ok", os.path.basename(urdf), worst))
+    return fine
+
+
 def check(urdf, tip):
+    name = os.path.basename(urdf)
     joints = chain(urdf, tip)
     offsets, patched = os.path.join(WORK, "offsets.tsv"), os.path.join(WORK, "patched.urdf")
     write_offsets(offsets, urdf, joints)
-    run("export", "--urdf", urdf, "--tip", tip, "--offsets", offsets, "-o", patched, "--force")
+    arm = ["--urdf", urdf, "--tip", tip]
+    run("export", *arm, "--offsets", offsets, "-o", patched, "--force")
     moving = [j for j in joints if j[1] != "fixed"]
     names = [j[0] for j in moving]
     rows = [[random.uniform(j[2], j[3]) for j in moving] for _ in range(POSTURES)]
@@ -148,18 +218,19 @@ def check(urdf, tip):
     with open(table, "w") as f:
         f.write("\t".join(names) + "\n")
         f.writelines("\t".join("%.17g" % x for x in row) + "\n" for row in rows)
-    lines = run("fk", "--urdf", urdf, "--tip", tip, "--offsets", offsets, table).splitlines()[1:]
-    ours = [[float(x) for x in line.split("\t")] for line in lines]
-    xml = bare(open(patched).read())
-    good = len(ours) == POSTURES
-    for theirs in (by_pinocchio, by_mujoco):
-        worst = max(max(abs(a - b) for a, b in zip(p, t))
-                    for p, t in zip(ours, theirs(xml, tip, names, rows)))
-        fine = worst <= TOLERANCE
-        good = good and fine
-        print("%s %s of %s: largest difference %.1e m" % (
-            "ok" if fine else "not ok", theirs.__name__[3:], os.path.basename(urdf), worst))
-    return good
+    ours = fk(table, *arm, "--offsets", offsets)
+    good = compare(name, ours, bare(open(patched).read()), tip, names, rows)
+    for convention in ("dh", "mdh"):
+        dh, back = os.path.join(WORK, "arm." + convention), os.path.join(WORK, convention + ".urdf")
+        run("export", *arm, "--offsets", offsets, "-o", dh, "--force")
+        run("urdf", "--dh", dh, "-o", back, "--force")
+        good &= compare("%s as %s" % (name, convention), ours, open(back).read(), "tip_link", names, rows)
+    factory = os.path.join(WORK, "arm.kinematics")
+    run("export", *arm, "--offsets", offsets, "-o", factory, "--force")
+    run("export", *arm, "--kinematics", factory, "-o", patched, "--force")
+    ours = fk(table, *arm, "--kinematics", factory)
+    good &= compare(name + " by its YAML", ours, bare(open(patched).read()), tip, names, rows)
+    return check_npy(urdf, tip, moving, rows, table) and good
 
 
 def main():

@@ -43,6 +43,12 @@ refuse 3 'was made with a factory file (--kinematics)' evaluate --urdf ur5e.urdf
 refuse 3 'was made with a factory file (--kinematics)' evaluate --urdf ur5e.urdf --kinematics own.yaml --offsets table.tsv session.tsv
 refuse 2 'factory.yaml is an input of this command' calibrate $ur session.tsv -o factory.yaml --force
 
+# nominal, factory and calibrated compared
+answer 'base and tool aligned' compare --urdf ur5e.urdf ur5e.urdf factory.yaml
+answer 'base and tool aligned' compare --urdf ur5e.urdf factory.yaml table.tsv
+refuse 2 'factory.yaml: --urdf FILE is needed' compare ur5e.urdf factory.yaml
+refuse 2 '--kinematics: give the file as A or as B' compare $ur ur5e.urdf table.tsv
+
 # Franka's and UFACTORY's layouts
 sed -e '/^kinematics/d' -e '/hash/d' -e 's/^    /      /' -e 's/^  \([a-z_0-9]*\):$/\1:\n  kinematic:/' \
     -e 's/^      /    /' factory.yaml >franka.yaml
