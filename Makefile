@@ -92,7 +92,7 @@ quietly = $(if $(V),,@echo '  $(1)'; )
 .SECONDARY:
 .PHONY: all core rt demo programs check check-arm64 check-cortex-m7 deb-arm64 \
         attack closed-loop soak faults unit asan memcheck tidy format fuzz bench golden verify-real verify-outside \
-        verify-orders verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
+        verify-orders verify-fleet fleets verify-paper verify-small-arms verify-plan verify-report interop blind install uninstall deb dist clean help FORCE
 
 all: $(PROGRAM) $(CORE) $(RT) ## the program build/mukca and the core library (default)
 
@@ -220,6 +220,12 @@ verify-outside: $(PROGRAM) ## rules of an honest diagnosis on public measurement
 
 verify-orders: $(PROGRAM) ## the leading cause in other orders and halves of real recordings (needs the data)
 	@$(TEST_ENVIRONMENT) $(call script,verify_orders)
+
+verify-fleet: $(PROGRAM) ## shared traits of published arms, each predicted with those of the others (needs the data)
+	@$(TEST_ENVIRONMENT) $(call script,verify_fleet)
+
+fleets: $(PROGRAM) ## simulated fleets: what is found, what is not there, which arm is broken (FLEETS=20)
+	@$(TEST_ENVIRONMENT) $(PYTHON) tools/fleet/simulated.py --fleets $(or $(FLEETS),20)
 
 verify-small-arms: $(PROGRAM) ## false causes on pure noise for arms with two to seven axes
 	@$(TEST_ENVIRONMENT) $(call script,small_arms)

@@ -117,7 +117,7 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         if (f->n_arms < 3) continue; /* of two, either may depart */
         if (f->n_arms <= REFITS)
             mukca_population_fit(&sisters, f, a, true);
-        else
+        else if (!f->arm[a].departs)
             downdate(&sisters, f, a);
         if (!sisters.n || !compare(&c, &sisters, f, a)) continue;
         for (int k = 0; k < n; k++) {
@@ -133,7 +133,11 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         estimate(&departure[a], &c, top, size[top]);
         for (int k = 0; k < n && estimates; k++) {
             mukca_departure *e = &estimates[a * n + k];
-            *e = (mukca_departure){.arm = a, .k = k, .probability = exp(odds[k] - total)};
+            *e = (mukca_departure){.arm = a,
+                                   .k = k,
+                                   .effect = mukca_fleet_term(all->term[k], f->model.n_joints),
+                                   .log_bayes_factor = odds[k] - each,
+                                   .probability = exp(odds[k] - total)};
             estimate(e, &c, k, exp(odds[k] - total) > 0.5 ? size[k] : 0);
         }
     }

@@ -19,6 +19,7 @@ typedef struct {
     const char *name;
     int first, end; /* its sessions */
     int samples;
+    bool departs;                       /* it is no part of the population */
     const double *information, *vector; /* [packed], [terms] */
 } mukca_fleet_arm;
 

@@ -19,6 +19,8 @@ enum { T = MUKCA_FLEET_TERMS, ROUNDS = 60 };
 #define USUAL_SPREAD 4e-6 /* rad/(N m): a fifth of 20 urad/(N m), a usual spring */
 /* Relative change at which the fit ends: far below what a thousand arms know. */
 #define SETTLED 1e-3
+/* Prior sigma of a mean, rad/(N m): the largest usual one of mukca_sizes_spring. */
+#define MOST_MEAN 300e-6
 
 void mukca_population_arm(mukca_arm_evidence *a, const mukca_population *p, const mukca_fleet *f,
                           int arm)
@@ -132,7 +134,7 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
     memset(p->information, 0, sizeof *p->information * (size_t)(n * n));
     p->n_arms = 0;
     for (int a = 0; a < f->n_arms; a++) {
-        if (a == without) continue;
+        if (a == without || f->arm[a].departs) continue;
         mukca_population_arm(&arm, p, f, a);
         if (!scatter(&w, &arm, P, n)) continue;
         p->n_arms++;
@@ -145,9 +147,8 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
         }
         for (int i = 0; i < n * n; i++) p->information[i] += w.L[i];
     }
-    /* Without any information the mean is that of a usual spring's prior; it also makes the matrix
-     * definite where coefficients are seen in combination only. */
-    for (int i = 0; i < n; i++) p->information[i * n + i] += 1e-6 * P[i * n + i];
+    /* Coefficients that are seen in combination only stay within the size of springs. */
+    for (int i = 0; i < n; i++) p->information[i * n + i] += 1 / (MOST_MEAN * MOST_MEAN);
 }
 
 /* Multiplicative steps for the spread (H. Zhou et al., MM algorithms for variance components

@@ -33,8 +33,8 @@ void mukca_population_arm(mukca_arm_evidence *evidence, const mukca_population *
 bool mukca_population_scatter(mukca_arm_evidence *out, const mukca_arm_evidence *arm,
                               const double *V, int n);
 
-/* Fit the population to all arms but `without` (-1: none), from the present mean and spread on
- * where `warm`. */
+/* Fit the population to all arms but those that depart and `without` (-1: none), from the present
+ * mean and spread on where `warm`. */
 void mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
                           bool warm);
 

@@ -36,7 +36,7 @@ static void add_rows(mukca_traits *t, const mukca_fleet_result *r)
     }
 }
 
-mukca_status mukca_fleet_pool(mukca_fleet_result *r, const mukca_fleet *f, mukca_error *error)
+mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error *error)
 {
     memset(r, 0, sizeof *r);
     if (f->n_arms < 2)
@@ -45,7 +45,6 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, const mukca_fleet *f, mukca
                           "sessions with diagnose --arm)",
                           f->session[0].path, f->arm[0].name);
     mukca_population_fit(&r->population, f, -1, false);
-    mukca_population_describe(r->shared, &r->population, f);
     mukca_orders_pool(r->order, f);
     const int n = r->population.n;
     r->departure = MUKCA_TAKE(&r->pool, mukca_departure, f->n_arms);
@@ -53,6 +52,14 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, const mukca_fleet *f, mukca
     if (r->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
     mukca_departures_find(r->departure, r->estimate, &r->population, f);
+    bool any = false;
+    for (int a = 0; a < f->n_arms; a++)
+        any |= f->arm[a].departs = r->departure[a].probability >= MUKCA_DEPARTS;
+    if (any) { /* a broken arm says nothing of its sisters */
+        mukca_population_fit(&r->population, f, -1, true);
+        mukca_departures_find(r->departure, r->estimate, &r->population, f);
+    }
+    mukca_population_describe(r->shared, &r->population, f);
     mukca_traits *t = &r->traits;
     t->model = f->model;
     t->n_arms = f->n_arms, t->n_sessions = f->n_sessions;

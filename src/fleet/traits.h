@@ -35,9 +35,9 @@ typedef struct {
     mukca_pool pool;
 } mukca_fleet_result;
 
-/* Pool a gathered fleet.  Errors: MUKCA_INPUT (fewer than two arms), MUKCA_MEMORY. */
-mukca_status mukca_fleet_pool(mukca_fleet_result *result, const mukca_fleet *fleet,
-                              mukca_error *error);
+/* Pool a gathered fleet, and mark the arms that depart, which then are no part of its population.
+ * Errors: MUKCA_INPUT (fewer than two arms), MUKCA_MEMORY. */
+mukca_status mukca_fleet_pool(mukca_fleet_result *result, mukca_fleet *fleet, mukca_error *error);
 void mukca_fleet_result_free(mukca_fleet_result *result);
 
 #endif

@@ -51,7 +51,7 @@ static void make_fleet(mukca_fleet *f, double mean, double broken, uint64_t seed
     assert_int_equal(mukca_fleet_gather(f, NULL), MUKCA_OK);
 }
 
-static void pool(mukca_fleet_result *r, const mukca_fleet *f)
+static void pool(mukca_fleet_result *r, mukca_fleet *f)
 {
     mukca_error error;
     if (mukca_fleet_pool(r, f, &error)) fail_msg("%s", error.text);
