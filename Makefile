@@ -240,6 +240,7 @@ verify-paper: $(PROGRAM) ## Kana et al. (2022), Tables 3 to 12, ours beside thei
 
 interop: $(PROGRAM) ## exported models in Pinocchio, MuJoCo, yourdfpy (PyPI) against mukca fk
 	@$(TEST_ENVIRONMENT) $(or $(wildcard tests/interop/run.py),$(call script,interop))
+	@$(TEST_ENVIRONMENT) $(PYTHON) tests/interop/inertials.py
 
 blind: $(PROGRAM) ## sealed cases of the independent generator, scored
 	@$(TEST_ENVIRONMENT) $(call script,blind)
@@ -278,7 +279,7 @@ emptied := $(libdir)/pkgconfig $(libdir)/systemd/system $(libdir)/systemd $(shar
 
 install: all ## program, core library, headers, mukca.pc, unit, man pages, completion (DESTDIR, PREFIX)
 	install -d $(bindir) $(libdir)/pkgconfig $(libdir)/systemd/system $(incdir) $(share)/man/man1 \
-	    $(share)/man/man5 $(share)/mukca/lcm $(share)/bash-completion/completions \
+	    $(share)/man/man5 $(share)/mukca/lcm $(share)/mukca/inertials $(share)/bash-completion/completions \
 	    $(share)/zsh/site-functions
 	install -m 755 $(BUILD)/mukca $(bindir)/mukca
 	install -m 644 $(CORE) $(RT) $(libdir)/
@@ -286,6 +287,7 @@ install: all ## program, core library, headers, mukca.pc, unit, man pages, compl
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' tools/mukca.pc.in > $(libdir)/pkgconfig/mukca.pc
 	sed -e 's|/usr/local|$(PREFIX)|' data/systemd/mukca.service > $(libdir)/systemd/system/mukca.service
 	install -m 644 data/lcm/*.lcm $(share)/mukca/lcm/
+	install -m 644 data/inertials/*.tsv $(share)/mukca/inertials/
 	install -m 644 $(MAN1) $(share)/man/man1/
 	$(if $(MAN5),install -m 644 $(MAN5) $(share)/man/man5/)
 	$(EMULATOR) $(BUILD)/mukca completion bash > $(share)/bash-completion/completions/mukca

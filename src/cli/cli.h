@@ -323,6 +323,10 @@ mukca_status cli_load(cli_call *call);
 /* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_load_model(cli_call *call, cli_model *model);
 
+/* Where the arm has no masses: note which files of data/inertials, beside the program or installed,
+ * are those of an arm of its geometry. */
+void cli_suggest_inertials(cli_call *call, const mukca_chain *chain);
+
 /* Read an offsets table under --force and --accept-failed.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukca_chain *chain,
                               const char *path);

@@ -204,7 +204,10 @@ mukca_status cli_load(cli_call *call)
     if (status == MUKCA_OK) status = drop_coincident(call, &s->data, &s->model);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, &s->model, &call->common->test);
-    return status ? status : drop_training(call, &s->test, &s->data);
+    if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
+    if (status == MUKCA_OK && call->command->group == CLI_UNDERSTAND)
+        cli_suggest_inertials(call, &s->model.chain);
+    return status;
 }
 
 void cli_describe_data(char text[80], const mukca_dataset *data)

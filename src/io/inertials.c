@@ -43,6 +43,53 @@ static mukca_status read_row(void *context, const mukca_table *table, const int 
     return MUKCA_OK;
 }
 
+bool mukca_inertials_names(const char *link, const char *name)
+{
+    const size_t whole = strlen(link), part = strlen(name);
+    if (whole < part || strcmp(link + whole - part, name) != 0) return false;
+    return whole == part || link[whole - part - 1] == '_' || link[whole - part - 1] == '/';
+}
+
+/* A URDF's origins are those of its maker within rounding and what a factory calibrates, m. */
+static const double same_place = 5e-3;
+
+typedef struct {
+    const mukca_chain *chain;
+    int found;
+    bool other;
+} fit;
+
+static mukca_status compare_row(void *context, const mukca_table *table, const int *column,
+                                mukca_error *error)
+{
+    fit *f = context;
+    double origin[3];
+    if (!*table->cell[column[1]]) return MUKCA_OK; /* nothing carries it */
+    for (int i = 0; i < 3; i++) {
+        mukca_status status = mukca_table_number(&origin[i], table, column[1 + i], error);
+        if (status != MUKCA_OK) return status;
+    }
+    bool there = false;
+    for (int k = 0; k < f->chain->n_elements; k++) {
+        const mukca_element *e = &f->chain->element[k];
+        there |= e->joint >= 0 && mukca_inertials_names(e->child, table->cell[column[0]]) &&
+                 mukca_distance3(e->xyz, origin) < same_place;
+    }
+    f->found += there;
+    f->other |= !there;
+    return MUKCA_OK;
+}
+
+mukca_status mukca_inertials_fit(bool *fits, const mukca_chain *chain, const char *path,
+                                 mukca_error *error)
+{
+    static const char *const names[] = {"link", "origin_x_m", "origin_y_m", "origin_z_m"};
+    fit f = {.chain = chain};
+    const mukca_status status = mukca_table_read(path, names, 4, compare_row, &f, error);
+    *fits = status == MUKCA_OK && f.found > 0 && !f.other;
+    return status;
+}
+
 mukca_status mukca_inertials_read(mukca_inertial **rows, int *n, const char *path,
                                   mukca_error *error)
 {

@@ -369,6 +369,22 @@ class Loader
         return frame;
     }
 
+    // The link of a row of --inertials, whose name may lack the prefix of an arm ("panda_").
+    std::string find_link(const char *name)
+    {
+        std::string found;
+        if (model_->links_.count(name)) return name;
+        for (const auto &entry : model_->links_) {
+            if (!mukca_inertials_names(entry.first.c_str(), name)) continue;
+            if (!found.empty())
+                fail(std::string("links '") + found + "' and '" + entry.first + "' are both a '" +
+                     name + "'; write whole names into the file of --inertials");
+            found = entry.first;
+        }
+        if (found.empty()) unknown_link(options_.inertials, name);
+        return found;
+    }
+
     void read_masses()
     {
         for (const auto &entry : model_->links_) {
@@ -391,8 +407,7 @@ class Loader
         std::vector<mukca_inertial> rows(list, list + n);
         std::free(list);
         for (const mukca_inertial &row : rows) {
-            if (!model_->links_.count(row.link)) unknown_link(options_.inertials, row.link);
-            masses_[row.link] = Mass{row.kg, {row.com[0], row.com[1], row.com[2]}};
+            masses_[find_link(row.link)] = Mass{row.kg, {row.com[0], row.com[1], row.com[2]}};
         }
     }
 

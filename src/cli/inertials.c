@@ -1,0 +1,68 @@
+/* The file of link masses that fits an arm whose URDF has none. */
+#include "io/inertials.h"
+
+#include <dirent.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/note.h"
+#include "cli/cli.h"
+
+/* Folders of such files, from that of the program: in the source folder, and installed. */
+static const char *const folders[] = {"/../data/inertials", "/../share/mukca/inertials"};
+
+/* Is the name of the file without its ending part of a name of the arm? */
+static bool is_named(const mukca_chain *chain, const char *file)
+{
+    char stem[MUKCA_NAME_SIZE];
+    snprintf(stem, sizeof stem, "%.*s", (int)strcspn(file, "."), file);
+    for (int k = 0; k < chain->n_elements; k++)
+        if (strstr(chain->element[k].name, stem) || strstr(chain->element[k].child, stem))
+            return true;
+    return strstr(chain->robot, stem) != NULL;
+}
+
+/* Append the files of a folder that fit; `named`: only those that the arm's names confirm. */
+static int list(char *text, size_t size, const mukca_chain *chain, const char *folder, bool named)
+{
+    struct dirent **entries;
+    int found = 0;
+    const int n = scandir(folder, &entries, NULL, alphasort);
+    for (int i = 0; i < n; i++) {
+        const char *name = entries[i]->d_name;
+        char path[1400];
+        bool fits = false;
+        snprintf(path, sizeof path, "%.1100s/%.255s", folder, name);
+        if (strstr(name, ".tsv") && (!named || is_named(chain, name)) &&
+            mukca_inertials_fit(&fits, chain, path, NULL) == MUKCA_OK && fits) {
+            const size_t used = strlen(text);
+            snprintf(text + used, size - used, "%s%s", found++ ? " or " : "", path);
+        }
+        free(entries[i]);
+    }
+    if (n >= 0) free(entries);
+    return found;
+}
+
+void cli_suggest_inertials(cli_call *call, const mukca_chain *chain)
+{
+    char program[1024], folder[1100], whole[PATH_MAX], text[2048] = "";
+    if (chain->n_masses > 0) return;
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[length > 0 ? length : 0] = '\0';
+    char *slash = strrchr(program, '/');
+    if (!slash) return;
+    *slash = '\0';
+    for (size_t i = 0; i < sizeof folders / sizeof *folders && !*text; i++) {
+        snprintf(folder, sizeof folder, "%s%s", program, folders[i]);
+        if (realpath(folder, whole) && !list(text, sizeof text, chain, whole, true))
+            list(text, sizeof text, chain, whole, false);
+    }
+    if (*text)
+        mukca_note_format(cli_note, call,
+                          "the URDF has no link masses; those of an arm of this geometry: "
+                          "--inertials %s",
+                          text);
+}
