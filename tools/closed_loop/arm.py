@@ -35,6 +35,11 @@ class Hidden:
     play: dict = dataclasses.field(default_factory=dict)
 
 
+SOFT = {"joint_2": 8e-5, "joint_4": 16e-5}  # rad/(N m): harmonic drives of light arms
+ARMS = {"rigid": Hidden("rigid", 1), "sprung": Hidden("sprung", 2, springs=SOFT),
+        "worn": Hidden("worn", 3, springs=SOFT, play={"joint_6": 1e-3})}
+
+
 def numbers(text):
     return [float(x) for x in text.split()]
 

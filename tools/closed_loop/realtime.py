@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 
+import arm
 import failures
 import robot
 import run
@@ -29,7 +30,7 @@ def priority(pid):
 def main():
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60
     load = os.getloadavg()[0]
-    r = robot.Robot(run.URDF, run.ARMS["sprung"])
+    r = robot.Robot(run.URDF, arm.ARMS["sprung"])
     r.connect()
     raised = priority(0)  # the controller inherits it
     p = failures.start(r, "--stale", "%g" % (1e-3 * SILENCE), lock_step=False)
@@ -43,7 +44,8 @@ def main():
     p.terminate()
     said = p.communicate()[1].strip()
     us = lambda x: "%.0f us" % (1e6 * x)
-    print("%d cycles at 1 kHz, load average %.1f, real-time priority: %s" % (len(late), load, "yes" if raised else "no"))
+    print("%d cycles at 1 kHz, load average %.1f, real-time priority: %s" % (
+        len(late), load, "yes" if raised else "no"))
     print("cycle begins late: median %s, 99.9 %% %s, longest %s" % tuple(
         us(x) for x in (np.median(late), np.quantile(late, 0.999), late.max())))
     print("controller answers: median %s, 99.9 %% %s, longest %s; unanswered %d" % (

@@ -195,9 +195,9 @@ class Robot:
         return self.command
 
     def real_time(self, seconds, each=None, silence=20):
-        """Run at 1 kHz by the clock: publish the status, then apply the last command that came within the cycle;
-        after `silence` cycles without one the arm goes limp. `each` is called with the number of the cycle. Returns, per
-        cycle, how late it began and how long its answer took, s (NaN: none came)."""
+        """Run at 1 kHz by the clock: publish the status, then apply the last command that came within the
+        cycle; after `silence` cycles without one the arm goes limp. `each` is called with the number of the
+        cycle. Returns, per cycle, how late it began and how long its answer took, s (NaN: none came)."""
         late, sent, first = [], {}, self.utime
         self.arrived = {}
         start = time.monotonic()
