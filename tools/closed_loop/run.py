@@ -46,7 +46,7 @@ def controller(name, model):
 
 
 def own_network(job):
-    """Each worker has an LCM network of its own."""
+    """Each job has a process and an LCM network of its own: an LCM instance goes on receiving while it lives."""
     worker = multiprocessing.current_process()._identity
     os.environ["LCM_DEFAULT_URL"] = "udpm://239.255.76.67:%d?ttl=0" % (7700 + (worker[0] if worker else 0))
     function, *arguments = job
@@ -128,7 +128,7 @@ def main():
     n, holes, diameters, parts = (2, 1, arm.HOLES[:3:2], 1) if short else (20, 24, arm.HOLES, 4)
     os.makedirs(OUT, exist_ok=True)
     jobs = {}
-    with multiprocessing.Pool(os.cpu_count()) as pool:
+    with multiprocessing.Pool(os.cpu_count(), maxtasksperchild=1) as pool:
         diagnoses = dict(zip(names, pool.map(own_network, [(record, a, 20) for a in names], 1)))
         for a in names:
             for m in models_of(a, diagnoses[a], short):
