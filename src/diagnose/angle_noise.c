@@ -38,8 +38,8 @@ static void move_tips(mukca_recording *moved, const mukca_regression *m, int c, 
 }
 
 /* bias[terms]: mean of the candidate's projected gradient E'u over the noise, its columns being
- * p->E.  The noise of row k of the observations is in u_k with the weight 1 - 1/n - (Z Z')_kk, and
- * in the columns of the row with the derivative of these columns. */
+ * p->scratch.E.  The noise of row k of the observations is in u_k with the weight 1 - 1/n - (Z
+ * Z')_kk, and in the columns of the row with the derivative of these columns. */
 static void self_gradient(double *bias, mukca_projector *p, const mukca_candidate *h,
                           mukca_recording *moved, const mukca_candidate *there)
 {
@@ -51,7 +51,7 @@ static void self_gradient(double *bias, mukca_projector *p, const mukca_candidat
     for (int c = 0; c < 3; c++) {
         move_tips(moved, m, c, sigma);
         mukca_candidate_fill(there, moved);
-        mukca_linearisation_columns(p->white, terms, &m->linear, r, there);
+        mukca_linearisation_columns(p->scratch.W, terms, &m->linear, r, there);
         for (int g = 0; g < r->n_groups; g++)
             for (int i = r->groups[g].start;
                  r->groups[g].socket >= 0 && i < r->groups[g].start + r->groups[g].count; i++) {
@@ -61,7 +61,8 @@ static void self_gradient(double *bias, mukca_projector *p, const mukca_candidat
                 for (int k = 0; k < n; k++) weight -= z[k] * z[k];
                 /* y is minus the predicted tip: its noise has the other sign */
                 for (int t = 0; t < terms; t++)
-                    bias[t] -= (p->white[at + t] - p->E[at + t]) * sign_of(i) * sigma * weight;
+                    bias[t] -=
+                        (p->scratch.W[at + t] - p->scratch.E[at + t]) * sign_of(i) * sigma * weight;
             }
     }
 }
@@ -86,9 +87,10 @@ double mukca_angle_noise_gain(mukca_projector *p, const mukca_candidate *h)
     if (!pool.failed && h->basis) {
         memcpy(data.q, m->recording.data->q, sizeof *data.q * values);
         memcpy(moved.move, m->recording.move, sizeof *data.q * values);
-        mukca_linearisation_columns(p->E, terms, &m->linear, &m->recording, h);
+        mukca_linearisation_columns(p->scratch.E, terms, &m->linear, &m->recording, h);
+        mukca_projector_rows(p);
         self_gradient(bias, p, h, &moved, &there);
-        mukca_projector_project(G, g, p, p->E, terms, h);
+        mukca_projector_project(G, g, p, terms, h);
         memcpy(copy, G, sizeof *G * (size_t)(terms * terms));
         memcpy(gradient, g, sizeof *g * (size_t)terms);
         gain = mukca_projector_block(copy, gradient, h, p->residual, p->normal->dof, NULL);

@@ -6,7 +6,6 @@
 #include "diagnose/unlisted.h"
 
 /* Coefficient size of a wave that displaces by 1 rad rms: the rms of a sine. */
-#define WAVE_UNIT 0.70710678118654752440
 
 /* Root of the summed squares of Gaussian bumps one width apart, pi^(1/4): divided by it, a function
  * with independent coefficients has their standard deviation. */
@@ -291,7 +290,7 @@ static void set_units(mukca_candidate *h, const mukca_recording *recording)
         if (site == MUKCA_SITE_ANGLES) square /= width;
         /* what hardly varies is rounding about a constant */
         square = fmax(square, fmax(1e-18, 1e-8 * whole));
-        h->unit[t] = wave ? WAVE_UNIT : sqrt(square);
+        h->unit[t] = wave ? MUKCA_WAVE_UNIT : sqrt(square);
         if (is_elastic(h) && t > 0)
             h->unit[t] = h->unit[0] / mukca_recording_mass_spread(recording, t - 1);
     }

@@ -12,6 +12,8 @@ enum {
     MUKCA_SMOOTH_ORDER = 8
 };
 
+#define MUKCA_WAVE_UNIT 0.70710678118654752440 /* rms of a sine */
+
 /* An effect of the catalogue, or a rival that explains structure by something else. */
 typedef enum {
     MUKCA_CANDIDATE_EFFECT,        /* of the catalogue, acting on the arm */

@@ -282,13 +282,14 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
                 continue;
             }
             if (!mukca_screening_reinstate(contest->faults, m)) return MUKCA_OK;
+            mukca_regression_freeze(m);
         } else if (top->class == MUKCA_CLASS_OUTLIER) {
             if (!add_outliers(contest, fmax(threshold, 0.5 * top->log_odds))) return MUKCA_OK;
         } else if (!add(contest, mukca_scan_candidate(contest->scan, top->best))) {
             return MUKCA_OK;
         }
         extent = MUKCA_SCAN_LISTED;
-        mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
+        mukca_regression_refit(m);
     }
     return MUKCA_OK;
 }
@@ -310,10 +311,10 @@ static bool drop(mukca_competition *contest, int c)
     const double with = doubtful ? mukca_regression_score(m) : 0;
     mukca_unknowns_assign(&contest->kept, &m->unknowns);
     mukca_unknowns_drop(&m->unknowns, c);
-    mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
+    mukca_regression_refit(m);
     if (!doubtful || mukca_regression_score(m) >= with) return true;
     mukca_unknowns_assign(&m->unknowns, &contest->kept);
-    mukca_regression_linearise(m);
+    mukca_regression_return(m);
     return false;
 }
 
@@ -330,10 +331,10 @@ static bool swap(mukca_competition *contest, int c, const mukca_candidate *best,
     u->cause[last].step = step;
     u->cause[c] = u->cause[last];
     u->n_causes = last;
-    mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
+    mukca_regression_refit(m);
     if (mukca_regression_score(m) > before) return true;
     mukca_unknowns_assign(u, &contest->kept);
-    mukca_regression_linearise(m);
+    mukca_regression_return(m);
     return false;
 }
 

@@ -11,7 +11,7 @@
 #define CLOSE 0.7071
 
 typedef struct {
-    mukca_projector projector;
+    mukca_projector *projector;
     mukca_competition *contest;
     mukca_confounding *out;
     const mukca_candidate *item[MUKCA_MAX_CONFOUNDED];
@@ -60,7 +60,7 @@ static const mukca_candidate *closest(confounding_table *t, const mukca_candidat
             (mukca_candidate_class(candidate) == mukca_candidate_class(cause) &&
              candidate->joint == cause->joint))
             continue;
-        const double correlation = mukca_correlation_canonical(&t->projector, cause, candidate);
+        const double correlation = mukca_correlation_canonical(t->projector, cause, candidate);
         if (correlation > most) most = correlation, best = candidate;
     }
     return best;
@@ -71,15 +71,13 @@ void mukca_confounding_measure(mukca_confounding *out, const mukca_findings *fin
 {
     mukca_regression *m = contest->m;
     mukca_unknowns *unknowns = &m->unknowns;
-    confounding_table t = {.contest = contest,
-                           .out = out,
-                           .projector = mukca_projector_lay_out(m, contest->scan->memory)};
+    confounding_table t = {.contest = contest, .out = out, .projector = &contest->scan->projector};
     const int geometry = mukca_unknowns_column(unknowns, 0),
               all = mukca_unknowns_column(unknowns, unknowns->n_causes);
     mukca_unknowns_prior(m->evidence.prior, unknowns);
     /* a prior of 0 takes a column out: here those of every cause */
     memset(m->evidence.prior + geometry, 0, sizeof *m->evidence.prior * (size_t)(all - geometry));
-    mukca_projector_aim(&t.projector, mukca_regression_collect_own(m), unknowns->sigma);
+    mukca_projector_aim(t.projector, mukca_regression_collect_own(m), unknowns->sigma);
     for (int i = 0; i < findings->n_causes; i++)
         add(&t, find(contest, &findings->causes[i].effect), true);
     const int causes = t.out->n;
@@ -91,7 +89,7 @@ void mukca_confounding_measure(mukca_confounding *out, const mukca_findings *fin
         t.out->correlation[i][i] = 1;
         for (int k = 0; k < i; k++)
             t.out->correlation[i][k] = t.out->correlation[k][i] =
-                mukca_correlation_canonical(&t.projector, t.item[i], t.item[k]);
+                mukca_correlation_canonical(t.projector, t.item[i], t.item[k]);
     }
     mukca_unknowns_prior(m->evidence.prior, unknowns);
     mukca_regression_factor(m);

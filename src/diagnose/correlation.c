@@ -38,9 +38,9 @@ double mukca_correlation_canonical(mukca_projector *p, const mukca_candidate *a,
     const mukca_regression *m = p->m;
     if (k > MOST || a->kind == MUKCA_CANDIDATE_DISTANCE || b->kind == MUKCA_CANDIDATE_DISTANCE)
         return NAN;
-    mukca_linearisation_columns(p->E, k, &m->linear, &m->recording, a);
-    mukca_linearisation_columns(p->E + a->terms, k, &m->linear, &m->recording, b);
-    mukca_projector_project(G, g, p, p->E, k, a);
+    mukca_linearisation_columns(p->scratch.E, k, &m->linear, &m->recording, a);
+    mukca_linearisation_columns(p->scratch.E + a->terms, k, &m->linear, &m->recording, b);
+    mukca_projector_project(G, g, p, k, a);
     copy_block(A, ka, ka, G, k);
     copy_block(B, kb, kb, G + a->terms * k + a->terms, k);
     copy_block(C, ka, kb, G + a->terms, k);

@@ -22,7 +22,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns)
 {
     const int capacity = mukca_unknowns_capacity(unknowns), size = capacity + 1;
-    const int pairs = recording->data->n_distances + 1;
+    const int pairs = recording->data->n_distances + 1, rows = recording->data->n_rows;
     for (int i = 0; i < MUKCA_RHOS; i++)
         evidence->normal[i] = (mukca_normal_equations){
             .rho = mukca_evidence_rho[i],
@@ -30,8 +30,13 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
             .gram = MUKCA_TAKE(pool, double, size *size),
             .distance = MUKCA_TAKE(pool, double, pairs *size),
             .variance = MUKCA_TAKE(pool, double, pairs),
-            .white = MUKCA_TAKE(pool, double,
-                                (size_t)(recording->data->n_rows * recording->dim) * (size_t)size)};
+            .diagonal = MUKCA_TAKE(pool, double, rows),
+            .off = MUKCA_TAKE(pool, double, rows),
+            .mean_weight = MUKCA_TAKE(pool, double, rows),
+            .ones = MUKCA_TAKE(pool, double, recording->data->n_sockets + 2),
+            .weighted = MUKCA_TAKE(pool, double, (size_t)(rows * recording->dim) * (size_t)size),
+            .all_gram = MUKCA_TAKE(pool, double, size *size),
+            .all_distance = MUKCA_TAKE(pool, double, pairs *size)};
     evidence->work = MUKCA_TAKE(pool, double, size);
     evidence->factor = MUKCA_TAKE(pool, double, size *size);
     evidence->marginal = MUKCA_TAKE(pool, double, 4 * size * size);
@@ -50,75 +55,126 @@ int mukca_evidence_index(double rho)
     return index;
 }
 
-/* What the normal equations are collected from. */
-typedef struct {
-    mukca_normal_equations *normal;
-    const mukca_recording *recording;
-    const mukca_linearisation *linear;
-    const double *weight; /* [n_rows] of the noise, NULL: none */
-    double *mean;         /* [size] scratch */
-    double root;          /* sqrt(1 - rho^2) */
-} collection;
-
-static double weight_of(const collection *c, int sample)
+/* W for the samples in use and their robust weights (NULL: none), and what the evidence has of it.
+ */
+static void lay_out(mukca_normal_equations *normal, const mukca_recording *r, const double *weight)
 {
-    return c->weight ? c->weight[c->recording->order[sample]] : 1;
+    const double rho = normal->rho, root = sqrt(1 - rho * rho);
+    normal->n_pairs = r->n_pairs;
+    normal->log_det = 0;
+    normal->dof = 0;
+    memset(normal->variance, 0, sizeof *normal->variance * (size_t)r->n_pairs);
+    for (int g = 0; g < r->n_groups; g++) {
+        const mukca_group *group = &r->groups[g];
+        double sum = 0;
+        if (!group->count) continue;
+        for (int k = 0; k < group->count; k++) {
+            const int i = group->start + k;
+            const double w = weight ? weight[r->order[i]] : 1;
+            double own, before;
+            mukca_evidence_whitening(&own, &before, k, root, rho);
+            own *= w, before *= w;
+            normal->diagonal[i] = own * own;
+            normal->off[i] = -own * before;
+            normal->mean_weight[i] = own * (own - before);
+            sum += (own - before) * (own - before);
+            if (!k) continue;
+            normal->diagonal[i - 1] += before * before;
+            normal->mean_weight[i - 1] -= before * (own - before);
+        }
+        normal->ones[g] = sum;
+        for (int k = 0; k < group->count; k++) normal->mean_weight[group->start + k] /= sum;
+        normal->log_det -= 0.5 * r->dim * (group->count - 1) * log(1 - rho * rho);
+        normal->dof += r->dim * group->count;
+        if (group->socket < 0) continue;
+        normal->dof -= 3;
+        normal->log_det -= 0.5 * 3 * log(sum);
+        for (int p = 0; p < r->n_pairs; p++)
+            if (r->pairs[p].a == g || r->pairs[p].b == g) normal->variance[p] += 1 / sum;
+    }
 }
 
-/* Whiten the columns of a group; returns o'o, o being the whitened ones. */
-static double whiten(const collection *from, const mukca_group *group)
+/* Coordinate c of a socket's samples: their mean out of the weighted columns, and into the
+ * distances. */
+static void centre(const mukca_weighing *x, const mukca_normal_equations *normal,
+                   const mukca_recording *r, const mukca_linearisation *linear, int g, int c)
 {
-    const double rho = from->normal->rho;
-    const size_t step = (size_t)from->recording->dim * (size_t)(from->normal->n + 1),
-                 at = (size_t)group->start * step;
-    const double *X = from->linear->columns + at;
-    double *W = from->normal->white + at, sum = 0;
-    for (int i = 0; i < group->count; i++, X += step, W += step) {
-        const double w = weight_of(from, group->start + i);
-        double own, before;
-        mukca_evidence_whitening(&own, &before, i, from->root, rho);
-        sum += (own - before) * w * ((own - before) * w);
-        if (i && rho > 0) {
-            const double *last = X - step;
-            for (size_t k = 0; k < step; k++) W[k] = w * (own * X[k] - before * last[k]);
-        } else {
-            for (size_t k = 0; k < step; k++) W[k] = w * X[k];
+    enum { BLOCK = 64 };
+    const mukca_group *group = &r->groups[g];
+    const size_t step = (size_t)r->dim * (size_t)x->ld;
+    for (int start = 0; start < x->n; start += BLOCK) {
+        const int count = x->n - start < BLOCK ? x->n - start : BLOCK;
+        const size_t at =
+            ((size_t)group->start * (size_t)r->dim + (size_t)c) * (size_t)x->ld + (size_t)start;
+        double mean[BLOCK] = {0};
+        for (int i = 0; i < group->count; i++) {
+            const double w = normal->mean_weight[group->start + i],
+                         *row = x->x + at + (size_t)i * step;
+            for (int k = 0; k < count; k++) mean[k] += w * row[k];
+        }
+        for (int i = 0; i < group->count; i++) {
+            const double w = normal->ones[g] * normal->mean_weight[group->start + i];
+            double *row = x->weighted + at + (size_t)i * step;
+            for (int k = 0; k < count; k++) row[k] -= w * mean[k];
+        }
+        for (int p = 0; p < r->n_pairs; p++) {
+            const double direction = linear->direction[p][c], w = r->pairs[p].a == g   ? direction
+                                                                  : r->pairs[p].b == g ? -direction
+                                                                                       : 0;
+            double *along = x->along + p * x->ld + start;
+            for (int k = 0; k < count && w != 0; k++) along[k] += w * mean[k];
         }
     }
-    return sum;
 }
 
-/* Take the socket's mean out of a group's whitened columns and into the distance rows. */
-static void centre(const collection *from, int g, double weights)
+void mukca_evidence_weigh(const mukca_weighing *x, const mukca_normal_equations *normal,
+                          const mukca_recording *r, const mukca_linearisation *linear)
 {
-    const mukca_group *group = &from->recording->groups[g];
-    mukca_normal_equations *normal = from->normal;
-    const int d = from->recording->dim, size = normal->n + 1;
-    const size_t step = (size_t)d * (size_t)size;
-    const double later = (1 - normal->rho) / from->root; /* whitened 1 behind a group's first */
-    for (int c = 0; c < 3; c++) {
-        double *W = normal->white + (size_t)(group->start * d + c) * (size_t)size;
-        double *mean = from->mean;
-        memset(mean, 0, sizeof *mean * (size_t)size);
-        for (int i = 0; i < group->count; i++) {
-            const double one = weight_of(from, group->start + i) * (i ? later : 1) / weights;
-            const double *row = W + (size_t)i * step;
-            for (int k = 0; k < size; k++) mean[k] += one * row[k];
+    const size_t ld = (size_t)x->ld, step = (size_t)r->dim * ld;
+    for (int g = 0; g < r->n_groups; g++) {
+        const mukca_group *group = &r->groups[g];
+        for (int i = group->start; i < group->start + group->count; i++) {
+            const double diagonal = normal->diagonal[i], before = normal->off[i],
+                         after = i + 1 < group->start + group->count ? normal->off[i + 1] : 0;
+            for (int c = 0; c < r->dim; c++) {
+                const double *row = x->x + (size_t)i * step + (size_t)c * ld;
+                double *out = x->weighted + (size_t)i * step + (size_t)c * ld;
+                for (int k = 0; k < x->n; k++) out[k] = diagonal * row[k];
+                for (int k = 0; k < x->n && before < 0; k++) out[k] += before * (row - step)[k];
+                for (int k = 0; k < x->n && after < 0; k++) out[k] += after * (row + step)[k];
+            }
         }
-        for (int i = 0; i < group->count; i++) {
-            const double one = weight_of(from, group->start + i) * (i ? later : 1);
-            double *row = W + (size_t)i * step;
-            for (int k = 0; k < size; k++) row[k] -= one * mean[k];
-        }
-        for (int p = 0; p < normal->n_pairs; p++) {
-            const mukca_socket_pair *pair = &from->recording->pairs[p];
-            if (pair->a != g && pair->b != g) continue;
-            const double along = from->linear->direction[p][c],
-                         sign = pair->a == g ? along : -along;
-            for (int k = 0; k < size; k++) normal->distance[p * size + k] += sign * mean[k];
-            if (c == 0) normal->variance[p] += 1 / weights;
-        }
+        for (int c = 0; c < 3 && group->socket >= 0; c++) centre(x, normal, r, linear, g, c);
     }
+}
+
+/* Form what is missing of the columns that the linearisation holds; `scratch` is [stride][stride].
+ */
+static void extend(mukca_normal_equations *normal, const mukca_recording *r,
+                   const mukca_linearisation *linear, double *scratch)
+{
+    const int done = normal->done, held = linear->n_held, k = held - done, ld = linear->stride;
+    if (!k) return;
+    for (int p = 0; p < r->n_pairs; p++)
+        memcpy(normal->all_distance + p * ld + done, linear->pair_columns + p * ld + done,
+               sizeof(double) * (size_t)k);
+    mukca_evidence_weigh(&(mukca_weighing){.n = k,
+                                           .ld = ld,
+                                           .x = linear->columns + done,
+                                           .weighted = normal->weighted + done,
+                                           .along = normal->all_distance + done},
+                         normal, r, linear);
+    const mukca_columns x = {linear->columns + done, k, ld}, w = {normal->weighted, held, ld};
+    memset(scratch, 0, sizeof *scratch * (size_t)(k * held));
+    if (done)
+        mukca_dense_xty(scratch, x, w, r->n_samples * r->dim);
+    else
+        mukca_dense_symmetric(scratch, x, w, r->n_samples * r->dim);
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < held; j++)
+            normal->all_gram[(done + i) * ld + j] = normal->all_gram[j * ld + done + i] =
+                scratch[i * held + j];
+    normal->done = held;
 }
 
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,
@@ -127,39 +183,20 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
                                                const mukca_linearisation *linear)
 {
     mukca_normal_equations *normal = &evidence->normal[index];
-    const int d = recording->dim, size = linear->n_columns + 1;
-    const double rho = normal->rho;
-    if (!unknowns->weight && normal->version == linear->version) return normal;
-    normal->version = unknowns->weight ? 0 : linear->version;
-    const collection from = {.normal = normal,
-                             .recording = recording,
-                             .linear = linear,
-                             .weight = unknowns->weight,
-                             .mean = evidence->work,
-                             .root = sqrt(1 - rho * rho)};
+    const int size = linear->n_columns + 1, ld = linear->stride, *at = linear->at;
+    if (unknowns->weight || normal->version != linear->version) {
+        lay_out(normal, recording, unknowns->weight);
+        normal->done = 0;
+        normal->version = unknowns->weight ? 0 : linear->version;
+    }
+    extend(normal, recording, linear, evidence->marginal);
     normal->n = linear->n_columns;
-    normal->n_pairs = recording->n_pairs;
-    normal->log_det = 0;
-    normal->dof = 0;
-    memcpy(normal->distance, linear->pair_columns,
-           sizeof *normal->distance * (size_t)(normal->n_pairs * size));
-    for (int p = 0; p < normal->n_pairs; p++) {
-        normal->variance[p] = 0;
-        normal->distance[p * size + size - 1] = recording->pairs[p].distance;
-    }
-    for (int g = 0; g < recording->n_groups; g++) {
-        const mukca_group *group = &recording->groups[g];
-        if (!group->count) continue;
-        const double weights = whiten(&from, group);
-        normal->log_det -= 0.5 * d * (group->count - 1) * log(1 - rho * rho);
-        normal->dof += d * group->count;
-        if (group->socket < 0) continue;
-        normal->dof -= 3;
-        normal->log_det -= 0.5 * 3 * log(weights);
-        centre(&from, g, weights);
-    }
-    memset(normal->gram, 0, sizeof *normal->gram * (size_t)(size * size));
-    mukca_dense_syrk(normal->gram, size, normal->white, recording->n_samples * d, size);
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++)
+            normal->gram[i * size + j] = normal->all_gram[at[i] * ld + at[j]];
+    for (int p = 0; p < normal->n_pairs; p++)
+        for (int i = 0; i < size; i++)
+            normal->distance[p * size + i] = normal->all_distance[p * ld + at[i]];
     return normal;
 }
 

@@ -9,17 +9,26 @@ enum { MUKCA_RHOS = 3 };
 /* AR(1) coefficients that the noise may have. */
 extern const double mukca_evidence_rho[MUKCA_RHOS];
 
-/* Normal equations of the whitened and centred columns at one AR(1) coefficient, n of them; size =
- * n + 1, the last column being y.  Each pair of sockets adds one row. */
+/* Normal equations at one AR(1) coefficient.  W is what whitening and the free means of the sockets
+ * make of the samples: W = A'A - A'o o'A / o'o in each socket and coordinate, with A the whitening
+ * and o the whitened ones.  Each pair of sockets adds one row. */
 typedef struct {
     double rho, log_det;
     int dof, n, n_pairs;
     unsigned version;      /* of the columns that they are formed from; 0: none, or weighted */
     double distance_sigma; /* m */
-    double *gram;          /* [size][size] */
-    double *distance;      /* [n_pairs][size] */
+    double *gram;          /* [n + 1][n + 1] of the columns in use, and y */
+    double *distance;      /* [n_pairs][n + 1] */
     double *variance;      /* [n_pairs]: of a distance row, in units of sigma^2 */
-    double *white;         /* [n_samples][dim][size] */
+    /* A'A has three diagonals */
+    double *diagonal, *off; /* [n_samples]; `off` with the sample before */
+    double *mean_weight;    /* [n_samples] A'o / o'o: weights of a socket's mean */
+    double *ones;           /* [n_groups] o'o */
+    /* of all columns that the linearisation holds, `stride` apart */
+    int done;             /* columns that the rest is formed from */
+    double *weighted;     /* [n_samples][dim][stride] W times the columns */
+    double *all_gram;     /* [stride][stride] */
+    double *all_distance; /* [n_pairs][stride] */
 } mukca_normal_equations;
 
 typedef struct {
@@ -48,6 +57,17 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
                                                const mukca_recording *recording,
                                                const mukca_unknowns *unknowns,
                                                const mukca_linearisation *linear);
+
+/* n columns x[n_samples][dim][ld]: `weighted` (of the same shape) gets W x, and along[n_pairs][ld]
+ * has added to it what they do to the distances. */
+typedef struct {
+    int n, ld;
+    const double *x;
+    double *weighted, *along;
+} mukca_weighing;
+
+void mukca_evidence_weigh(const mukca_weighing *columns, const mukca_normal_equations *normal,
+                          const mukca_recording *recording, const mukca_linearisation *linear);
 
 /* Log evidence with the priors evidence->prior and noise sigma (m).  mean[n] (may be NULL) gets the
  * posterior mean.  The factor stays.  -HUGE_VAL where it cannot be factored. */

@@ -12,7 +12,7 @@
 #include "math/random.h"
 #include "math/stats.h"
 
-enum { POSE_FOLDS = 5, DRAWS = 400 };
+enum { POSE_FOLDS = 5, DRAWS = 400, BLOCK = 16 };
 
 void mukca_folds_create(mukca_folds *b)
 {
@@ -21,6 +21,7 @@ void mukca_folds_create(mukca_folds *b)
     const int size = mukca_unknowns_capacity(&m->unknowns) + 1;
     b->fold = MUKCA_TAKE(&m->pool, int, rows);
     b->gram = MUKCA_TAKE(&m->pool, double, size *size);
+    b->white = MUKCA_TAKE(&m->pool, double, (6 * BLOCK + 3) * size);
     b->distance = MUKCA_TAKE(&m->pool, double, pairs *size);
     b->position = MUKCA_TAKE(&m->pool, double, 3 * rows);
     b->error = MUKCA_TAKE(&m->pool, double, rows);
@@ -117,6 +118,41 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
         mean[p] = mean_of(error, recording->data->n_rows, recording->placement, p);
 }
 
+/* b->gram += the part that the samples of fold f of a group have in the normal equations: the
+ * product of their whitened rows, without the socket's mean. */
+static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int g, int f)
+{
+    const mukca_recording *r = &b->m->recording;
+    const mukca_group *group = &r->groups[g];
+    const int size = normal->n + 1, d = r->dim;
+    const size_t step = (size_t)d * (size_t)size;
+    const double *X = b->m->linear.columns + (size_t)group->start * step,
+                 root = sqrt(1 - normal->rho * normal->rho);
+    double *mean = b->white + 6 * BLOCK * size;
+    int count = 0;
+    for (int i = 0; i < group->count; i++) count += b->fold[r->order[group->start + i]] == f;
+    if (!count) return;
+    count = 0;
+    memset(mean, 0, sizeof *mean * (size_t)(3 * size));
+    for (int i = 0; i < group->count && group->socket >= 0; i++)
+        for (int k = 0; k < 3 * size; k++)
+            mean[k] += normal->mean_weight[group->start + i] * X[(size_t)i * step + (size_t)k];
+    for (int i = 0; i < group->count; i++, X += step) {
+        if (b->fold[r->order[group->start + i]] == f) {
+            double own, before, *W = b->white + (size_t)count++ * step;
+            mukca_evidence_whitening(&own, &before, i, root, normal->rho);
+            for (size_t k = 0; k < step; k++) W[k] = own * X[k];
+            for (size_t k = 0; k < step && before > 0; k++) W[k] -= before * (X - step)[k];
+            for (int k = 0; k < 3 * size && group->socket >= 0; k++)
+                W[k] -= (own - before) * mean[k];
+        }
+        if (count == BLOCK || i + 1 == group->count) {
+            mukca_dense_syrk(b->gram, size, b->white, count * d, size);
+            count = 0;
+        }
+    }
+}
+
 /* Take the samples of fold f, and the distances of its sockets, out of the normal equations:
  * b->gram is what was subtracted.  Returns the degrees of freedom of these samples. */
 static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
@@ -125,11 +161,7 @@ static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
     const int size = normal->n + 1, d = r->dim;
     int freedom = 0;
     memset(b->gram, 0, sizeof *b->gram * (size_t)(size * size));
-    for (int i = 0, count; i < r->n_samples; i += count + 1) { /* a run of samples at a time */
-        for (count = 0; i + count < r->n_samples && b->fold[r->order[i + count]] == f;) count++;
-        mukca_dense_syrk(b->gram, size, normal->white + (size_t)(i * d) * (size_t)size, count * d,
-                         size);
-    }
+    for (int g = 0; g < r->n_groups; g++) add_group(b, normal, g, f);
     for (int i = 0; i < size * size; i++) normal->gram[i] -= b->gram[i];
     for (int p = 0; p < r->n_pairs; p++) {
         const int a = r->order[r->groups[r->pairs[p].a].start];
@@ -178,7 +210,6 @@ static void cross_predict(mukca_folds *b, mukca_normal_equations *normal)
         for (int i = 0; i < size * size; i++) normal->gram[i] += b->gram[i];
         memcpy(normal->distance, b->distance, distances);
     }
-    normal->version = 0; /* the folds came back with rounding errors */
 }
 
 void mukca_folds_run(double *error, mukca_folds *b, bool by_socket)

@@ -19,12 +19,12 @@ enum { USUAL_MEMORIES = 3, MEMORIES = sizeof memories / sizeof *memories };
 /* Residuals r[n_samples][3] of the fitted model, m. */
 static void residuals(double *r, const mukca_regression *m)
 {
-    const int n = m->linear.n_columns, d = m->recording.dim;
+    const int n = m->linear.n_columns, d = m->recording.dim, *at = m->linear.at;
     for (int i = 0; i < m->recording.n_samples; i++)
         for (int c = 0; c < 3; c++) {
-            const double *x = m->linear.columns + (size_t)(i * d + c) * (size_t)(n + 1);
-            r[3 * i + c] = x[n];
-            for (int k = 0; k < n; k++) r[3 * i + c] -= x[k] * m->evidence.mean[k];
+            const double *x = m->linear.columns + (size_t)(i * d + c) * (size_t)m->linear.stride;
+            r[3 * i + c] = x[at[n]];
+            for (int k = 0; k < n; k++) r[3 * i + c] -= x[at[k]] * m->evidence.mean[k];
         }
 }
 
@@ -93,7 +93,7 @@ double mukca_heavy_tails_gain(mukca_regression *m, mukca_unknowns *kept, double 
     if (without >= 0) mukca_unknowns_drop(u, without);
     if (mukca_unknowns_add(u, candidate)) {
         for (int with = 1; with >= 0; with--) {
-            mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
+            mukca_regression_refit(m);
             residuals(memory, m);
             explain(value[with], square, memory, &m->recording);
             if (with) mukca_unknowns_drop(u, u->n_causes - 1);
@@ -101,6 +101,6 @@ double mukca_heavy_tails_gain(mukca_regression *m, mukca_unknowns *kept, double 
         gain = (value[1][0] - value[0][0]) - (value[1][1] - value[0][1]);
     }
     mukca_unknowns_assign(u, kept);
-    mukca_regression_linearise(m);
+    mukca_regression_return(m);
     return fmax(gain, 0);
 }

@@ -13,6 +13,10 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
               d = recording->dim, size = mukca_unknowns_capacity(unknowns) + 1;
     const int pairs = recording->data->n_distances + 1, groups = recording->data->n_sockets + 2;
     *linear = (mukca_linearisation){
+        .at = MUKCA_TAKE(pool, int, size),
+        .cause = MUKCA_TAKE(pool, mukca_candidate, MUKCA_MOST_HELD),
+        .reference = MUKCA_TAKE(pool, double, size),
+        .change = MUKCA_TAKE(pool, double, size),
         .tip = MUKCA_TAKE(pool, double, 3 * rows),
         .tip_frame = MUKCA_TAKE(pool, double, 9 * rows),
         .mean = MUKCA_TAKE(pool, double[3], groups),
@@ -29,7 +33,7 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
                                  const mukca_recording *recording, const mukca_candidate *h)
 {
     const int d = recording->dim, n_joints = recording->chain->n_joints, terms = h->terms;
-    const int width = h->width_of_term, ldx = linear->n_columns + 1;
+    const int width = h->width_of_term, ldx = linear->stride;
     const mukca_effect_site site = mukca_candidate_site(h);
     for (int i = 0; i < recording->n_samples; i++) {
         double *out = E + (size_t)i * (size_t)d * (size_t)ld;
@@ -105,7 +109,7 @@ static void to_target(mukca_frame *tip, const mukca_unknowns *u, int log)
     if (log > 0 && u->n_targets > 1) mukca_frame_multiply(tip, tip, shift);
 }
 
-/* Predictions of the samples, means of their groups, and directions between paired sockets. */
+/* Predictions of the samples. */
 static void predict(mukca_linearisation *linear, const mukca_recording *recording,
                     const mukca_unknowns *unknowns)
 {
@@ -121,6 +125,11 @@ static void predict(mukca_linearisation *linear, const mukca_recording *recordin
         memcpy(linear->tip + 3 * i, tip.p, sizeof tip.p);
         memcpy(linear->tip_frame + 9 * i, tip.R, sizeof tip.R);
     }
+}
+
+/* Means of the groups of predictions, and directions between paired sockets. */
+static void find_directions(mukca_linearisation *linear, const mukca_recording *recording)
+{
     for (int g = 0; g < recording->n_groups; g++) {
         const mukca_group *group = &recording->groups[g];
         double *mean = linear->mean[g];
@@ -194,8 +203,7 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
                         const mukca_displacement *displacement)
 {
     const mukca_chain *chain = recording->chain;
-    const int d = recording->dim, ld = linear->n_columns + 1,
-              log = recording->log[recording->order[i]];
+    const int d = recording->dim, ld = linear->stride, log = recording->log[recording->order[i]];
     double *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
     double *base_lever = linear->base_lever + (size_t)i * (size_t)(3 * d);
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
@@ -250,7 +258,19 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
 static void fill_y(mukca_linearisation *linear, const mukca_recording *recording,
                    const mukca_unknowns *u)
 {
-    const int d = recording->dim, ld = linear->n_columns + 1;
+    const int d = recording->dim, ld = linear->stride, n = linear->n_columns, *at = linear->at;
+    double *explained = linear->change;
+    memset(linear->reference, 0, sizeof *linear->reference * (size_t)ld);
+    for (int k = 0; k < u->n_geometry; k++) explained[k] = linear->reference[at[k]] = u->theta[k];
+    for (int c = 0, k = u->n_geometry; c < u->n_causes; c++)
+        for (int t = 0; t < u->cause[c].candidate.terms; t++, k++) {
+            linear->reference[at[k]] = u->cause[c].coefficient[t];
+            /* A socket's fault moves the socket, not the arm: tip does not hold it. */
+            explained[k] =
+                mukca_candidate_moves_arm(&u->cause[c].candidate) ? u->cause[c].coefficient[t] : 0;
+        }
+    linear->log = u->log;
+    linear->target = u->target;
     for (int i = 0; i < recording->n_samples; i++) {
         double y[6] = {0}, *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
         if (recording->data->socket[recording->order[i]] < 0)
@@ -259,29 +279,41 @@ static void fill_y(mukca_linearisation *linear, const mukca_recording *recording
             for (int c = 0; c < 3; c++) y[c] = -linear->tip[3 * i + c];
         for (int c = 0; c < d; c++) {
             double sum = y[c];
-            for (int k = 0; k < u->n_geometry; k++) sum += X[c * ld + k] * u->theta[k];
-            int column = u->n_geometry;
-            for (int e = 0; e < u->n_causes; e++) {
-                const mukca_candidate *h = &u->cause[e].candidate;
-                /* A socket's fault moves the socket, not the arm: tip does not hold it. */
-                for (int t = 0; mukca_candidate_moves_arm(h) && t < h->terms; t++)
-                    sum += X[c * ld + column + t] *
-                           (u->cause[e].coefficient[t] - u->cause[e].centre);
-                column += h->terms;
-            }
-            X[c * ld + ld - 1] = sum;
+            for (int k = 0; k < n; k++) sum += X[c * ld + at[k]] * explained[k];
+            X[c * ld + at[n]] = sum;
         }
     }
+    for (int p = 0; p < recording->n_pairs; p++)
+        linear->pair_columns[p * ld + at[n]] = recording->pairs[p].distance;
+}
+
+/* Hold the columns of a cause from column `at` on. */
+static void hold(mukca_linearisation *linear, const mukca_recording *recording,
+                 const mukca_candidate *h, int at)
+{
+    const int ld = linear->stride;
+    linear->at_cause[linear->n_causes] = at;
+    linear->cause[linear->n_causes++] = *h;
+    mukca_linearisation_columns(linear->columns + at, ld, linear, recording, h);
+    for (int p = 0; p < recording->n_pairs; p++)
+        for (int t = 0; t < h->terms; t++)
+            linear->pair_columns[p * ld + at + t] =
+                mukca_candidate_changes_pair(h, recording, p) ? -1 : 0;
 }
 
 void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recording *recording,
-                                mukca_unknowns *u)
+                                mukca_unknowns *u, bool spare)
 {
-    linear->n_columns = mukca_unknowns_column(u, u->n_causes);
+    const int n = mukca_unknowns_column(u, u->n_causes), n_joints = recording->chain->n_joints;
+    linear->n_columns = n;
+    linear->n_held = n + 1;
+    linear->stride = spare ? mukca_unknowns_capacity(u) + 1 : n + 1;
+    linear->n_causes = 0;
     linear->version++;
-    const int ld = linear->n_columns + 1, n_joints = recording->chain->n_joints;
+    for (int i = 0; i <= n; i++) linear->at[i] = i;
     mukca_unknowns_set_geometry(u, recording->chain);
     predict(linear, recording, u);
+    find_directions(linear, recording);
     for (int g = 0; g < recording->n_groups; g++) {
         const mukca_group *group = &recording->groups[g];
         for (int i = group->start; i < group->start + group->count; i++) {
@@ -297,15 +329,95 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
             fill_sample(linear, recording, u, i, seated, &displacement);
         }
     }
-    memset(linear->pair_columns, 0,
-           sizeof *linear->pair_columns * (size_t)(recording->n_pairs * ld));
+    for (int p = 0; p < recording->n_pairs; p++)
+        memset(linear->pair_columns + p * linear->stride, 0, sizeof(double) * (size_t)n);
     for (int c = 0, at = u->n_geometry; c < u->n_causes; c++) {
-        const mukca_candidate *h = &u->cause[c].candidate;
-        mukca_linearisation_columns(linear->columns + at, ld, linear, recording, h);
-        for (int p = 0; p < recording->n_pairs; p++)
-            if (mukca_candidate_changes_pair(h, recording, p))
-                linear->pair_columns[p * ld + at] = -1;
-        at += h->terms;
+        hold(linear, recording, &u->cause[c].candidate, at);
+        at += u->cause[c].candidate.terms;
     }
     fill_y(linear, recording, u);
+}
+
+bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_recording *recording,
+                                const mukca_unknowns *u)
+{
+    int y = linear->at[linear->n_columns], n = u->n_geometry;
+    for (int c = 0; c < u->n_causes; c++) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        int k = 0;
+        while (k < linear->n_causes && !mukca_candidate_same(&linear->cause[k], h)) k++;
+        if (k == linear->n_causes) {
+            if (k == MUKCA_MOST_HELD || linear->n_held + h->terms > linear->stride) return false;
+            hold(linear, recording, h, linear->n_held);
+            linear->n_held += h->terms;
+        }
+        for (int t = 0; t < h->terms; t++) linear->at[n++] = linear->at_cause[k] + t;
+    }
+    linear->n_columns = n;
+    linear->at[n] = y;
+    return true;
+}
+
+bool mukca_linearisation_refresh(mukca_linearisation *linear, const mukca_recording *recording,
+                                 mukca_unknowns *u)
+{
+    if (linear->n_held == linear->stride) return false;
+    mukca_unknowns_fold_frames(u);
+    mukca_unknowns_set_geometry(u, recording->chain);
+    predict(linear, recording, u);
+    linear->at[linear->n_columns] = linear->n_held++;
+    fill_y(linear, recording, u);
+    return true;
+}
+
+/* Where the unknowns in use from `column` on are now, less where they were. */
+static void set_change(const mukca_linearisation *linear, const double *now, int column, int count)
+{
+    for (int t = 0; t < count; t++) {
+        const int at = linear->at[column + t];
+        linear->change[at] = now[t] - linear->reference[at];
+    }
+}
+
+double mukca_linearisation_error(const mukca_linearisation *linear, const mukca_recording *r,
+                                 const mukca_unknowns *u)
+{
+    enum { MOST = 300 }; /* samples that are enough for a mean square */
+    const int every = r->n_samples / MOST + 1, d = r->dim;
+    double square = 0, sum[3] = {0}, *change = linear->change;
+    int count = 0, of_group = 0, g = 0;
+    memset(change, 0, sizeof *change * (size_t)linear->n_held);
+    for (int c = 0; c < linear->n_causes; c++) /* those that are no longer in use */
+        for (int t = 0; mukca_candidate_moves_arm(&linear->cause[c]) && t < linear->cause[c].terms;
+             t++)
+            change[linear->at_cause[c] + t] = -linear->reference[linear->at_cause[c] + t];
+    set_change(linear, u->theta, 0, u->first_tracker); /* a tracker moves no tip */
+    set_change(linear, u->theta + u->first_target, u->first_target,
+               u->n_geometry - u->first_target);
+    for (int c = 0, column = u->n_geometry; c < u->n_causes; c++) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        if (mukca_candidate_moves_arm(h))
+            set_change(linear, u->cause[c].coefficient, column, h->terms);
+        column += h->terms;
+    }
+    for (int i = 0; i < r->n_samples; i += every, count++) {
+        double p[3];
+        mukca_unknowns_predict(p, u, r, r->order[i]);
+        if (i >= r->groups[g].start + r->groups[g].count) {
+            while (i >= r->groups[g].start + r->groups[g].count) g++;
+            square -= of_group ? mukca_dot3(sum, sum) / of_group : 0;
+            of_group = 0;
+            memset(sum, 0, sizeof sum);
+        }
+        of_group += r->groups[g].socket >= 0;
+        for (int c = 0; c < 3; c++) {
+            const double *x = linear->columns + (size_t)(i * d + c) * (size_t)linear->stride;
+            double error = linear->tip[3 * i + c] - p[c];
+            for (int k = 0; k < linear->n_held; k++) error += x[k] * change[k];
+            square += error * error;
+            sum[c] += error;
+        }
+    }
+    square -= of_group ? mukca_dot3(sum, sum) / of_group : 0;
+    return sqrt(fmax(square, 0) / count);
 }

@@ -4,126 +4,79 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/ripple.h"
 #include "math/dense.h"
 #include "math/stats.h"
 
-size_t mukca_projector_size(const mukca_regression *m)
+bool mukca_projector_create(mukca_projector *p, mukca_pool *pool, mukca_regression *m)
 {
     const size_t rows = (size_t)m->recording.data->n_rows * (size_t)m->recording.dim,
                  n = (size_t)mukca_unknowns_capacity(&m->unknowns);
-    return (size_t)m->recording.data->n_distances + (size_t)m->recording.data->n_sockets + 8 + n +
-           2 * rows + rows * (2 * n + 1) + 2 * rows * MUKCA_MAX_COLUMNS + n * 2 * MUKCA_MAX_COLUMNS;
+    *p = (mukca_projector){.m = m,
+                           .inverse = MUKCA_TAKE(pool, double, m->recording.data->n_distances + 1),
+                           .z = MUKCA_TAKE(pool, double, n),
+                           .T = MUKCA_TAKE(pool, double, (n + 1) * MUKCA_BATCH),
+                           .u = MUKCA_TAKE(pool, double, rows),
+                           .Zt = MUKCA_TAKE(pool, double, rows *n)};
+    return mukca_products_create(&p->own, pool, m, MUKCA_MAX_COLUMNS, MUKCA_MAX_COLUMNS) &&
+           mukca_products_scratch(&p->scratch, pool, m);
 }
 
-mukca_projector mukca_projector_lay_out(mukca_regression *m, double *memory)
-{
-    mukca_projector p = {
-        .m = m, .n = m->linear.n_columns, .rows = m->recording.n_samples * m->recording.dim};
-    double *at = memory;
-    p.inverse = at, at += m->recording.n_pairs + 1;
-    p.weights = at, at += m->recording.n_groups + 1;
-    p.z = at, at += p.n;
-    p.mean_weight = at, at += m->recording.n_samples;
-    p.u = at, at += p.rows;
-    p.Q = at, at += (size_t)p.rows * (size_t)(p.n + 1);
-    p.Zt = at, at += (size_t)p.rows * (size_t)p.n;
-    p.E = at, at += (size_t)p.rows * MUKCA_MAX_COLUMNS;
-    p.white = at, at += (size_t)p.rows * MUKCA_MAX_COLUMNS;
-    p.T = at;
-    return p;
-}
-
-/* AR(1) whitening of sample i of a group: its own and its predecessor's coefficient, and those with
- * which its successor takes it in (0 at the end). */
-typedef struct {
-    double own, before, next_own, next_before;
-} whitening;
-
-static whitening whitening_at(const mukca_projector *p, const mukca_group *group, int i)
-{
-    whitening w = {0};
-    mukca_evidence_whitening(&w.own, &w.before, i, p->root, p->normal->rho);
-    if (i + 1 < group->count)
-        mukca_evidence_whitening(&w.next_own, &w.next_before, i + 1, p->root, p->normal->rho);
-    return w;
-}
-
-/* Weights of the samples in the whitened mean of group g. */
-static void weigh_group(mukca_projector *p, int g)
-{
-    const mukca_group *group = &p->m->recording.groups[g];
-    double sum = 0;
-    for (int i = 0; i < group->count; i++) {
-        const whitening w = whitening_at(p, group, i);
-        sum += (w.own - w.before) * (w.own - w.before);
-    }
-    p->weights[g] = sum;
-    for (int i = 0; i < group->count; i++) {
-        const whitening w = whitening_at(p, group, i);
-        p->mean_weight[group->start + i] =
-            (w.own * (w.own - w.before) - w.next_before * (w.next_own - w.next_before)) / sum;
-    }
-}
-
-/* Q := W X and W y of the samples of a group: the transposed whitening of the whitened columns. */
-static void fill_Q(mukca_projector *p, const mukca_group *group)
-{
-    const size_t step = (size_t)p->m->recording.dim * (size_t)(p->n + 1);
-    for (int i = 0; i < group->count; i++) {
-        const whitening w = whitening_at(p, group, i);
-        const double *white = p->normal->white + (size_t)(group->start + i) * step;
-        double *q = p->Q + (size_t)(group->start + i) * step;
-        const double a = p->precision * w.own, b = p->precision * w.next_before;
-        for (size_t k = 0; k < step; k++) q[k] = a * white[k];
-        for (size_t k = 0; k < step && b > 0; k++) q[k] -= b * white[k + step];
-    }
-}
-
-/* The distance rows' part of Q: each acts on the means of its two sockets. */
-static void add_distances(mukca_projector *p)
+/* What the distances add to a row of W X and W y; column k of B gets the former times D. */
+static void add_distances(double *B, mukca_projector *p, int group, int i, int c)
 {
     const mukca_recording *r = &p->m->recording;
-    const int size = p->n + 1;
-    for (int k = 0; k < r->n_pairs; k++)
-        for (int side = 0; side < 2; side++) {
-            const double *row = p->normal->distance + k * size;
-            const mukca_group *group = &r->groups[side ? r->pairs[k].b : r->pairs[k].a];
-            const double inverse = side ? -p->inverse[k] : p->inverse[k];
-            for (int i = group->start; i < group->start + group->count; i++)
-                for (int c = 0; c < 3; c++) {
-                    const double w = inverse * p->m->linear.direction[k][c] * p->mean_weight[i];
-                    double *q = p->Q + (size_t)(i * r->dim + c) * (size_t)size;
-                    for (int e = 0; e < size; e++) q[e] += w * row[e];
-                }
-        }
+    const double *prior = p->m->evidence.prior;
+    for (int k = 0; k < r->n_pairs; k++) {
+        const double direction = p->m->linear.direction[k][c],
+                     sign = r->pairs[k].a == group   ? 1
+                            : r->pairs[k].b == group ? -1
+                                                     : 0,
+                     w = sign * p->inverse[k] * direction * p->normal->mean_weight[i];
+        const double *distance = p->normal->distance + k * (p->n + 1);
+        for (int t = 0; t < p->n && sign != 0; t++)
+            B[t * MUKCA_BATCH] += w * distance[t] * prior[t];
+        if (sign != 0) p->u[i * r->dim + c] += w * distance[p->n];
+    }
 }
 
-/* Zt := (L^-1 D Q')', a block of rows at a time; u := W y - Zt z.  Columns with prior 0 drop out.
- */
-static void fill_Zt(mukca_projector *p)
+/* Zt := (L^-1 D (WX)')', a block of samples at a time; u := W y - Zt z. */
+static void fill_rows(mukca_projector *p, int group, int start, int count)
 {
-    enum { BLOCK = 32 };
+    const mukca_recording *r = &p->m->recording;
     const double *prior = p->m->evidence.prior;
-    const int n = p->n;
-    const size_t size = (size_t)n + 1;
+    const int n = p->n, d = r->dim, *at = p->m->linear.at;
+    const size_t stride = (size_t)p->m->linear.stride;
     double *B = p->T;
-    for (int start = 0; start < p->rows; start += BLOCK) {
-        const int count = p->rows - start < BLOCK ? p->rows - start : BLOCK;
-        for (int r = 0; r < count; r++) {
-            const double *q = p->Q + (size_t)(start + r) * size;
-            for (int i = 0; i < n; i++) B[i * count + r] = q[i] * prior[i];
-        }
-        mukca_dense_forward(B, count, p->m->evidence.factor, n);
-        for (int r = 0; r < count; r++) {
-            double *x = p->Zt + (size_t)(start + r) * (size_t)n;
-            double sum = p->Q[(size_t)(start + r + 1) * size - 1];
-            for (int i = 0; i < n; i++) {
-                x[i] = B[i * count + r];
-                sum -= x[i] * p->z[i];
-            }
-            p->u[start + r] = sum;
-        }
+    for (int k = 0; k < count * d; k++) {
+        const double *w = p->normal->weighted + (size_t)(start * d + k) * stride;
+        for (int t = 0; t < n; t++) B[t * MUKCA_BATCH + k] = p->precision * w[at[t]] * prior[t];
+        p->u[start * d + k] = p->precision * w[at[n]];
+        if (k % d < 3 && r->groups[group].socket >= 0)
+            add_distances(B + k, p, group, start + k / d, k % d);
     }
+    for (int t = 0; t < n; t++)
+        for (int k = count * d; k < MUKCA_BATCH; k++) B[t * MUKCA_BATCH + k] = 0;
+    mukca_dense_forward(B, MUKCA_BATCH, p->m->evidence.factor, n);
+    for (int k = 0; k < count * d; k++) {
+        double *x = p->Zt + (size_t)(start * d + k) * (size_t)n, sum = 0;
+        for (int t = 0; t < n; t++) {
+            x[t] = B[t * MUKCA_BATCH + k];
+            sum += x[t] * p->z[t];
+        }
+        p->u[start * d + k] -= sum;
+    }
+}
+
+void mukca_projector_rows(mukca_projector *p)
+{
+    const mukca_recording *r = &p->m->recording;
+    const int most = MUKCA_BATCH / r->dim;
+    for (int g = 0; g < r->n_groups && !p->have_rows; g++)
+        for (int k = 0; k < r->groups[g].count; k += most)
+            fill_rows(p, g, r->groups[g].start + k,
+                      r->groups[g].count - k < most ? r->groups[g].count - k : most);
+    p->have_rows = true;
 }
 
 double mukca_projector_block(double *G, double *g, const mukca_candidate *h, double residual,
@@ -174,88 +127,130 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
     return mukca_stats_log_sum_exp(value, n_scales);
 }
 
-/* G := E' W E of the samples, without the sockets' means. */
-static void project_samples(double *G, mukca_projector *p, const double *E, int k)
+/* Columns of a few items side by side: their right sides in T and g. */
+typedef struct {
+    int n, width;
+    double g[MUKCA_BATCH];
+    struct {
+        const mukca_scored *item;
+        int first, count, at; /* columns of the item, and where they are */
+    } entry[MUKCA_BATCH];
+} batch;
+
+/* T := D X'W E and g := E'W y of an entry. */
+static void fill(batch *b, const mukca_projector *p, int e)
 {
-    const mukca_recording *recording = &p->m->recording;
-    const int d = recording->dim, step = d * k;
-    double mean[MUKCA_MAX_COLUMNS];
-    for (int g = 0; g < recording->n_groups; g++) {
-        const mukca_group *group = &recording->groups[g];
-        for (int i = 0; i < group->count; i++) {
-            const double *e = E + (group->start + i) * step;
-            double *white = p->white + (group->start + i) * step;
-            const whitening w = whitening_at(p, group, i);
-            for (int t = 0; t < step; t++)
-                white[t] = w.own * e[t] - (i ? w.before * e[t - step] : 0);
+    const mukca_products *x = b->entry[e].item->products;
+    const int n = p->n, first = b->entry[e].first, count = b->entry[e].count,
+              *held = p->m->linear.at;
+    const double *prior = p->m->evidence.prior;
+    for (int t = 0; t <= n; t++) {
+        const double *cross = x->cross + (size_t)held[t] * (size_t)x->columns + first;
+        double *out = t < n ? p->T + t * MUKCA_BATCH + b->entry[e].at : b->g + b->entry[e].at;
+        for (int k = 0; k < count; k++) out[k] = p->precision * cross[k];
+        for (int q = 0; q < p->normal->n_pairs; q++) {
+            const double w = p->inverse[q] * p->normal->distance[q * (n + 1) + t];
+            const double *along = x->along + q * x->columns + first;
+            for (int k = 0; k < count && w != 0; k++) out[k] += w * along[k];
         }
-    }
-    mukca_dense_syrk(G, k, p->white, p->rows, k);
-    for (int i = 0; i < k * k; i++) G[i] *= p->precision;
-    for (int g = 0; g < recording->n_groups; g++) {
-        const mukca_group *group = &recording->groups[g];
-        const double w = p->precision * p->weights[g];
-        for (int c = 0; c < 3 && group->socket >= 0; c++) {
-            memset(mean, 0, sizeof mean);
-            for (int i = group->start; i < group->start + group->count; i++)
-                for (int t = 0; t < k; t++) mean[t] += p->mean_weight[i] * E[(i * d + c) * k + t];
-            for (int a = 0; a < k; a++)
-                for (int b = 0; b < k; b++) G[a * k + b] -= w * mean[a] * mean[b];
-        }
+        for (int k = 0; k < count && t < n; k++) out[k] *= prior[t];
     }
 }
 
-/* along[k]: what the columns do to the distance of a pair of sockets. */
-static void pair_columns(double *along, const mukca_projector *p, const double *E, int k, int pair)
+/* Projected G[k][k] and g[k] of one block of an entry, `column` columns on. */
+static void take_block(double *G, double *g, const batch *b, const mukca_projector *p, int e,
+                       int column)
 {
-    const mukca_recording *r = &p->m->recording;
-    const double *direction = p->m->linear.direction[pair];
-    memset(along, 0, sizeof *along * (size_t)k);
-    for (int side = 0; side < 2; side++) {
-        const mukca_group *group = &r->groups[side ? r->pairs[pair].b : r->pairs[pair].a];
-        for (int i = group->start; i < group->start + group->count; i++)
-            for (int c = 0; c < 3; c++) {
-                const double w = (side ? -1 : 1) * p->mean_weight[i] * direction[c];
-                for (int t = 0; t < k; t++) along[t] += w * E[(i * r->dim + c) * k + t];
-            }
-    }
+    const mukca_products *x = b->entry[e].item->products;
+    const int k = x->block, first = b->entry[e].first + column, at = b->entry[e].at + column;
+    double lost[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS];
+    memset(lost, 0, sizeof *lost * (size_t)(k * k));
+    for (int a = 0; a < k; a++) g[a] = b->g[at + a];
+    for (int t = 0; t < p->n; t++)
+        for (int a = 0; a < k; a++) g[a] -= p->T[t * MUKCA_BATCH + at + a] * p->z[t];
+    mukca_dense_syrk(lost, k, p->T + at, p->n, MUKCA_BATCH);
+    for (int a = 0; a < k; a++)
+        for (int c = 0; c < k; c++) {
+            double sum = p->precision * x->gram[(first + a) * k + c] - lost[a * k + c];
+            for (int q = 0; q < p->normal->n_pairs; q++)
+                sum += p->inverse[q] * x->along[q * x->columns + first + a] *
+                       x->along[q * x->columns + first + c];
+            G[a * k + c] = sum;
+        }
 }
 
-void mukca_projector_project(double *G, double *g, mukca_projector *p, const double *E, int k,
+/* Solve for the whole batch. */
+static void solve(const batch *b, mukca_projector *p)
+{
+    const int width = (b->width + 7) & ~7; /* whole registers */
+    for (int t = 0; t < p->n; t++)
+        for (int k = b->width; k < width; k++) p->T[t * MUKCA_BATCH + k] = 0;
+    mukca_dense_forward8(p->T, width, MUKCA_BATCH, p->m->evidence.factor, p->n);
+}
+
+static void finish(batch *b, mukca_projector *p)
+{
+    double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[MUKCA_MAX_COLUMNS];
+    solve(b, p);
+    for (int e = 0; e < b->n; e++) {
+        const mukca_scored *s = b->entry[e].item;
+        const int block = s->products->block;
+        for (int k = 0; k < b->entry[e].count; k += block) {
+            const int which = (b->entry[e].first + k) / block;
+            take_block(G, g, b, p, e, k);
+            s->value[which] = mukca_projector_block(G, g, s->candidate, p->residual, p->normal->dof,
+                                                    &s->information[which]);
+        }
+    }
+    b->n = b->width = 0;
+}
+
+static void put(batch *b, const mukca_scored *item, int first, int count)
+{
+    b->entry[b->n].item = item;
+    b->entry[b->n].first = first;
+    b->entry[b->n].count = count;
+    b->entry[b->n++].at = b->width;
+    b->width += count;
+}
+
+void mukca_projector_score(mukca_projector *p, const mukca_scored *item, int n)
+{
+    batch b = {0};
+    for (int i = 0; i < n; i++)
+        for (int first = 0; first < item[i].products->columns; first += MUKCA_BATCH) {
+            const int rest = item[i].products->columns - first,
+                      count = rest < MUKCA_BATCH ? rest : MUKCA_BATCH;
+            if (b.width + count > MUKCA_BATCH) finish(&b, p);
+            put(&b, &item[i], first, count);
+            fill(&b, p, b.n - 1);
+        }
+    if (b.n) finish(&b, p);
+}
+
+void mukca_projector_ripple(double *value, mukca_projector *p, mukca_products *x, int joint)
+{
+    double information[MUKCA_RIPPLE_ORDERS];
+    const mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
+                               .joint = joint,
+                               .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC},
+                               .terms = 2,
+                               .unit = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT}};
+    mukca_products_update(&(mukca_product_item){NULL, joint, x}, 1, p->m, p->normal, &p->scratch);
+    mukca_projector_score(p, &(mukca_scored){x, &h, value + 2, information}, 1);
+}
+
+void mukca_projector_project(double *G, double *g, mukca_projector *p, int k,
                              const mukca_candidate *h)
 {
-    const mukca_regression *m = p->m;
-    const int n = p->n;
-    double along[MUKCA_MAX_COLUMNS];
-    memset(G, 0, sizeof *G * (size_t)(k * k));
-    memset(g, 0, sizeof *g * (size_t)k);
-    memset(p->T, 0, sizeof *p->T * (size_t)(n * k));
-    project_samples(G, p, E, k);
-    for (int r = 0; r < m->recording.n_pairs; r++) {
-        pair_columns(along, p, E, k, r);
-        if (mukca_candidate_changes_pair(h, &m->recording, r)) { /* on the distance row alone */
-            const double *row = p->normal->distance + r * (n + 1);
-            along[0] = -1;
-            g[0] -= p->inverse[r] * row[n];
-            for (int i = 0; i < n; i++) p->T[i] -= p->inverse[r] * row[i] * m->evidence.prior[i];
-        }
-        for (int a = 0; a < k; a++)
-            for (int b = 0; b < k; b++) G[a * k + b] += p->inverse[r] * along[a] * along[b];
-    }
-    if (h->kind == MUKCA_CANDIDATE_DISTANCE) {
-        mukca_dense_forward(p->T, 1, m->evidence.factor, n);
-        for (int i = 0; i < n; i++) g[0] -= p->T[i] * p->z[i];
-    } else {
-        mukca_dense_xty(p->T, (mukca_columns){p->Zt, n, n}, (mukca_columns){E, k, k}, p->rows);
-        for (int r = 0; r < p->rows; r++)
-            for (int t = 0; t < k; t++) g[t] += E[r * k + t] * p->u[r];
-    }
-    for (int a = 0; a < k; a++)
-        for (int b = 0; b < k; b++) {
-            double sum = 0;
-            for (int i = 0; i < n; i++) sum += p->T[i * k + a] * p->T[i * k + b];
-            G[a * k + b] -= sum;
-        }
+    mukca_products *x = &p->own;
+    batch b = {0};
+    x->columns = x->block = k;
+    mukca_products_of(x, h, p->m, p->normal, &p->scratch);
+    put(&b, &(mukca_scored){.products = x}, 0, k);
+    fill(&b, p, 0);
+    solve(&b, p);
+    take_block(G, g, &b, p, 0, 0);
 }
 
 /* Faults of one socket or row: columns -share(row) * identity, so sums over rows suffice. */
@@ -266,15 +261,16 @@ double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, doubl
     const int d = r->dim, n = p->n;
     double T[3][512], G[9], g[3] = {0, 0, 0}, square = 0, mean = 0, last = 0;
     if (n > 512) return -HUGE_VAL;
+    mukca_projector_rows(p);
     memset(T, 0, sizeof T);
     for (int i = 0; i < group->count; i++) {
         const double share = mukca_candidate_fault_share(h, r, r->order[group->start + i]);
-        const whitening w = whitening_at(p, group, i);
-        const double white = w.own * share - w.before * last;
+        const int sample = group->start + i;
+        square += share * (p->normal->diagonal[sample] * share +
+                           (i ? 2 * p->normal->off[sample] * last : 0));
         last = share;
-        square += white * white;
         if (share == 0) continue;
-        if (group->socket >= 0) mean += p->mean_weight[group->start + i] * share;
+        if (group->socket >= 0) mean += p->normal->mean_weight[sample] * share;
         for (int c = 0; c < 3; c++) {
             const int at = (group->start + i) * d + c;
             const double *z = p->Zt + (size_t)at * (size_t)n;
@@ -283,7 +279,7 @@ double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, doubl
         }
     }
     /* mean is 0 in a pose log, which has no free mean */
-    const double own_part = p->precision * (square - p->weights[h->fault.group] * mean * mean);
+    const double own_part = p->precision * (square - p->normal->ones[h->fault.group] * mean * mean);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) {
             double sum = a == b ? own_part : 0;
@@ -299,38 +295,19 @@ double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, doubl
     return mukca_projector_block(G, g, h, p->residual, p->normal->dof, information);
 }
 
-double mukca_projector_field(mukca_projector *p, const mukca_candidate *h, double *information)
-{
-    double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[MUKCA_MAX_COLUMNS];
-    mukca_linearisation_columns(p->E, h->terms, &p->m->linear, &p->m->recording, h);
-    mukca_projector_project(G, g, p, p->E, h->terms, h);
-    return mukca_projector_block(G, g, h, p->residual, p->normal->dof, information);
-}
-
 void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *normal, double sigma)
 {
     mukca_regression *m = p->m;
-    const mukca_recording *r = &m->recording;
-    const int n = p->n;
+    const int n = normal->n;
     p->normal = normal;
+    p->n = n;
+    p->rows = m->recording.n_samples * m->recording.dim;
+    p->have_rows = false;
     p->precision = 1 / (sigma * sigma);
-    p->root = sqrt(1 - normal->rho * normal->rho);
     mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL);
     memcpy(p->z, m->evidence.work, sizeof *p->z * (size_t)n);
-    p->residual = p->precision * normal->gram[(size_t)(n + 1) * (size_t)(n + 1) - 1];
+    p->residual = fmax(m->evidence.quadratic, 1e-9);
     const double known = normal->distance_sigma * normal->distance_sigma;
     for (int k = 0; k < normal->n_pairs; k++)
         p->inverse[k] = 1 / (known + sigma * sigma * normal->variance[k]);
-    for (int g = 0; g < r->n_groups; g++) {
-        weigh_group(p, g);
-        fill_Q(p, &r->groups[g]);
-    }
-    add_distances(p);
-    fill_Zt(p);
-    for (int k = 0; k < r->n_pairs; k++) {
-        const double y = normal->distance[k * (n + 1) + n];
-        p->residual += p->inverse[k] * y * y;
-    }
-    for (int k = 0; k < n; k++) p->residual -= p->z[k] * p->z[k];
-    p->residual = fmax(p->residual, 1e-9);
 }

@@ -3,37 +3,36 @@
 #ifndef MUKCA_DIAGNOSE_PROJECTOR_H
 #define MUKCA_DIAGNOSE_PROJECTOR_H
 
-#include "diagnose/regression.h"
+#include "diagnose/products.h"
 
 /* With the present columns X (geometry and causes, prior sigmas D) and H = 1 + D X'WX D = LL', a
- * candidate E with W the whitening and centring (and the distance rows) has the projected normal
- * equations  G = E'WE - T'T,  g = E'u,  T = L^-1 D X'W E,  u = W y - (L^-1 D X'W)' z.  So W X is
- * formed once, and each candidate costs one product with it. */
+ * candidate E with W the weights (and the distance rows) has the projected normal equations
+ * G = E'WE - T'T,  g = E'W y - T'z,  T = L^-1 D X'W E,  z = L^-1 D X'W y.  All products with W are
+ * formed beforehand, so a candidate costs one triangular solve. */
 typedef struct {
     mukca_regression *m;
     const mukca_normal_equations *normal;
-    int n, rows;         /* columns; observation rows d * n_samples */
-    double precision;    /* 1 / sigma^2 */
-    double root;         /* sqrt(1 - rho^2) */
-    double residual;     /* quadratic form that the present model leaves */
-    double *inverse;     /* [n_pairs] 1 / variance of the distance rows */
-    double *weights;     /* [n_groups] o'o */
-    double *z;           /* [n] */
-    double *mean_weight; /* [n_samples] weight of each kept row in its socket's
-                            whitened mean */
-    double *u;           /* [rows] */
-    double *Q;           /* [rows][n + 1]: W X and W y */
-    double *Zt;          /* [rows][n] */
-    double *E, *white;   /* [rows][MUKCA_MAX_COLUMNS] scratch */
-    double *T;           /* [n][2 * MUKCA_MAX_COLUMNS] scratch */
+    mukca_product_scratch scratch;
+    int n, rows;        /* columns; observation rows d * n_samples */
+    double precision;   /* 1 / sigma^2 */
+    double residual;    /* quadratic form that the present model leaves */
+    double *inverse;    /* [n_pairs] 1 / variance of the distance rows */
+    double *z;          /* [n] */
+    double *T;          /* [n][MUKCA_BATCH] scratch */
+    mukca_products own; /* of the columns that mukca_projector_project() gets */
+    bool have_rows;     /* mukca_projector_rows() was called since it was aimed */
+    double *u;          /* [rows] W y - Zt z */
+    double *Zt;         /* [rows][n] W X D L'^-1 */
 } mukca_projector;
 
-/* Doubles that a projector of that model needs, and laying it out in that memory. */
-size_t mukca_projector_size(const mukca_regression *m);
-mukca_projector mukca_projector_lay_out(mukca_regression *m, double *memory);
+/* Memory comes from `pool`.  False: no memory. */
+bool mukca_projector_create(mukca_projector *p, mukca_pool *pool, mukca_regression *m);
 
 /* Prepare it for these normal equations and m->evidence.prior. */
 void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *normal, double sigma);
+
+/* Fill Zt and u. */
+void mukca_projector_rows(mukca_projector *p);
 
 /* Log Bayes factor of a block with projected Gram G[k][k] (leading dimension k) and gradient g[k]
  * (both destroyed), averaged over prior scales; noise profiled, sign of the first coefficient
@@ -42,12 +41,26 @@ void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *norma
 double mukca_projector_block(double *G, double *g, const mukca_candidate *h, double residual,
                              int dof, double *information);
 
-/* G[k][k] and g[k] of k columns E[rows][k] of any kind. */
-void mukca_projector_project(double *G, double *g, mukca_projector *p, const double *E, int k,
+/* G[k][k] and g[k] of the columns p->scratch.E[n_samples][dim][k], those of candidate h and of
+ * others behind. */
+void mukca_projector_project(double *G, double *g, mukca_projector *p, int k,
                              const mukca_candidate *h);
 
-/* Log Bayes factors: of any effect by its columns, and of a fault of one socket or row. */
-double mukca_projector_field(mukca_projector *p, const mukca_candidate *h, double *information);
+/* A candidate, or all orders of ripple of a joint, and where its scores go. */
+typedef struct {
+    const mukca_products *products;
+    const mukca_candidate *candidate;
+    double *value, *information; /* [columns / block] */
+} mukca_scored;
+
+/* Log Bayes factors of n items from their products. */
+void mukca_projector_score(mukca_projector *p, const mukca_scored *item, int n);
+
+/* value[MUKCA_RIPPLE_ORDERS + 1]: those of all orders of ripple of a joint, from 2 on; `products`
+ * is of MUKCA_RIPPLE_COLUMNS in blocks of 2. */
+void mukca_projector_ripple(double *value, mukca_projector *p, mukca_products *products, int joint);
+
+/* Log Bayes factor of a fault of one socket or row. */
 double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, double *information);
 
 #endif

@@ -28,7 +28,7 @@ void mukca_regression_free(mukca_regression *m)
 
 void mukca_regression_linearise(mukca_regression *m)
 {
-    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns);
+    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns, false);
 }
 
 mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
@@ -134,4 +134,57 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         if (step < 1e-7 && it >= 1) break; /* 0.1 um and 0.1 urad: far below any noise */
     }
     mukca_regression_linearise(m);
+}
+
+/* A linearisation holds as long as its errors in all samples together change no log evidence by
+ * more than one. */
+static bool holds(const mukca_regression *m)
+{
+    const double error = mukca_linearisation_error(&m->linear, &m->recording, &m->unknowns);
+    return m->recording.n_samples * error * error < 2 * m->unknowns.sigma * m->unknowns.sigma;
+}
+
+void mukca_regression_freeze(mukca_regression *m)
+{
+    mukca_unknowns_fold_frames(&m->unknowns);
+    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns, true);
+}
+
+void mukca_regression_return(mukca_regression *m)
+{
+    if (!mukca_linearisation_select(&m->linear, &m->recording, &m->unknowns))
+        mukca_regression_freeze(m);
+}
+
+/* Solve for the unknowns at the present noise and prior scales. */
+static bool solve(mukca_regression *m)
+{
+    mukca_unknowns *u = &m->unknowns;
+    const mukca_normal_equations *normal = mukca_regression_collect_own(m);
+    mukca_unknowns_prior(m->evidence.prior, u);
+    if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, m->evidence.mean)))
+        return false;
+    u->log = m->linear.log, u->target = m->linear.target;
+    mukca_unknowns_set(u, m->evidence.mean);
+    mukca_unknowns_set_geometry(u, m->recording.chain);
+    return true;
+}
+
+void mukca_regression_refit(mukca_regression *m)
+{
+    mukca_regression_return(m);
+    mukca_unknowns_set_geometry_prior(&m->unknowns, &m->recording);
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    choose_noise(m, MUKCA_FIT_ALL);
+    for (int pass = 0; pass < 4; pass++) {
+        if (!solve(m)) return;
+        const bool done = holds(m);
+        if (!done &&
+            (pass >= 2 || !mukca_linearisation_refresh(&m->linear, &m->recording, &m->unknowns)))
+            mukca_regression_freeze(m);
+        if (!done) continue;
+        choose_noise(m, MUKCA_FIT_ALL);
+        solve(m);
+        return;
+    }
 }

@@ -50,6 +50,15 @@ typedef enum {
  * priors of the causes and of their sizes. */
 double mukca_regression_score(mukca_regression *m);
 
+/* Linearise at the present unknowns for a search: other sets of causes are fitted to the same
+ * columns.  Then return to that linearisation with unknowns that were fitted to it before. */
+void mukca_regression_freeze(mukca_regression *m);
+void mukca_regression_return(mukca_regression *m);
+
+/* Fit all unknowns, as MUKCA_FIT_ALL, to the frozen columns; freezes anew where these do not hold
+ * for the result. */
+void mukca_regression_refit(mukca_regression *m);
+
 /* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  Ends linearised. */
 void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom);
 

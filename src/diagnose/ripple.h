@@ -1,17 +1,18 @@
-/* The scan for gear ripple: all orders of all joints. */
+/* The waves of gear ripple: all orders of a joint. */
 #ifndef MUKCA_DIAGNOSE_RIPPLE_H
 #define MUKCA_DIAGNOSE_RIPPLE_H
 
-#include "diagnose/joint_view.h"
+#include "diagnose/recording.h"
 
-enum { MUKCA_RIPPLE_ORDERS = 400 };
+enum { MUKCA_RIPPLE_ORDERS = 400, MUKCA_RIPPLE_COLUMNS = 2 * (MUKCA_RIPPLE_ORDERS - 1) };
 
-/* Log prior of a gear harmonic of that order among all orders: part on low orders, part on the
- * ratios of usual gears and their doubles, part uniform over 2 .. 400. */
+/* Log prior of an order among all that are scanned. */
 double mukca_ripple_log_prior(int order);
 
-/* value[MUKCA_RIPPLE_ORDERS + 1]: log Bayes factor of each order 2 .. 400 of the view's joint (wave
- * and quadrature).  `waves` is scratch of 4 * n doubles. */
-void mukca_ripple_scan(double *value, const mukca_joint_view *view, double *mean, double *waves);
+/* Start at order 2 of a joint; wave[4][n_samples]. */
+void mukca_ripple_start(double *wave, const mukca_recording *recording, int joint);
+
+/* Sine and cosine of the next `count` orders: F[n_samples][2 * count]. */
+void mukca_ripple_advance(double *F, double *wave, int n_samples, int count);
 
 #endif

@@ -15,16 +15,27 @@ const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index)
                                     : &scan->harmonic[index - scan->all->count];
 }
 
-/* The best orders of each joint join the candidates. */
-static void pick_harmonics(mukca_scan *scan, const mukca_joint_view *view, double *mean)
+/* The products of a score (or, behind them all, of the ripple of a joint); NULL: no memory. */
+static mukca_products *products_of(mukca_scan *scan, int rho, int index, int columns, int block)
 {
-    mukca_regression *m = view->p->m; /* bases outlive the scan in accepted causes */
+    mukca_products *x = &scan->products[rho][index];
+    if (!x->columns && !mukca_products_create(x, &scan->pool, scan->projector.m, columns, block))
+        return NULL;
+    return x;
+}
+
+/* The best orders of a joint join the candidates. */
+static void pick_harmonics(mukca_scan *scan, int j)
+{
+    mukca_regression *m = scan->projector.m; /* bases outlive the scan in accepted causes */
     const mukca_recording *r = &m->recording;
-    const int n_joints = r->chain->n_joints, j = view->joint;
+    const int n_joints = r->chain->n_joints;
     double value[MUKCA_RIPPLE_ORDERS + 1], travel[2];
     mukca_recording_travel(travel, r, j);
     if (!scan->all->survey.joint[j].turns || travel[1] - travel[0] < 1e-2) return;
-    mukca_ripple_scan(value, view, mean, view->p->white);
+    mukca_products *x = products_of(scan, scan->rho, scan->capacity + j, MUKCA_RIPPLE_COLUMNS, 2);
+    if (!x) return;
+    mukca_projector_ripple(value, &scan->projector, x, j);
     for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
         value[order] += mukca_ripple_log_prior(order);
     for (int k = 0; k < MUKCA_RIPPLE_KEPT; k++) {
@@ -50,53 +61,6 @@ static void pick_harmonics(mukca_scan *scan, const mukca_joint_view *view, doubl
         h->log_prior = mukca_ripple_log_prior(best) - log(n_joints) - log(scan->all->classes);
         scan->n_harmonic++;
     }
-}
-
-/* Functions of one joint's angle that are scored in one product. */
-typedef struct {
-    int n, width;
-    int index[2 * MUKCA_MAX_COLUMNS], at[2 * MUKCA_MAX_COLUMNS]; /* candidate, its first column */
-} batch;
-
-static void score_batch(mukca_scan *scan, const mukca_joint_view *view, const batch *b,
-                        double *mean)
-{
-    const mukca_recording *r = &view->p->m->recording;
-    double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[2 * MUKCA_MAX_COLUMNS];
-    for (int e = 0; e < b->n; e++) {
-        const mukca_candidate *h = mukca_scan_candidate(scan, b->index[e]);
-        for (int i = 0; i < r->n_samples; i++) {
-            const float *basis = h->basis + (size_t)r->order[i] * (size_t)h->terms;
-            double *f = view->F + (size_t)i * (size_t)b->width + b->at[e];
-            for (int t = 0; t < h->terms; t++) f[t] = (double)basis[t];
-        }
-    }
-    mukca_joint_view_project(g, mean, view, b->width);
-    for (int e = 0; e < b->n; e++) {
-        const int k = b->index[e];
-        const mukca_candidate *h = mukca_scan_candidate(scan, k);
-        mukca_joint_view_gram(G, view, mean, b->width, b->at[e], h->terms);
-        scan->value[k] = mukca_projector_block(G, g + b->at[e], h, view->p->residual,
-                                               view->p->normal->dof, &scan->information[k]);
-    }
-}
-
-/* Score the wanted functions of one joint's angle. */
-static void score_angles(mukca_scan *scan, const mukca_joint_view *view, double *mean)
-{
-    batch b = {0};
-    for (int k = 0; k < scan->n_scores; k++) {
-        const mukca_candidate *h = mukca_scan_candidate(scan, k);
-        if (!scan->wanted[k] || !mukca_candidate_turns_joint(h) || h->joint != view->joint)
-            continue;
-        if (b.width + h->terms > 2 * MUKCA_MAX_COLUMNS) {
-            score_batch(scan, view, &b, mean);
-            b.n = b.width = 0;
-        }
-        b.index[b.n] = k, b.at[b.n++] = b.width;
-        b.width += h->terms;
-    }
-    if (b.n) score_batch(scan, view, &b, mean);
 }
 
 /* Prior sigmas with one cause taken out: a prior of width 0 does that. */
@@ -152,34 +116,37 @@ static void weigh_rhos(mukca_regression *m, double *sigma, double *value, int *o
         if (value[i] > value[order[0]]) order[i] = order[0], order[0] = i;
 }
 
-/* Score the wanted candidates at the projector's AR(1) coefficient; `pick` adds orders of ripple.
- */
-static void score_all(mukca_scan *scan, mukca_projector *p, bool pick)
+/* Score the wanted candidates at an AR(1) coefficient that the projector aims at; `pick` adds
+ * orders of ripple. */
+static void score_all(mukca_scan *scan, int rho, bool pick)
 {
+    mukca_projector *p = &scan->projector;
     const mukca_regression *m = p->m;
-    double *view_memory = scan->memory + mukca_projector_size(m);
-    double *mean = view_memory + mukca_joint_view_size(m);
-    for (int j = 0; j < m->recording.chain->n_joints; j++) {
-        const mukca_joint_view view = mukca_joint_view_aim(p, j, view_memory);
-        if (pick) pick_harmonics(scan, &view, mean);
-        scan->n_scores = scan->all->count + scan->n_harmonic;
-        score_angles(scan, &view, mean);
-    }
-    for (int k = 0; k < scan->n_scores; k++) {
-        const mukca_candidate *h = mukca_scan_candidate(scan, k);
-        if (!scan->wanted[k] || mukca_candidate_turns_joint(h)) continue;
-        if (!mukca_candidate_is_fault(h))
-            scan->value[k] = mukca_projector_field(p, h, &scan->information[k]);
-        else if (m->recording.keep[h->fault.first])
-            scan->value[k] = mukca_projector_fault(p, h, &scan->information[k]);
-        else
-            scan->value[k] = -HUGE_VAL;
-    }
+    int n = 0;
+    for (int j = 0; j < m->recording.chain->n_joints && pick; j++) pick_harmonics(scan, j);
+    scan->n_scores = scan->all->count + scan->n_harmonic;
+    for (int j = -1; j < m->recording.chain->n_joints; j++) /* functions of one joint together */
+        for (int k = 0; k < scan->n_scores; k++) {
+            const mukca_candidate *h = mukca_scan_candidate(scan, k);
+            const int joint = mukca_candidate_turns_joint(h) ? h->joint : -1;
+            if (!scan->wanted[k] || joint != j) continue;
+            if (mukca_candidate_is_fault(h)) {
+                scan->value[k] = m->recording.keep[h->fault.first]
+                                     ? mukca_projector_fault(p, h, &scan->information[k])
+                                     : -HUGE_VAL;
+                continue;
+            }
+            mukca_products *x = products_of(scan, rho, k, h->terms, h->terms);
+            if (!x) return;
+            scan->item[n] = (mukca_product_item){h, joint, x};
+            scan->scored[n++] = (mukca_scored){x, h, &scan->value[k], &scan->information[k]};
+        }
+    mukca_products_update(scan->item, n, m, p->normal, &p->scratch);
+    mukca_projector_score(p, scan->scored, n);
 }
 
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent)
 {
-    mukca_projector p = mukca_projector_lay_out(m, scan->memory);
     double value[MUKCA_RHOS], sigma[MUKCA_RHOS], most = -HUGE_VAL;
     int order[MUKCA_RHOS];
     leave_out(m, without);
@@ -200,9 +167,9 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     for (int i = 0; i < MUKCA_RHOS; i++) {
         const int which = order[i];
         if (i && value[which] < value[order[0]] - 15 - 0.25 * fmax(most, 0)) continue;
-        mukca_projector_aim(&p, &m->evidence.normal[which], sigma[which]);
+        mukca_projector_aim(&scan->projector, &m->evidence.normal[which], sigma[which]);
         /* the best rho comes first: the harmonics are picked there */
-        score_all(scan, &p, i == 0 && scan->all->harmonics && extent == MUKCA_SCAN_ALL);
+        score_all(scan, which, i == 0 && scan->all->harmonics && extent == MUKCA_SCAN_ALL);
         /* Running average over rho, weighted by the evidence of the model scanned against. */
         const double hi = fmax(first, value[which]);
         const double old_share = exp(first - hi) / (exp(first - hi) + exp(value[which] - hi));
@@ -243,20 +210,18 @@ int mukca_scan_repeat(mukca_scan *scan, int steps)
 }
 
 /* The projector in the state of the last run. */
-static mukca_projector aim_again(mukca_scan *scan, mukca_regression *m, int without)
+static mukca_projector *aim_again(mukca_scan *scan, mukca_regression *m, int without)
 {
-    mukca_projector p = mukca_projector_lay_out(m, scan->memory);
     leave_out(m, without);
     mukca_regression_collect(m, scan->rho);
-    mukca_projector_aim(&p, &m->evidence.normal[scan->rho], scan->sigma);
-    return p;
+    mukca_projector_aim(&scan->projector, &m->evidence.normal[scan->rho], scan->sigma);
+    return &scan->projector;
 }
 
 double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
                               const mukca_candidate *a, const mukca_candidate *b)
 {
-    mukca_projector p = aim_again(scan, m, without);
-    return mukca_correlation_canonical(&p, a, b);
+    return mukca_correlation_canonical(aim_again(scan, m, without), a, b);
 }
 
 double mukca_scan_noise_gain(mukca_scan *scan, mukca_regression *m, int without,
@@ -264,11 +229,10 @@ double mukca_scan_noise_gain(mukca_scan *scan, mukca_regression *m, int without,
 {
     const mukca_recording *r = &m->recording;
     if (!candidate->basis || r->groups[r->n_groups - 1].socket < 0) return 0;
-    mukca_projector p = aim_again(scan, m, without);
-    return mukca_angle_noise_gain(&p, candidate);
+    return mukca_angle_noise_gain(aim_again(scan, m, without), candidate);
 }
 
-mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mukca_regression *m,
+mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, mukca_regression *m,
                                mukca_error *error)
 {
     const int harmonics = m->recording.chain->n_joints * MUKCA_RIPPLE_MOST,
@@ -282,10 +246,12 @@ mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mu
     scan->wanted = MUKCA_TAKE(&scan->pool, unsigned char, most);
     scan->value = MUKCA_TAKE(&scan->pool, double, most);
     scan->information = MUKCA_TAKE(&scan->pool, double, most);
-    scan->memory =
-        MUKCA_TAKE(&scan->pool, double,
-                   mukca_projector_size(m) + mukca_joint_view_size(m) +
-                       (size_t)(m->recording.data->n_sockets + 1) * 6 * MUKCA_MAX_COLUMNS);
+    scan->item = MUKCA_TAKE(&scan->pool, mukca_product_item, most);
+    scan->scored = MUKCA_TAKE(&scan->pool, mukca_scored, most);
+    for (int i = 0; i < MUKCA_RHOS; i++)
+        scan->products[i] =
+            MUKCA_TAKE(&scan->pool, mukca_products, most + m->recording.chain->n_joints);
+    mukca_projector_create(&scan->projector, &scan->pool, m);
     for (int k = 0; scan->history && k < most * MUKCA_SCAN_STEPS; k++)
         scan->history[k] = -HUGE_VALF;
     if (!scan->pool.failed) return MUKCA_OK;

@@ -3,7 +3,7 @@
 #define MUKCA_DIAGNOSE_SCAN_H
 
 #include "diagnose/candidates.h"
-#include "diagnose/regression.h"
+#include "diagnose/projector.h"
 
 typedef struct {
     int index;        /* of the candidate in the list; harmonics found by the scan follow it */
@@ -40,14 +40,17 @@ typedef struct {
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
     double sigma;
-    unsigned char *wanted;       /* [scores] scratch: averaged over rho */
-    double *value, *information; /* [scores] scratch: at one rho */
-    double *memory;
+    unsigned char *wanted;                /* [scores] scratch: averaged over rho */
+    double *value, *information;          /* [scores] scratch: at one rho */
+    mukca_products *products[MUKCA_RHOS]; /* [capacity + n_joints]: of all orders of ripple last */
+    mukca_product_item *item;             /* [capacity] scratch */
+    mukca_scored *scored;                 /* [capacity] scratch */
+    mukca_projector projector;
     mukca_pool pool;
 } mukca_scan;
 
 /* Room for scans over that list.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, const mukca_regression *m,
+mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, mukca_regression *m,
                                mukca_error *error);
 void mukca_scan_free(mukca_scan *scan);
 

@@ -52,10 +52,15 @@ static bool reserve(mukca_search_state *state, mukca_regression *m)
 static void restore(mukca_competition *contest, const mukca_search_state *state)
 {
     mukca_regression *m = contest->m;
+    const size_t rows = (size_t)m->recording.data->n_rows;
     mukca_unknowns_assign(&m->unknowns, &state->unknowns);
-    memcpy(m->recording.keep, state->keep, (size_t)m->recording.data->n_rows);
-    mukca_recording_regroup(&m->recording);
-    mukca_regression_linearise(m);
+    if (memcmp(m->recording.keep, state->keep, rows) != 0) {
+        memcpy(m->recording.keep, state->keep, rows);
+        mukca_recording_regroup(&m->recording);
+        mukca_regression_freeze(m);
+    } else {
+        mukca_regression_return(m);
+    }
     *contest->faults = *state->faults;
 }
 
@@ -117,5 +122,8 @@ mukca_status mukca_search_run(mukca_competition *contest, mukca_error *error)
     contest->tails = MUKCA_TAKE(pool, double, 4 * (size_t)contest->m->recording.data->n_rows);
     if (pool->failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
-    return search_all(contest, error);
+    mukca_regression_freeze(contest->m);
+    const mukca_status status = search_all(contest, error);
+    mukca_regression_fit(contest->m, 3, MUKCA_FIT_ALL);
+    return status;
 }

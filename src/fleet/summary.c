@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/projector.h"
+
 /* FNV-1a, 64 bits (Fowler, Noll, Vo). */
 static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t n)
 {
@@ -74,12 +76,11 @@ uint64_t mukca_summary_hash(const mukca_dataset *data)
 static bool scan_orders(mukca_summary *s, mukca_regression *m)
 {
     const mukca_recording *r = &m->recording;
-    const size_t projector = mukca_projector_size(m), view = mukca_joint_view_size(m);
-    double *memory =
-        MUKCA_TAKE(&m->pool, double,
-                   projector + view + (size_t)(r->data->n_sockets + 1) * 6 * MUKCA_MAX_COLUMNS);
-    if (!memory) return false;
-    mukca_projector p = mukca_projector_lay_out(m, memory);
+    mukca_projector p;
+    mukca_products x;
+    if (!mukca_projector_create(&p, &m->pool, m) ||
+        !mukca_products_create(&x, &m->pool, m, MUKCA_RIPPLE_COLUMNS, 2))
+        return false;
     const mukca_normal_equations *normal = mukca_regression_collect_own(m);
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     mukca_projector_aim(&p, normal, m->unknowns.sigma);
@@ -88,8 +89,8 @@ static bool scan_orders(mukca_summary *s, mukca_regression *m)
         mukca_recording_travel(travel, r, j);
         const mukca_joint_type type = r->chain->element[r->chain->joint_element[j]].type;
         if (!mukca_joint_turns((int)type) || travel[1] - travel[0] < MUKCA_LEAST_RANGE) continue;
-        const mukca_joint_view at = mukca_joint_view_aim(&p, j, memory + projector);
-        mukca_ripple_scan(value, &at, memory + projector + view, p.white);
+        x.version = 0; /* of another joint */
+        mukca_projector_ripple(value, &p, &x, j);
         for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
             const double quanta = round(value[o + 2] / MUKCA_FLEET_QUANTUM);
             s->ripple[j][o] = (int16_t)fmin(fmax(quanta, -INT16_MAX), INT16_MAX);

@@ -15,8 +15,10 @@ typedef struct {
     int n, ld;
 } mukca_columns;
 
-/* C[X.n][Y.n] += X' Y over m rows. */
+/* C[X.n][Y.n] += X' Y over m rows; `symmetric`: X.n equals Y.n and the product is known to be
+ * symmetric, so that half of it is formed. */
 void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m);
+void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m);
 
 /* Cholesky A = L L' in place (lower; the upper triangle is left alone).  Returns 0, or 1 + the
  * index of the first pivot that is not positive (also for NaN). */
@@ -25,6 +27,9 @@ int mukca_dense_cholesky(double *A, int n);
 /* Solve L x = b, and L' x = b, in place for k right-hand sides b[n][k]. */
 void mukca_dense_forward(double *b, int k, const double *L, int n);
 void mukca_dense_backward(double *b, int k, const double *L, int n);
+
+/* L x = b for b[n][ld], the first k columns of it: a multiple of 8. */
+void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n);
 
 /* One-sided Jacobi SVD of A[m][n], m >= n, in place: A becomes U (columns orthonormal where the
  * singular value is not 0), s[n] descending, V[n][n] (A = U diag(s) V').  V may be NULL.

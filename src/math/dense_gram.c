@@ -104,12 +104,18 @@ MUKCA_INLINE void gram(double *C, mukca_columns X, mukca_columns Y, int m, bool 
     }
 }
 
-MUKCA_CLONES void mukca_dense_syrk(double *C, int n, const double *X, int m, int ldx)
+MUKCA_CLONES void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m)
 {
-    const mukca_columns x = {X, n, ldx};
-    gram(C, x, x, m, true);
+    const int n = X.n;
+    gram(C, X, Y, m, true);
     for (int i = 1; i < n; i++)
         for (int j = 0; j < i; j++) C[(long)i * n + j] = C[(long)j * n + i];
+}
+
+void mukca_dense_syrk(double *C, int n, const double *X, int m, int ldx)
+{
+    const mukca_columns x = {X, n, ldx};
+    mukca_dense_symmetric(C, x, x, m);
 }
 
 MUKCA_CLONES void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m)
@@ -183,6 +189,11 @@ MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
         row[i] = sqrt(pivot);
     }
     return 0;
+}
+
+MUKCA_CLONES void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n)
+{
+    for (int done = 0; done < k; done += 8) forward8(b + done, ld, L, n, n);
 }
 
 MUKCA_CLONES void mukca_dense_forward(double *b, int k, const double *L, int n)

@@ -24,7 +24,8 @@ typedef struct {
     mukca_dataset data;
     mukca_regression m;
     mukca_candidates all;
-    double *memory;
+    mukca_pool pool;
+    mukca_projector projector;
 } fixture;
 
 static int set_up(void **state)
@@ -42,10 +43,7 @@ static int set_up(void **state)
     assert_int_equal(
         mukca_candidates_list(&f->all, &f->m.pool, &f->m.recording, &f->m.unknowns, NULL, &error),
         MUKCA_OK);
-    f->memory =
-        malloc(sizeof *f->memory * (mukca_projector_size(&f->m) + mukca_joint_view_size(&f->m) +
-                                    6 * MUKCA_MAX_COLUMNS * (size_t)(f->m.recording.n_groups + 1)));
-    assert_non_null(f->memory);
+    assert_true(mukca_projector_create(&f->projector, &f->pool, &f->m));
     *state = f;
     return 0;
 }
@@ -55,7 +53,7 @@ static int tear_down(void **state)
     fixture *f = *state;
     mukca_regression_free(&f->m);
     mukca_dataset_free(&f->data);
-    free(f->memory);
+    mukca_pool_free(&f->pool);
     free(f);
     return 0;
 }
@@ -155,6 +153,7 @@ static void projected_evidence(void **state)
 {
     fixture *f = *state;
     mukca_regression *m = &f->m;
+    mukca_projector *p = &f->projector;
     const struct {
         mukca_candidate_kind kind;
         int effect, joint;
@@ -182,10 +181,9 @@ static void projected_evidence(void **state)
             mukca_regression_collect(m, r);
             const double without =
                 mukca_evidence_evaluate(&m->evidence, &m->evidence.normal[r], sigma, NULL);
-            mukca_projector p = mukca_projector_lay_out(m, f->memory);
-            mukca_projector_aim(&p, &m->evidence.normal[r], sigma);
-            mukca_linearisation_columns(p.E, h->terms, &m->linear, &m->recording, h);
-            mukca_projector_project(G, g, &p, p.E, h->terms, h);
+            mukca_projector_aim(p, &m->evidence.normal[r], sigma);
+            mukca_linearisation_columns(p->scratch.E, h->terms, &m->linear, &m->recording, h);
+            mukca_projector_project(G, g, p, h->terms, h);
             const double predicted = gain(G, g, h->terms, scale, h->unit);
 
             assert_true(mukca_unknowns_add(&m->unknowns, h));
@@ -201,34 +199,121 @@ static void projected_evidence(void **state)
     mukca_regression_linearise(m);
 }
 
+/* Log Bayes factor of a candidate from its columns. */
+static double score_columns(mukca_projector *p, const mukca_candidate *h)
+{
+    double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[MUKCA_MAX_COLUMNS];
+    mukca_linearisation_columns(p->scratch.E, h->terms, &p->m->linear, &p->m->recording, h);
+    mukca_projector_project(G, g, p, h->terms, h);
+    return mukca_projector_block(G, g, h, p->residual, p->normal->dof, NULL);
+}
+
 /* The scan of all orders scores each as a fit of that order alone does. */
 static void harmonics(void **state)
 {
     fixture *f = *state;
     mukca_regression *m = &f->m;
-    double value[MUKCA_RIPPLE_ORDERS + 1], information;
+    mukca_projector *p = &f->projector;
+    double value[MUKCA_RIPPLE_ORDERS + 1];
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     for (int r = 0; r < MUKCA_RHOS; r++)
         for (int joint = 1; joint < 7; joint += 2) {
-            mukca_projector p = mukca_projector_lay_out(m, f->memory);
-            double *view_memory = f->memory + mukca_projector_size(m);
-            double *mean = view_memory + mukca_joint_view_size(m);
+            mukca_products x;
+            mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
+                                 .joint = joint,
+                                 .placement = -1,
+                                 .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
+                                            .joint = joint,
+                                            .placement = -1,
+                                            .variant.order = 2}};
+            assert_true(mukca_products_create(&x, &f->pool, m, MUKCA_RIPPLE_COLUMNS, 2));
+            assert_true(mukca_candidate_prepare(&h, &m->pool, &m->recording));
             mukca_regression_collect(m, r);
-            mukca_projector_aim(&p, &m->evidence.normal[r], m->unknowns.sigma);
-            const mukca_joint_view view = mukca_joint_view_aim(&p, joint, view_memory);
-            mukca_ripple_scan(value, &view, mean, p.white);
+            mukca_projector_aim(p, &m->evidence.normal[r], m->unknowns.sigma);
+            mukca_projector_ripple(value, p, &x, joint);
             for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order += 57) {
-                mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
-                                     .joint = joint,
-                                     .placement = -1,
-                                     .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                                .joint = joint,
-                                                .placement = -1,
-                                                .variant.order = order}};
+                h.effect.variant.order = order;
                 assert_true(mukca_candidate_prepare(&h, &m->pool, &m->recording));
-                assert_close(value[order], mukca_projector_field(&p, &h, &information), 1e-4);
+                assert_close(value[order], score_columns(p, &h), 1e-4);
             }
         }
+}
+
+/* Scores of all candidates in one batch, after another cause joined the columns held, are those of
+ * their columns one by one. */
+static void held_products(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    mukca_projector *p = &f->projector;
+    enum { MOST = 60 };
+    const mukca_candidate *cause =
+        find(f, MUKCA_CANDIDATE_EFFECT, MUKCA_EFFECT_JOINT_COMPLIANCE, 1);
+    mukca_products x[MOST];
+    mukca_product_item item[MOST];
+    mukca_scored scored[MOST];
+    double value[MOST], information[MOST];
+    int n = 0;
+    for (int i = 0; i < f->all.count && n < MOST; i += 1 + f->all.first_unlisted / MOST) {
+        const mukca_candidate *h = &f->all.list[i];
+        const int joint = mukca_candidate_turns_joint(h) ? h->joint : -1;
+        if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE) continue;
+        assert_true(mukca_products_create(&x[n], &f->pool, m, h->terms, h->terms));
+        item[n] = (mukca_product_item){h, joint, &x[n]};
+        scored[n] = (mukca_scored){&x[n], h, &value[n], &information[n]};
+        n++;
+    }
+    assert_true(n > 20);
+    mukca_regression_freeze(m);
+    const unsigned version = m->linear.version;
+    for (int with = 0; with < 2; with++) {
+        if (with) assert_true(mukca_unknowns_add(&m->unknowns, cause));
+        mukca_regression_refit(m);
+        mukca_regression_collect_own(m);
+        mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+        mukca_projector_aim(p, mukca_regression_collect_own(m), m->unknowns.sigma);
+        mukca_products_update(item, with ? n : n / 2, m, p->normal, &p->scratch);
+        mukca_projector_score(p, scored, with ? n : n / 2);
+        for (int i = 0; i < (with ? n : n / 2); i += 5)
+            assert_close(value[i], score_columns(p, item[i].candidate),
+                         1e-6 * (1 + fabs(value[i])));
+    }
+    assert_int_equal(m->linear.version, version); /* nothing was linearised again */
+    mukca_unknowns_drop(&m->unknowns, 0);
+    mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
+}
+
+/* A cause that is fitted to frozen columns comes out as it does by Gauss-Newton steps. */
+static void frozen_fit(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    const mukca_candidate *h = find(f, MUKCA_CANDIDATE_EFFECT, MUKCA_EFFECT_JOINT_COMPLIANCE, 1);
+    double coefficient[2], sigma[2], score[2], error[2];
+    mukca_regression_freeze(m);
+    assert_true(mukca_unknowns_add(&m->unknowns, h));
+    for (int full = 0; full < 2; full++) {
+        if (full)
+            mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
+        else
+            mukca_regression_refit(m);
+        coefficient[full] = m->unknowns.cause[0].coefficient[0];
+        sigma[full] = m->unknowns.sigma;
+        score[full] = mukca_regression_score(m);
+        error[full] = mukca_linearisation_error(&m->linear, &m->recording, &m->unknowns);
+    }
+    assert_close(coefficient[0], coefficient[1], 1e-2 * fabs(coefficient[1]));
+    assert_close(sigma[0], sigma[1], 2e-3 * sigma[1]);
+    assert_close(score[0], score[1], 1);
+    assert_true(error[0] < 0.1 * sigma[0]);
+    assert_true(error[1] < 1e-3 * sigma[0]);
+    /* far from where y was taken the columns do not hold, until it is taken there */
+    for (int k = 0; k < 20; k++) m->unknowns.theta[k] += 5e-3;
+    mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
+    assert_true(mukca_linearisation_error(&m->linear, &m->recording, &m->unknowns) > sigma[0]);
+    mukca_unknowns_drop(&m->unknowns, 0);
+    for (int k = 0; k < 20; k++) m->unknowns.theta[k] -= 5e-3;
+    mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
 }
 
 /* The prior odds of all candidates and orders sum to one. */
@@ -342,6 +427,8 @@ int main(void)
                                        cmocka_unit_test(projected_evidence),
                                        cmocka_unit_test(harmonics),
                                        cmocka_unit_test(scales),
+                                       cmocka_unit_test(held_products),
+                                       cmocka_unit_test(frozen_fit),
                                        cmocka_unit_test(priors),
                                        cmocka_unit_test(reinstated),
                                        cmocka_unit_test(never_left_out)};

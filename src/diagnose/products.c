@@ -1,0 +1,305 @@
+/* Products of candidates' columns with each other and with the columns that are held. */
+#include "diagnose/products.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "diagnose/ripple.h"
+#include "math/dense.h"
+
+bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mukca_regression *m)
+{
+    const mukca_dataset *data = m->recording.data;
+    const size_t rows = (size_t)data->n_rows, d = (size_t)m->recording.dim,
+                 size = (size_t)mukca_unknowns_capacity(&m->unknowns) + 1;
+    *s = (mukca_product_scratch){
+        .E = MUKCA_TAKE(pool, double, rows *d *MUKCA_BATCH),
+        .W = MUKCA_TAKE(pool, double, rows *d *MUKCA_BATCH),
+        .U = MUKCA_TAKE(pool, double, rows *size),
+        .C = MUKCA_TAKE(pool, double, size *MUKCA_BATCH),
+        .along = MUKCA_TAKE(pool, double, (data->n_distances + 1) * MUKCA_BATCH),
+        .mean = MUKCA_TAKE(pool, double, (data->n_sockets + 2) * 3 * MUKCA_BATCH),
+        .tri = MUKCA_TAKE(pool, double, 2 * rows),
+        .wave = MUKCA_TAKE(pool, double, 4 * rows)};
+    return !pool->failed;
+}
+
+bool mukca_products_create(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
+                           int columns, int block)
+{
+    const int size = mukca_unknowns_capacity(&m->unknowns) + 1;
+    *x = (mukca_products){
+        .columns = columns,
+        .block = block,
+        .cross = MUKCA_TAKE(pool, double, (size_t)size *(size_t)columns),
+        .gram = MUKCA_TAKE(pool, double, columns *block),
+        .along = MUKCA_TAKE(pool, double, (m->recording.data->n_distances + 1) * columns)};
+    return !pool->failed;
+}
+
+/* Columns of one or more items side by side in E, `width` of them. */
+typedef struct {
+    int n, width, start; /* entries; first column held that they lack */
+    struct {
+        mukca_products *products;
+        int first, count, at; /* columns of the products, and where they are in E */
+    } entry[MUKCA_BATCH];
+} batch;
+
+typedef struct {
+    const mukca_regression *m;
+    const mukca_normal_equations *normal;
+    const mukca_product_scratch *s;
+    int joint; /* -1: columns of the observations, else along the levers of this joint */
+    batch b;
+} job;
+
+/* C (products with the columns held), W E and `along` of the batch go to its entries. */
+static void scatter(const job *j)
+{
+    const batch *b = &j->b;
+    const int held = j->m->linear.n_held, d = j->joint < 0 ? j->m->recording.dim : 1;
+    for (int e = 0; e < b->n; e++) {
+        mukca_products *x = b->entry[e].products;
+        const int first = b->entry[e].first, count = b->entry[e].count, at = b->entry[e].at;
+        for (int i = b->start; i < held; i++)
+            memcpy(x->cross + (size_t)i * (size_t)x->columns + first,
+                   j->s->C + (size_t)(i - b->start) * (size_t)b->width + at,
+                   sizeof *x->cross * (size_t)count);
+        if (b->start) continue;
+        for (int k = 0; k < count; k += x->block) {
+            double *G = x->gram + (first + k) * x->block;
+            memset(G, 0, sizeof *G * (size_t)(x->block * x->block));
+            mukca_dense_xty(G, (mukca_columns){j->s->W + at + k, x->block, b->width},
+                            (mukca_columns){j->s->E + at + k, x->block, b->width},
+                            j->m->recording.n_samples * d);
+        }
+        for (int p = 0; p < j->m->recording.n_pairs; p++)
+            memcpy(x->along + p * x->columns + first, j->s->along + p * b->width + at,
+                   sizeof *x->along * (size_t)count);
+    }
+}
+
+/* Columns of the observations. */
+static void finish_columns(const job *j)
+{
+    const mukca_regression *m = j->m;
+    const mukca_product_scratch *s = j->s;
+    const int width = j->b.width, start = j->b.start, held = m->linear.n_held;
+    if (!start) {
+        memset(s->along, 0, sizeof *s->along * (size_t)(m->recording.n_pairs * width));
+        mukca_evidence_weigh(
+            &(mukca_weighing){
+                .n = width, .ld = width, .x = s->E, .weighted = s->W, .along = s->along},
+            j->normal, &m->recording, &m->linear);
+    }
+    memset(s->C, 0, sizeof *s->C * (size_t)((held - start) * width));
+    mukca_dense_xty(s->C,
+                    (mukca_columns){j->normal->weighted + start, held - start, m->linear.stride},
+                    (mukca_columns){s->E, width, width}, m->recording.n_samples * m->recording.dim);
+    scatter(j);
+}
+
+/* W along the levers of the joint, and W X along them from column `start` held on. */
+static void aim_levers(const job *j, int start)
+{
+    const mukca_regression *m = j->m;
+    const mukca_recording *r = &m->recording;
+    const int d = r->dim, n_joints = r->chain->n_joints, n = m->linear.n_held - start;
+    double *diagonal = j->s->tri, *off = diagonal + r->n_samples;
+    for (int i = 0; i < r->n_samples; i++) {
+        const double *lever = m->linear.lever + (size_t)(i * n_joints + j->joint) * (size_t)d;
+        double square = 0, product = 0, *u = j->s->U + (size_t)i * (size_t)n;
+        memset(u, 0, sizeof *u * (size_t)n);
+        for (int c = 0; c < d; c++) {
+            const double *w =
+                j->normal->weighted + (size_t)(i * d + c) * (size_t)m->linear.stride + start;
+            for (int k = 0; k < n; k++) u[k] += lever[c] * w[k];
+            square += lever[c] * lever[c];
+            if (j->normal->off[i] < 0) product += lever[c] * lever[c - n_joints * d];
+        }
+        diagonal[i] = square * j->normal->diagonal[i];
+        off[i] = 2 * product * j->normal->off[i];
+    }
+}
+
+/* What the functions E[n_samples][width] of the joint do to the means of the sockets. */
+static void find_means(const job *j, int width)
+{
+    const mukca_regression *m = j->m;
+    const mukca_recording *r = &m->recording;
+    const int d = r->dim, n_joints = r->chain->n_joints;
+    for (int g = 0; g < r->n_groups; g++) {
+        const mukca_group *group = &r->groups[g];
+        double *mean = j->s->mean + (size_t)(3 * g) * (size_t)width;
+        memset(mean, 0, sizeof *mean * (size_t)(3 * width));
+        for (int i = group->start; i < group->start + group->count && group->socket >= 0; i++) {
+            const double *lever = m->linear.lever + (size_t)(i * n_joints + j->joint) * (size_t)d;
+            const double *f = j->s->E + (size_t)i * (size_t)width;
+            for (int c = 0; c < 3; c++) {
+                const double w = j->normal->mean_weight[i] * lever[c];
+                for (int k = 0; k < width; k++) mean[c * width + k] += w * f[k];
+            }
+        }
+    }
+}
+
+/* Functions that turn the joint: the levers reduce the rows of a sample to one. */
+static void finish_functions(const job *j, int aimed)
+{
+    const mukca_regression *m = j->m;
+    const mukca_recording *r = &m->recording;
+    const mukca_product_scratch *s = j->s;
+    const int width = j->b.width, start = j->b.start, held = m->linear.n_held;
+    memset(s->C, 0, sizeof *s->C * (size_t)((held - start) * width));
+    mukca_dense_xty(s->C, (mukca_columns){s->U + start - aimed, held - start, held - aimed},
+                    (mukca_columns){s->E, width, width}, r->n_samples);
+    if (!start) {
+        const double *diagonal = s->tri, *off = diagonal + r->n_samples;
+        for (int i = 0; i < r->n_samples; i++) {
+            const double *f = s->E + (size_t)i * (size_t)width;
+            double *h = s->W + (size_t)i * (size_t)width;
+            for (int k = 0; k < width; k++) h[k] = diagonal[i] * f[k];
+            for (int k = 0; k < width && off[i] != 0; k++) h[k] += off[i] * f[k - width];
+        }
+        find_means(j, width);
+        for (int p = 0; p < r->n_pairs; p++)
+            for (int k = 0; k < width; k++) {
+                const double *a = s->mean + 3 * r->pairs[p].a * width + k,
+                             *b = s->mean + 3 * r->pairs[p].b * width + k;
+                double sum = 0;
+                for (int c = 0; c < 3; c++)
+                    sum += m->linear.direction[p][c] * (a[c * width] - b[c * width]);
+                s->along[p * width + k] = sum;
+            }
+    }
+    scatter(j);
+    for (int e = 0; e < j->b.n && !start; e++) { /* the sockets' means out */
+        mukca_products *x = j->b.entry[e].products;
+        const int block = x->block;
+        for (int k = 0; k < j->b.entry[e].count; k += block) {
+            double *G = x->gram + (j->b.entry[e].first + k) * block;
+            for (int g = 0; g < 3 * r->n_groups; g++) {
+                const double *mean = s->mean + g * width + j->b.entry[e].at + k,
+                             w = j->normal->ones[g / 3];
+                if (r->groups[g / 3].socket < 0) continue;
+                for (int a = 0; a < block; a++)
+                    for (int b = 0; b < block; b++) G[a * block + b] -= w * mean[a] * mean[b];
+            }
+            for (int a = 0; a < block; a++) /* `off` stands for both of its sides */
+                for (int b = 0; b < a; b++)
+                    G[a * block + b] = G[b * block + a] =
+                        0.5 * (G[a * block + b] + G[b * block + a]);
+        }
+    }
+}
+
+static void put(batch *b, mukca_products *x, int first, int count)
+{
+    b->entry[b->n].products = x;
+    b->entry[b->n].first = first;
+    b->entry[b->n].count = count;
+    b->entry[b->n++].at = b->width;
+    b->width += count;
+}
+
+/* The candidates of the batch side by side. */
+static void fill(const job *j, const mukca_candidate *const *candidate)
+{
+    const mukca_recording *r = &j->m->recording;
+    const int width = j->b.width;
+    for (int e = 0; e < j->b.n; e++) {
+        const mukca_candidate *h = candidate[e];
+        double *E = j->s->E + j->b.entry[e].at;
+        if (j->joint < 0)
+            mukca_linearisation_columns(E, width, &j->m->linear, r, h);
+        else
+            for (int i = 0; i < r->n_samples; i++, E += width) {
+                const float *basis = h->basis + (size_t)r->order[i] * (size_t)h->terms;
+                for (int t = 0; t < h->terms; t++) E[t] = (double)basis[t];
+            }
+    }
+}
+
+/* All orders of ripple of the joint. */
+static void update_ripple(job *j, mukca_products *x, int aimed)
+{
+    mukca_ripple_start(j->s->wave, &j->m->recording, j->joint);
+    for (int first = 0; first < x->columns; first += MUKCA_BATCH) {
+        const int count = x->columns - first < MUKCA_BATCH ? x->columns - first : MUKCA_BATCH;
+        j->b.n = j->b.width = 0;
+        j->b.start = x->done;
+        put(&j->b, x, first, count);
+        mukca_ripple_advance(j->s->E, j->s->wave, j->m->recording.n_samples, count / 2);
+        finish_functions(j, aimed);
+    }
+    x->done = j->m->linear.n_held;
+}
+
+/* What a candidate does to the distances themselves. */
+static void change_pairs(mukca_products *x, const mukca_candidate *h, const mukca_recording *r)
+{
+    for (int p = 0; p < r->n_pairs; p++)
+        if (mukca_candidate_changes_pair(h, r, p)) x->along[p * x->columns] = -1;
+}
+
+void mukca_products_update(const mukca_product_item *item, int n, const mukca_regression *m,
+                           const mukca_normal_equations *normal, const mukca_product_scratch *s)
+{
+    const mukca_candidate *candidate[MUKCA_BATCH];
+    const int held = m->linear.n_held;
+    job j = {.m = m, .normal = normal, .s = s, .joint = -1};
+    int aimed = 0; /* first column held that U has */
+    for (int i = 0; i < n; i++)
+        if (item[i].products->version != m->linear.version)
+            item[i].products->version = m->linear.version, item[i].products->done = 0;
+    for (int i = 0; i < n;) {
+        const mukca_products *x = item[i].products;
+        if (x->done == held) {
+            i++;
+            continue;
+        }
+        if (item[i].joint >= 0 && (item[i].joint != j.joint || x->done < aimed)) {
+            j.joint = item[i].joint;
+            aimed = x->done;
+            for (int k = i; k < n && item[k].joint == j.joint; k++)
+                if (item[k].products->done < aimed) aimed = item[k].products->done;
+            aim_levers(&j, aimed);
+        }
+        j.joint = item[i].joint;
+        if (!item[i].candidate) {
+            update_ripple(&j, item[i++].products, aimed);
+            continue;
+        }
+        j.b.n = j.b.width = 0;
+        j.b.start = x->done;
+        for (; i < n && item[i].candidate && item[i].joint == j.joint; i++) {
+            mukca_products *next = item[i].products;
+            if (next->done == held) continue;
+            if (next->done != j.b.start || j.b.width + next->columns > MUKCA_BATCH) break;
+            candidate[j.b.n] = item[i].candidate;
+            put(&j.b, next, 0, next->columns);
+        }
+        fill(&j, candidate);
+        if (j.joint < 0)
+            finish_columns(&j);
+        else
+            finish_functions(&j, aimed);
+        for (int e = 0; e < j.b.n; e++) {
+            mukca_products *done = j.b.entry[e].products;
+            done->done = held;
+            change_pairs(done, candidate[e], &m->recording);
+        }
+    }
+}
+
+void mukca_products_of(mukca_products *x, const mukca_candidate *h, const mukca_regression *m,
+                       const mukca_normal_equations *normal, const mukca_product_scratch *s)
+{
+    job j = {.m = m, .normal = normal, .s = s, .joint = -1};
+    put(&j.b, x, 0, x->columns);
+    x->version = m->linear.version;
+    x->done = m->linear.n_held;
+    finish_columns(&j);
+    change_pairs(x, h, &m->recording);
+}

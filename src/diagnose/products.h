@@ -1,0 +1,57 @@
+/* Products of a candidate's columns with each other and with the columns that the linearisation
+ * holds.  They do not depend on noise, priors or which causes are in the model, so each is formed
+ * once for a linearisation. */
+#ifndef MUKCA_DIAGNOSE_PRODUCTS_H
+#define MUKCA_DIAGNOSE_PRODUCTS_H
+
+#include "diagnose/regression.h"
+
+enum { MUKCA_BATCH = 2 * MUKCA_MAX_COLUMNS }; /* columns that are treated together */
+
+/* E are the columns and W as in mukca_normal_equations. */
+typedef struct {
+    unsigned version;   /* of the linearisation; 0: nothing formed */
+    int done;           /* columns held that `cross` has */
+    int columns, block; /* of E; they are candidates of `block` columns each */
+    double *cross;      /* [capacity + 1][columns] X'W E with the columns held */
+    double *gram;       /* [columns / block][block][block] E'W E */
+    double *along;      /* [n_pairs][columns] what E does to the distances */
+} mukca_products;
+
+/* A candidate, or all orders of ripple of a joint (columns sine and cosine from order 2 on), and
+ * its products. */
+typedef struct {
+    const mukca_candidate *candidate; /* NULL: ripple */
+    int joint;
+    mukca_products *products;
+} mukca_product_item;
+
+/* Scratch. */
+typedef struct {
+    double *E, *W; /* [n_samples][dim][MUKCA_BATCH] */
+    double *U;     /* [n_samples][stride] W X along the levers of a joint */
+    double *C;     /* [stride][MUKCA_BATCH] */
+    double *along; /* [n_pairs + 1][MUKCA_BATCH] */
+    double *mean;  /* [n_groups][3][MUKCA_BATCH] */
+    double *tri;   /* [2][n_samples] W along the levers: diagonal, and with the sample before */
+    double *wave;  /* [4][n_samples] */
+} mukca_product_scratch;
+
+/* False: no memory. */
+bool mukca_products_scratch(mukca_product_scratch *scratch, mukca_pool *pool,
+                            const mukca_regression *m);
+bool mukca_products_create(mukca_products *products, mukca_pool *pool, const mukca_regression *m,
+                           int columns, int block);
+
+/* Form what the items lack.  Items of one joint should be neighbours. */
+void mukca_products_update(const mukca_product_item *item, int n, const mukca_regression *m,
+                           const mukca_normal_equations *normal,
+                           const mukca_product_scratch *scratch);
+
+/* Products of the columns scratch->E[n_samples][dim][columns], those of `candidate` first; they are
+ * one block. */
+void mukca_products_of(mukca_products *products, const mukca_candidate *candidate,
+                       const mukca_regression *m, const mukca_normal_equations *normal,
+                       const mukca_product_scratch *scratch);
+
+#endif
