@@ -16,7 +16,8 @@ static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, d
     mukca_cost_normal(H, cost, x, false);
     mukca_solver_factorise(H, n);
     fit->to_gain = mukca_solver_decrement(H, g, g + n, n) / (value > 0 ? value : 1);
-    fit->converged = fit->to_gain * value <= 1e-9 * value + 1e-20;
+    /* (1 nm)^2: what rounding leaves in a fit to data without noise */
+    fit->converged = fit->to_gain * value <= 1e-9 * value + 1e-18;
     fit->n_measured = cost->observations.n_measured;
     return mukca_identify(&fit->identification, fit->null_space, cost, x, work, error);
 }

@@ -1,11 +1,10 @@
 /* Sweeps over many samples at once: predictions and the adjoint gradient. */
 #include "fit/sweep.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "fit/rows.h"
-#include "math/four.h"
+#include "math/sincos.h"
 
 /* A with A e_z = axis; the identity where the axis is z already. */
 static void align_axis(double A[9], const double axis[3])
@@ -44,12 +43,13 @@ void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double
 {
     const int padded = sweep->padded, last = sweep->n_rows - 1;
     for (int j = 0; j < sweep->n_joints; j++) {
-        const bool turning = mukca_joint_turns(sweep->type[chain->joint_element[j]]);
-        for (int i = 0; i < padded; i++) { /* padding repeats the last row */
-            const double angle = q[(i < last ? i : last) * sweep->n_joints + j];
-            sweep->sine[j * padded + i] = turning ? sin(angle) : angle;
-            sweep->cosine[j * padded + i] = turning ? cos(angle) : 1;
-        }
+        double *angle = sweep->x, *sine = sweep->sine + j * padded;
+        for (int i = 0; i < padded; i++) /* padding repeats the last row */
+            angle[i] = q[(i < last ? i : last) * sweep->n_joints + j];
+        if (mukca_joint_turns(sweep->type[chain->joint_element[j]]))
+            mukca_sincos(sine, sweep->cosine + j * padded, angle, padded);
+        else
+            memcpy(sine, angle, (size_t)padded * sizeof *sine);
     }
 }
 

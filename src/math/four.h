@@ -2,6 +2,9 @@
 #ifndef MUKCA_MATH_FOUR_H
 #define MUKCA_MATH_FOUR_H
 
+#include <stdint.h>
+#include <string.h>
+
 #include "base/clones.h"
 
 /* Unaligned; the compiler splits it where the processor has no such register. */
@@ -10,6 +13,38 @@ typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 /* Macros: a function that returns a wide vector has no fixed calling convention. */
 #define LOAD4(x) (*(const four *)(const void *)(x))
 #define STORE4(x, value) (*(four *)(void *)(x) = (value))
+
+/* Lanes of kernels that a controller runs too: four where a processor has vectors of doubles, else
+ * one, which any compiler turns into good code.  The bits of a result are the same. */
+#if (defined(__x86_64__) || defined(__aarch64__)) && !defined(MUKCA_SCALAR)
+#define MUKCA_LANES 4
+typedef four lanes;
+typedef int64_t lane_bits __attribute__((vector_size(32), aligned(8), may_alias));
+#define LANE_BITS(x) ((lane_bits)(x))
+#define BITS_LANES(b) ((lanes)(b))
+#define NOT_WITHIN(x, limit) (~((x) <= (limit)))
+#define ANY_LANE(b) ((b)[0] | (b)[1] | (b)[2] | (b)[3])
+#else
+#define MUKCA_LANES 1
+typedef double lanes;
+typedef int64_t lane_bits;
+static inline lane_bits LANE_BITS(lanes x)
+{
+    lane_bits b;
+    memcpy(&b, &x, sizeof b);
+    return b;
+}
+static inline lanes BITS_LANES(lane_bits b)
+{
+    lanes x;
+    memcpy(&x, &b, sizeof x);
+    return x;
+}
+#define NOT_WITHIN(x, limit) (-(lane_bits) !((x) <= (limit)))
+#define ANY_LANE(b) (b)
+#endif
+#define LOAD_LANES(x) (*(const lanes *)(const void *)(x))
+#define STORE_LANES(x, value) (*(lanes *)(void *)(x) = (value))
 
 MUKCA_INLINE double dot4(const double *x, const double *y, int n)
 {

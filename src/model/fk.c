@@ -1,76 +1,62 @@
 /* Forward kinematics of one configuration: position, pose, frames. */
-#include <math.h>
 #include <string.h>
 
 #include "model/turn.h"
 
-static const mukca_displacement undisplaced;
-
-void mukca_fk_position(double position[3], const mukca_geometry *geometry, const double *q,
-                       const mukca_displacement *displacement)
+void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
+                            const mukca_displacement *displacement)
 {
-    const mukca_displacement *d = displacement ? displacement : &undisplaced;
-    double v[3], u[3], R[9];
-    memcpy(v, d->tip, sizeof v);
+    const int n = geometry->n_joints;
+    at->q = displacement ? at->moved : q;
+    for (int j = 0; displacement && j < n; j++) at->moved[j] = q[j] + displacement->q[j];
+    mukca_sincos(at->s, at->c, at->q, n);
+}
+
+MUKCA_CLONES void mukca_fk_position(double position[3], const mukca_geometry *geometry,
+                                    const double *q, const mukca_displacement *displacement)
+{
+    const mukca_displacement *d = displacement;
+    const bool rotated = d && d->any_rotation;
+    double v[3] = {0, 0, 0}, u[3], R[9];
+    joint_angles at;
+    mukca_joint_angles_set(&at, geometry, q, d);
+    if (d) memcpy(v, d->tip, sizeof v);
     for (int k = geometry->n_elements - 1; k >= 0; k--) {
         const int j = geometry->joint[k];
-        const double angle = j >= 0 ? q[j] + d->q[j] : 0;
         if (geometry->type[k] == MUKCA_PRISMATIC)
-            for (int i = 0; i < 3; i++) v[i] += angle * geometry->axis[k][i];
+            for (int i = 0; i < 3; i++) v[i] += at.q[j] * geometry->axis[k][i];
         else if (j >= 0)
-            turn_vector(v, geometry, k, sin(angle), cos(angle));
-        if (j >= 0 && d->any_rotation) {
+            turn_vector(v, geometry, k, at.s[j], at.c[j]);
+        if (j >= 0 && rotated) {
             mukca_rotation_exp(R, d->rotation[j]);
             mukca_mat3_vec(u, R, v);
             memcpy(v, u, sizeof v);
         }
-        mukca_mat3_vec(u, geometry->origin[k].R, v);
-        for (int i = 0; i < 3; i++) v[i] = u[i] + geometry->origin[k].p[i];
+        place_vector(v, &geometry->origin[k]);
     }
     memcpy(position, v, sizeof v);
-    if (!d->any_rotation) return;
+    if (!rotated) return;
     mukca_rotation_exp(R, d->base);
     mukca_mat3_vec(position, R, v);
 }
 
-/* frame := frame * (joint of element k at q, displaced). */
-static void turn_frame(mukca_frame *frame, const mukca_geometry *geometry, int k, const double *q,
-                       const mukca_displacement *d)
+MUKCA_CLONES void mukca_fk_frames(mukca_frame *before, mukca_frame *tip,
+                                  const mukca_geometry *geometry, const double *q,
+                                  const mukca_displacement *displacement)
 {
-    const int j = geometry->joint[k];
-    if (j < 0) return;
-    const double angle = q[j] + d->q[j];
-    if (d->any_rotation) {
-        double turn[9], R[9];
-        mukca_rotation_exp(turn, d->rotation[j]);
-        mukca_mat3_mul(R, frame->R, turn);
-        memcpy(frame->R, R, sizeof R);
-    }
-    if (geometry->type[k] == MUKCA_PRISMATIC) {
-        double step[3];
-        mukca_mat3_vec(step, frame->R, geometry->axis[k]);
-        for (int i = 0; i < 3; i++) frame->p[i] += angle * step[i];
-        return;
-    }
-    turn_rows(frame->R, geometry, k, sin(angle), cos(angle));
-}
-
-void mukca_fk_frames(mukca_frame *before, mukca_frame *tip, const mukca_geometry *geometry,
-                     const double *q, const mukca_displacement *displacement)
-{
-    const mukca_displacement *d = displacement ? displacement : &undisplaced;
-    mukca_frame frame = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    double shift[3];
-    if (d->any_rotation) mukca_rotation_exp(frame.R, d->base);
+    columns F;
+    joint_angles at;
+    columns_base(&F, displacement);
+    mukca_joint_angles_set(&at, geometry, q, displacement);
     for (int k = 0; k < geometry->n_elements; k++) {
-        mukca_frame_multiply(&frame, &frame, &geometry->origin[k]);
-        if (before) before[k] = frame;
-        turn_frame(&frame, geometry, k, q, d);
+        columns_enter(&F, geometry, k);
+        if (before) columns_frame(&before[k], &F);
+        columns_displace(&F, geometry->joint[k], displacement);
+        columns_turn(&F, geometry, k, &at);
     }
     if (!tip) return;
-    *tip = frame;
-    mukca_mat3_vec(shift, frame.R, d->tip);
-    for (int i = 0; i < 3; i++) tip->p[i] += shift[i];
+    if (displacement) columns_move(&F, displacement->tip);
+    columns_frame(tip, &F);
 }
 
 void mukca_fk_pose(mukca_frame *T_base_tip, const mukca_geometry *geometry, const double *q,

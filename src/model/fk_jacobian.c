@@ -4,31 +4,40 @@
 
 #include "model/turn.h"
 
-void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip, const mukca_geometry *geometry,
-                       const double *q, const mukca_displacement *displacement)
+MUKCA_CLONES void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip,
+                                    const mukca_geometry *geometry, const double *q,
+                                    const mukca_displacement *displacement)
 {
-    mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
     const int n = geometry->n_joints;
-    mukca_fk_frames(before, &tip, geometry, q, displacement);
+    lanes axis[MUKCA_MAX_JOINTS][ROWS], origin[MUKCA_MAX_JOINTS][ROWS]; /* in base coordinates */
+    columns F;
+    joint_angles at;
+    columns_base(&F, displacement);
+    mukca_joint_angles_set(&at, geometry, q, displacement);
+    for (int k = 0; k < geometry->n_elements; k++) {
+        const int j = geometry->joint[k];
+        columns_enter(&F, geometry, k);
+        if (j < 0) continue;
+        columns_displace(&F, j, displacement);
+        memcpy(origin[j], F.column[3], sizeof origin[j]);
+        columns_vector(axis[j], &F, geometry->axis[k]);
+        columns_turn(&F, geometry, k, &at);
+    }
+    if (displacement) columns_move(&F, displacement->tip);
+    if (T_base_tip) columns_frame(T_base_tip, &F);
     for (int k = 0; k < geometry->n_elements; k++) {
         const int j = geometry->joint[k];
         if (j < 0) continue;
         const bool slides = geometry->type[k] == MUKCA_PRISMATIC;
-        double R[9], local[3], axis[3], lever[3], swept[3];
-        memcpy(local, geometry->axis[k], sizeof local);
-        if (displacement && displacement->any_rotation) {
-            mukca_rotation_exp(R, displacement->rotation[j]);
-            mukca_mat3_vec(local, R, geometry->axis[k]);
-        }
-        mukca_mat3_vec(axis, before[k].R, local);
-        for (int i = 0; i < 3; i++) lever[i] = tip.p[i] - before[k].p[i];
-        mukca_cross(swept, axis, lever);
+        const double *a = (const double *)axis[j], *at_joint = (const double *)origin[j];
+        double lever[3], swept[3];
+        for (int i = 0; i < 3; i++) lever[i] = COLUMN(&F, 3, i) - at_joint[i];
+        mukca_cross(swept, a, lever);
         for (int i = 0; i < 3; i++) {
-            J[i * n + j] = slides ? axis[i] : swept[i];
-            J[(3 + i) * n + j] = slides ? 0 : axis[i];
+            J[i * n + j] = slides ? a[i] : swept[i];
+            J[(3 + i) * n + j] = slides ? 0 : a[i];
         }
     }
-    if (T_base_tip) *T_base_tip = tip;
 }
 
 /* Angular velocity of exp([w]x) as w changes by `rate`: the left Jacobian of SO(3); its series is
@@ -81,7 +90,7 @@ void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geom
     double parent[MUKCA_MAX_ELEMENTS][9]; /* orientation of each element's parent frame */
     double v[3] = {0, 0, 0}, s[MUKCA_MAX_JOINTS], c[MUKCA_MAX_JOINTS];
     double R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    for (int j = 0; j < geometry->n_joints; j++) s[j] = sin(q[j]), c[j] = cos(q[j]);
+    mukca_sincos(s, c, q, geometry->n_joints);
     for (int k = 0; k < n; k++) {
         const int j = geometry->joint[k];
         double turned[9];
@@ -89,7 +98,7 @@ void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geom
         mukca_mat3_mul(turned, R, geometry->origin[k].R);
         memcpy(R, turned, sizeof R);
         if (j < 0 || geometry->type[k] == MUKCA_PRISMATIC) continue;
-        turn_rows(R, geometry, k, s[j], c[j]);
+        for (int row = 0; row < 3; row++) turn_vector(R + 3 * row, geometry, k, -s[j], c[j]);
     }
     for (int k = n - 1; k >= 0; k--) {
         const int j = geometry->joint[k];

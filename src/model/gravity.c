@@ -1,7 +1,6 @@
 /* Gravity moments at the joints. */
 #include "mukca/gravity.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "model/turn.h"
@@ -15,11 +14,6 @@ typedef struct {
     const double *mass_scale;
     double payload_kg;
 } posture;
-
-static double angle_of(const posture *p, int joint)
-{
-    return p->q[joint] + (p->displacement ? p->displacement->q[joint] : 0);
-}
 
 /* Rotation of the origin of element k, displaced; in R[9] where it is not that of the geometry. */
 static const double *turn_origin(double R[9], const posture *p, int k)
@@ -39,25 +33,24 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
     const mukca_geometry *geometry = at->geometry;
     const bool tilted = at->displacement && at->displacement->any_rotation;
     const int n = chain->n_elements;
-    double R[9], tilt[9];                                /* of the base */
-    double s[MUKCA_MAX_ELEMENTS], c[MUKCA_MAX_ELEMENTS]; /* of each joint's angle */
+    double R[9], tilt[9]; /* of the base */
+    joint_angles angles;
     double gravity[MUKCA_MAX_ELEMENTS][3];
     double kg[MUKCA_MAX_ELEMENTS] = {0}, first[MUKCA_MAX_ELEMENTS][3] = {{0}}; /* child frames */
     double g[3] = {chain->gravity[0], chain->gravity[1], chain->gravity[2]};
 
+    mukca_joint_angles_set(&angles, geometry, at->q, at->displacement);
     if (tilted) {
         mukca_rotation_exp(tilt, at->displacement->base);
         mukca_mat3_tvec(g, tilt, chain->gravity);
     }
     /* Gravity in each joint frame, outwards. */
     for (int k = 0; k < n; k++) {
-        const bool turns = mukca_joint_turns(geometry->type[k]);
-        const double angle = turns ? angle_of(at, geometry->joint[k]) : 0;
-        s[k] = turns ? sin(angle) : 0;
-        c[k] = turns ? cos(angle) : 1;
+        const int j = geometry->joint[k];
         mukca_mat3_tvec(gravity[k], turn_origin(R, at, k), g);
         memcpy(g, gravity[k], sizeof g);
-        turn_vector(g, geometry, k, -s[k], c[k]);
+        if (mukca_joint_turns(geometry->type[k]))
+            turn_vector(g, geometry, k, -angles.s[j], angles.c[j]);
     }
     for (int m = 0; m < chain->n_masses; m++) {
         const mukca_mass *mass = &chain->mass[m];
@@ -77,8 +70,9 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
         double in_joint[3], in_parent[3];
         total += kg[k];
         for (int i = 0; i < 3; i++) in_joint[i] = first[k][i] + carried[i];
-        turn_vector(in_joint, geometry, k, s[k], c[k]);
-        for (int i = 0; i < 3 && slides; i++) in_joint[i] += total * axis[i] * angle_of(at, j);
+        if (mukca_joint_turns(geometry->type[k]))
+            turn_vector(in_joint, geometry, k, angles.s[j], angles.c[j]);
+        for (int i = 0; i < 3 && slides; i++) in_joint[i] += total * axis[i] * angles.q[j];
         if (j >= 0) {
             mukca_cross(load->moment[j], gravity[k], in_joint); /* in_joint x (-g) */
             load->torque[j] =

@@ -1,12 +1,15 @@
-/* A joint turns a vector or a frame (Rodrigues). */
+/* Joints turn a vector or a frame (Rodrigues). */
 #ifndef MUKCA_MODEL_TURN_H
 #define MUKCA_MODEL_TURN_H
 
+#include <string.h>
+
+#include "math/sincos.h"
 #include "mukca/chain.h"
 
 /* v := R(axis of element k, angle) v, given the angle's sine and cosine. */
-static inline void turn_vector(double v[3], const mukca_geometry *geometry, int k, double s,
-                               double c)
+MUKCA_INLINE void turn_vector(double v[3], const mukca_geometry *geometry, int k, double s,
+                              double c)
 {
     const double *axis = geometry->axis[k];
     if (geometry->axis_z[k]) {
@@ -21,10 +24,116 @@ static inline void turn_vector(double v[3], const mukca_geometry *geometry, int 
     for (int i = 0; i < 3; i++) v[i] = c * v[i] + s * cross[i] + along * axis[i];
 }
 
-/* R := R R(axis of element k, angle): the rows of R turn backwards. */
-static inline void turn_rows(double R[9], const mukca_geometry *geometry, int k, double s, double c)
+/* v := R v + p, what does not wait for x and y of v first. */
+MUKCA_INLINE void place_vector(double v[3], const mukca_frame *frame)
 {
-    for (int row = 0; row < 3; row++) turn_vector(R + 3 * row, geometry, k, -s, c);
+    const double *R = frame->R, *p = frame->p, x = v[0], y = v[1], z = v[2];
+    for (int i = 0; i < 3; i++)
+        v[i] = (R[3 * i] * x + R[3 * i + 1] * y) + (R[3 * i + 2] * z + p[i]);
+}
+
+/* Angles (lengths) of all joints, displaced, with sines and cosines (of a length too, which nobody
+ * uses). */
+typedef struct {
+    const double *q; /* the caller's, or `moved` */
+    double moved[MUKCA_MAX_JOINTS];
+    double s[(MUKCA_MAX_JOINTS + 3) / 4 * 4], c[(MUKCA_MAX_JOINTS + 3) / 4 * 4];
+} joint_angles;
+
+void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
+                            const mukca_displacement *displacement);
+
+/* A frame by columns: x, y and z axis and origin, in base coordinates.  With several lanes a column
+ * is one vector, whose fourth number is 0, else an array. */
+enum { ROWS = MUKCA_LANES > 1 ? 1 : 3 };
+typedef struct {
+    lanes column[4][ROWS];
+} columns;
+
+/* Number `i` of column `c`. */
+#define COLUMN(F, c, i) (((const double *)(F)->column[c])[i])
+
+/* F := F R, for the orientation. */
+MUKCA_INLINE void columns_rotate(columns *F, const double R[9])
+{
+    for (int r = 0; r < ROWS; r++) {
+        const lanes x = F->column[0][r], y = F->column[1][r], z = F->column[2][r];
+        for (int i = 0; i < 3; i++) F->column[i][r] = x * R[i] + y * R[3 + i] + z * R[6 + i];
+    }
+}
+
+/* out[ROWS] := a vector in the frame's own coordinates, in base coordinates. */
+MUKCA_INLINE void columns_vector(lanes *out, const columns *F, const double v[3])
+{
+    for (int r = 0; r < ROWS; r++)
+        out[r] = F->column[0][r] * v[0] + F->column[1][r] * v[1] + F->column[2][r] * v[2];
+}
+
+/* The origin moves by v, in the frame's own coordinates. */
+MUKCA_INLINE void columns_move(columns *F, const double v[3])
+{
+    lanes step[ROWS];
+    columns_vector(step, F, v);
+    for (int r = 0; r < ROWS; r++) F->column[3][r] += step[r];
+}
+
+/* F := F times the joint of element k at its angle or length. */
+MUKCA_INLINE void columns_turn(columns *F, const mukca_geometry *geometry, int k,
+                               const joint_angles *at)
+{
+    const int j = geometry->joint[k];
+    const double *axis = geometry->axis[k];
+    if (j < 0) return;
+    const double s = at->s[j], c = at->c[j], sz = geometry->axis_z[k] * s;
+    for (int r = 0; r < ROWS; r++) {
+        const lanes x = F->column[0][r], y = F->column[1][r], z = F->column[2][r];
+        if (geometry->type[k] == MUKCA_PRISMATIC) {
+            F->column[3][r] += at->q[j] * (x * axis[0] + y * axis[1] + z * axis[2]);
+        } else if (geometry->axis_z[k]) {
+            F->column[0][r] = c * x + sz * y;
+            F->column[1][r] = c * y - sz * x;
+        } else {
+            const lanes along = (1 - c) * (x * axis[0] + y * axis[1] + z * axis[2]);
+            F->column[0][r] = c * x + s * (axis[2] * y - axis[1] * z) + along * axis[0];
+            F->column[1][r] = c * y + s * (axis[0] * z - axis[2] * x) + along * axis[1];
+            F->column[2][r] = c * z + s * (axis[1] * x - axis[0] * y) + along * axis[2];
+        }
+    }
+}
+
+/* F := F times the origin of element k. */
+MUKCA_INLINE void columns_enter(columns *F, const mukca_geometry *geometry, int k)
+{
+    columns_move(F, geometry->origin[k].p);
+    columns_rotate(F, geometry->origin[k].R);
+}
+
+/* The joint's displacement in rotation, before it turns. */
+MUKCA_INLINE void columns_displace(columns *F, int joint, const mukca_displacement *displacement)
+{
+    double R[9];
+    if (joint < 0 || !displacement || !displacement->any_rotation) return;
+    mukca_rotation_exp(R, displacement->rotation[joint]);
+    columns_rotate(F, R);
+}
+
+/* The base, displaced. */
+MUKCA_INLINE void columns_base(columns *F, const mukca_displacement *displacement)
+{
+    double R[9];
+    memset(F, 0, sizeof *F);
+    for (int i = 0; i < 3; i++) ((double *)F->column[i])[i] = 1;
+    if (!displacement || !displacement->any_rotation) return;
+    mukca_rotation_exp(R, displacement->base);
+    columns_rotate(F, R);
+}
+
+MUKCA_INLINE void columns_frame(mukca_frame *frame, const columns *F)
+{
+    for (int i = 0; i < 3; i++) {
+        for (int c = 0; c < 3; c++) frame->R[3 * i + c] = COLUMN(F, c, i);
+        frame->p[i] = COLUMN(F, 3, i);
+    }
 }
 
 #endif

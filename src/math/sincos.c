@@ -1,0 +1,21 @@
+/* Sine and cosine of an array of angles. */
+#include "math/sincos.h"
+
+#include <math.h>
+
+MUKCA_CLONES void mukca_sincos(double *s, double *c, const double *x, int n)
+{
+    lane_bits wide = {0};
+    int i = 0;
+    for (; i + MUKCA_LANES <= n; i += MUKCA_LANES) sincos_lanes(s + i, c + i, &wide, x + i);
+#if MUKCA_LANES > 1
+    if (i < n) {
+        /* made up in a register: a copy in memory would make its reader wait */
+        const int left = n - i;
+        const lanes last = {x[i], left > 1 ? x[i + 1] : 0, left > 2 ? x[i + 2] : 0, 0};
+        sincos_lanes(s + i, c + i, &wide, (const double *)&last);
+    }
+#endif
+    for (i = 0; ANY_LANE(wide) && i < n; i++)
+        if (!(fabs(x[i]) <= MUKCA_SINCOS_LARGEST)) s[i] = sin(x[i]), c[i] = cos(x[i]);
+}
