@@ -36,10 +36,10 @@ int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *t
         return -1;
     }
     mukca_geometry_set(&geometry, chain, theta);
+    mukca_fk_positions(tip[0], &geometry, data->q, data->n_rows);
     for (int i = 0; i < data->n_rows; i++) {
         if (data->socket[i] < 0) continue;
         cloud *c = &clouds[data->socket[i]];
-        mukca_fk_position(tip[i], &geometry, data->q + (size_t)i * (size_t)data->n_joints, NULL);
         c->count++;
         for (int a = 0; a < 3; a++) c->mean[a] += tip[i][a];
     }

@@ -83,43 +83,42 @@ void mukca_fk_displacement_rate(double velocity[6], const mukca_geometry *geomet
     }
 }
 
-void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geometry *geometry,
-                                 const double *theta, const double *q)
+MUKCA_CLONES void mukca_fk_parameter_jacobian(double *J, double position[3],
+                                              const mukca_geometry *geometry, const double *theta,
+                                              const double *q)
 {
+    enum { PADDED = (MUKCA_MAX_ELEMENTS + 3) / 4 * 4 };
     const int n = geometry->n_elements, width = MUKCA_PARAMETERS * n;
-    double parent[MUKCA_MAX_ELEMENTS][9]; /* orientation of each element's parent frame */
-    double v[3] = {0, 0, 0}, s[MUKCA_MAX_JOINTS], c[MUKCA_MAX_JOINTS];
-    double R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    mukca_sincos(s, c, q, geometry->n_joints);
-    for (int k = 0; k < n; k++) {
-        const int j = geometry->joint[k];
-        double turned[9];
-        memcpy(parent[k], R, sizeof R);
-        mukca_mat3_mul(turned, R, geometry->origin[k].R);
-        memcpy(R, turned, sizeof R);
-        if (j < 0 || geometry->type[k] == MUKCA_PRISMATIC) continue;
-        for (int row = 0; row < 3; row++) turn_vector(R + 3 * row, geometry, k, -s[j], c[j]);
-    }
-    for (int k = n - 1; k >= 0; k--) {
-        const int j = geometry->joint[k];
-        const double *O = geometry->origin[k].R, yaw = theta[6 * k + 5];
-        /* roll, pitch and yaw turn about these axes of the parent's frame */
-        const double axes[3][3] = {{O[0], O[3], O[6]}, {-sin(yaw), cos(yaw), 0}, {0, 0, 1}};
-        double u[3], turned[3], column[3];
-        if (j >= 0 && geometry->type[k] == MUKCA_PRISMATIC)
-            for (int i = 0; i < 3; i++) v[i] += q[j] * geometry->axis[k][i];
-        else if (j >= 0)
-            turn_vector(v, geometry, k, s[j], c[j]);
-        mukca_mat3_vec(u, O, v);
+    double yaw[PADDED], s[PADDED], c[PADDED], origin[MUKCA_MAX_ELEMENTS][3];
+    columns F;
+    joint_angles at;
+    yaw[0] = 0; /* of a chain without elements */
+    for (int k = 0; k < n; k++) yaw[k] = theta[MUKCA_PARAMETERS * k + 5];
+    mukca_sincos(s, c, yaw, n);
+    mukca_joint_angles_set(&at, geometry, q, NULL);
+    columns_base(&F, NULL);
+    for (int k = 0; k < n; k++) { /* axes along and about which an element moves */
+        const columns parent = F;
+        columns_enter(&F, geometry, k);
         for (int i = 0; i < 3; i++) {
-            mukca_cross(turned, axes[i], u);
-            mukca_mat3_vec(column, parent[k], turned);
-            for (int row = 0; row < 3; row++) {
-                J[row * width + 6 * k + i] = parent[k][3 * row + i];
-                J[row * width + 6 * k + 3 + i] = column[row];
-            }
+            double *to = J + i * width + MUKCA_PARAMETERS * k;
+            for (int a = 0; a < 3; a++) to[a] = COLUMN(&parent, a, i);
+            to[3] = COLUMN(&F, 0, i);
+            to[4] = c[k] * to[1] - s[k] * to[0];
+            to[5] = to[2];
+            origin[k][i] = COLUMN(&F, 3, i);
         }
-        for (int i = 0; i < 3; i++) v[i] = u[i] + geometry->origin[k].p[i];
+        columns_turn(&F, geometry, k, &at);
     }
-    if (position) memcpy(position, v, sizeof v);
+    for (int k = 0; k < n; k++) {
+        double *row = J + MUKCA_PARAMETERS * k, lever[3];
+        for (int i = 0; i < 3; i++) lever[i] = COLUMN(&F, 3, i) - origin[k][i];
+        for (int a = 3; a < MUKCA_PARAMETERS; a++) {
+            const double axis[3] = {row[a], row[width + a], row[2 * width + a]};
+            double swept[3];
+            mukca_cross(swept, axis, lever);
+            for (int i = 0; i < 3; i++) row[i * width + a] = swept[i];
+        }
+    }
+    for (int i = 0; position && i < 3; i++) position[i] = COLUMN(&F, 3, i);
 }
