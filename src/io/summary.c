@@ -90,7 +90,7 @@ mukca_status mukca_summary_write(FILE *stream, const mukca_summary *s, mukca_err
         s->samples, "sigma_m", json_real(s->sigma_m), "information",
         numbers_of(s->information, mukca_fleet_packed(terms)), "vector",
         numbers_of(s->vector, terms), "ripple", ripple);
-    const bool ok = root && json_dumpf(root, stream, JSON_COMPACT | JSON_REAL_PRECISION(12)) == 0 &&
+    const bool ok = root && json_dumpf(root, stream, JSON_COMPACT | JSON_REAL_PRECISION(17)) == 0 &&
                     fputc('\n', stream) != EOF;
     json_decref(root);
     return ok ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "the summary cannot be written whole");

@@ -13,7 +13,7 @@ export NO_COLOR=1 MUKCA
 failures=0
 number=0
 # Pages with examples, in the order in which they run: later ones use files of earlier ones.
-pages="README.md docs/guide.md docs/data.md docs/ros.md docs/diagnosis.md docs/method.md docs/comparison.md"
+pages="README.md docs/guide.md docs/data.md docs/ros.md docs/diagnosis.md docs/method.md docs/comparison.md docs/fleet.md"
 
 check() { # NAME TEXT: passes where TEXT is empty
     if [ -z "$2" ]; then
@@ -51,7 +51,7 @@ check "options that documents mention exist" "$(
     for page in $pages ARCHITECTURE.md CONTRIBUTING.md mukca.1 mukca-formats.5; do
         sed 's/\\-/-/g' "$page" | grep -oE '(^|[^-a-z])--[a-z][a-z-]+' | grep -oE -- '--[a-z-]+' | sort -u |
             grep -vxF -e --version -e --help -e --dev -e --array -e --cpus-per-task -e --mem -e --time \
-                -e --joblog -e --resume -e --csv -e --full-length -e --hide-type -e "$(cut -f 2 "$scratch/options")" | sed "s|^|$page: |"
+                -e --joblog -e --resume -e --parsable -e --wrap -e --dependency -e --csv -e --full-length -e --hide-type -e "$(cut -f 2 "$scratch/options")" | sed "s|^|$page: |"
     done)"
 check "make targets that documents mention exist" "$(
     # shellcheck disable=SC2086
