@@ -254,7 +254,8 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
     }
 }
 
-/* y = measured - predicted + what the columns already explain, so that solutions are totals. */
+/* y = measured - predicted + what the columns already explain, so that solutions are totals,
+ * less the centres of priors that are known. */
 static void fill_y(mukca_linearisation *linear, const mukca_recording *recording,
                    const mukca_unknowns *u)
 {
@@ -266,8 +267,9 @@ static void fill_y(mukca_linearisation *linear, const mukca_recording *recording
         for (int t = 0; t < u->cause[c].candidate.terms; t++, k++) {
             linear->reference[at[k]] = u->cause[c].coefficient[t];
             /* A socket's fault moves the socket, not the arm: tip does not hold it. */
-            explained[k] =
-                mukca_candidate_moves_arm(&u->cause[c].candidate) ? u->cause[c].coefficient[t] : 0;
+            explained[k] = mukca_candidate_moves_arm(&u->cause[c].candidate)
+                               ? u->cause[c].coefficient[t] - u->cause[c].centre
+                               : 0;
         }
     linear->log = u->log;
     linear->target = u->target;

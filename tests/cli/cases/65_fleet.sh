@@ -20,6 +20,10 @@ expect "a tree of partial jobs gives the same bytes" cmp whole.json once.json
 expect "and so do the traits" cmp tree.traits.tsv all.traits.tsv
 answer "^Fleet   the traits of 3 arms" diagnose $a seven/train.tsv --traits all.traits.tsv
 answer "only the means of 3 arms" diagnose $a seven/train.tsv --traits all.traits.tsv --traits-only
+# joint_4's compliance from the fleet alone explains most of what the geometry leaves
+run diagnose $a seven/train.tsv --traits all.traits.tsv --traits-only -q --json -
+expect "the means alone make the held-out error smaller" awk '/"geometry_m"/ && !g { g = $2 + 0 }
+    /"explained_m"/ && !e { e = $2 + 0 } END { exit !(e > 0 && e < 0.85 * g) }' "$scratch/out"
 # a traits file of other arms: the arm's own fit wins, and that is said
 awk -F '\t' -v OFS='\t' '$1 == "joint_compliance" && $2 == "joint_4" { $5 = 0; $6 = 1e-6; $10 = 1e-6 }
     $1 == "joint_compliance" && $2 == "joint_2" { $5 = 3e-4; $6 = 1e-6; $10 = 1e-6 } { print }' \
