@@ -12,6 +12,10 @@ typedef struct {
     mukca_offsets *offsets; /* judged */
 } calibrate_result;
 
+/* The frames of measured poses that were fitted: the arm's base in the frame of the tracker (or of
+ * a fixed board), and the target (or camera) in the link that carries it.  False: not fitted. */
+bool calibrate_frame(mukca_frame *T, const calibrate_result *result, bool base);
+
 /* One screen for people, the verdict first. */
 void calibrate_print(cli_call *call, const calibrate_result *result);
 

@@ -169,6 +169,44 @@ static void print_verdict(cli_call *call, const calibrate_result *r)
     cli_answer_wrapped(call, "Result %s.", text);
 }
 
+bool calibrate_frame(mukca_frame *T, const calibrate_result *r, bool base)
+{
+    const mukca_chain *chain = &r->fit->chain;
+    const int k = base ? 0 : chain->n_elements - 1;
+    const double *theta = r->fit->theta + MUKCA_PARAMETERS * k;
+    bool fitted = false;
+    for (int i = 0; i < r->fit->parameters.n; i++)
+        fitted |= r->fit->parameters.index[i] / MUKCA_PARAMETERS == k;
+    if (!fitted || !r->train->position || chain->element[k].joint >= 0) return false;
+    if (base && strcmp(chain->element[k].name, MUKCA_BASE_FRAME) != 0) return false;
+    mukca_rotation_from_rpy(T->R, theta + 3);
+    memcpy(T->p, theta, sizeof T->p);
+    return true;
+}
+
+/* Base and target as a hand-eye calibration gives them. */
+static void print_frames(cli_call *call, const calibrate_result *r)
+{
+    static const char *const keys[2] = {"Target", "Base"};
+    const mukca_chain *chain = &r->fit->chain;
+    const int last = chain->n_elements - 1;
+    for (int base = 1; base >= 0; base--) {
+        mukca_frame T;
+        double q[4], rpy[3];
+        if (!calibrate_frame(&T, r, base)) continue;
+        mukca_rotation_to_quaternion(q, T.R);
+        mukca_rotation_to_rpy(rpy, T.R, NULL);
+        cli_answer_keyed(call, keys[base],
+                         "in %s%s: xyz %.6f %.6f %.6f m, rpy %.6f %.6f %.6f rad, quaternion (w "
+                         "first) %.6f %.6f %.6f %.6f",
+                         base ? "the frame of the poses" : "link ",
+                         base       ? ""
+                         : last > 0 ? chain->element[last - 1].child
+                                    : chain->base,
+                         T.p[0], T.p[1], T.p[2], rpy[0], rpy[1], rpy[2], q[0], q[1], q[2], q[3]);
+    }
+}
+
 void calibrate_print(cli_call *call, const calibrate_result *r)
 {
     char train[80], test[80];
@@ -180,6 +218,7 @@ void calibrate_print(cli_call *call, const calibrate_result *r)
     cli_scores_print_header(call, true);
     cli_scores_print(call, &r->train_scores, "train", true);
     if (r->test_scores.n > 0) cli_scores_print(call, &r->test_scores, "test", true);
+    print_frames(call, r);
     print_identifiability(call, r->fit);
     print_warnings(call, r);
     print_next(call, r);

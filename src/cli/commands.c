@@ -20,6 +20,7 @@
     X(report)               \
     X(compare)              \
     X(compensate)           \
+    X(align)                \
     X(export)               \
     X(fk)
 

@@ -1,0 +1,247 @@
+/* mukca align: the base of one arm in that of another, from sessions at the same sockets. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "fit/two_arms.h"
+#include "mukca/corrected.h"
+
+typedef struct {
+    cli_common common;
+    const char *right_urdf, *right_base, *right_tip, *right_offsets;
+} align_options;
+
+static const cli_option options[] = {
+    CLI_OPTION(align_options, right_urdf, "right-urdf", CLI_TEXT, "FILE",
+               "nominal model of the right arm (default: that of --urdf)"),
+    CLI_OPTION(align_options, right_base, "right-base", CLI_TEXT, "LINK",
+               "first link of the right arm (default: --base)"),
+    CLI_OPTION(align_options, right_tip, "right-tip", CLI_TEXT, "LINK",
+               "last link of the right arm (default: --tip)"),
+    CLI_OPTION(align_options, right_offsets, "right-offsets", CLI_TEXT, "FILE",
+               "offsets table of the right arm (default: none)"),
+    CLI_OFFSETS_OPTION,
+    CLI_ACCEPT_OPTION,
+    CLI_JSON_OPTION,
+    CLI_MODEL_OPTIONS,
+    CLI_FORCE_OPTION,
+    CLI_TALK_OPTIONS,
+    CLI_END_OPTIONS};
+
+/* One arm: its session, and the mean of the predicted ball in each socket. */
+typedef struct {
+    cli_model model;
+    mukca_corrected arm;
+    mukca_dataset data;
+    double (*mean)[3]; /* [n_sockets] */
+    int *count;        /* [n_sockets] */
+    double variance;   /* of a coordinate of one sample, m^2 */
+} side;
+
+typedef struct {
+    side side[2];
+    mukca_shared_socket *shared;
+    int (*socket)[2]; /* indices of each shared socket */
+    int n;
+    mukca_two_arms result;
+} align_work;
+
+static void release(void *work)
+{
+    align_work *w = work;
+    for (int i = 0; i < 2; i++) {
+        mukca_dataset_free(&w->side[i].data);
+        free(w->side[i].mean);
+        free(w->side[i].count);
+    }
+    free(w->shared);
+    free(w->socket);
+}
+
+/* Predicted ball of each sample: means by socket, and the scatter about them. */
+static mukca_status find_means(cli_call *call, side *s)
+{
+    const mukca_dataset *d = &s->data;
+    mukca_row_state states;
+    double(*ball)[3] = calloc((size_t)d->n_rows + 1, sizeof *ball), squares = 0;
+    int freedom = 0;
+    s->mean = calloc((size_t)d->n_sockets + 1, sizeof *s->mean);
+    s->count = calloc((size_t)d->n_sockets + 1, sizeof *s->count);
+    if (!ball || !s->mean || !s->count) {
+        free(ball);
+        return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    }
+    mukca_row_state_start(&states, d->n_joints);
+    for (int i = 0; i < d->n_rows; i++) {
+        const mukca_joint_state *state = mukca_dataset_state(&states, d, i);
+        if (d->socket[i] < 0) continue;
+        mukca_corrected_position(ball[i], &s->arm, d->q + (size_t)i * (size_t)d->n_joints, state);
+        s->count[d->socket[i]]++;
+        for (int a = 0; a < 3; a++) s->mean[d->socket[i]][a] += ball[i][a];
+    }
+    for (int k = 0; k < d->n_sockets; k++) {
+        for (int a = 0; a < 3 && s->count[k]; a++) s->mean[k][a] /= s->count[k];
+        freedom += s->count[k] > 1 ? s->count[k] - 1 : 0;
+    }
+    for (int i = 0; i < d->n_rows; i++) {
+        if (d->socket[i] < 0) continue;
+        const double off = mukca_distance3(ball[i], s->mean[d->socket[i]]);
+        squares += off * off;
+    }
+    s->variance = freedom > 0 ? squares / (3 * freedom) : 0;
+    free(ball);
+    return MUKCA_OK;
+}
+
+static mukca_status load_side(cli_call *call, int i)
+{
+    const align_options *o = call->options;
+    align_work *w = call->work;
+    cli_common *c = call->common, left = *c;
+    side *s = &w->side[i];
+    const cli_list path = {call->arguments.items + i, 1};
+    if (i == 1) {
+        c->offsets = o->right_offsets;
+        if (o->right_urdf) c->urdf = o->right_urdf;
+        if (o->right_base) c->base = o->right_base;
+        if (o->right_tip) c->tip = o->right_tip;
+    }
+    mukca_status status = cli_load_model(call, &s->model);
+    if (status == MUKCA_OK) status = cli_check_effects(call, &s->model);
+    if (status == MUKCA_OK) status = cli_load_data(call, &s->data, &s->model, &path);
+    *c = left;
+    if (status != MUKCA_OK) return status;
+    if (s->data.n_sockets == 0)
+        return mukca_fail(&call->error, MUKCA_INPUT, "%.100s: no sockets; give a session",
+                          path.items[0]);
+    s->arm.chain = s->model.chain;
+    s->arm.geometry = s->model.geometry;
+    s->arm.n_effects = s->model.offsets.n_effects;
+    memcpy(s->arm.effects, s->model.offsets.effects, sizeof s->arm.effects);
+    return find_means(call, s);
+}
+
+static const char *placement_of(const side *s, int socket)
+{
+    return s->data.placements[s->data.sockets[socket].placement].name;
+}
+
+/* Sockets with the same placement and label in both sessions. */
+static mukca_status find_shared(cli_call *call)
+{
+    align_work *w = call->work;
+    const side *l = &w->side[0], *r = &w->side[1];
+    w->shared = calloc((size_t)l->data.n_sockets + 1, sizeof *w->shared);
+    w->socket = calloc((size_t)l->data.n_sockets + 1, sizeof *w->socket);
+    if (!w->shared || !w->socket) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    for (int i = 0; i < l->data.n_sockets; i++)
+        for (int k = 0; k < r->data.n_sockets; k++) {
+            if (!l->count[i] || !r->count[k] ||
+                strcmp(placement_of(l, i), placement_of(r, k)) != 0 ||
+                strcmp(l->data.sockets[i].label, r->data.sockets[k].label) != 0)
+                continue;
+            mukca_shared_socket *s = &w->shared[w->n];
+            memcpy(s->at[0], l->mean[i], sizeof s->at[0]);
+            memcpy(s->at[1], r->mean[k], sizeof s->at[1]);
+            s->variance[0] = l->variance / l->count[i];
+            s->variance[1] = r->variance / r->count[k];
+            w->socket[w->n][0] = i;
+            w->socket[w->n++][1] = k;
+            break;
+        }
+    if (w->n > 0) return MUKCA_OK;
+    return mukca_fail(&call->error, MUKCA_INPUT,
+                      "the sessions share no socket: none has the same placement and label in both "
+                      "('%.40s' in %.60s, '%.40s' in %.60s)",
+                      placement_of(l, 0), call->arguments.items[0], placement_of(r, 0),
+                      call->arguments.items[1]);
+}
+
+static void print(cli_call *call)
+{
+    static const char *const names[6] = {"x", "y", "z", "about x", "about y", "about z"};
+    const align_work *w = call->work;
+    const mukca_two_arms *t = &w->result;
+    double rpy[3];
+    mukca_rotation_to_rpy(rpy, t->pose.R, NULL);
+    cli_answer(call, "%d shared sockets; right base '%s' in left base '%s'\n", w->n,
+               w->side[1].model.chain.base, w->side[0].model.chain.base);
+    for (int a = 0; a < 3; a++)
+        cli_answer(call, "  %-8s %12.3f mm    [%.3f, %.3f]\n", names[a], 1e3 * t->pose.p[a],
+                   1e3 * (t->pose.p[a] - t->width95[a]), 1e3 * (t->pose.p[a] + t->width95[a]));
+    cli_answer(call, "  roll %.6f pitch %.6f yaw %.6f rad\n", rpy[0], rpy[1], rpy[2]);
+    for (int a = 3; a < 6; a++)
+        cli_answer(call, "  %-8s within %.3f mrad\n", names[a], 1e3 * t->width95[a]);
+    cli_answer_wrapped(
+        call,
+        "Distance of the sockets after the alignment: %.3f mm rms; noise alone: "
+        "%.3f mm%s",
+        1e3 * t->residual_m, 1e3 * t->expected_m,
+        t->scale > 2 ? " (calibrate both arms first: --offsets, --right-offsets)" : "");
+}
+
+static json_t *as_json(const cli_call *call)
+{
+    const align_work *w = call->work;
+    const mukca_two_arms *t = &w->result;
+    double rpy[3];
+    json_t *sockets = json_array();
+    mukca_rotation_to_rpy(rpy, t->pose.R, NULL);
+    for (int i = 0; i < w->n; i++) {
+        double at[3];
+        mukca_mat3_vec(at, t->pose.R, w->shared[i].at[1]);
+        for (int a = 0; a < 3; a++) at[a] += t->pose.p[a];
+        json_array_append_new(
+            sockets,
+            json_pack("{s:s, s:s, s:f}", "placement", placement_of(&w->side[0], w->socket[i][0]),
+                      "socket", w->side[0].data.sockets[w->socket[i][0]].label, "residual_m",
+                      mukca_distance3(at, w->shared[i].at[0])));
+    }
+    return json_pack("{s:s, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:i, s:f, s:f, s:f}",
+                     "schema", "mukca.align/1", "pose", cli_json_frame(&t->pose), "rpy_rad",
+                     cli_json_reals(rpy, 3), "sigma", "position_m", cli_json_reals(t->sigma, 3),
+                     "rotation_rad", cli_json_reals(t->sigma + 3, 3), "width95", "position_m",
+                     cli_json_reals(t->width95, 3), "rotation_rad",
+                     cli_json_reals(t->width95 + 3, 3), "sockets", sockets, "freedom", t->freedom,
+                     "residual_m", t->residual_m, "expected_m", t->expected_m, "elapsed_s",
+                     cli_elapsed(call));
+}
+
+static mukca_status run(cli_call *call)
+{
+    align_work *w = call->work;
+    mukca_status status = cli_check_outputs(call);
+    for (int i = 0; i < 2 && status == MUKCA_OK; i++) status = load_side(call, i);
+    if (status == MUKCA_OK) status = find_shared(call);
+    if (status == MUKCA_OK)
+        status = mukca_two_arms_align(&w->result, w->shared, w->n, &call->error);
+    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, as_json(call));
+    if (status == MUKCA_OK) print(call);
+    return status;
+}
+
+const cli_command cli_command_align = {
+    .name = "align",
+    .group = CLI_USE,
+    .summary = "base-to-base pose of two arms from the same sockets",
+    .synopsis = "LEFT RIGHT",
+    .min_arguments = 2,
+    .max_arguments = 2,
+    .description =
+        "LEFT and RIGHT are sessions of two arms with the same artefact in the same placements: "
+        "sockets with the same placement and label are one point. Prints the pose of the right "
+        "arm's base in the left arm's base with 95 % intervals. The intervals come from the "
+        "scatter of the samples; they grow where the sockets disagree by more (the arms' "
+        "geometry). Calibrate both arms first and give their tables: the pose belongs to the bases "
+        "of these tables.",
+    .example =
+        "mukca simulate --urdf data/demo/arm.urdf --place a=0.4,0.2,0.1 --place b=0.4,-0.2,0.3 "
+        "--noise 1e-4 -o build/demo/left.tsv --force\n"
+        "mukca align --urdf data/demo/arm.urdf build/demo/left.tsv build/demo/left.tsv",
+    .options = options,
+    .options_size = sizeof(align_options),
+    .run = run,
+    .work_size = sizeof(align_work),
+    .release = release,
+};

@@ -1,0 +1,152 @@
+/* The base of one arm in that of another: absolute orientation (Horn 1987), weighted. */
+#include "fit/two_arms.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "math/dense.h"
+
+enum { FREE = 6, SIZE = FREE + 1, MOST_STEPS = 30 };
+
+/* A micrometre: simulated arms without noise have no scatter. */
+static const double least_variance = 1e-12;
+/* Sockets on one line leave the turn about it open: columns whose part of their own is below this
+ * share, as by a lever of 1 mm over 1 m. */
+static const double least_share = 1e-3;
+
+static double variance_of(const mukca_shared_socket *s)
+{
+    return fmax(s->variance[0] + s->variance[1], least_variance);
+}
+
+/* Closed form, all sockets alike. */
+static void start(mukca_frame *pose, const mukca_shared_socket *s, int n)
+{
+    double mean[2][3] = {{0}}, H[9] = {0}, turned[3];
+    for (int i = 0; i < n; i++)
+        for (int a = 0; a < 6; a++) mean[a / 3][a % 3] += s[i].at[a / 3][a % 3] / n;
+    for (int i = 0; i < n; i++)
+        for (int a = 0; a < 9; a++)
+            H[a] += (s[i].at[1][a / 3] - mean[1][a / 3]) * (s[i].at[0][a % 3] - mean[0][a % 3]);
+    *pose = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    mukca_rotation_nearest(pose->R, H);
+    mukca_mat3_vec(turned, pose->R, mean[1]);
+    for (int a = 0; a < 3; a++) pose->p[a] = mean[0][a] - turned[a];
+}
+
+/* Residual of a socket, and the lever at which the rotation turns it, both in the left base. */
+static void residual(double r[3], double lever[3], const mukca_frame *pose,
+                     const mukca_shared_socket *s)
+{
+    mukca_mat3_vec(lever, pose->R, s->at[1]);
+    for (int a = 0; a < 3; a++) r[a] = s->at[0][a] - pose->p[a] - lever[a];
+}
+
+/* R[FREE][SIZE]: triangular factor of the weighted equations; shift first, then the turn. */
+static void absorb(double *R, const mukca_frame *pose, const mukca_shared_socket *s, int n)
+{
+    memset(R, 0, FREE * SIZE * sizeof *R);
+    for (int i = 0; i < n; i++) {
+        double rows[3 * SIZE] = {0}, r[3], lever[3];
+        const double w = 1 / sqrt(variance_of(&s[i]));
+        residual(r, lever, pose, &s[i]);
+        for (int k = 0; k < 3; k++) {
+            double *row = rows + k * SIZE;
+            row[k] = w;
+            row[3 + (k + 1) % 3] = w * lever[(k + 2) % 3];
+            row[3 + (k + 2) % 3] = -w * lever[(k + 1) % 3];
+            row[FREE] = w * r[k];
+        }
+        mukca_dense_qr_absorb(R, NULL, rows, 3, FREE, 1);
+    }
+}
+
+static bool determined(const double *R)
+{
+    for (int c = 0; c < FREE; c++) {
+        double length = 0;
+        for (int i = 0; i <= c; i++) length = hypot(length, R[i * SIZE + c]);
+        if (!(fabs(R[c * SIZE + c]) > least_share * length)) return false;
+    }
+    return true;
+}
+
+/* x = R^-1 b. */
+static void solve(double x[FREE], const double *R, const double b[FREE])
+{
+    for (int i = FREE - 1; i >= 0; i--) {
+        x[i] = b[i];
+        for (int k = i + 1; k < FREE; k++) x[i] -= R[i * SIZE + k] * x[k];
+        x[i] /= R[i * SIZE + i];
+    }
+}
+
+/* 97.5 % quantile of Student's t (Abramowitz and Stegun 26.7.5), to 1 % from 3 degrees on. */
+static double student(int freedom)
+{
+    const double z = 1.959963985, z2 = z * z, f = freedom;
+    return z * (1 + (z2 + 1) / (4 * f) + ((5 * z2 + 16) * z2 + 3) / (96 * f * f) +
+                (((3 * z2 + 19) * z2 + 17) * z2 - 15) / (384 * f * f * f));
+}
+
+/* Errors of the pose from the factor R of the last step. */
+static void judge(mukca_two_arms *out, const double *R, const mukca_shared_socket *s, int n)
+{
+    double chi2 = 0, squares = 0, noise = 0;
+    for (int i = 0; i < n; i++) {
+        double r[3], lever[3];
+        residual(r, lever, &out->pose, &s[i]);
+        chi2 += mukca_dot3(r, r) / variance_of(&s[i]);
+        squares += mukca_dot3(r, r);
+        noise += 3 * variance_of(&s[i]);
+    }
+    out->freedom = 3 * n - FREE;
+    out->residual_m = sqrt(squares / n);
+    out->expected_m = sqrt(noise / n * out->freedom / (3 * n));
+    out->scale = fmax(1, sqrt(chi2 / out->freedom));
+    memset(out->sigma, 0, sizeof out->sigma);
+    for (int k = 0; k < FREE; k++) { /* columns of R^-1 */
+        double e[FREE] = {0}, x[FREE];
+        e[k] = 1;
+        solve(x, R, e);
+        for (int i = 0; i < FREE; i++) out->sigma[i] = hypot(out->sigma[i], x[i]);
+    }
+    for (int i = 0; i < FREE; i++) {
+        out->sigma[i] *= out->scale;
+        out->width95[i] =
+            (out->scale > 1 ? student(out->freedom) : student(1000000)) * out->sigma[i];
+    }
+}
+
+mukca_status mukca_two_arms_align(mukca_two_arms *out, const mukca_shared_socket *s, int n,
+                                  mukca_error *error)
+{
+    double R[FREE * SIZE];
+    if (n < 3)
+        return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
+                          "the arms share %d sockets; three are needed, not on one line: record "
+                          "two placements with both arms",
+                          n);
+    start(&out->pose, s, n);
+    for (int pass = 0; pass < MOST_STEPS; pass++) {
+        double b[FREE], x[FREE], turn[9], turned[9], step = 0;
+        absorb(R, &out->pose, s, n);
+        if (!determined(R))
+            return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
+                              "the sockets that the arms share lie on one line; record another "
+                              "placement off it with both arms");
+        for (int i = 0; i < FREE; i++) b[i] = R[i * SIZE + FREE];
+        solve(x, R, b);
+        mukca_rotation_exp(turn, x + 3);
+        mukca_mat3_mul(turned, turn, out->pose.R);
+        memcpy(out->pose.R, turned, sizeof turned);
+        for (int i = 0; i < FREE; i++) {
+            if (i < 3) out->pose.p[i] += x[i];
+            step = fmax(step, fabs(x[i]));
+        }
+        if (step < 1e-12) break;
+    }
+    judge(out, R, s, n);
+    return MUKCA_OK;
+}

@@ -1,0 +1,95 @@
+/* Base to base: the pose that was built in, and intervals that hold it as often as they say. */
+#include "fit/two_arms.h"
+
+#include <string.h>
+
+#include "close.h"
+#include "math/random.h"
+
+enum { SOCKETS = 6 };
+
+static const mukca_frame truth = {.R = {0, -1, 0, 1, 0, 0, 0, 0, 1}, .p = {1.2, -0.3, 0.05}};
+
+/* Two sockets in each of three placements, seen with `noise` m per axis (std of the means). */
+static void make(mukca_shared_socket *s, double noise, double stated, mukca_random *random)
+{
+    static const double places[3][3] = {{0.4, 0.1, 0.1}, {0.5, -0.2, 0.3}, {0.3, 0, 0.5}};
+    for (int i = 0; i < SOCKETS; i++) {
+        const double at[3] = {places[i / 2][0] + 0.05 * (i % 2), places[i / 2][1],
+                              places[i / 2][2]};
+        mukca_mat3_vec(s[i].at[0], truth.R, at);
+        for (int a = 0; a < 3; a++) {
+            s[i].at[0][a] += truth.p[a] + noise * mukca_random_normal(random);
+            s[i].at[1][a] = at[a] + noise * mukca_random_normal(random);
+        }
+        s[i].variance[0] = s[i].variance[1] = stated * stated;
+    }
+}
+
+static void exact_sockets_give_the_pose(void **state)
+{
+    (void)state;
+    mukca_shared_socket s[SOCKETS];
+    mukca_two_arms t;
+    mukca_random random;
+    mukca_random_seed(&random, 1);
+    make(s, 0, 1e-4, &random);
+    assert_int_equal(mukca_two_arms_align(&t, s, SOCKETS, NULL), MUKCA_OK);
+    for (int i = 0; i < 9; i++) assert_close(t.pose.R[i], truth.R[i], 1e-12);
+    for (int i = 0; i < 3; i++) assert_close(t.pose.p[i], truth.p[i], 1e-12);
+    assert_close(t.residual_m, 0, 1e-12);
+    assert_close(t.scale, 1, 0);
+}
+
+/* 2000 runs of six numbers: 95 % within 4 standard errors of a share (they are correlated). */
+static void intervals_hold(void **state)
+{
+    (void)state;
+    static const double stated[2] = {1e-4, 1e-5}; /* noise as stated; understated tenfold */
+    for (int k = 0; k < 2; k++) {
+        mukca_random random;
+        int inside = 0;
+        enum { RUNS = 2000 };
+        mukca_random_seed(&random, 7);
+        for (int run = 0; run < RUNS; run++) {
+            mukca_shared_socket s[SOCKETS];
+            mukca_two_arms t;
+            double w[3];
+            make(s, 1e-4, stated[k], &random);
+            assert_int_equal(mukca_two_arms_align(&t, s, SOCKETS, NULL), MUKCA_OK);
+            mukca_rotation_difference(w, t.pose.R, truth.R);
+            for (int a = 0; a < 3; a++) {
+                inside += fabs(t.pose.p[a] - truth.p[a]) <= t.width95[a];
+                inside += fabs(w[a]) <= t.width95[3 + a];
+            }
+        }
+        const double share = inside / (6.0 * RUNS);
+        print_message("noise stated as %g m: %.1f %% inside\n", stated[k], 100 * share);
+        assert_true(share > 0.935 && share < 0.985); /* scale >= 1 errs on the safe side */
+    }
+}
+
+static void sockets_that_do_not_suffice(void **state)
+{
+    (void)state;
+    mukca_shared_socket s[SOCKETS];
+    mukca_two_arms t;
+    mukca_error error;
+    mukca_random random;
+    mukca_random_seed(&random, 1);
+    make(s, 1e-5, 1e-5, &random);
+    assert_int_equal(mukca_two_arms_align(&t, s, 2, &error), MUKCA_UNIDENTIFIABLE);
+    for (int i = 0; i < SOCKETS; i++)
+        for (int k = 0; k < 2; k++)
+            for (int a = 0; a < 3; a++) s[i].at[k][a] = a == k ? 0.1 * i : 0.2;
+    assert_int_equal(mukca_two_arms_align(&t, s, SOCKETS, &error), MUKCA_UNIDENTIFIABLE);
+    assert_non_null(strstr(error.text, "one line"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(exact_sockets_give_the_pose),
+                                       cmocka_unit_test(intervals_hold),
+                                       cmocka_unit_test(sockets_that_do_not_suffice)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
