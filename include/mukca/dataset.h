@@ -37,6 +37,7 @@ typedef struct {
     int *socket;         /* [n_rows] index into sockets, -1 for a row of a pose log */
     int *row;            /* [n_rows] 1-based data row in its file */
     int *file;           /* [n_rows] index into files */
+    int *target;         /* [n_rows] index into targets, -1: none named; or NULL */
     double *time;        /* [n_rows] s, or NULL */
     double *temperature; /* [n_rows] degrees Celsius, or NULL */
     double *payload;     /* [n_rows] kg at the tip beyond the model, or NULL */
@@ -51,6 +52,8 @@ typedef struct {
     mukca_placement *placements;
     mukca_distance *distances; /* every pair of sockets of a placement whose distance is known */
     char (*files)[512];
+    int n_targets; /* of pose logs: each its own point on the tool */
+    char (*targets)[MUKCA_NAME_SIZE];
 } mukca_dataset;
 
 /* Allocate an empty dataset of that shape: row = 1.., file = 0, socket = -1; optional arrays NULL.
@@ -74,6 +77,12 @@ mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error
  * recording of its own.  The result points into `rows` and is valid until the next call. */
 const mukca_joint_state *mukca_dataset_state(mukca_row_state *rows, const mukca_dataset *data,
                                              int row);
+
+/* Target of a row, -1 where none is named. */
+static inline int mukca_dataset_target(const mukca_dataset *data, int row)
+{
+    return data->target ? data->target[row] : -1;
+}
 
 /* Placement of a row, -1 for a row of a pose log. */
 static inline int mukca_dataset_placement(const mukca_dataset *data, int row)

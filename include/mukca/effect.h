@@ -93,6 +93,12 @@ typedef struct {
 
 extern const mukca_effect_info *const mukca_effect_table[MUKCA_EFFECT_COUNT];
 
+/* Whether an effect exists for sockets or placements only: a pose log has neither. */
+static inline bool mukca_effect_of_sockets(mukca_effect_kind kind)
+{
+    return (mukca_effect_table[kind]->needs & (MUKCA_NEEDS_SOCKETS | MUKCA_NEEDS_PLACEMENTS)) != 0;
+}
+
 /* Duration of a sample whose time is not recorded, s: people take some 8 s per sample. */
 #define MUKCA_SECONDS_PER_ROW 8.0
 

@@ -5,6 +5,7 @@
 
 #include "cli/calibrate.h"
 #include "diagnose/recording.h"
+#include "fit/frames.h"
 #include "fit/nlopt_adapter.h"
 
 typedef struct {
@@ -208,6 +209,8 @@ typedef struct {
     mukca_fit fit;
     mukca_offsets offsets;
     calibrate_result result;
+    double
+        nominal[MUKCA_MAX_THETA]; /* of the chain, its free frames aligned to the training data */
 } calibrate_work;
 
 static void release(void *work)
@@ -230,6 +233,7 @@ static void note_logs(cli_call *call, const mukca_dataset *data)
 
 static mukca_status run(cli_call *call)
 {
+    const calibrate_options *o = call->options;
     const cli_session *s = call->session;
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
@@ -244,6 +248,10 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && fit->identification.rank == 0)
         status = mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE,
                             "the data identify no free parameter; record different postures");
+    if (status == MUKCA_OK)
+        status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->free_base, o->free_tool,
+                                    &call->error);
+    r->train_scores.nominal_theta = r->test_scores.nominal_theta = w->nominal;
     if (status == MUKCA_OK)
         status = cli_scores_make(call, &r->train_scores, &fit->chain, fit->theta, NULL, r->train);
     if (status == MUKCA_OK && r->test->n_rows > 0)

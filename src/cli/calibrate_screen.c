@@ -133,23 +133,26 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
 
 static void print_next(cli_call *call, const calibrate_result *r)
 {
+    const bool sockets = r->train->n_sockets > 0;
     const double train = r->train_scores.calibrated_mean.mae,
                  test = r->test_scores.calibrated_mean.mae;
     const cli_common *c = call->common;
     if (!r->offsets->acceptance.accepted) return;
     if (!enough_samples(r->fit))
-        cli_answer_keyed(call, "Next", "record more postures, 20 in each socket");
-    else if (r->train->n_sockets > 0 && r->train->n_placements < 2)
+        cli_answer_keyed(call, "Next", "record more postures%s",
+                         sockets ? ", 20 in each socket" : "");
+    else if (sockets && r->train->n_placements < 2)
         cli_answer_keyed(call, "Next", "move the tool and record two or three more placements");
     else if (r->test_scores.n == 0)
         cli_answer_keyed(call, "Next",
-                         "check the error elsewhere: mukca evaluate --matrix with these "
-                         "data, or --test with another placement");
+                         sockets ? "check the error elsewhere: mukca evaluate --matrix with these "
+                                   "data, or --test with another placement"
+                                 : "check the error elsewhere: --test with another pose log");
     else if (test > 1.5 * train)
         cli_answer_keyed(call, "Next",
                          "the test error is %.1f times the training error: record more "
-                         "placements, or identify the cause with mukca diagnose",
-                         test / train);
+                         "%s, or identify the cause with mukca diagnose",
+                         test / train, sockets ? "placements" : "postures");
     else if (c->output)
         cli_answer_keyed(call, "Next", "mukca export --urdf %s --offsets %s", c->urdf, c->output);
     if (!c->output) cli_answer_keyed(call, "", "-o offsets.tsv saves the result");

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/text.h"
 #include "cli/capture_view.h"
 #include "cli/live.h"
 #include "io/output.h"
@@ -152,6 +153,42 @@ static json_t *summary(const session *s)
                      "more_rows_help", (int)r->advice.more_rows_help);
 }
 
+/* Placements with two sockets of two samples or more: what a calibration can use. */
+static int count_finished(const mukca_capture *c)
+{
+    const mukca_dataset *rows = &c->rows;
+    int finished = 0;
+    for (int p = 0; p < rows->n_placements; p++) {
+        int sockets = 0;
+        for (int k = 0; k < rows->n_sockets; k++)
+            sockets += rows->sockets[k].placement == p && mukca_capture_count(c, k) >= 2;
+        finished += sockets >= 2;
+    }
+    return finished;
+}
+
+/* The command that goes on with this session, with the options that name the arm. */
+static void print_next(const session *s)
+{
+    const cli_common *c = s->call->common;
+    const struct {
+        const char *option, *value;
+    } arm[] = {{"--urdf", c->urdf}, {"--base", c->base}, {"--tip", c->tip}};
+    char line[4096] = "";
+    mukca_text text = MUKCA_TEXT(line);
+    const bool finished = count_finished(&s->recorder.capture) > 0;
+    mukca_text_put(&text, "mukca %s", finished ? "calibrate" : "capture");
+    for (int i = 0; i < 3; i++)
+        if (arm[i].value) mukca_text_put(&text, " %s %s", arm[i].option, arm[i].value);
+    if (finished)
+        mukca_text_put(&text, " %s -o offsets.tsv", s->recorder.session.path);
+    else
+        mukca_text_put(&text, " -o %s --resume", s->recorder.session.path);
+    cli_answer(s->call, "Next    %s\n", line);
+    if (!finished)
+        cli_answer_wrapped(s->call, "        no placement has two sockets with two samples yet");
+}
+
 static void conclude(session *s)
 {
     const mukca_recorder *r = &s->recorder;
@@ -162,9 +199,7 @@ static void conclude(session *s)
         s->call, "%d samples in %s; %lld joint states received, %lld refused, longest pause %.3f s",
         r->session.n_rows, r->session.path, (long long)r->received, (long long)r->refused,
         r->longest_gap);
-    if (r->session.n_rows)
-        cli_answer(s->call, "Next    mukca calibrate --urdf %s %s -o offsets.tsv\n",
-                   s->call->common->urdf, r->session.path);
+    if (r->session.n_rows) print_next(s);
 }
 
 /* A recording that was given as an argument: the command that feeds it to this one. */

@@ -190,6 +190,7 @@ typedef struct {
     const char *example;              /* real commands, one a line; each is run by a test */
     const cli_option *options;
     size_t options_size;  /* of the options struct, which begins with cli_common */
+    bool targets;         /* pose logs may have several targets */
     const void *defaults; /* an options struct, or NULL: zeroed */
     cli_run_fn *run;
     size_t work_size;            /* of call->work, or 0 */

@@ -177,7 +177,7 @@ static void exchange(mukca_diagnosis *d, mukca_adoption *a)
 
 static mukca_status run(cli_call *call)
 {
-    const diagnose_options *o = call->options;
+    diagnose_options *o = call->options;
     const cli_session *s = call->session;
     diagnose_work *w = call->work;
     mukca_diagnosis *d = &w->diagnosis;
@@ -189,6 +189,10 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_load(call);
     if (status == MUKCA_OK) status = prepare(call);
     if (status != MUKCA_OK) return status;
+    if (s->data.n_targets > 1 && !o->free_tool) {
+        cli_note(call, "several targets: each has a place on the tool of its own (--free-tool)");
+        o->free_tool = true;
+    }
     if (s->data.n_rows > MANY_ROWS)
         cli_note(call, "more than 20000 samples take minutes and gigabytes; a tenth is enough");
     const mukca_dataset *test = s->test.n_rows ? &s->test : NULL;
@@ -274,6 +278,7 @@ const cli_command cli_command_diagnose = {
         "mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv",
     .options = options,
     .options_size = sizeof(diagnose_options),
+    .targets = true,
     .run = run,
     .work_size = sizeof(diagnose_work),
     .release = release,

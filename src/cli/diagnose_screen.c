@@ -325,7 +325,7 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
         const mukca_tested *t = &d->tested[i];
         /* readings need no word about errors of commands */
         bool printed =
-            t->testable ||
+            t->testable || (r->data->n_sockets == 0 && mukca_effect_of_sockets(t->effect)) ||
             (mukca_effect_table[t->effect]->needs & MUKCA_NEEDS_COMMANDS && !r->data->by_command) ||
             (caveat && t->joint < 0 && (mukca_effect_table[t->effect]->needs & MUKCA_NEEDS_MASSES));
         for (int k = 0; k < i && !printed; k++)
@@ -369,22 +369,26 @@ static void print_streams(FILE *stream, const mukca_diagnosed *r)
     flush(stream, "Angles", &text);
 }
 
-/* Several pose logs: which of the free frames they share. */
-static void print_logs(FILE *stream, const mukca_logs *logs)
+/* Several pose logs: which of the free frames they share; several targets. */
+static void print_logs(FILE *stream, const mukca_diagnosed *r)
 {
+    const mukca_logs *logs = &r->diagnosis->logs;
     const double *evidence = logs->log_evidence;
-    if (logs->n < 2 || !(isfinite(evidence[1]) || isfinite(evidence[2]))) return;
+    const bool targets = r->data->n_targets > 1;
+    if (logs->n < 2 || !(targets || isfinite(evidence[1]) || isfinite(evidence[2]))) return;
     const int chosen = logs->base_per_log + 2 * logs->tool_per_log;
     static const char *const own[] = {"", "a tracker's frame", "a target's offset",
                                       "a tracker's frame and a target's offset"};
     char line[TEXT] = "";
     mukca_text text = MUKCA_TEXT(line);
-    if (chosen)
+    if (targets)
+        mukca_text_put(&text, "each of the %d targets has a place on the tool of its own", logs->n);
+    else if (chosen)
         mukca_text_put(&text, "each of the %d pose logs has %s of its own (log Bayes factor %.3g)",
                        logs->n, own[chosen], evidence[chosen] - evidence[0]);
     else
         mukca_text_put(&text, "the %d pose logs share the free frames", logs->n);
-    flush(stream, "Logs", &text);
+    flush(stream, targets ? "Targets" : "Logs", &text);
 }
 
 void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
@@ -403,7 +407,7 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
     }
     fputc('\n', stream);
     print_causes(stream, r);
-    print_logs(stream, &r->diagnosis->logs);
+    print_logs(stream, r);
     print_streams(stream, r);
     print_recording(stream, r);
     print_errors(stream, r);

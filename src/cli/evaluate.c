@@ -199,6 +199,8 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, model, &call->arguments);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, model, &call->common->test);
+    w->data.by_log = s->data.n_files > 1 || s->data.n_targets > 1;
+    w->test.by_log = s->test.n_files > 1 || s->test.n_targets > 1;
     if (status == MUKCA_OK)
         status =
             cli_scores_make(call, &w->data, &model->chain, model->offsets.theta, model, &s->data);
@@ -219,7 +221,8 @@ const cli_command cli_command_evaluate = {
     .min_arguments = 1,
     .max_arguments = -1,
     .description =
-        "Prints a table with one row per placement. mae: mean distance of the predicted ball from "
+        "Prints a table with one row per placement and per pose log; targets with names are placed "
+        "on the tip by the data first. mae: mean distance of the predicted ball from "
         "the mean of its socket (pose logs: from the measured position). std: root of the mean "
         "square. distance_error: predicted minus given distance of the sockets. Each for the "
         "nominal model and, with --offsets, for the calibrated model with its effects. SI "
@@ -231,6 +234,7 @@ const cli_command cli_command_evaluate = {
         "data/demo/test.tsv",
     .options = options,
     .options_size = sizeof(evaluate_options),
+    .targets = true,
     .run = run,
     .work_size = sizeof(evaluate_work),
     .release = release,

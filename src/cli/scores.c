@@ -5,10 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Parameters of the URDF for a chain that may have elements in addition (frames of pose logs). */
-static void find_urdf_theta(double *theta, const mukca_chain *chain, const mukca_chain *urdf)
+#include "base/utf8.h"
+
+/* Parameters of the URDF in those of a chain that may have elements in addition (frames of pose
+ * logs). */
+static void take_urdf_theta(double *theta, const mukca_chain *chain, const mukca_chain *urdf)
 {
-    mukca_chain_theta(theta, chain);
     for (int k = 0; k < chain->n_elements; k++) {
         const int from = mukca_chain_find_element(urdf, chain->element[k].name);
         if (from < 0) continue;
@@ -20,7 +22,7 @@ static void find_urdf_theta(double *theta, const mukca_chain *chain, const mukca
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
                              const double *theta, const cli_model *model, const mukca_dataset *data)
 {
-    const size_t room = (size_t)data->n_placements + 1;
+    const size_t room = mukca_evaluate_room(data);
     mukca_effect effects[MUKCA_MAX_EFFECTS];
     int n_effects = 0;
     if (model && model->offsets.n_effects > 0) {
@@ -29,11 +31,20 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
     }
     double urdf[MUKCA_MAX_THETA];
     const bool factory = call->common->kinematics != NULL;
-    if (factory) find_urdf_theta(urdf, chain, &call->session->model.urdf);
-    const mukca_model before = {.chain = chain, .theta = factory ? urdf : NULL};
-    const mukca_model middle = {.chain = chain};
-    const mukca_model after = {
-        .chain = chain, .theta = theta, .effects = effects, .n_effects = n_effects};
+    mukca_chain_theta(urdf, chain);
+    if (scores->nominal_theta)
+        memcpy(urdf, scores->nominal_theta,
+               MUKCA_PARAMETERS * (size_t)chain->n_elements * sizeof *urdf);
+    if (factory) take_urdf_theta(urdf, chain, &call->session->model.urdf);
+    const mukca_model before = {
+        .chain = chain, .theta = factory ? urdf : scores->nominal_theta, .by_log = scores->by_log};
+    const mukca_model middle = {
+        .chain = chain, .theta = scores->nominal_theta, .by_log = scores->by_log};
+    const mukca_model after = {.chain = chain,
+                               .theta = theta,
+                               .effects = effects,
+                               .n_effects = n_effects,
+                               .by_log = scores->by_log};
     scores->has_factory = factory;
     scores->nominal = calloc(room, sizeof *scores->nominal);
     scores->factory = calloc(room, sizeof *scores->factory);
@@ -63,9 +74,16 @@ void cli_scores_write(FILE *stream, double value)
     if (isfinite(value)) fprintf(stream, "%.17g", value);
 }
 
-const char *cli_scores_name(const mukca_score *score, const mukca_dataset *data)
+const char *cli_scores_name(char name[CLI_SCORES_NAME], const mukca_score *score,
+                            const mukca_dataset *data)
 {
-    return score->placement < 0 ? "poses" : data->placements[score->placement].name;
+    if (score->placement >= 0) return data->placements[score->placement].name;
+    if (score->file < 0) return "poses";
+    const char *path = data->files[score->file], *slash = strrchr(path, '/');
+    snprintf(name, CLI_SCORES_NAME, "%.100s%s%s", slash ? slash + 1 : path,
+             score->target < 0 ? "" : ":", score->target < 0 ? "" : data->targets[score->target]);
+    mukca_utf8_mend(name);
+    return name;
 }
 
 /* The figures of a score, by column and JSON key. */
@@ -98,8 +116,9 @@ void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scor
                            const mukca_dataset *data)
 {
     for (int i = 0; i < scores->n; i++) {
+        char name[CLI_SCORES_NAME];
         const mukca_score *after = &scores->calibrated[i];
-        fprintf(stream, "%s\t%s\t%d", set, cli_scores_name(after, data), after->rows);
+        fprintf(stream, "%s\t%s\t%d", set, cli_scores_name(name, after, data), after->rows);
         for (int k = 0; k < FIGURES; k++) {
             cli_scores_write(stream, figure(&scores->nominal[i], k));
             cli_scores_write(stream, figure(after, k));
@@ -114,9 +133,10 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
 {
     json_t *array = json_array();
     for (int i = 0; i < scores->n; i++) {
+        char name[CLI_SCORES_NAME];
         const mukca_score *before = &scores->nominal[i], *after = &scores->calibrated[i];
-        json_t *object =
-            json_pack("{s:s, s:i}", "placement", cli_scores_name(after, data), "rows", after->rows);
+        json_t *object = json_pack("{s:s, s:i}", "placement", cli_scores_name(name, after, data),
+                                   "rows", after->rows);
         for (int k = 0; k < FIGURES; k++) {
             if (k == ROTATION && !isfinite(figure(after, k))) continue;
             json_object_set_new(object, figures[k].nominal, cli_json_real(figure(before, k)));

@@ -6,7 +6,10 @@
 #include "fit/evaluate.h"
 
 typedef struct {
-    int n; /* placements with rows, and one more for poses */
+    const double *nominal_theta; /* set before: [6 * n_elements] of the nominal model with its free
+                                    frames aligned; NULL: the chain's */
+    bool by_log;                 /* set before: one score for each of several pose logs */
+    int n;                       /* placements with rows, and one more for poses or each log */
     mukca_score *nominal, *factory, *calibrated;
     mukca_score nominal_mean, factory_mean, calibrated_mean;
     bool has_factory; /* --kinematics: nominal is the URDF, factory the file's origins */
@@ -30,8 +33,10 @@ void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scor
 /* A tab and the number, empty where it is not finite. */
 void cli_scores_write(FILE *stream, double value);
 
-/* "panda/front", or "poses" for pose logs. */
-const char *cli_scores_name(const mukca_score *score, const mukca_dataset *data);
+/* "panda/front"; "poses" for all pose logs, "log.csv" or "log.csv:target" for one. */
+enum { CLI_SCORES_NAME = 192 };
+const char *cli_scores_name(char name[CLI_SCORES_NAME], const mukca_score *score,
+                            const mukca_dataset *data);
 
 /* Lines for people: "  consistency mm, train        8.278        0.168     -97.97 %", distortion
  * and rotation where there are any; without `calibrated` the nominal column alone.  `set`: "train".

@@ -45,6 +45,27 @@ static void slot_jacobian(double J[6][6], mukca_regression *m, int slot, int wid
     mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
 }
 
+/* Elements without unknowns of their own are as long as the factor of all lengths makes them.
+ * Sockets do not see those before the second joint. */
+static void length_sigmas(mukca_applied *a, mukca_regression *m)
+{
+    const mukca_unknowns *u = &m->unknowns;
+    const mukca_chain *chain = m->recording.chain;
+    const int factor = u->first_tracker - 1;
+    const bool poses = m->recording.groups[0].socket < 0;
+    for (int k = poses ? 0 : chain->joint_element[0] + 1; k < chain->n_elements; k++) {
+        bool own = false;
+        for (int s = 0; s < u->n_slots; s++) own |= u->slot_element[s] == k;
+        for (int c = 0; c < 3 && !own; c++) {
+            const double length = chain->element[k].xyz[c];
+            const int i = MUKCA_PARAMETERS * k + c;
+            if (!(fabs(length) > 0)) continue;
+            a->theta_sigma[i] = mukca_regression_standard_error(m, factor, &length, 1);
+            a->theta_prior[i] = fabs(length) * m->evidence.prior[factor];
+        }
+    }
+}
+
 static void parameter_sigmas(mukca_applied *a, mukca_regression *m)
 {
     for (int i = 0; i < MUKCA_PARAMETERS * m->recording.chain->n_elements; i++)
@@ -78,6 +99,7 @@ void mukca_applied_fit(mukca_applied *a, mukca_regression *m)
     mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
     if (!(mukca_regression_factor(m) > -HUGE_VAL)) return;
     parameter_sigmas(a, m);
+    length_sigmas(a, m);
     for (int c = 0; c < u->n_causes && a->n_effects < MUKCA_MAX_APPLIED; c++) {
         const mukca_candidate *h = &u->cause[c].candidate;
         if (h->kind != MUKCA_CANDIDATE_EFFECT) continue;

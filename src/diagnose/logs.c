@@ -55,6 +55,12 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
     double best = -HUGE_VAL;
     *logs = (mukca_logs){.n = mukca_recording_number_logs(NULL, data)};
     if (logs->n < 2) return MUKCA_OK;
+    if (data->n_targets > 1) { /* each has its place on the tool; one tracker sees all */
+        for (int i = 0; i < 4; i++) logs->log_evidence[i] = NAN;
+        options->base_per_log = false;
+        logs->tool_per_log = options->tool_per_log = given.free_tool;
+        return MUKCA_OK;
+    }
     for (int i = 0; i < 4; i++) {
         mukca_recording_options tried = given;
         logs->log_evidence[i] = NAN;
@@ -72,12 +78,61 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
     return MUKCA_OK;
 }
 
-void mukca_logs_match(mukca_regression *test, const mukca_regression *training)
+/* Logs of the test data by the names of their targets; those that were not trained on get the logs
+ * after the training's.  Returns the first of these. */
+static int match_targets(mukca_regression *test, const mukca_regression *training)
+{
+    const mukca_recording *from = &training->recording;
+    const mukca_dataset *known = from->data, *data = test->recording.data;
+    const int first = from->n_logs;
+    for (int row = 0; row < data->n_rows; row++) {
+        const int t = mukca_dataset_target(data, row);
+        if (data->socket[row] >= 0) continue;
+        int log = t < 0 ? 0 : first + t;
+        for (int k = 0; k < known->n_rows && log >= first; k++) {
+            const int of = mukca_dataset_target(known, k);
+            if (of >= 0 && strcmp(known->targets[of], data->targets[t]) == 0) log = from->log[k];
+        }
+        test->recording.log[row] = log < MUKCA_MAX_LOGS ? log : 0;
+    }
+    if (test->unknowns.n_targets < 2) test->unknowns.n_targets = 2; /* shifts apply */
+    return first;
+}
+
+void mukca_logs_place_targets(mukca_regression *test, int first)
+{
+    const mukca_recording *r = &test->recording;
+    mukca_unknowns *u = &test->unknowns;
+    for (int log = first; log < MUKCA_MAX_LOGS; log++) {
+        double sum[3] = {0};
+        int n = 0;
+        u->log.tracker[log] = u->log.tracker[0];
+        for (int row = 0; row < r->data->n_rows; row++) {
+            if (r->log[row] != log || r->data->socket[row] >= 0) continue;
+            double measured[3], local[3];
+            mukca_frame tip;
+            mukca_displacement d;
+            mukca_unknowns_displacement(&d, u, r->chain->n_joints, row);
+            mukca_fk_pose(&tip, &u->geometry, r->data->q + (size_t)row * (size_t)r->chain->n_joints,
+                          u->n_causes ? &d : NULL);
+            mukca_unknowns_to_base(measured, u, log, r->data->position + 3 * (size_t)row);
+            for (int c = 0; c < 3; c++) measured[c] -= tip.p[c];
+            mukca_mat3_tvec(local, tip.R, measured);
+            for (int c = 0; c < 3; c++) sum[c] += local[c];
+            n++;
+        }
+        u->log.shift[log] = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+        for (int c = 0; c < 3 && n; c++) u->log.shift[log].p[c] = sum[c] / n;
+    }
+}
+
+int mukca_logs_match(mukca_regression *test, const mukca_regression *training)
 {
     const mukca_recording *from = &training->recording;
     mukca_recording *r = &test->recording;
     const int rows = r->data->n_rows, n = r->n_logs;
     test->unknowns.n_targets = training->unknowns.n_targets;
+    if (r->data->n_targets > 0) return match_targets(test, training);
     int match[MUKCA_MAX_LOGS] = {0};
     double least[MUKCA_MAX_LOGS];
     for (int log = 0; log < n; log++) least[log] = HUGE_VAL;
@@ -98,4 +153,5 @@ void mukca_logs_match(mukca_regression *test, const mukca_regression *training)
             if (count && sum / count < least[log]) least[log] = sum / count, match[log] = g;
         }
     for (int row = 0; row < rows; row++) r->log[row] = match[r->log[row]];
+    return MUKCA_MAX_LOGS;
 }

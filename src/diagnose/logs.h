@@ -14,7 +14,12 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
                                 const mukca_chain *chain, const mukca_dataset *data,
                                 mukca_error *error);
 
-/* Give each log of the test regression the frames of the training log that predicts it best. */
-void mukca_logs_match(mukca_regression *test, const mukca_regression *training);
+/* Give each log of the test regression the frames of the training log of its target; without names,
+ * of the one that predicts it best.  Returns the first log of a target that was not trained on. */
+int mukca_logs_match(mukca_regression *test, const mukca_regression *training);
+
+/* Place the targets of the logs from `first` on by the present arm: their mean in the tip's frame.
+ */
+void mukca_logs_place_targets(mukca_regression *test, int first);
 
 #endif

@@ -85,22 +85,27 @@ static void fill_motion(mukca_recording *r)
 int mukca_recording_number_logs(int *log, const mukca_dataset *data)
 {
     struct {
-        int file;
+        int file, target;
         double payload;
     } known[MUKCA_MAX_LOGS];
     int n = 0;
     for (int row = 0; row < data->n_rows; row++) {
         if (log) log[row] = 0;
         if (data->socket[row] >= 0) continue;
-        const int file = data->file[row];
-        const double kg = data->payload && isfinite(data->payload[row]) ? data->payload[row] : 0;
+        /* targets with names are where they are, whatever the file and the load */
+        const int target = mukca_dataset_target(data, row),
+                  file = target < 0 ? data->file[row] : -1;
+        const double kg =
+            target < 0 && data->payload && isfinite(data->payload[row]) ? data->payload[row] : 0;
         int i = 0;
-        while (i < n && (known[i].file != file || fabs(known[i].payload - kg) > 0)) i++;
+        while (i < n && (known[i].file != file || known[i].target != target ||
+                         fabs(known[i].payload - kg) > 0))
+            i++;
         if (i == MUKCA_MAX_LOGS) { /* too many to tell apart: one */
             for (int k = 0; log && k < data->n_rows; k++) log[k] = 0;
             return 1;
         }
-        if (i == n) known[n].file = file, known[n++].payload = kg;
+        if (i == n) known[n].file = file, known[n].target = target, known[n++].payload = kg;
         if (log) log[row] = i;
     }
     return n;

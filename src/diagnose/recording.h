@@ -91,8 +91,8 @@ void mukca_recording_travel(double range[2], const mukca_recording *recording, i
 int mukca_recording_distinct(const mukca_recording *recording);
 
 /* Number the pose logs: rows of one file and one load, since a target with another mass is mounted
- * anew.  log[n_rows] (may be NULL) gets the index, 0 for samples of sockets.  Returns their number;
- * more than MUKCA_MAX_LOGS count as one. */
+ * anew; or rows of one target, where it has a name.  log[n_rows] (may be NULL) gets the index, 0
+ * for samples of sockets.  Returns their number; more than MUKCA_MAX_LOGS count as one. */
 int mukca_recording_number_logs(int *log, const mukca_dataset *data);
 
 /* Fill moments, torques and mass factors (part of mukca_recording_create). */

@@ -37,12 +37,13 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
     const mukca_arm_state *const step[3] = {&nominal, geometry_only, &explained};
     double *const result[3] = {&errors->nominal_m, &errors->geometry_m, &errors->explained_m};
     mukca_unknowns_set_arm(&t.unknowns, geometry_only);
-    mukca_logs_match(&t, m);
+    const int untrained = mukca_logs_match(&t, m);
     errors->n_placements = test->n_placements;
     errors->placement_m = MUKCA_TAKE(pool, double, test->n_placements + 1);
     for (int s = 0; s < 3 && !t.pool.failed && !pool->failed; s++) {
         if (s == 2 && !carry_causes(&t, &m->unknowns)) break;
         mukca_unknowns_set_arm(&t.unknowns, step[s]);
+        mukca_logs_place_targets(&t, untrained);
         for (int row = 0; row < rows; row++)
             mukca_unknowns_predict_measured(position + 3 * row, &t.unknowns, &t.recording, row);
         mukca_folds_errors(row_error, &t, position, t.recording.keep, false);

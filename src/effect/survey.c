@@ -47,6 +47,6 @@ const char *mukca_effect_faint(mukca_effect_kind kind, int joint)
     const char *at_first = mukca_effect_catalogue[kind]->faint_at_first;
     if (joint == 0 && at_first) return at_first;
     if (joint < 0) return "too small to detect with these samples; record more";
-    return "has almost no effect on the ball in these postures; use a wider range of this joint, "
-           "or mount the ball off its axis";
+    return "has almost no effect on the tip in these postures; use a wider range of this joint, or "
+           "mount ball or target off its axis";
 }

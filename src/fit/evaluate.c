@@ -34,15 +34,47 @@ static void socket_means(double (*mean)[3], int *count, const mukca_frame *tips,
         for (int a = 0; a < 3 && count[s] > 0; a++) mean[s][a] /= count[s];
 }
 
-/* Scores of one placement (-1: poses); `rows` stays 0 where it has none. */
-static mukca_score score_placement(int placement, double (*mean)[3], const int *count,
-                                   const mukca_frame *tips, const mukca_dataset *data)
+/* Move the tips to their targets: the mean place of each in the tip's frame. */
+static bool place_targets(mukca_frame *tips, const mukca_dataset *data)
 {
-    mukca_score score = {.placement = placement, .distance_error = NAN, .rotation_error = NAN};
+    if (data->n_targets == 0 || !data->position) return true;
+    double(*sum)[4] = calloc((size_t)data->n_targets, sizeof *sum);
+    if (!sum) return false;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < data->n_rows; i++) {
+            const int t = mukca_dataset_target(data, i);
+            const double *measured = data->position + 3 * i;
+            double d[3], local[3];
+            if (t < 0 || !isfinite(measured[0])) continue;
+            if (pass == 0) {
+                for (int a = 0; a < 3; a++) d[a] = measured[a] - tips[i].p[a];
+                mukca_mat3_tvec(local, tips[i].R, d);
+                for (int a = 0; a < 3; a++) sum[t][a] += local[a];
+                sum[t][3]++;
+            } else {
+                for (int a = 0; a < 3; a++) local[a] = sum[t][a] / sum[t][3];
+                mukca_mat3_vec(d, tips[i].R, local);
+                for (int a = 0; a < 3; a++) tips[i].p[a] += d[a];
+            }
+        }
+    free(sum);
+    return true;
+}
+
+/* Scores of the rows of a placement, of all poses, or of one log; `rows` stays 0 where there are
+ * none. */
+static mukca_score score_part(mukca_score score, double (*mean)[3], const int *count,
+                              const mukca_frame *tips, const mukca_dataset *data)
+{
+    const int placement = score.placement;
+    score.distance_error = score.rotation_error = NAN;
     double sum = 0, squares = 0, angles = 0, distortion = 0;
     int rows = 0, turns = 0, pairs = 0;
     for (int i = 0; i < data->n_rows; i++) {
         if (mukca_dataset_placement(data, i) != placement) continue;
+        if (score.file >= 0 &&
+            (data->file[i] != score.file || mukca_dataset_target(data, i) != score.target))
+            continue;
         const double *about = placement >= 0   ? mean[data->socket[i]]
                               : data->position ? data->position + 3 * i
                                                : NULL;
@@ -83,7 +115,7 @@ static void add(double *sum, int *count, double value)
 /* Mean of each field over the scores that have it. */
 static mukca_score mean_score(const mukca_score *scores, int n)
 {
-    mukca_score mean = {.placement = -1};
+    mukca_score mean = {.placement = -1, .file = -1, .target = -1};
     double *const field[4] = {&mean.mae, &mean.std, &mean.distance_error, &mean.rotation_error};
     int count[4] = {0};
     for (int i = 0; i < n; i++) {
@@ -108,11 +140,18 @@ int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *mo
     int *count = calloc(sockets, sizeof *count);
     if (!tips || !means || !count) goto out;
     mukca_evaluate_tips(tips, model, data);
+    if (!place_targets(tips, data)) goto out;
     socket_means(means, count, tips, data);
     n = 0;
     for (int p = 0; p <= data->n_placements; p++) {
-        scores[n] = score_placement(p < data->n_placements ? p : -1, means, count, tips, data);
-        n += scores[n].rows > 0;
+        const bool poses = p == data->n_placements, logs = poses && model->by_log;
+        for (int f = logs ? 0 : -1; f < (logs ? data->n_files : 0); f++)
+            for (int t = -1; t < (logs ? data->n_targets : 0); t++) {
+                scores[n] =
+                    score_part((mukca_score){.placement = poses ? -1 : p, .file = f, .target = t},
+                               means, count, tips, data);
+                n += scores[n].rows > 0;
+            }
     }
     if (mean) *mean = mean_score(scores, n);
 out:

@@ -7,7 +7,8 @@
 
 /* Of the rows of one placement, or of all pose rows together, or the mean over those. */
 typedef struct {
-    int placement; /* index; -1: the rows of pose logs */
+    int placement;    /* index; -1: the rows of pose logs */
+    int file, target; /* of one pose log (mukca_model.by_log), target -1: none named; else -1 */
     int rows;
     double mae; /* mean distance of a sample from its socket's mean, or from the measurement, m */
     double std; /* root of the mean squared distance, m */
@@ -21,14 +22,22 @@ typedef struct {
     const double *theta;         /* [6 * n_elements]; NULL: nominal */
     const mukca_effect *effects; /* [n_effects], their placements those of the data; may be NULL */
     int n_effects;
+    bool by_log; /* one score for each pose log (a target in a file), not one for all */
 } mukca_model;
 
 /* Pose of the tip in each row: tips[n_rows]. */
 void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data);
 
-/* Scores of `data`.  scores[n_placements + 1] gets one entry for each placement that has rows, then
- * one for the poses; `mean` (may be NULL) the mean over them (rows: the sum).  Returns their
- * number, -1 when out of memory. */
+/* Room for the scores of a dataset. */
+static inline size_t mukca_evaluate_room(const mukca_dataset *data)
+{
+    return (size_t)data->n_placements + 1 + (size_t)data->n_files * ((size_t)data->n_targets + 1);
+}
+
+/* Scores of `data`.  scores[mukca_evaluate_room], or [n_placements + 1] without by_log, gets one
+ * entry for each placement that has rows, then one for the poses, or for each log.  Targets with
+ * names are placed on the tip by these data before they are judged; `mean` (may be NULL) the mean
+ * over them (rows: the sum).  Returns their number, -1 when out of memory. */
 int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data);
 

@@ -110,8 +110,8 @@ static mukca_status reserve(mukca_dataset_builder *builder, const column optiona
     const int capacity = builder->capacity ? 2 * builder->capacity : FIRST;
     if (capacity > MOST) return mukca_fail(builder->error, MUKCA_MEMORY, "too many rows");
     mukca_status status = resize_rows(&d->q, d->n_joints, capacity, builder);
-    int **const indices[] = {&d->socket, &d->row, &d->file};
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
+    int **const indices[] = {&d->socket, &d->row, &d->file, &d->target};
+    for (int i = 0; i < (d->target ? 4 : 3) && status == MUKCA_OK; i++) {
         int *grown = resize(*indices[i], (size_t)capacity, sizeof *grown, builder);
         if (!grown) return MUKCA_MEMORY;
         *indices[i] = grown;
@@ -137,6 +137,30 @@ static mukca_status set_optional(const column *c, mukca_dataset_builder *builder
     return MUKCA_OK;
 }
 
+/* Set the target of row i; the list is made by the first row that has one. */
+static mukca_status set_target(mukca_dataset_builder *builder, int i, const char *name)
+{
+    mukca_dataset *d = builder->data;
+    if (!name && !d->target) return MUKCA_OK;
+    if (!d->target) {
+        d->target = resize(NULL, (size_t)builder->capacity, sizeof *d->target, builder);
+        if (!d->target) return MUKCA_MEMORY;
+        for (int k = 0; k < i; k++) d->target[k] = -1;
+    }
+    d->target[i] = -1;
+    if (!name) return MUKCA_OK;
+    int t = 0;
+    while (t < d->n_targets && strcmp(d->targets[t], name) != 0) t++;
+    if (t == d->n_targets) {
+        void *grown = resize(d->targets, (size_t)t + 1, sizeof *d->targets, builder);
+        if (!grown) return MUKCA_MEMORY;
+        d->targets = grown;
+        snprintf(d->targets[d->n_targets++], sizeof *d->targets, "%s", name);
+    }
+    d->target[i] = t;
+    return MUKCA_OK;
+}
+
 mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *row, int socket,
                              int row_in_file)
 {
@@ -155,6 +179,7 @@ mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *ro
     d->socket[i] = socket;
     d->file[i] = d->n_files - 1;
     d->row[i] = row_in_file;
+    status = set_target(builder, i, row->target);
     for (int k = 0; k < OPTIONAL && status == MUKCA_OK; k++)
         status = set_optional(&optional[k], builder, i);
     return status;

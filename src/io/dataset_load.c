@@ -206,6 +206,18 @@ static mukca_status check_columns(const mukca_dataset_builder *b, const mukca_ro
                                   "socket, or x_m, y_m, z_m");
 }
 
+/* As many as the diagnosis has frames for. */
+static mukca_status check_targets(const mukca_dataset_builder *b, const session *s,
+                                  const char *name)
+{
+    const mukca_dataset *d = b->data;
+    int t = 0;
+    while (t < d->n_targets && strcmp(d->targets[t], name) != 0) t++;
+    if (t < MUKCA_ROWS_TARGETS) return MUKCA_OK;
+    return mukca_table_fail(b->error, &s->rows.table, s->rows.column.target, "more than %d targets",
+                            (int)MUKCA_ROWS_TARGETS);
+}
+
 static mukca_status read_rows(mukca_dataset_builder *b, session *s)
 {
     mukca_row row;
@@ -222,7 +234,11 @@ static mukca_status read_rows(mukca_dataset_builder *b, session *s)
             unmeasured++;
             continue;
         }
-        if (row.socket) status = find_socket(&socket, b, s, &row);
+        if (row.target) status = check_name(b, s, row.target, s->rows.column.target);
+        if (status == MUKCA_OK && row.target && !row.socket)
+            status = check_targets(b, s, row.target);
+        if (row.socket) row.target = NULL; /* the ball */
+        if (status == MUKCA_OK && row.socket) status = find_socket(&socket, b, s, &row);
         if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, t->row);
         if (status != MUKCA_OK) return status;
     }

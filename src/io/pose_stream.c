@@ -19,6 +19,17 @@ static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
                             "no columns x_m, y_m, z_m; a pose log needs measured positions");
 }
 
+/* All rows are of one target. */
+static mukca_status check_target(mukca_pose_stream *s, const mukca_row *row, mukca_error *error)
+{
+    const char *name = row->target ? row->target : "";
+    if (!s->named) snprintf(s->target, sizeof s->target, "%s", name);
+    s->named = true;
+    if (strncmp(s->target, name, sizeof s->target - 1) == 0) return MUKCA_OK;
+    return mukca_table_fail(error, &s->rows.table, s->rows.column.target,
+                            "a second target, '%.40s': mukca diagnose -o fits several", name);
+}
+
 static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
 {
     mukca_pose_stream *s = context;
@@ -31,6 +42,8 @@ static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_e
         if (!*more) return MUKCA_OK;
         if (!s->open) status = open_file(s, error);
         if (status == MUKCA_OK) status = mukca_rows_next(&s->rows, &read, &found, error);
+        if (status != MUKCA_OK) return status;
+        if (found) status = check_target(s, &read, error);
         if (status != MUKCA_OK) return status;
         if (!found) {
             mukca_pose_stream_close(s);

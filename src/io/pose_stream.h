@@ -17,6 +17,8 @@ typedef struct {
     int at; /* the file being read */
     mukca_rows rows;
     bool open, noted;
+    bool named; /* `target` is the first row's */
+    char target[MUKCA_NAME_SIZE];
 } mukca_pose_stream;
 
 /* A log of the pose logs of `stream`.  Rows without a position are skipped.  Close the stream

@@ -45,6 +45,8 @@ void mukca_dataset_free(mukca_dataset *data)
     free(data->socket);
     free(data->row);
     free(data->file);
+    free(data->target);
+    free(data->targets);
     free(data->time);
     free(data->temperature);
     free(data->payload);
@@ -107,6 +109,7 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                (size_t)data->n_placements * sizeof *copy.placements);
     copy.n_distances = data->n_distances;
     copy.n_files = data->n_files;
+    copy.n_targets = data->n_targets;
     copy.by_command = data->by_command;
     double *q = NULL;
     const int n = data->n_joints;
@@ -122,7 +125,9 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
         copy_doubles(&copy.position, data->position, 3, data, keep, kept) &&
         copy_doubles(&copy.quaternion, data->quaternion, 4, data, keep, kept) &&
         copy_list(&copy.distances, data->distances, data->n_distances, sizeof *data->distances) &&
-        copy_list(&copy.files, data->files, data->n_files, sizeof *data->files);
+        copy_list(&copy.files, data->files, data->n_files, sizeof *data->files) &&
+        copy_list(&copy.targets, data->targets, data->n_targets, sizeof *data->targets) &&
+        copy_list(&copy.target, data->target, data->n_rows, sizeof *data->target);
     if (q) {
         free(copy.q);
         copy.q = q;
@@ -136,6 +141,7 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
         copy.socket[k] = data->socket[i];
         copy.row[k] = data->row[i];
         copy.file[k] = data->file[i];
+        if (copy.target) copy.target[k] = data->target[i];
         k++;
     }
     *out = copy;

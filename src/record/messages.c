@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/text.h"
 #include "base/utf8.h"
 #include "record/recorder.h"
 
@@ -78,6 +79,42 @@ void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const
 void mukca_recorder_count_unwritten(mukca_recorder *r, const mukca_error *error)
 {
     if (error->status == MUKCA_MEMORY && r->unwritten++ == 0) r->first_unwritten = *error;
+}
+
+/* "no joint state on X"; `text` gets it with "PANDA_STATUS (drake.lcmt_panda_status, 7 joints),
+ * CAMERA (unknown type)". */
+void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since)
+{
+    if (r->lines) {
+        mukca_text_put(text, "no joint state on standard input%s: does the program before it run?",
+                       since);
+        return;
+    }
+    mukca_text_put(text, "no joint state%s%s%s; heard instead: ", r->channel[0] ? " on " : "",
+                   r->channel, since);
+    bool unknown = false;
+    for (int i = 0; i < r->n_heard; i++) {
+        const mukca_recorder_heard *h = &r->heard[i];
+        unknown |= h->type < 0;
+        mukca_text_put(text, "%s%s (%s", i ? ", " : "", h->channel,
+                       h->type < 0 ? "unknown type" : r->types.type[h->type].name);
+        if (h->joints) mukca_text_put(text, ", %d joints", h->joints);
+        mukca_text_put(text, ")");
+    }
+    if (unknown)
+        mukca_text_put(text, "; describe an unknown type with --type FILE.lcm --position FIELD");
+    if (!r->n_heard)
+        mukca_text_put(text, "nothing (is the sender on this network, and the multicast route?)");
+}
+
+void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t size)
+{
+    mukca_text words = {.size = size};
+    words.at = text; /* clang-tidy misses this use in an initialiser */
+    if (r->problem.status)
+        mukca_text_put(&words, "%s", r->problem.text);
+    else
+        mukca_recorder_describe_silence(&words, r, "");
 }
 
 double mukca_recorder_age(const mukca_recorder *r)

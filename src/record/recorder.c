@@ -17,28 +17,6 @@ enum {                       /* us, of our choice */
        PROBLEM_US = 1000000  /* for a good message after a bad one */
 };
 
-/* "no joint state on X"; `text` gets it with "PANDA_STATUS (drake.lcmt_panda_status, 7 joints),
- * CAMERA (unknown type)". */
-static void describe_silence(mukca_text *text, const mukca_recorder *r, const char *since)
-{
-    if (r->lines) {
-        mukca_text_put(text, "no joint state on standard input%s: does the program before it run?",
-                       since);
-        return;
-    }
-    mukca_text_put(text, "no joint state%s%s%s; heard instead: ", r->channel[0] ? " on " : "",
-                   r->channel, since);
-    for (int i = 0; i < r->n_heard; i++) {
-        const mukca_recorder_heard *h = &r->heard[i];
-        mukca_text_put(text, "%s%s (%s", i ? ", " : "", h->channel,
-                       h->type < 0 ? "unknown type" : r->types.type[h->type].name);
-        if (h->joints) mukca_text_put(text, ", %d joints", h->joints);
-        mukca_text_put(text, ")");
-    }
-    if (!r->n_heard)
-        mukca_text_put(text, "nothing (is the sender on this network, and the multicast route?)");
-}
-
 /* The one channel heard whose messages fit the arm. */
 static mukca_status choose_channel(mukca_recorder *r)
 {
@@ -186,7 +164,7 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
     if (status == MUKCA_NEGATIVE && !r->mapped) { /* a short log may end at once */
         char line[MUKCA_RECORDER_LINE];
         mukca_text text = MUKCA_TEXT(line);
-        describe_silence(&text, r, "");
+        mukca_recorder_describe_silence(&text, r, "");
         return mukca_fail(error, MUKCA_TRANSPORT, "%s", line);
     }
     r->connected = true;
@@ -210,7 +188,7 @@ static void watch(mukca_recorder *r, int64_t age)
     mukca_text text = MUKCA_TEXT(line);
     r->silent = true;
     snprintf(since, sizeof since, " for %.1f s", 1e-6 * (double)age);
-    describe_silence(&text, r, since);
+    mukca_recorder_describe_silence(&text, r, since);
     mukca_recorder_report(r, "%s", line);
 }
 

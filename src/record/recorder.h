@@ -3,6 +3,7 @@
 #ifndef MUKCA_RECORD_RECORDER_H
 #define MUKCA_RECORD_RECORDER_H
 
+#include "base/text.h"
 #include "capture/capture.h"
 #include "io/session_append.h"
 #include "lcm/decode.h"
@@ -139,6 +140,9 @@ void mukca_recorder_close(mukca_recorder *r);
  * MUKCA_INPUT, MUKCA_INTERRUPTED. */
 mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error *error);
 
+/* Why no stream has been found so far. */
+void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t size);
+
 /* The mapping as lines for people, and whether it goes by order and nobody has confirmed it. */
 void mukca_recorder_describe_map(const mukca_recorder *r, char *text, size_t size);
 bool mukca_recorder_needs_confirmation(const mukca_recorder *r);
@@ -197,7 +201,11 @@ void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const
     __attribute__((format(printf, 3, 4)));
 
 const char *mukca_recorder_type(const mukca_recorder *r); /* of the joint states; "": none yet */
-double mukca_recorder_age(const mukca_recorder *r);       /* s since the last joint state arrived */
+/* "no joint state on X; heard instead: PANDA_STATUS (drake.lcmt_panda_status, 7 joints)"; `since`
+ * follows the channel. */
+void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since);
+
+double mukca_recorder_age(const mukca_recorder *r); /* s since the last joint state arrived */
 const char *mukca_recorder_stream(const mukca_recorder *r); /* "raw" or "corrected" */
 
 /* ---- steps of the above, for the files of this folder ---- */

@@ -129,6 +129,15 @@ static void name_joints(const mukca_recorder *r, const char **names)
     for (int j = 0; j < r->chain->n_joints; j++) names[j] = mukca_recorder_joint(r, j);
 }
 
+/* Why nothing can be recorded: a stream that cannot be used, if there is no other reason. */
+static mukca_status no_session(const mukca_recorder *r, mukca_error *error)
+{
+    if (r->mapped) return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded");
+    char text[sizeof error->text];
+    mukca_recorder_describe_search(r, text, sizeof text);
+    return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded: %s", text);
+}
+
 /* Current labels for those that are NULL or "".  Errors: MUKCA_NEGATIVE (no session, or a label
  * that a file cannot hold). */
 static mukca_status complete_labels(const mukca_recorder *r, const char **placement,
@@ -136,7 +145,7 @@ static mukca_status complete_labels(const mukca_recorder *r, const char **placem
 {
     if (!*placement || !**placement) *placement = mukca_capture_placement(&r->capture);
     if (!*socket || !**socket) *socket = mukca_capture_socket(&r->capture);
-    if (!r->session.fd) return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded");
+    if (!r->session.fd) return no_session(r, error);
     if (mukca_session_label_ok(*placement) && mukca_session_label_ok(*socket)) return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
                       "\"%.40s\" or \"%.40s\" cannot be a name (1 to 63 characters of UTF-8, no "

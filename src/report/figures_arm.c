@@ -206,7 +206,10 @@ bool mukca_report_arm(mukca_plot *plot, const mukca_report *r, int index)
     FILE *s = plot->script;
     const double large = large_residual(r);
     if (index > 0 || !(large > 0)) return false;
-    mukca_plot_begin(plot, "arm", "Arm, placements and residual vectors", MUKCA_PLOT_HALF, 0);
+    mukca_plot_begin(
+        plot, "arm",
+        r->data.n_sockets > 0 ? "Arm, placements and residual vectors" : "Arm and residual vectors",
+        MUKCA_PLOT_HALF, 0);
     view v = aim(s, r);
     const double step = put_ground(&v, r);
     const int arms = put_placements(plot, &v, r);

@@ -134,9 +134,9 @@ bool mukca_report_joints(mukca_plot *plot, const mukca_report *r, int index)
               s);
     fputc('\n', s);
     fprintf(plot->description,
-            "The part of each sample's error along which %s moves the ball, over the "
+            "The part of each sample's error along which %s moves the %s, over the "
             "joint's %s: %.3g mm rms after geometry",
-            e->name, coordinate, sqrt(residual));
+            e->name, r->data.n_sockets > 0 ? "ball" : "target", coordinate, sqrt(residual));
     if (r->joint_effect)
         fprintf(plot->description, ", %.3g mm with the causes modelled", sqrt(left));
     fprintf(plot->description, ".");

@@ -82,6 +82,8 @@ static mukca_status put_section(FILE *out, FILE *list, int section, const mukca_
                                 mukca_error *error)
 {
     const char *id = sections[section].id, *heading = sections[section].heading;
+    if (sections[section].text == mukca_report_put_placements && r->data.n_sockets == 0)
+        heading = "Position errors";
     char *figures = NULL;
     size_t size = 0;
     const destination page = {.page = open_memstream(&figures, &size)};

@@ -27,7 +27,7 @@ void mukca_report_put_key_figures(FILE *out, const mukca_report *r)
     if (d->n_causes > 0) put_length(out, "held out, with the causes", d->explained_m);
     put_length(out, "noise floor", d->noise_floor_m);
     put_count(out, "samples", r->data.n_rows);
-    put_count(out, "placements", r->data.n_placements);
+    if (r->data.n_placements > 0) put_count(out, "placements", r->data.n_placements);
     if (r->fit)
         fprintf(out,
                 "<div><dt>identifiable combinations</dt><dd>%d <small>of %d</small></dd></div>\n",
@@ -37,15 +37,24 @@ void mukca_report_put_key_figures(FILE *out, const mukca_report *r)
 
 void mukca_report_put_placements(FILE *out, const mukca_report *r)
 {
+    const bool sockets = r->data.n_sockets > 0;
     mukca_html_table table = {
         .out = out,
-        .caption = "Errors by placement, mm",
-        .columns =
-            "placement|used for|#samples|#mean error, nominal|#mean error, calibrated|#rms, "
-            "nominal|#rms, calibrated|#distortion, nominal|#distortion, calibrated"};
+        .caption = sockets ? "Errors by placement, mm" : "Position errors, mm",
+        .columns = sockets ? "placement|used for|#samples|#mean error, nominal|#mean error, "
+                             "calibrated|#rms, nominal|#rms, calibrated|#distortion, "
+                             "nominal|#distortion, calibrated"
+                           : "data|used for|#samples|#mean error, nominal|#mean error, "
+                             "calibrated|#rms, nominal|#rms, calibrated"};
     const double mm = MUKCA_REPORT_MM;
     for (int i = 0; i < r->n_scores; i++) {
         const mukca_score *a = &r->scores[i].nominal, *b = &r->scores[i].calibrated;
+        if (!sockets) {
+            mukca_html_row(&table, "%s\t%s\t%d\t%.3f\t%.3f\t%.3f\t%.3f", r->scores[i].placement,
+                           r->scores[i].test ? "test" : "training", b->rows, a->mae * mm,
+                           b->mae * mm, a->std * mm, b->std * mm);
+            continue;
+        }
         mukca_html_row(&table, "%s\t%s\t%d\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f",
                        r->scores[i].placement, r->scores[i].test ? "test" : "training", b->rows,
                        a->mae * mm, b->mae * mm, a->std * mm, b->std * mm, a->distance_error * mm,
@@ -56,11 +65,12 @@ void mukca_report_put_placements(FILE *out, const mukca_report *r)
 
 void mukca_report_put_terms(FILE *out, const mukca_report *r)
 {
-    (void)r;
-    fputs(
-        "<p>Consistency error: distance of the predicted ball centres of one socket from their "
-        "mean. Distortion: error of the predicted distance between two sockets.</p>\n",
-        out);
+    fputs(r->data.n_sockets == 0
+              ? "<p>Error of a pose: distance of the predicted from the measured position.</p>\n"
+              : "<p>Consistency error: distance of the predicted ball centres of one socket from "
+                "their "
+                "mean. Distortion: error of the predicted distance between two sockets.</p>\n",
+          out);
 }
 
 void mukca_report_put_offsets(FILE *out, const mukca_report *r)

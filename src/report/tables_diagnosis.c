@@ -220,7 +220,9 @@ static void put_untestable(FILE *out, const mukca_report *r)
         char name[MUKCA_WORDING], joints[MUKCA_MAX_JOINTS * (MUKCA_NAME_SIZE + 2)] = "";
         int first = 0;
         while (first < i && !same_reason(&tested[first], &tested[i])) first++;
-        if (tested[i].testable || first < i) continue;
+        if (tested[i].testable || first < i ||
+            (r->data.n_sockets == 0 && mukca_effect_of_sockets(tested[i].effect)))
+            continue;
         for (int k = i; k < n; k++) {
             if (tested[k].joint < 0 || !same_reason(&tested[k], &tested[i])) continue;
             const size_t used = strlen(joints);

@@ -144,6 +144,16 @@ def unknown_type():
         p.reader.join()
         check("an unknown type is told with the way to describe it", p.returncode == 3 and
               any("--type FILE.lcm --position FIELD" in x for x in p.said), p.said)
+        p = capture(out(), "--trigger", "--wait", "3")
+        time.sleep(1.5)
+        sample = client.trigger()
+        p.wait(20)
+        p.reader.join()
+        check("without a channel, too", p.returncode == 4 and any(
+            "MY_ARM (unknown type); describe an unknown type with --type" in x for x in p.said), p.said)
+        check("and a trigger says why nothing is recorded", sample and not sample.accepted and
+              sample.text.startswith("no session is being recorded: no joint state; heard instead: MY_ARM") and
+              "--type FILE.lcm" in sample.text, sample and sample.text)
         p = capture(path, "--trigger", "--type", description, "--position", "joints.q", "--names",
                     "joints.name", "--rows", "2")
         check("a described type is understood", client.wait_stream(), p.said)
@@ -215,7 +225,7 @@ def keys():
         check("keys: a adds to it", until("row 2: placement left, socket 0"), screen)
         check("keys: the view counts", until("1 samples here, 2 in all"), screen)
         press("q")
-        check("keys: q finishes", until("mukca calibrate --urdf"), screen)
+        check("keys: q finishes", until("no placement has two sockets"), screen)
         p.wait(10)
         check("keys: exit 0", p.returncode == 0, p.returncode)
         check("keys: the terminal is as it was", termios.tcgetattr(slave) == before)

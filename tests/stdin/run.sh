@@ -35,6 +35,20 @@ capture --lcm-url "file://$dir/triggers.lcmlog" --trigger -o "$dir/triggers.tsv"
 ok "triggers over LCM" test "$(rows "$dir/triggers.tsv" | wc -l)" -eq 9
 ok "triggers as lines" same "$dir/triggers.json" "$dir/triggers.tsv"
 
+# the command that capture names next works, also for a session that is not finished
+next_of() { sed -n 's/^Next    //p' "$dir/answer"; }
+capture --stdin --still -o "$dir/more.tsv" --tip ball_link <"$dir/empty.csv" >"$dir/answer" 2>"$dir/said"
+tail -n 1 "$dir/more.tsv" | awk -F'\t' -v OFS='\t' '{ $1 = "placement_2"; $3 += 9; $4 += 0.1; print }' >"$dir/last"
+cat "$dir/last" >>"$dir/more.tsv"
+next=$(next_of)
+ok "next: calibrate, with the options that name the arm" grep -q -- '--tip ball_link' <<<"$next"
+$mukca ${next#mukca } --force -o "$dir/offsets.tsv" >"$dir/answer" 2>"$dir/said"
+ok "and it works: the unfinished placement is not used" grep -q "placement 'placement_2', socket .*; the placement is not used" "$dir/said"
+head -n 100 "$dir/empty.csv" | capture --stdin --still -o "$dir/half.tsv" >"$dir/answer" 2>"$dir/said"
+ok "one socket: the next command goes on recording" grep -q 'mukca capture --urdf data/demo/arm.urdf -o .*half.tsv --resume' "$dir/answer"
+next=$(next_of)
+ok "and it works" bash -c "$mukca ${next#mukca } --stdin --still <'$dir/empty.csv'"
+
 # one clear line; recording goes on where there was a stream
 refuses() { # NAME CODE PATTERN TEXT OPTION...
     printf "$4" | capture --stdin --still -o "$dir/bad.tsv" --force "${@:5}" >"$dir/out" 2>"$dir/err"

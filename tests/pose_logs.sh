@@ -1,0 +1,78 @@
+#!/bin/bash
+# Pose logs in the forms that people have: several targets, several logs, a tracker somewhere; and what is said of them.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+mukca=${MUKCA:-build/mukca}
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+failed=0
+
+# shellcheck source=tests/ok.bash
+. tests/ok.bash
+
+urdf=data/demo/arm.urdf
+"$mukca" simulate --urdf $urdf --poses 100 --perturb 1,2 --seed 3 -q -o "$dir/all.csv" || exit 1
+# A tracker 2 m away; targets A, B and C in training, D in the test; noise of 0.1 mm.  The true places of A, B, C differ by
+# (-50, 30, 0) and (-30, -40, 30) mm from A's.
+awk -F, -v OFS=, -v dir="$dir" '
+function noise(  i, s) { for (i = s = 0; i < 12; i++) s += rand(); return 1e-4 * (s - 6) }
+function place(t,  w, x, y, z, a, b, c, p, q, r) {
+    w = $12; x = $13; y = $14; z = $15; a = at[t, 1]; b = at[t, 2]; c = at[t, 3]
+    p = $9 + (1-2*(y*y+z*z))*a + 2*(x*y-z*w)*b + 2*(x*z+y*w)*c
+    q = $10 + 2*(x*y+z*w)*a + (1-2*(x*x+z*z))*b + 2*(y*z-x*w)*c
+    r = $11 + 2*(x*z-y*w)*a + 2*(y*z+x*w)*b + (1-2*(x*x+y*y))*c
+    return sprintf("%.9f,%.9f,%.9f", cos(1)*p - sin(1)*q + 2 + noise(), sin(1)*p + cos(1)*q - 1 + noise(), r + 0.5 + noise()) }
+BEGIN { split("A .03 0 .02 B -.02 .03 .02 C 0 -.04 .05 D .05 .05 0", s, " ")
+    for (i = 1; i < 16; i += 4) for (k = 1; k < 4; k++) at[s[i], k] = s[i + k] }
+/^#/ { next }
+!joints { joints = $2 OFS $3 OFS $4 OFS $5 OFS $6 OFS $7 OFS $8
+    print joints, "x_m.A,y_m.A,z_m.A,x_m.B,y_m.B,z_m.B,x_m.C,y_m.C,z_m.C" >dir "/columns.csv"
+    print "target", joints, "x_m,y_m,z_m" >dir "/rows.csv"
+    print "target", joints, "x_m,y_m,z_m" >dir "/test.csv"
+    print joints, "x_m,y_m,z_m" >dir "/one.csv"
+    print joints, "x_m,y_m,z_m" >dir "/two.csv"
+    next }
+{ q = $2 OFS $3 OFS $4 OFS $5 OFS $6 OFS $7 OFS $8; n++
+    if (n > 60) { print "D", q, place("D") >dir "/test.csv"; print q, place("A") >dir "/two.csv"; next }
+    a = place("A"); b = place("B"); c = place("C")
+    print q, a, b, c >dir "/columns.csv"
+    print q, a >dir "/one.csv"
+    print "A", q, a RS "B", q, b RS "C", q, c >dir "/rows.csv" }' "$dir/all.csv"
+run() { "$mukca" "$1" --urdf $urdf "${@:2}"; }
+below() { awk -v value="$1" -v most="$2" 'BEGIN { exit !(value + 0 > 0 && value < most) }'; }
+
+# ---- several targets
+for form in columns rows; do
+    run diagnose "$dir/$form.csv" --free-base --test "$dir/test.csv" -o "$dir/$form.tsv" --json "$dir/$form.json" \
+        >"$dir/$form.txt" 2>"$dir/said"
+    ok "$form: three targets" grep -q 'each of the 3 targets has a place on the tool of its own' "$dir/$form.txt"
+    ok "$form: nothing is found in noise" grep -q '"verdict": "none"' "$dir/$form.json"
+    ok "$form: an untrained target is placed by the test data" below \
+        "$(sed -n 's/^Test data, mm:.*geometry \([0-9.]*\),.*/\1/p' "$dir/$form.txt")" 0.25
+done
+run evaluate "$dir/rows.csv" "$dir/test.csv" --offsets "$dir/rows.tsv" >"$dir/scores" 2>"$dir/said"
+ok "a row per log and target" test "$(cut -f 2 "$dir/scores" | tr '\n' ' ')" = "placement rows.csv:A rows.csv:B rows.csv:C test.csv:D "
+ok "each below 0.25 mm" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
+run calibrate "$dir/rows.csv" --free-base >"$dir/said" 2>&1
+ok "calibrate names the command for several" grep -q 'the pose logs have 3 targets; mukca diagnose -o' "$dir/said"
+run recalibrate "$dir/rows.csv" --free-base >"$dir/said" 2>&1
+ok "and so does recalibrate" grep -q "rows.csv:3: column 'target': a second target, 'B': mukca diagnose -o" "$dir/said"
+
+# ---- several logs, one table
+run evaluate "$dir/one.csv" "$dir/two.csv" >"$dir/scores" 2>"$dir/said"
+ok "evaluate: a row per log" test "$(cut -f 2,3 "$dir/scores" | tr '\t\n' ': ')" = "placement:rows one.csv:60 two.csv:40 "
+run diagnose "$dir/one.csv" --free-base --free-tool -o "$dir/one.tsv" >"$dir/one.txt" 2>"$dir/said"
+run evaluate "$dir/two.csv" --offsets "$dir/one.tsv" >"$dir/scores" 2>"$dir/said"
+ok "the table of a diagnosis predicts as the diagnosis does" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
+
+# ---- what is said of pose logs
+run calibrate "$dir/one.csv" --free-base --free-tool --test "$dir/two.csv" >"$dir/calibrate.txt" 2>"$dir/said"
+ok "calibrate with a free base" grep -q '^Result accepted' "$dir/calibrate.txt"
+ok "the nominal model is judged with the frames aligned" grep -Eq 'position mm, train +[0-9]\.' "$dir/calibrate.txt"
+ok "and no warning says that it is metres off" sh -c "! grep -q 'mm off' '$dir/calibrate.txt' '$dir/said'"
+run report "$dir/one.csv" --free-base --free-tool -o "$dir/page.html" >"$dir/out" 2>"$dir/said" || echo "not ok report: $(cat "$dir/said")"
+sed 's/<style.*//; s/<[^>]*>/ /g' "$dir/page.html" 2>/dev/null | tr -d '\0' >"$dir/page.txt"
+for text in calibrate.txt one.txt page.txt; do
+    ok "$text: no ball, socket or placement" sh -c "! sed 's/ball_[a-z]*//g' '$dir/$text' | grep -nwE 'balls?|sockets?|placements?' >&2"
+done
+exit $failed
