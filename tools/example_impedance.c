@@ -371,12 +371,19 @@ static void serve(controller *c)
     send_command(c);
 }
 
+/* Time that this share of the cycles needed at most, us. */
+static double within_time(const controller *c, double share)
+{
+    long seen = 0;
+    int bin = 0;
+    while (bin < BINS - 1 && (double)(seen += c->bins[bin]) < share * (double)c->cycles) bin++;
+    return 0.1 * (bin + 1);
+}
+
 static void report(const controller *c)
 {
-    long seen = 0, bin = 0;
-    while (bin < BINS && (seen += c->bins[bin]) < 0.999 * (double)c->cycles) bin++;
-    fprintf(stderr, "%ld cycles; control law: 99.9 %% within %.1f us, longest %.1f us\n", c->cycles,
-            0.1 * (double)(bin + 1), c->longest);
+    fprintf(stderr, "%ld cycles; control law: median %.1f us, 99.9 %% %.1f us, longest %.1f us\n",
+            c->cycles, within_time(c, 0.5), within_time(c, 0.999), c->longest);
     if (c->limp[0]) fprintf(stderr, "limp: %s\n", c->limp);
 }
 

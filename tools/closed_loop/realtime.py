@@ -31,8 +31,8 @@ def main():
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60
     load = os.getloadavg()[0]
     r = robot.Robot(run.URDF, arm.ARMS["sprung"])
+    raised = priority(0)  # LCM's thread and the controller inherit it
     r.connect()
-    raised = priority(0)  # the controller inherits it
     p = failures.start(r, "--stale", "%g" % (1e-3 * SILENCE), lock_step=False)
     failures.hold(r)
 

@@ -11,7 +11,7 @@ import tasks
 
 MODELS = ("nominal", "geometry", "causes")
 # Franzese et al., arXiv 2503.12584; "-": not stated there, or not in our notes of it.
-PAPER = {"insert 16.0": ("fails", "-", ""), "insert 10.4": ("-", "20 of 20", ""), "cross": ("-", "24 of 24", "")}
+PAPER = {"insert 16.0": ("fails", "-"), "insert 10.4": ("-", "20 of 20"), "cross": ("-", "24 of 24")}
 MOST_FORCE = 30.0  # N
 TITLES = {"nominal": "nominal model", "geometry": "geometry", "causes": "geometry and causes"}
 
@@ -159,11 +159,10 @@ def report(names, diagnoses, results, out, picture):
             print("  diagnose: %s at %s, %.4g %s [%.4g, %.4g]" % (c["effect"], c["joint"], c["amplitude"], c["unit"],
                                                                   *c["ci95"]))
         line = "%-38s %-16s %-16s %-16s %-16s"
-        print(line % ("", "nominal", "geometry", "with causes", "paper (nominal; calibrated)"))
+        print(line % ("", "nominal", "geometry", "with causes", "paper: before; after"))
         for label, key, texts in rows:
             paper = PAPER.get(key)
-            print(line % (label, *(texts.get(m, "") for m in MODELS),
-                          "%s; %s" % paper[:2] if paper else ""))
+            print((line % (label, *(texts.get(m, "") for m in MODELS), "%s; %s" % paper if paper else "")).rstrip())
     plot(out, picture, "sprung" if "sprung" in names else names[0], results)
     found = claims(numbers, diagnoses, arm.ARMS)
     print()
