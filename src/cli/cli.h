@@ -341,6 +341,9 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
+/* Condense the session's data to what a diagnosis can hold, and say so. */
+mukca_status cli_condense(cli_call *call);
+
 /* "180 samples, 3 placements", "1000 measured poses". */
 void cli_describe_data(char text[80], const mukca_dataset *data);
 

@@ -8,7 +8,6 @@
 #include <string.h>
 
 /* more samples take minutes and gigabytes */
-enum { MANY_ROWS = 20000 };
 
 typedef struct {
     cli_common common;
@@ -187,14 +186,13 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && o->expect && expected < 0)
         status = cli_fail_effect(&call->error, "--expect", o->expect);
     if (status == MUKCA_OK) status = cli_load(call);
+    if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) status = prepare(call);
     if (status != MUKCA_OK) return status;
     if (s->data.n_targets > 1 && !o->free_tool) {
         cli_note(call, "several targets: each has a place on the tool of its own (--free-tool)");
         o->free_tool = true;
     }
-    if (s->data.n_rows > MANY_ROWS)
-        cli_note(call, "more than 20000 samples take minutes and gigabytes; a tenth is enough");
     const mukca_dataset *test = s->test.n_rows ? &s->test : NULL;
     const mukca_diagnose_options diagnose = {.test = test,
                                              .disabled = disabled,
@@ -264,6 +262,8 @@ const cli_command cli_command_diagnose = {
         "calibrated geometry, the geometry without faulty samples, and the geometry with the "
         "causes. The noise floor is the error of a perfect model. Intervals are 95 %. For tied "
         "causes, prints how many more postures would distinguish them (mukca plan --settle).\n\n"
+        "Of more than 5000 rows, those of one still posture (0.2 mrad) are averaged; of more "
+        "postures than that, blocks of successive ones are used, evenly spread.\n\n"
         "Joint compliance and backlash need link masses, from the URDF or --inertials, or measured "
         "efforts: columns JOINT.effort, N m, the torque that the joint exerts on the arm. Link "
         "bending and base compliance need link masses. joint_drift uses the column time_s, "

@@ -7,6 +7,7 @@
 #include "base/note.h"
 #include "base/number.h"
 #include "cli/cli.h"
+#include "diagnose/condense.h"
 #include "fit/coincide.h"
 #include "io/dataset_copies.h"
 #include "io/dataset_load.h"
@@ -213,6 +214,26 @@ mukca_status cli_load(cli_call *call)
     if (status == MUKCA_OK && call->command->group == CLI_UNDERSTAND)
         cli_suggest_inertials(call, &s->model.chain);
     return status;
+}
+
+mukca_status cli_condense(cli_call *call)
+{
+    mukca_condensed how;
+    const mukca_status status =
+        mukca_condense(&how, &call->session->data, MUKCA_MOST_SAMPLES, &call->error);
+    if (status != MUKCA_OK || how.samples == how.rows) return status;
+    char text[160];
+    if (how.postures < how.rows) {
+        snprintf(text, sizeof text, "%d rows are %d postures; the rows of each were averaged",
+                 how.rows, how.postures);
+        cli_note(call, text);
+    }
+    if (how.samples < how.postures) {
+        snprintf(text, sizeof text, "%d of %d postures are used, in blocks that are evenly spread",
+                 how.samples, how.postures);
+        cli_note(call, text);
+    }
+    return MUKCA_OK;
 }
 
 void cli_describe_data(char text[80], const mukca_dataset *data)

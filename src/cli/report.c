@@ -233,6 +233,7 @@ static mukca_status run(cli_call *call)
                              .progress_context = call};
     mukca_status status = check(call);
     if (status == MUKCA_OK) status = cli_load(call);
+    if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) status = cli_check_effects(call, &s->model);
     if (status == MUKCA_OK) status = calibrate(call);
     if (status == MUKCA_OK) status = diagnose(call);

@@ -1,0 +1,114 @@
+/* Long recordings: the rows of a still posture count as one sample. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "diagnose/condense.h"
+#include "diagnose/diagnose.h"
+#include "scene.h"
+
+enum { TIMES = 3 };
+
+static scene s;
+
+/* Each row of a recording TIMES times, at angles that differ by less than an encoder's noise. */
+static void repeat(mukca_dataset *out, const mukca_dataset *data)
+{
+    mukca_error error;
+    const int n = data->n_joints;
+    unsigned char *all = malloc((size_t)data->n_rows);
+    assert_non_null(all);
+    memset(all, 1, (size_t)data->n_rows);
+    mukca_dataset longer = {0};
+    assert_int_equal(mukca_dataset_create(&longer, TIMES * data->n_rows, n, data->n_sockets,
+                                          data->n_placements, &error),
+                     MUKCA_OK);
+    assert_int_equal(mukca_dataset_subset(out, data, all, &error), MUKCA_OK);
+    for (int i = 0; i < TIMES * data->n_rows; i++) {
+        for (int j = 0; j < n; j++)
+            longer.q[i * n + j] = data->q[i / TIMES * n + j] + 5e-5 * (i % TIMES - 1);
+        longer.socket[i] = data->socket[i / TIMES];
+        longer.row[i] = i + 1;
+    }
+    free(all);
+    free(out->q), free(out->socket), free(out->row), free(out->file), free(out->time);
+    out->q = longer.q, out->socket = longer.socket, out->row = longer.row, out->file = longer.file;
+    out->time = NULL;
+    out->n_rows = longer.n_rows;
+    free(longer.sockets), free(longer.placements);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    set_scene(&s, "joint_compliance:joint_2=2e-4", 7);
+    s.how.noise = 1e-4;
+    return 0;
+}
+
+static void postures_are_averaged(void **state)
+{
+    (void)state;
+    mukca_dataset data, longer;
+    mukca_condensed how;
+    mukca_error error;
+    record(&data, &s);
+    repeat(&longer, &data);
+    assert_int_equal(mukca_condense(&how, &longer, TIMES * data.n_rows, &error), MUKCA_OK);
+    assert_int_equal(how.samples, TIMES * data.n_rows); /* few enough as they are */
+    assert_int_equal(mukca_condense(&how, &longer, data.n_rows, &error), MUKCA_OK);
+    assert_int_equal(how.postures, data.n_rows);
+    assert_int_equal(longer.n_rows, data.n_rows);
+    for (int i = 0; i < data.n_rows; i++) {
+        assert_int_equal(longer.socket[i], data.socket[i]);
+        assert_int_equal(longer.row[i], TIMES * i + 1);
+        for (int j = 0; j < data.n_joints; j++)
+            assert_close(longer.q[i * data.n_joints + j], data.q[i * data.n_joints + j], 1e-12);
+    }
+    mukca_diagnosis d[2];
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(mukca_diagnose(&d[i], &s.chain, i ? &longer : &data,
+                                        &(mukca_diagnose_options){.no_folds = true}, &error),
+                         MUKCA_OK);
+    assert_int_equal(d[0].verdict, d[1].verdict);
+    assert_int_equal(d[0].n_causes, d[1].n_causes);
+    assert_true(d[0].n_causes > 0);
+    assert_close(d[1].causes[0].amplitude, d[0].causes[0].amplitude,
+                 1e-3 * d[0].causes[0].amplitude);
+    for (int i = 0; i < 2; i++) mukca_diagnosis_free(&d[i]);
+    mukca_dataset_free(&data);
+    mukca_dataset_free(&longer);
+}
+
+/* What is left of too many postures is blocks of successive ones. */
+static void blocks_are_spread(void **state)
+{
+    (void)state;
+    mukca_dataset data;
+    mukca_condensed how;
+    mukca_error error;
+    record(&data, &s);
+    const int rows = data.n_rows;
+    int breaks = 0;
+    assert_true(rows > 150);
+    assert_int_equal(mukca_condense(&how, &data, 100, &error), MUKCA_OK);
+    assert_int_equal(how.postures, rows);
+    assert_true(how.samples > 50 && how.samples <= 100);
+    assert_int_equal(data.n_rows, how.samples);
+    for (int i = 1; i < data.n_rows; i++) breaks += data.row[i] != data.row[i - 1] + 1;
+    assert_int_equal(breaks, 1); /* two blocks, of which one may begin the recording */
+    mukca_dataset_free(&data);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(postures_are_averaged),
+                                       cmocka_unit_test(blocks_are_spread)};
+    return cmocka_run_group_tests(tests, set_up, NULL);
+}
