@@ -4,12 +4,16 @@
 
 #include "cli/scores.h"
 #include "fit/accept.h"
+#include "fleet/traits.h"
 
 typedef struct {
     const mukca_fit *fit;
     const mukca_dataset *train, *test;
     cli_scores train_scores, test_scores;
-    mukca_offsets *offsets; /* judged */
+    mukca_offsets *offsets;     /* judged */
+    const mukca_traits *traits; /* NULL: none given */
+    double traits_evidence;     /* log Bayes factor of their means */
+    bool traits_used;
 } calibrate_result;
 
 /* The frames of measured poses that were fitted: the arm's base in the frame of the tracker (or of

@@ -40,10 +40,15 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
                        double elapsed)
 {
     const mukca_fit *fit = r->fit;
+    json_t *traits = json_null();
+    if (r->traits)
+        traits =
+            json_pack("{s:b, s:i, s:o}", "used", (int)r->traits_used, "arms", r->traits->n_arms,
+                      "log_bayes_factor", cli_json_real(r->traits_evidence));
     return json_pack(
         "{s:s, s:b, s:{s:s, s:s, s:i, s:i, s:s, s:o}, s:{s:o, s:o}, s:o, s:o, s:o, s:i, s:i, s:o, "
         "s:o, "
-        "s:o, s:o, s:{s:o, s:o}, s:f}",
+        "s:o, s:o, s:{s:o, s:o}, s:o, s:f}",
         "schema", "mukca.calibrate/1", "converged", (int)fit->converged, "solver", "name", solver,
         "gradient", gradient, "evaluations", fit->outcome.evaluations, "iterations",
         fit->outcome.iterations, "status", mukca_stop_text(fit->outcome.stop), "to_gain",
@@ -54,5 +59,6 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
         fit->parameters.n, "noise_m", cli_json_real(fit->identification.noise), "observability",
         cli_json_real(fit->identification.observability), "null_space", null_space_json(fit),
         "acceptance", cli_json_acceptance(&r->offsets->acceptance), "frames", "base",
-        frame_json(r, true), "target", frame_json(r, false), "elapsed_s", elapsed);
+        frame_json(r, true), "target", frame_json(r, false), "traits", traits, "elapsed_s",
+        elapsed);
 }

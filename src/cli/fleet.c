@@ -256,7 +256,8 @@ const cli_command cli_command_fleet = {
         "data. Prints which elastic coefficients the arms share (mean, 95 % interval, spread "
         "between arms), the orders of transmission ripple that they share, and which arms depart "
         "from all others. Probabilities take the number of arms and coefficients into account.\n\n"
-        "-o writes the traits table: the population as prior for diagnose --traits.\n\n"
+        "-o writes the traits table: the population as prior for diagnose --traits "
+        "and calibrate --traits.\n\n"
         "--partial writes the summaries into one file instead, for a tree of jobs: pooling the "
         "parts gives the same bytes as pooling all files at once. See docs/fleet.md for GNU "
         "parallel and Slurm.",

@@ -30,6 +30,15 @@ awk -F '\t' -v OFS='\t' '$1 == "joint_compliance" && $2 == "joint_4" { $5 = 0; $
     all.traits.tsv >wrong.traits.tsv
 answer "contradict this arm's data" diagnose $a seven/train.tsv --traits wrong.traits.tsv
 
+answer "Fleet: the elastic means of 3 arms are in the table" calibrate $a seven/train.tsv --traits all.traits.tsv -o with.tsv
+expect "the table has them" grep -q "^joint_4	joint_compliance	" with.tsv
+answer "Fleet: the traits of 3 arms contradict the data" calibrate $a seven/train.tsv --traits wrong.traits.tsv -o own.tsv
+expect "and has none" sh -c '! grep -q joint_compliance own.tsv'
+"$MUKCA" evaluate -q $a seven/train.tsv --offsets with.tsv -o scores.tsv
+"$MUKCA" evaluate -q $a seven/train.tsv --offsets own.tsv -o own_scores.tsv
+expect "the corrected arm fits its raw angles better" sh -c 'awk -F "\t" "FNR > 1 { s[FILENAME] += \$5 }
+    END { exit !(s[\"scores.tsv\"] > 0 && s[\"scores.tsv\"] < s[\"own_scores.tsv\"]) }" scores.tsv own_scores.tsv'
+
 refuse 3 "missing.json: cannot read: No such file" fleet missing.json
 refuse 3 "7.json: the only arm ('seven'); a fleet needs two arms" fleet 7.json -o new.tsv
 refuse 3 "the same recording as" fleet 7.json 8.json 7.json -o new.tsv

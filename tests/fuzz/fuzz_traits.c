@@ -1,0 +1,23 @@
+/* Traits tables: read to the end or to an error of one line; what was read can be written. */
+#include <string.h>
+
+#include "io/traits.h"
+#include "memory_file.h"
+#include "two_joints.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    static mukca_traits traits;
+    mukca_error error = {MUKCA_OK, ""};
+    char *text = NULL;
+    size_t length = 0;
+    const mukca_status status =
+        mukca_traits_read(&traits, memory_file(bytes, size), two_joints(), &error);
+    if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
+    if (status) return 0;
+    FILE *stream = open_memstream(&text, &length);
+    mukca_traits_write(stream, &traits);
+    fclose(stream);
+    free(text);
+    return 0;
+}
