@@ -16,7 +16,7 @@
 /* A cause that leads by more log odds is not tested again in one search. */
 #define SAFE_LEAD 15.0
 enum { BY_TAILS = 3 }; /* in noise_made: not to be accepted in this scan */
-enum { MOST_CAUSES = 10, MOST_OUTLIERS = 12, ROUNDS = 4 };
+enum { MOST_CAUSES = 16, MOST_OUTLIERS = 12, ROUNDS = 4 };
 
 static int by_odds(const void *a, const void *b)
 {
