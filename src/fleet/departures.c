@@ -20,12 +20,11 @@ enum {
 static const double sizes[] = {30e-6, 100e-6, 300e-6};
 enum { SIZES = sizeof sizes / sizeof *sizes };
 
-/* Covariance of one more arm's coefficients about the mean: the scatter, wider by what few arms
- * know of it (Student's t), and the uncertainty of the mean. */
-static void predictive(double *V, const mukca_population *p)
+/* Covariance of one more arm's coefficients about the mean: the uncertainty of the mean, and the
+ * scatter, its variance times `wider`. */
+static void predictive(double *V, const mukca_population *p, double wider)
 {
     const int n = p->n;
-    const double nu = p->n_arms + 1.0, wider = nu > 2 ? nu / (nu - 2) : 3;
     memcpy(V, p->covariance, sizeof *V * (size_t)(n * n));
     for (int i = 0; i < n; i++) V[i * n + i] += wider * p->spread[i] * p->spread[i];
 }
@@ -37,12 +36,13 @@ typedef struct {
     mukca_arm_evidence w; /* what it says of their mean; e becomes the residual about that */
 } comparison;
 
-static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm)
+static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm,
+                    double wider)
 {
     const int n = p->n;
     mukca_arm_evidence own;
     c->sisters = p;
-    predictive(c->V, p);
+    predictive(c->V, p, wider);
     mukca_population_arm(&own, p, f, arm);
     if (!mukca_population_scatter(&c->w, &own, c->V, n)) return false;
     for (int i = 0; i < n; i++)
@@ -110,7 +110,9 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
     const double alone = pow(0.5, 1.0 / f->n_arms), each = log((1 - alone) / (n * alone));
     for (int a = 0; a < f->n_arms; a++) {
         mukca_population sisters = *all;
-        comparison c;
+        comparison c, own;
+        /* A departure must exceed what so few sisters know of the scatter (Student's t). */
+        const double nu = f->n_arms, wider = nu > 2 ? nu / (nu - 2) : 3;
         double odds[T + 1] = {0}, size[T] = {0};
         int top = 0;
         departure[a] = (mukca_departure){.arm = a, .k = -1};
@@ -119,7 +121,7 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
             mukca_population_fit(&sisters, f, a, true);
         else if (!f->arm[a].departs)
             downdate(&sisters, f, a);
-        if (!sisters.n || !compare(&c, &sisters, f, a)) continue;
+        if (!sisters.n || !compare(&c, &sisters, f, a, wider)) continue;
         for (int k = 0; k < n; k++) {
             odds[k] = departs(&c, k, &size[k]) + each;
             if (odds[k] > odds[top]) top = k;
@@ -131,14 +133,14 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         departure[a].log_bayes_factor = odds[top] - each;
         departure[a].probability = 1 - exp(-total); /* of any departure; the top one is named */
         estimate(&departure[a], &c, top, size[top]);
-        for (int k = 0; k < n && estimates; k++) {
+        for (int k = 0; k < n && estimates && compare(&own, &sisters, f, a, 1); k++) {
             mukca_departure *e = &estimates[a * n + k];
             *e = (mukca_departure){.arm = a,
                                    .k = k,
                                    .effect = mukca_fleet_term(all->term[k], f->model.n_joints),
                                    .log_bayes_factor = odds[k] - each,
                                    .probability = exp(odds[k] - total)};
-            estimate(e, &c, k, exp(odds[k] - total) > 0.5 ? size[k] : 0);
+            estimate(e, &own, k, exp(odds[k] - total) > 0.5 ? size[k] : 0);
         }
     }
 }

@@ -14,6 +14,7 @@ enum { SIZES = sizeof sizes / sizeof *sizes };
 
 /* Log odds from which a coefficient is shared: that of a diagnosis' first cause. */
 #define THRESHOLD 3.0
+#define INTERVAL 1.959963984540054
 
 /* Log Bayes factor of coefficient k besides those of the set (k left out of it). */
 static double log_bayes(const mukca_population *p, const bool *set, int k)
@@ -42,13 +43,6 @@ static double log_bayes(const mukca_population *p, const bool *set, int k)
                    mukca_stats_log_normal_cdf(sqrt(s2 / d) * g) - log(SIZES);
     }
     return mukca_stats_log_sum_exp(value, SIZES);
-}
-
-/* Quantile 0.975 of Student's t with nu degrees of freedom (Cornish and Fisher's expansion). */
-static double student(double nu)
-{
-    const double z = 1.959963984540054, z3 = z * z * z;
-    return z + (z3 + z) / (4 * nu) + (5 * z3 * z * z + 16 * z3 + 3 * z) / (96 * nu * nu);
 }
 
 void mukca_population_describe(mukca_shared *shared, const mukca_population *p,
@@ -83,7 +77,7 @@ void mukca_population_describe(mukca_shared *shared, const mukca_population *p,
             odds[m++] = log_bayes(p, others, i) + log_prior;
         }
         const int t = p->term[k];
-        const double error = sqrt(p->covariance[k * n + k]), half = error * student(p->n_arms);
+        const double error = sqrt(p->covariance[k * n + k]), half = INTERVAL * error;
         shared[k] =
             (mukca_shared){.effect = mukca_fleet_term(t, f->model.n_joints),
                            .mean = p->mean[k],

@@ -35,7 +35,7 @@ ELASTIC, RIPPLE, BREAK = 3.5, 4.5, 12.0
 SCATTER, NOISE, PLACES, ROWS = 0.2, 0.7e-4, 3, 15
 ORDERS = (50, 80, 100, 120, 160, 200, 240)
 EFFECTS = ("joint_compliance", "link_bending")
-NAMED = 0.95
+NAMED = 0.5  # as the screen lists it
 
 
 def session(nominal, rng, size):
