@@ -174,6 +174,29 @@ static void exchange(mukca_diagnosis *d, mukca_adoption *a)
     a->explained_m = explained, a->test_explained_m = test;
 }
 
+/* Summary, offsets table and JSON; the last two are of the fit with the traits. */
+static mukca_status write_results(cli_call *call, const mukca_diagnosed *r)
+{
+    diagnose_work *w = call->work;
+    json_t *traits = json_null();
+    mukca_status status = write_summary(call);
+    if (w->adoption.traits) {
+        if (call->common->json) traits = cli_adoption_json(&w->adoption, r->chain);
+        exchange(&w->diagnosis, &w->adoption);
+    }
+    if (status == MUKCA_OK) status = write_offsets(call, r);
+    if (status == MUKCA_OK && call->common->json) {
+        json_t *json = cli_diagnosis_json(r);
+        json_object_set_new(json, "acceptance",
+                            cli_json_acceptance(r->saved ? &w->offsets.acceptance : NULL));
+        json_object_set(json, "traits", traits);
+        status = cli_write_json(call, json);
+    }
+    json_decref(traits);
+    if (w->adoption.traits) exchange(&w->diagnosis, &w->adoption);
+    return status;
+}
+
 static mukca_status run(cli_call *call)
 {
     diagnose_options *o = call->options;
@@ -213,30 +236,13 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK)
         status =
             mukca_next_poses_choose(&w->next, d, &s->model.chain, &s->data, cli_stop, &call->error);
-    if (status == MUKCA_OK) status = write_summary(call);
-    const bool with_traits = w->adoption.traits != NULL;
-    json_t *traits = status == MUKCA_OK && with_traits && call->common->json
-                         ? cli_adoption_json(&w->adoption, &s->model.chain)
-                         : NULL;
-    if (with_traits) exchange(d, &w->adoption);
-    if (status == MUKCA_OK) status = write_offsets(call, &result);
-    const mukca_acceptance *acceptance = &w->offsets.acceptance;
-    const bool judged = call->common->output != NULL;
-    if (status == MUKCA_OK && call->common->json) {
-        json_t *json = cli_diagnosis_json(&result);
-        json_object_set_new(json, "acceptance", cli_json_acceptance(judged ? acceptance : NULL));
-        json_object_set_new(json, "traits", traits ? traits : json_null());
-        status = cli_write_json(call, json);
-    } else {
-        json_decref(traits);
-    }
-    if (with_traits) exchange(d, &w->adoption);
+    if (status == MUKCA_OK) status = write_results(call, &result);
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &result);
-    if (with_traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
-    if (judged && !acceptance->accepted) {
-        cli_answer_wrapped(call, "Do not use the offsets table: %s.", acceptance->reason);
+    if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
+    if (result.saved && !w->offsets.acceptance.accepted) {
+        cli_answer_wrapped(call, "Do not use the offsets table: %s.", w->offsets.acceptance.reason);
         return MUKCA_NEGATIVE;
     }
     for (int i = 0; i < d->n_causes; i++)
