@@ -39,28 +39,34 @@ int mukca_cells_count(const char *line, char delimiter)
     return n;
 }
 
-/* Trim in place; returns the start. */
-static char *trim(char *cell)
+static bool is_blank(char c)
 {
-    cell += strspn(cell, " \t\r");
-    size_t length = strlen(cell);
-    while (length && strchr(" \t\r", cell[length - 1])) cell[--length] = '\0';
-    if (length >= 2 && cell[0] == '"' && cell[length - 1] == '"') {
-        cell[length - 1] = '\0';
-        cell++;
-    }
+    return c == ' ' || c == '\t' || c == '\r';
+}
+
+/* Trim the cell that ends before `end`, in place; returns its start. */
+static char *trim(char *cell, char *end)
+{
+    while (cell < end && is_blank(*cell)) cell++;
+    while (cell < end && is_blank(end[-1])) end--;
+    if (end - cell >= 2 && *cell == '"' && end[-1] == '"') cell++, end--;
+    *end = '\0';
     return cell;
 }
 
 bool mukca_cells_split(char **cells, int n, char *line, char delimiter)
 {
-    if (mukca_cells_count(line, delimiter) != n) return false;
-    for (int i = 0; i < n; i++) {
-        char *end = strchr(line, delimiter);
-        if (end) *end = '\0';
-        cells[i] = trim(line);
-        line = end ? end + 1 : line;
+    int found = 0;
+    char *c = line;
+    for (char *start = line;; c++) { /* starts, then ends: nothing changes in a line of another n */
+        if (*c && *c != delimiter) continue;
+        if (found == n) return false;
+        cells[found++] = start;
+        start = c + 1;
+        if (!*c) break;
     }
+    if (found != n) return false;
+    for (int i = 0; i < n; i++) cells[i] = trim(cells[i], i + 1 < n ? cells[i + 1] - 1 : c);
     return true;
 }
 

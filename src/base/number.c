@@ -2,6 +2,7 @@
 #include "base/number.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -151,22 +152,21 @@ static double divide_digits(const char *text, int exponent)
 bool mukca_number_parse(double *value, const char *text)
 {
     const char *c = text;
-    uint64_t mantissa = 0;
-    int digits = 0, exponent = 0;
-    bool negative = *c == '-', exact = true;
+    uint64_t mantissa = 0; /* of more than 19 digits it means nothing */
+    int exponent = 0;
+    const bool negative = *c == '-';
     if (*c == '-' || *c == '+') c++;
     const char *first = c;
-    for (bool point = false; is_digit(*c) || (*c == '.' && !point); c++) {
-        if (*c == '.') {
-            point = true;
-            continue;
-        }
-        if (mantissa > (UINT64_MAX - 9) / 10) exact = false;
-        if (exact) mantissa = 10 * mantissa + (uint64_t)(*c - '0');
-        exponent -= point;
-        digits++;
+    for (; is_digit(*c); c++) mantissa = 10 * mantissa + (uint64_t)(*c - '0');
+    ptrdiff_t digits = c - first;
+    if (*c == '.') {
+        const char *fraction = ++c;
+        for (; is_digit(*c); c++) mantissa = 10 * mantissa + (uint64_t)(*c - '0');
+        digits += c - fraction;
+        exponent = (int)(fraction - c);
     }
-    if (!digits || c == first) return false;
+    if (digits == 0) return false;
+    const bool exact = digits <= 19; /* 10^19 < 2^64 */
     if (*c == 'e' || *c == 'E') {
         c++;
         bool down = *c == '-';

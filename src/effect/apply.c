@@ -54,6 +54,11 @@ static double change(const mukca_displacement *a, const mukca_displacement *b, i
     return largest;
 }
 
+static bool is_loaded(const mukca_effect *effect)
+{
+    return (mukca_effect_table[effect->kind]->needs & MUKCA_NEEDS_MASSES) != 0;
+}
+
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
                                 int n, const mukca_chain *chain, const mukca_geometry *geometry,
                                 const double *q, const mukca_joint_state *state)
@@ -61,21 +66,23 @@ void mukca_effects_displacement(mukca_displacement *displacement, const mukca_ef
     enum { ROUNDS = 8 };
     mukca_joint_state full = {.placement = -1};
     mukca_gravity_load load;
-    int needs = 0;
+    bool loaded = false;
     if (state) full = *state;
     full.q = q;
-    for (int i = 0; i < n; i++) needs |= mukca_effect_table[effects[i].kind]->needs;
-    const bool loaded = (needs & MUKCA_NEEDS_MASSES) && !full.torque;
+    for (int i = 0; i < n && !full.torque; i++) loaded |= is_loaded(&effects[i]);
     if (loaded) {
         mukca_chain_moments(&load, chain, geometry, q, NULL, full.payload_kg);
         full.torque = load.torque;
         full.moment = (const double(*)[3])load.moment;
         full.base_moment = load.base;
     }
-    mukca_displacement before = {0};
+    mukca_displacement before = {0}, unloaded = {0}; /* what does not depend on the load */
+    for (int i = 0; i < n; i++)
+        if (!is_loaded(&effects[i])) mukca_effect_apply(&unloaded, &effects[i], chain, &full);
     for (int round = 0; round < ROUNDS; round++) {
-        memset(displacement, 0, sizeof *displacement);
-        for (int i = 0; i < n; i++) mukca_effect_apply(displacement, &effects[i], chain, &full);
+        *displacement = unloaded;
+        for (int i = 0; i < n; i++)
+            if (is_loaded(&effects[i])) mukca_effect_apply(displacement, &effects[i], chain, &full);
         if (!loaded || change(displacement, &before, chain->n_joints) < 1e-12) return;
         /* Once more under the load of the arm where it has come to: the equilibrium. */
         before = *displacement;

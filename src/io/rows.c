@@ -44,7 +44,8 @@ static mukca_status read_optional(double *value, const mukca_rows *rows, int col
     *value = (double)NAN;
     if (column < 0) return MUKCA_OK;
     const char *text = rows->table.cell[column];
-    if (!*text || strcmp(text, "nan") == 0 || strcmp(text, "NaN") == 0) return MUKCA_OK;
+    if (!*text) return MUKCA_OK;
+    if (*text > '9' && (strcmp(text, "nan") == 0 || strcmp(text, "NaN") == 0)) return MUKCA_OK;
     return mukca_table_number(value, &rows->table, column, error);
 }
 

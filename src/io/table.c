@@ -66,11 +66,11 @@ static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
         const mukca_status status = read_line(t, more, error);
         if (status != MUKCA_OK || !*more) return status;
         const char *text = t->buffer + strspn(t->buffer, " \t\r");
+        if (*text && *text != '#') return MUKCA_OK;
         mukca_text comments = {
             .at = t->comments, .size = sizeof t->comments, .used = strlen(t->comments)};
-        if (*text == '#' && !t->cell && comments.used + strlen(t->buffer) + 2 <= comments.size)
+        if (*text && !t->cell && comments.used + strlen(t->buffer) + 2 <= comments.size)
             mukca_text_put(&comments, "%s\n", t->buffer);
-        if (*text && *text != '#') return MUKCA_OK;
     }
 }
 
@@ -90,9 +90,9 @@ static bool has_semicolons(const char *line)
 static bool parse_number(double *value, const mukca_table *t, const char *cell)
 {
     char copy[64];
+    if (t->delimiter != ';') return mukca_number_parse(value, cell);
     const size_t comma = strcspn(cell, ",");
-    if (t->delimiter != ';' || !cell[comma] || strlen(cell) >= sizeof copy)
-        return mukca_number_parse(value, cell);
+    if (!cell[comma] || strlen(cell) >= sizeof copy) return mukca_number_parse(value, cell);
     memcpy(copy, cell, strlen(cell) + 1);
     copy[comma] = '.';
     return mukca_number_parse(value, copy);
@@ -175,9 +175,9 @@ mukca_status mukca_table_next(mukca_table *t, bool *more, mukca_error *error)
     if (status != MUKCA_OK || !*more) return status;
     if (!t->cell) status = set_shape(t, error);
     if (status != MUKCA_OK || !t->cell) return status;
-    int found = mukca_cells_count(t->buffer, t->delimiter);
     if (!mukca_cells_split(t->cell, t->n_columns, t->buffer, t->delimiter))
-        return mukca_table_fail(error, t, -1, "%d columns, but %d %s%s", found, t->n_columns,
+        return mukca_table_fail(error, t, -1, "%d columns, but %d %s%s",
+                                mukca_cells_count(t->buffer, t->delimiter), t->n_columns,
                                 t->header ? "in the header" : "in the first row",
                                 t->cut_off ? "; the last line is cut off" : "");
     t->row++;

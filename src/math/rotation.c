@@ -32,8 +32,8 @@ void mukca_rotation_exp(double R[9], const double w[3])
     const double t2 = mukca_dot3(w, w);
     double a, b;     /* sin t / t, (1 - cos t) / t^2 */
     if (t2 < 0.01) { /* displacements: the series' next terms are below 3e-18 */
-        a = 1 - t2 / 6 * (1 - t2 / 20 * (1 - t2 / 42 * (1 - t2 / 72)));
-        b = 0.5 - t2 / 24 * (1 - t2 / 30 * (1 - t2 / 56 * (1 - t2 / 90)));
+        a = 1 - t2 * (1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040 - t2 * (1.0 / 362880))));
+        b = 0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720 - t2 * (1.0 / 40320 - t2 * (1.0 / 3628800))));
     } else {
         const double t = sqrt(t2), half = sin(0.5 * t);
         a = sin(t) / t, b = 2 * half * half / t2;

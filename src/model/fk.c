@@ -7,6 +7,7 @@ void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, co
                             const mukca_displacement *displacement)
 {
     const int n = geometry->n_joints;
+    at->moved[0] = 0; /* of an arm without joints */
     at->q = displacement ? at->moved : q;
     for (int j = 0; displacement && j < n; j++) at->moved[j] = q[j] + displacement->q[j];
     mukca_sincos(at->s, at->c, at->q, n);
@@ -16,7 +17,6 @@ MUKCA_CLONES void mukca_fk_position(double position[3], const mukca_geometry *ge
                                     const double *q, const mukca_displacement *displacement)
 {
     const mukca_displacement *d = displacement;
-    const bool rotated = d && d->any_rotation;
     double v[3] = {0, 0, 0}, u[3], R[9];
     joint_angles at;
     mukca_joint_angles_set(&at, geometry, q, d);
@@ -27,15 +27,16 @@ MUKCA_CLONES void mukca_fk_position(double position[3], const mukca_geometry *ge
             for (int i = 0; i < 3; i++) v[i] += at.q[j] * geometry->axis[k][i];
         else if (j >= 0)
             turn_vector(v, geometry, k, at.s[j], at.c[j]);
-        if (j >= 0 && rotated) {
-            mukca_rotation_exp(R, d->rotation[j]);
+        const double *w = joint_rotation(d, j);
+        if (w) {
+            mukca_rotation_exp(R, w);
             mukca_mat3_vec(u, R, v);
             memcpy(v, u, sizeof v);
         }
         place_vector(v, &geometry->origin[k]);
     }
     memcpy(position, v, sizeof v);
-    if (!rotated) return;
+    if (!d || !d->any_rotation) return;
     mukca_rotation_exp(R, d->base);
     mukca_mat3_vec(position, R, v);
 }

@@ -18,11 +18,10 @@ typedef struct {
 /* Rotation of the origin of element k, displaced; in R[9] where it is not that of the geometry. */
 static const double *turn_origin(double R[9], const posture *p, int k)
 {
-    const int j = p->geometry->joint[k];
+    const double *w = joint_rotation(p->displacement, p->geometry->joint[k]);
     double turn[9];
-    if (j < 0 || !p->displacement || !p->displacement->any_rotation)
-        return p->geometry->origin[k].R;
-    mukca_rotation_exp(turn, p->displacement->rotation[j]);
+    if (!w) return p->geometry->origin[k].R;
+    mukca_rotation_exp(turn, w);
     mukca_mat3_mul(R, p->geometry->origin[k].R, turn);
     return R;
 }

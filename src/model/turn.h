@@ -43,6 +43,14 @@ typedef struct {
 void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
                             const mukca_displacement *displacement);
 
+/* Rotation vector of joint j before it turns; NULL where there is none. */
+static inline const double *joint_rotation(const mukca_displacement *displacement, int j)
+{
+    if (j < 0 || !displacement || !displacement->any_rotation) return NULL;
+    const double *w = displacement->rotation[j];
+    return w[0] != 0 || w[1] != 0 || w[2] != 0 ? w : NULL;
+}
+
 /* A frame by columns: x, y and z axis and origin, in base coordinates.  With several lanes a column
  * is one vector, whose fourth number is 0, else an array. */
 enum { ROWS = MUKCA_LANES > 1 ? 1 : 3 };
@@ -111,9 +119,10 @@ MUKCA_INLINE void columns_enter(columns *F, const mukca_geometry *geometry, int 
 /* The joint's displacement in rotation, before it turns. */
 MUKCA_INLINE void columns_displace(columns *F, int joint, const mukca_displacement *displacement)
 {
+    const double *w = joint_rotation(displacement, joint);
     double R[9];
-    if (joint < 0 || !displacement || !displacement->any_rotation) return;
-    mukca_rotation_exp(R, displacement->rotation[joint]);
+    if (!w) return;
+    mukca_rotation_exp(R, w);
     columns_rotate(F, R);
 }
 
