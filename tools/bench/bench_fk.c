@@ -1,11 +1,14 @@
-/* Times of forward kinematics as lines "NAME NANOSECONDS" per configuration, medians: for
- * kinematics.py.
+/* Times of forward kinematics per configuration, and as ratios to a yardstick: the C library's
+ * sincos of each joint, timed in the same repeat.  Lines "NAME NANOSECONDS RATIO LOWER UPPER":
+ * medians, and quartiles of the ratio; for kinematics.py.
  *
- * usage: bench_fk URDF REPEATS ANGLES [CASADI.so]
+ * usage: bench_fk URDF REPEATS ANGLES OFFSETS [CASADI.so]
  *
- * ANGLES: raw doubles, a row of joint angles after the other.  CASADI.so: functions that CasADi
- * generated (casadi_fk.py); they are timed on the same rows, and their results compared with ours.
+ * ANGLES: raw doubles, a row of joint angles after the other.  OFFSETS: a table with effects.
+ * CASADI.so: functions that CasADi generated (casadi_fk.py), on the same rows; their results are
+ * compared with ours.
  */
+#define _GNU_SOURCE /* sincos */
 #include <dlfcn.h>
 #include <math.h>
 #include <stdio.h>
@@ -14,8 +17,9 @@
 
 #include "fit/fit.h"
 #include "io/urdf.h"
+#include "mukca/corrected.h"
 
-enum { MAX_ROWS = 4096, MAX_REPEATS = 1000, MAX_WORK = 4096 };
+enum { MAX_ROWS = 4096, MAX_REPEATS = 1000, MAX_WORK = 4096, MAX_PASSES = 16 };
 enum { WIDTH = MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS };
 
 typedef int casadi_function(const double **arguments, double **results, long long *integers,
@@ -23,16 +27,25 @@ typedef int casadi_function(const double **arguments, double **results, long lon
 typedef int casadi_sizes(long long *arguments, long long *results, long long *integers,
                          long long *work);
 
+typedef struct bench bench;
+
 typedef struct {
+    const char *name;
+    void (*run)(bench *);
+    casadi_function *function;
+    double seconds[MAX_REPEATS], ratio[MAX_REPEATS];
+} pass;
+
+struct bench {
     mukca_chain chain;
     mukca_geometry geometry;
+    mukca_corrected arm;
     double theta[WIDTH], q[MAX_ROWS * MUKCA_MAX_JOINTS], positions[3 * MAX_ROWS];
-    double J[3 * WIDTH], other[3 * WIDTH], times[MAX_REPEATS], work[MAX_WORK];
+    double J[3 * WIDTH], other[3 * WIDTH], work[MAX_WORK];
     long long integers[MAX_WORK];
-    int rows, repeats;
-    const char *symbol;
-    casadi_function *function;
-} bench;
+    int rows, repeats, n_passes;
+    pass passes[MAX_PASSES], *now;
+};
 
 static int ascending(const void *a, const void *b)
 {
@@ -40,16 +53,70 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Time a pass over all rows. */
-static void measure(bench *b, const char *name, void (*pass)(bench *))
+static void add(bench *b, const char *name, void (*run)(bench *), casadi_function *function)
 {
-    for (int i = 0; i < b->repeats; i++) {
-        const double start = mukca_solver_clock();
-        pass(b);
-        b->times[i] = (mukca_solver_clock() - start) / b->rows;
+    b->passes[b->n_passes++] = (pass){.name = name, .run = run, .function = function};
+}
+
+/* All passes over all rows in turn, so that what else the machine does hits them alike; the first
+ * is the yardstick. */
+static void measure(bench *b)
+{
+    for (int i = 0; i < b->repeats; i++)
+        for (pass *p = b->passes; p < b->passes + b->n_passes; p++) {
+            const double start = mukca_solver_clock();
+            b->now = p;
+            p->run(b);
+            p->seconds[i] = (mukca_solver_clock() - start) / b->rows;
+            p->ratio[i] = p->seconds[i] / b->passes->seconds[i];
+        }
+    const size_t n = (size_t)b->repeats;
+    for (pass *p = b->passes; p < b->passes + b->n_passes; p++) {
+        qsort(p->seconds, n, sizeof *p->seconds, ascending);
+        qsort(p->ratio, n, sizeof *p->ratio, ascending);
+        printf("%s %.6g %.4g %.4g %.4g\n", p->name, 1e9 * p->seconds[n / 2], p->ratio[n / 2],
+               p->ratio[n / 4], p->ratio[3 * n / 4]);
     }
-    qsort(b->times, (size_t)b->repeats, sizeof *b->times, ascending);
-    printf("%s %.6g\n", name, 1e9 * b->times[b->repeats / 2]);
+}
+
+static void yardstick(bench *b)
+{
+    for (int i = 0; i < b->rows * b->chain.n_joints; i++) sincos(b->q[i], &b->work[0], &b->work[1]);
+}
+
+static void at_once(bench *b)
+{
+    mukca_fk_positions(b->positions, &b->geometry, b->q, b->rows);
+}
+
+static void poses(bench *b)
+{
+    mukca_frame tip;
+    for (int r = 0; r < b->rows; r++) {
+        mukca_fk_pose(&tip, &b->geometry, b->q + r * b->chain.n_joints, NULL);
+        memcpy(b->positions + 3 * r, tip.p, sizeof tip.p);
+    }
+}
+
+static void geometric(bench *b)
+{
+    mukca_frame tip;
+    for (int r = 0; r < b->rows; r++)
+        mukca_fk_jacobian(b->other, &tip, &b->geometry, b->q + r * b->chain.n_joints, NULL);
+}
+
+static void corrected(bench *b)
+{
+    mukca_frame tip;
+    for (int r = 0; r < b->rows; r++)
+        mukca_corrected_pose(&tip, &b->arm, b->q + r * b->chain.n_joints, NULL);
+}
+
+static void corrected_jacobian(bench *b)
+{
+    mukca_frame tip;
+    for (int r = 0; r < b->rows / 16; r++) /* a sixteenth: it takes long */
+        mukca_corrected_jacobian(b->other, &tip, &b->arm, b->q + r * b->chain.n_joints, NULL);
 }
 
 static void one_by_one(bench *b)
@@ -71,7 +138,7 @@ static void generated(bench *b)
     for (int r = 0; r < b->rows; r++) {
         const double *arguments[8] = {b->q + r * b->chain.n_joints, b->theta};
         double *results[8] = {b->positions + 3 * r, b->other};
-        b->function(arguments, results, b->integers, b->work, 0);
+        b->now->function(arguments, results, b->integers, b->work, 0);
     }
 }
 
@@ -82,39 +149,36 @@ static double distance(const double *a, const double *b, int n)
     return most;
 }
 
-static int time_casadi(bench *b, const char *path)
+/* Compare a generated function with ours on all rows, and time it. */
+static int add_casadi(bench *b, void *library, const char *name, const char *shown)
 {
-    static const char *const names[] = {"position", "jacobian", "jacobian_constant"};
     static double ours[3 * MAX_ROWS];
-    void *library = dlopen(path, RTLD_NOW);
-    if (!library) {
-        fprintf(stderr, "bench_fk: %s\n", dlerror());
+    char symbol[64];
+    long long sizes[4];
+    casadi_sizes *work;
+    casadi_function *function;
+    snprintf(symbol, sizeof symbol, "%s_work", name);
+    *(void **)&work = dlsym(library, symbol);
+    *(void **)&function = dlsym(library, name);
+    if (!work || !function || work(sizes, sizes + 1, sizes + 2, sizes + 3) != 0 || sizes[0] > 8 ||
+        sizes[1] > 8 || sizes[2] > MAX_WORK || sizes[3] > MAX_WORK) {
+        fprintf(stderr, "bench_fk: %s is not as expected\n", name);
         return 1;
     }
+    pass check = {.function = function};
+    jacobians(b);
     memcpy(ours, b->positions, sizeof ours);
-    for (int i = 0; i < 3; i++) {
-        char symbol[64];
-        long long sizes[4];
-        casadi_sizes *work;
-        snprintf(symbol, sizeof symbol, "%s_work", names[i]);
-        *(void **)&work = dlsym(library, symbol);
-        *(void **)&b->function = dlsym(library, names[i]);
-        if (!work || !b->function || work(sizes, sizes + 1, sizes + 2, sizes + 3) != 0 ||
-            sizes[0] > 8 || sizes[1] > 8 || sizes[2] > MAX_WORK || sizes[3] > MAX_WORK) {
-            fprintf(stderr, "bench_fk: %s of %s is not as expected\n", names[i], path);
-            return 1;
-        }
-        snprintf(symbol, sizeof symbol, "casadi_%s", names[i]);
-        memset(b->positions, 0, sizeof b->positions);
-        measure(b, symbol, generated);
-        double off = distance(b->positions, ours, 3 * b->rows);
-        if (i > 0)
-            off = fmax(off, distance(b->J, b->other, 3 * MUKCA_PARAMETERS * b->chain.n_elements));
-        if (!(off <= 1e-9)) {
-            fprintf(stderr, "bench_fk: %s of CasADi differs by %g\n", names[i], off);
-            return 1;
-        }
+    memset(b->positions, 0, sizeof b->positions);
+    b->now = &check;
+    generated(b);
+    double off = distance(b->positions, ours, 3 * b->rows);
+    if (strcmp(name, "position") != 0)
+        off = fmax(off, distance(b->J, b->other, 3 * MUKCA_PARAMETERS * b->chain.n_elements));
+    if (!(off <= 1e-9)) {
+        fprintf(stderr, "bench_fk: %s of CasADi differs by %g\n", name, off);
+        return 1;
     }
+    add(b, shown, generated, function);
     return 0;
 }
 
@@ -122,14 +186,15 @@ int main(int argc, char **argv)
 {
     static bench b;
     mukca_error error;
-    FILE *angles = argc > 3 ? fopen(argv[3], "rb") : NULL;
+    FILE *angles = argc > 4 ? fopen(argv[3], "rb") : NULL;
     if (!angles) {
-        fputs("usage: bench_fk URDF REPEATS ANGLES [CASADI.so]\n", stderr);
+        fputs("usage: bench_fk URDF REPEATS ANGLES OFFSETS [CASADI.so]\n", stderr);
         return 2;
     }
     b.repeats = atoi(argv[2]);
     if (b.repeats < 1 || b.repeats > MAX_REPEATS) b.repeats = 101;
-    if (mukca_urdf_load(&b.chain, argv[1], NULL, NULL, NULL, &error) != MUKCA_OK) {
+    if (mukca_urdf_load(&b.chain, argv[1], NULL, NULL, NULL, &error) != MUKCA_OK ||
+        mukca_corrected_load(&b.arm, argv[4], &error) != MUKCA_OK) {
         fprintf(stderr, "bench_fk: %s\n", error.text);
         return 3;
     }
@@ -138,10 +203,29 @@ int main(int argc, char **argv)
     fclose(angles);
     mukca_chain_theta(b.theta, &b.chain);
     mukca_geometry_set(&b.geometry, &b.chain, NULL);
-    measure(&b, "position_one", one_by_one);
-    measure(&b, "jacobian", jacobians);
+    add(&b, "yardstick", yardstick, NULL);
+    add(&b, "positions", at_once, NULL);
+    add(&b, "position", one_by_one, NULL);
+    add(&b, "pose", poses, NULL);
+    add(&b, "geometric_jacobian", geometric, NULL);
+    add(&b, "jacobian", jacobians, NULL);
+    add(&b, "corrected_pose", corrected, NULL);
+    add(&b, "corrected_jacobian_16th", corrected_jacobian, NULL);
+    if (argc > 5) {
+        void *library = dlopen(argv[5], RTLD_NOW);
+        if (!library) {
+            fprintf(stderr, "bench_fk: %s\n", dlerror());
+            return 1;
+        }
+        if (add_casadi(&b, library, "position", "casadi_position") ||
+            add_casadi(&b, library, "jacobian", "casadi_jacobian") ||
+            add_casadi(&b, library, "jacobian_constant", "casadi_jacobian_constant"))
+            return 1;
+    }
+    measure(&b);
+    one_by_one(&b);
     double sum[3] = {0, 0, 0};
     for (int i = 0; i < 3 * b.rows; i++) sum[i % 3] += b.positions[i];
     printf("check %.12g %.12g %.12g\n", sum[0], sum[1], sum[2]);
-    return argc > 4 ? time_casadi(&b, argv[4]) : 0;
+    return 0;
 }

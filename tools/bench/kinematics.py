@@ -4,7 +4,7 @@ import os
 import random
 import subprocess
 
-from common import BUILD, HERE, REPEATS, output, python_with
+from common import BUILD, HERE, MUKCA, REPEATS, output, python_with
 
 URDF, TIP, JOINTS, ROWS = "data/demo/arm.urdf", "ball_link", 7, 1000
 CC, CXX = os.environ.get("CC", "gcc").split(), os.environ.get("CXX", "g++").split()
@@ -53,28 +53,41 @@ def pinocchio(folder, rows, repeats):
     return output(program, URDF, TIP, repeats, rows)
 
 
+LINES = (
+    ("seven times the C library's sincos: the yardstick", "yardstick", 1),
+    ("position, many rows in one call", "positions", 1),
+    ("position, one by one", "position", 1),
+    ("  CasADi's generated C, parameters folded into the code", "casadi_position", 1),
+    ("  Pinocchio, forwardKinematics and the tip's frame", "pinocchio_position", 1),
+    ("pose", "pose", 1),
+    ("pose and geometric Jacobian", "geometric_jacobian", 1),
+    (f"position and Jacobian by {6 * (JOINTS + 1)} parameters", "jacobian", 1),
+    ("  CasADi's generated C", "casadi_jacobian", 1),
+    ("  the same, parameters folded into the code", "casadi_jacobian_constant", 1),
+    (f"  Pinocchio, kinematic regressor of {6 * JOINTS} parameters", "pinocchio_regressor", 1),
+    ("pose with every kind of effect (19)", "corrected_pose", 1),
+    ("pose and Jacobian with every kind of effect", "corrected_jacobian_16th", ROWS / (ROWS // 16)),
+)
+
+
 def main():
     folder = os.path.join(BUILD, "bench")
-    rows, repeats = os.path.join(folder, "angles.bin"), 3 * REPEATS
-    print(f"\nforward kinematics, {URDF}, {JOINTS} joints, {ROWS} configurations, medians of {repeats} runs")
+    rows, table, repeats = os.path.join(folder, "angles.bin"), os.path.join(folder, "effects.tsv"), 3 * REPEATS
+    print(f"\nforward kinematics, {URDF}, {JOINTS} joints, {ROWS} configurations, {repeats} runs: medians, and ratios to the"
+          " yardstick with their quartiles")
     angles(rows)
-    ours = output(os.path.join(folder, "bench_fk"), URDF, repeats, rows, *casadi_library(folder))
+    with open(table, "w") as f:
+        f.write(output(os.path.join(HERE, "../cross/m7/table"), MUKCA))
+    ours = output(os.path.join(folder, "bench_fk"), URDF, repeats, rows, table, *casadi_library(folder))
     theirs = pinocchio(folder, rows, repeats)
-    values = {name: numbers for name, *numbers in map(str.split, (ours + theirs).splitlines())}
+    values = {name: [float(n) for n in numbers] for name, *numbers in map(str.split, (ours + theirs).splitlines())}
     checks = [line.split()[1:] for line in (ours + theirs).splitlines() if line.startswith("check")]
     if any(abs(float(a) - float(b)) > 1e-6 for a, b in zip(checks[0], checks[-1])):
         raise SystemExit("bench: Pinocchio's positions are not ours")
-
-    def line(words, name, best):
-        if name in values:
-            ns = float(values[name][0])
-            print(f"  {words:62}{ns:9.1f} ns" + (f"{ns / best:8.1f} times ours" if name not in mine else ""))
-    mine = ("position_one", "jacobian")
-    one, jacobian = float(values["position_one"][0]), float(values["jacobian"][0])
-    line("position", "position_one", one)
-    line("  CasADi's generated C, parameters folded into the code", "casadi_position", one)
-    line("  Pinocchio, forwardKinematics and the tip's frame", "pinocchio_position", one)
-    line(f"position and Jacobian by {6 * (JOINTS + 1)} parameters", "jacobian", jacobian)
-    line("  CasADi's generated C", "casadi_jacobian", jacobian)
-    line("  the same, parameters folded into the code", "casadi_jacobian_constant", jacobian)
-    line(f"  Pinocchio, kinematic regressor of {6 * JOINTS} parameters", "pinocchio_regressor", jacobian)
+    for words, name, share in LINES:
+        if name not in values:
+            continue
+        ns, *ratios = [share * value for value in values[name]]
+        ratios = ratios or [ns / values["yardstick"][0]]  # of another process, next to the last yardstick
+        spread = f"  [{ratios[1]:.2f}, {ratios[2]:.2f}]" if len(ratios) > 1 else ""
+        print(f"  {words:62}{ns:9.1f} ns{ratios[0]:8.2f}{spread}")
