@@ -120,6 +120,7 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
                 "the samples do not fit this arm: check the URDF, the tip, the columns and their "
                 "order; a tracker's log needs --free-base and --free-tool");
     }
+    m->pool.failed |= scan.pool.failed; /* columns that a scan could not hold */
     mukca_scan_free(&scan);
     return status;
 }
