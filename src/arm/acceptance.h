@@ -53,9 +53,10 @@ void mukca_acceptance_judge(mukca_acceptance *acceptance, const char *stop);
 void mukca_acceptance_refuse(mukca_acceptance *acceptance, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* The verdict as a sentence for people, without a full stop. */
+/* The verdict as a sentence for people, without a full stop; `factory`: the fit began with a
+ * factory file, not with the URDF's origins. */
 void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE],
-                               const mukca_acceptance *acceptance);
+                               const mukca_acceptance *acceptance, bool factory);
 
 /* Take up a comment line of a table; other lines are left alone. */
 void mukca_acceptance_read(mukca_acceptance *acceptance, const char *line);

@@ -54,7 +54,8 @@ void mukca_acceptance_judge(mukca_acceptance *a, const char *stop)
                                 1e3 * a->tip_change_m, a->tip_change_sigma);
 }
 
-void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a)
+void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
+                               bool factory)
 {
     const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
     if (!a->given)
@@ -64,9 +65,9 @@ void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca
     else if (!isfinite(a->error_m))
         snprintf(text, size, "accepted");
     else
-        snprintf(
-            text, size,
-            "accepted: held-out error %.3f mm (%s), nominal model %.3f mm; the tip moves by up "
-            "to %.2f mm",
-            1e3 * a->error_m, a->error_of, 1e3 * a->error_nominal_m, 1e3 * a->tip_change_m);
+        snprintf(text, size,
+                 "accepted: held-out error %.3f mm (%s), %s model %.3f mm; the tip moves by up "
+                 "to %.2f mm",
+                 1e3 * a->error_m, a->error_of, factory ? "factory" : "nominal",
+                 1e3 * a->error_nominal_m, 1e3 * a->tip_change_m);
 }

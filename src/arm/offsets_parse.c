@@ -350,5 +350,6 @@ mukca_status mukca_chain_parse(mukca_chain *chain, mukca_bytes table, const char
         if (status != MUKCA_OK) return status;
     }
     if (chain->n_elements > 0) return MUKCA_OK;
-    return fail(&r, "no `# element:` lines: write the table anew with this version of mukca");
+    return fail(&r,
+                "no offsets table, or one of an older version: it lacks the `# element:` lines");
 }

@@ -154,7 +154,9 @@ static void print_next(cli_call *call, const calibrate_result *r)
                          "%s, or identify the cause with mukca diagnose",
                          test / train, sockets ? "placements" : "postures");
     else if (c->output)
-        cli_answer_keyed(call, "Next", "mukca export --urdf %s --offsets %s", c->urdf, c->output);
+        cli_answer_keyed(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
+                         c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
+                         c->output);
     if (!c->output) cli_answer_keyed(call, "", "-o offsets.tsv saves the result");
 }
 
@@ -168,7 +170,7 @@ static void print_verdict(cli_call *call, const calibrate_result *r)
     }
     cli_answer_wrapped(call, "Converged after %d evaluations; measurement noise %.3f mm per axis.",
                        r->fit->outcome.evaluations, 1e3 * a->noise_m);
-    mukca_acceptance_sentence(text, a);
+    mukca_acceptance_sentence(text, a, r->fit->chain.kinematics_sha256[0] != '\0');
     cli_answer_wrapped(call, "Result %s.", text);
 }
 

@@ -171,6 +171,7 @@ static int count_finished(const mukca_capture *c)
 static void print_next(const session *s)
 {
     const cli_common *c = s->call->common;
+    const capture_options *o = s->options;
     const struct {
         const char *option, *value;
     } arm[] = {{"--urdf", c->urdf}, {"--base", c->base}, {"--tip", c->tip}};
@@ -183,7 +184,10 @@ static void print_next(const session *s)
     if (finished)
         mukca_text_put(&text, " %s -o offsets.tsv", s->recorder.session.path);
     else
-        mukca_text_put(&text, " -o %s --resume", s->recorder.session.path);
+        mukca_text_put(&text, " -o %s --resume%s%s%s", s->recorder.session.path,
+                       o->live.recorder.lines ? " --stdin" : "",
+                       o->live.recorder.still ? " --still" : "",
+                       o->live.recorder.triggers ? " --trigger" : "");
     cli_answer(s->call, "Next    %s\n", line);
     if (!finished)
         cli_answer_wrapped(s->call, "        no placement has two sockets with two samples yet");

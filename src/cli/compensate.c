@@ -61,6 +61,7 @@ static const cli_option options[] = {
 typedef struct {
     mukca_moments before, after;
     long count[MUKCA_REACH_COUNT], rows;
+    long other; /* targets of a program of the kind that was not asked for */
 } tally;
 
 /* One run: where the targets go, and what has been counted. */
@@ -242,6 +243,36 @@ static mukca_status from_poses(job *b, const char *path)
     return status;
 }
 
+/* Poses of the line (with --poses: joint targets); they stay as they are. */
+static long count_other(const job *b, const char *line)
+{
+    const compensate_options *o = b->call->options;
+    mukca_program_target t;
+    long n = 0;
+    for (size_t at = 0; mukca_language_find(&t, b->from, &b->arm->chain, !o->poses, line, at);
+         at = t.end)
+        n++;
+    return n;
+}
+
+/* What is left in a program, and the moves that its poses need now.  Joint targets come first: a
+ * second run would correct those that were poses once more. */
+static void note_program(const job *b, const char *path)
+{
+    const compensate_options *o = b->call->options;
+    const char *move = mukca_language_joint_move(b->to);
+    if (b->tally.other > 0)
+        mukca_note_format(cli_note, b->call, "%s: %s not corrected: %ld; %s",
+                          mukca_file_shown(path), o->poses ? "joint targets" : "poses",
+                          b->tally.other,
+                          o->poses ? "correct these first, without --poses"
+                                   : "correct these next, in the result, with --poses");
+    if (o->poses && b->from == b->to && move)
+        mukca_note_format(cli_note, b->call,
+                          "%s: the poses are joint targets now; move to them by %s",
+                          mukca_file_shown(path), move);
+}
+
 /* Correct the targets of one line. */
 static mukca_status correct_line(job *b, double *q, const char *line, const char *path, int number)
 {
@@ -284,6 +315,7 @@ static mukca_status from_program(job *b, const char *path)
     double q[MUKCA_MAX_JOINTS] = {0};
     const long before = b->tally.rows;
     int number = 0;
+    b->tally.other = 0;
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
     start(b, true);
@@ -293,11 +325,13 @@ static mukca_status from_program(job *b, const char *path)
         const bool ended = *end == '\n';
         *end = '\0';
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
+        b->tally.other += count_other(b, line);
         if (status == MUKCA_OK) status = correct_line(b, q, line, path, ++number);
         if (ended && b->from == b->to) fputc('\n', b->stream);
         line = end + ended;
     }
     free(text);
+    if (status == MUKCA_OK && b->tally.rows > before) note_program(b, path);
     if (status != MUKCA_OK || b->tally.rows > before) return status;
     const compensate_options *o = call->options;
     return mukca_fail(&call->error, MUKCA_INPUT,
@@ -310,16 +344,16 @@ static void print_tally(cli_call *call, const tally *t, bool poses)
 {
     if (t->rows == 0) return;
     if (poses)
-        cli_answer(call, "%ld rows: error %.6f mm mean, %.6f mm at most\n", t->rows,
-                   1e3 * t->after.mean, 1e3 * t->after.max);
+        cli_answer(call, "%ld row%s: error %.6f mm (mean), %.6f mm (max)\n", t->rows,
+                   t->rows == 1 ? "" : "s", 1e3 * t->after.mean, 1e3 * t->after.max);
     else
         cli_answer(call, "%ld row%s: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
                    t->rows, t->rows == 1 ? "" : "s", 1e3 * t->before.mean, 1e3 * t->before.max,
                    1e3 * t->after.mean, 1e3 * t->after.max);
     for (int r = 1; r < MUKCA_REACH_COUNT; r++)
         if (t->count[r] > 0)
-            cli_answer(call, "%ld rows '%s': %s\n", t->count[r], mukca_reach_text[r],
-                       mukca_reach_sentence[r]);
+            cli_answer(call, "%ld row%s '%s': %s\n", t->count[r], t->count[r] == 1 ? "" : "s",
+                       mukca_reach_text[r], mukca_reach_sentence[r]);
 }
 
 static json_t *as_json(const cli_call *call, const tally *t)
@@ -388,7 +422,8 @@ const cli_command cli_command_compensate = {
         "--from and --format read and write programs; joints from the seventh on are external "
         "axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
         "In URScript, targets are the arguments of movej, movel, movep and servoj, and values of "
-        "variables whose names end in _q. A pose becomes a joint target.",
+        "variables whose names end in _q. A pose becomes a joint target: in RAPID "
+        "for MoveAbsJ, in KRL for PTP. Correct joint targets first, without --poses, then poses.",
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",

@@ -106,7 +106,7 @@ static void print(cli_call *call, const evaluate_work *w)
                                                  : "nominal model (no --offsets)");
     if (calibrated) {
         char verdict_text[MUKCA_ACCEPTANCE_SENTENCE];
-        mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance);
+        mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance, w->data.has_factory);
         cli_answer_wrapped(call, "Table %s.", verdict_text);
     }
     cli_scores_print_header(call, calibrated);

@@ -202,6 +202,9 @@ static mukca_status check_columns(const mukca_dataset_builder *b, const mukca_ro
     return mukca_table_fail(b->error, &rows->table, -1,
                             c->placement >= 0
                                 ? "no column 'socket'; add the label of each row's socket"
+                            : mukca_table_find(&rows->table, "x") >= 0
+                                ? "columns x, y, z without a unit; give --units, as in rad,m or "
+                                  "deg,mm, or call them x_m, y_m, z_m"
                                 : "neither a session nor a pose log; the header needs columns "
                                   "socket, or x_m, y_m, z_m");
 }

@@ -255,9 +255,11 @@ mukca_status mukca_kinematics_apply(mukca_chain *chain, const mukca_kinematics *
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
         if (!set[chain->joint_element[j]])
-            return mukca_fail(error, MUKCA_INPUT,
-                              "%s: no entry for joint '%s' (child link '%s'); is it of this arm?",
-                              mukca_file_shown(path), e->name, e->child);
+            return mukca_fail(
+                error, MUKCA_INPUT,
+                "%s: no entry for joint '%s' (child link '%s'); entries bear the name of "
+                "the joint or of its child link: is it of this arm?",
+                mukca_file_shown(path), e->name, e->child);
     }
     if (ignored)
         mukca_note_format(note, context, "%s: %d entries are not between '%s' and '%s'; ignored",

@@ -20,6 +20,7 @@ struct mukca_language {
     const char *line[2];             /* around a target that is a line of its own */
     const char *const *after;        /* texts that a target must follow; NULL: any */
     const char *pose;
+    const char *joint_move; /* the moves that take a joint target; NULL: those of poses as well */
     turn_kind turn;
     double angle, length; /* rad and m of its units */
     int decimals;         /* 0.02 urad, 1 nm */
@@ -38,6 +39,7 @@ static const mukca_language rapid = {.open = "[[",
                                      .empty = {"0", "9E9"},
                                      .line = {"", ""},
                                      .pose = "[[#,#,#],[#,#,#,#],[#,#,#,#],[#,#,#,#,#,#]]",
+                                     .joint_move = "MoveAbsJ, and declare them as jointtarget",
                                      .turn = QUATERNION,
                                      .angle = DEGREE,
                                      .length = 1e-3,
@@ -50,6 +52,7 @@ static const mukca_language krl = {.open = "{*",
                                    .label = {'A', 'E'},
                                    .line = {"", ""},
                                    .pose = "{*X #,Y #,Z #,A #,B #,C #*}",
+                                   .joint_move = "PTP, and declare them as E6AXIS",
                                    .turn = ZYX,
                                    .angle = DEGREE,
                                    .length = 1e-3,
@@ -195,6 +198,11 @@ bool mukca_language_find(mukca_program_target *t, const mukca_language *l, const
         return true;
     }
     return false;
+}
+
+const char *mukca_language_joint_move(const mukca_language *language)
+{
+    return language ? language->joint_move : NULL;
 }
 
 static void print_value(FILE *stream, const mukca_language *l, const mukca_chain *chain, int j,

@@ -28,6 +28,10 @@ typedef struct {
 bool mukca_language_find(mukca_program_target *target, const mukca_language *language,
                          const mukca_chain *chain, bool pose, const char *line, size_t from);
 
+/* The moves of the language that take a joint target but no pose, as a text; NULL: they take both.
+ */
+const char *mukca_language_joint_move(const mukca_language *language);
+
 /* Print q[n_joints] as a joint target; `alone`: as a whole line of a program, without its end. */
 void mukca_language_print(FILE *stream, const mukca_language *language, const mukca_chain *chain,
                           const double *q, bool alone);

@@ -191,6 +191,11 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
             more == 3   ? "x y z"
             : more == 7 ? "x y z qw qx qy qz"
                         : "a 4x4 matrix row by row");
+    if (o->format.by_order && !poses)
+        return mukca_table_fail(error, t, -1,
+                                "%d columns; --map order reads %d joints and then 3 (x y z), 7 "
+                                "(with a quaternion) or 16 numbers (a 4x4 matrix)",
+                                t->n_columns, n);
     if (o->kind == MUKCA_HEADER && !poses)
         return mukca_table_fail(error, t, -1,
                                 "starts with numbers; the first line must name the columns");

@@ -78,7 +78,8 @@ void mukca_report_put_offsets(FILE *out, const mukca_report *r)
     mukca_offset_row rows[MUKCA_MAX_OFFSET_ROWS];
     char verdict[MUKCA_ACCEPTANCE_SENTENCE];
     const int n = mukca_offsets_rows(rows, r->offsets, r->fitted);
-    mukca_acceptance_sentence(verdict, &r->offsets->acceptance);
+    mukca_acceptance_sentence(verdict, &r->offsets->acceptance,
+                              r->fitted->kinematics_sha256[0] != '\0');
     fputs("<p>Verdict of the table: ", out);
     mukca_html_element(out, "strong", verdict);
     fputs(".</p>\n", out);

@@ -45,9 +45,9 @@ ok "next: calibrate, with the options that name the arm" grep -q -- '--tip ball_
 $mukca ${next#mukca } --force -o "$dir/offsets.tsv" >"$dir/answer" 2>"$dir/said"
 ok "and it works: the unfinished placement is not used" grep -q "placement 'placement_2', socket .*; the placement is not used" "$dir/said"
 head -n 100 "$dir/empty.csv" | capture --stdin --still -o "$dir/half.tsv" >"$dir/answer" 2>"$dir/said"
-ok "one socket: the next command goes on recording" grep -q 'mukca capture --urdf data/demo/arm.urdf -o .*half.tsv --resume' "$dir/answer"
+ok "one socket: the next command goes on recording" grep -q 'mukca capture --urdf data/demo/arm.urdf -o .*half.tsv --resume --stdin --still$' "$dir/answer"
 next=$(next_of)
-ok "and it works" bash -c "$mukca ${next#mukca } --stdin --still <'$dir/empty.csv'"
+ok "and it works" bash -c "$mukca ${next#mukca } <'$dir/empty.csv'"
 
 # one clear line; recording goes on where there was a stream
 refuses() { # NAME CODE PATTERN TEXT OPTION...

@@ -21,6 +21,7 @@ expect "a factory file can be exported as a URDF" cmp factory.tsv as_urdf.tsv
 # calibrated from there, evaluated next to the others, and written back
 "$MUKCA" simulate -q $ur --placements 3 --rows 15 --seed 3 --noise 5e-5 --perturb 0.1,0.2 -o session.tsv --force
 "$MUKCA" calibrate -q $ur session.tsv -o table.tsv
+answer 'factory model 0' calibrate $ur session.tsv
 answer 'nominal      factory   calibrated' evaluate $ur --offsets table.tsv session.tsv -o scores.tsv
 expect "evaluate has the factory's errors: calibrated < factory < nominal" awk -F '\t' '
     NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
@@ -78,7 +79,7 @@ refuse 3 'bad.yaml:34: out of range' $f
 bad 's/    pitch: 0.0021/    tilt: 0.0021/'
 refuse 3 "bad.yaml:21: expected x, y, z, roll, pitch, yaw of a joint, not 'tilt'" $f
 bad 's/wrist_2:/wrist_9:/'
-refuse 3 "bad.yaml: no entry for joint 'wrist_2_joint' (child link 'wrist_2_link'); is it of this arm?" $f
+refuse 3 "bad.yaml: no entry for joint 'wrist_2_joint' (child link 'wrist_2_link'); entries bear the name of the joint or of its child link: is it of this arm?" $f
 bad 's/wrist_2:/wrist_1:/'
 refuse 3 "bad.yaml:30: a second entry 'wrist_1'" $f
 bad 's/z: 0.1338.*/z: [1, 2]/'

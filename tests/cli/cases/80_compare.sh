@@ -12,7 +12,7 @@ refuse 3 'has 3 joints .* has 2 ' compare arm.urdf two.urdf
 refuse 3 'nix.urdf: cannot read' compare arm.urdf nix.urdf
 refuse 2 'end the name in .svg, .png or .pdf' compare arm.urdf longer.urdf --plot x.gif
 refuse 2 'is an input of this command' compare arm.urdf longer.urdf --json arm.urdf --force
-refuse 3 'element' compare arm.urdf session.tsv
+refuse 3 'no offsets table, or one of an older version' compare arm.urdf session.tsv
 {
     echo "# urdf_sha256: $(sha256sum arm.urdf | cut -d ' ' -f 1)"
     printf 'joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\tterm\n'

@@ -45,3 +45,7 @@ refuse 3 "degrees.script:1: joint 'joint_2' is 20 rad, more than two turns; chec
     compensate $arm --from urscript degrees.script -o new.script
 echo '[[4000,0,0],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]' >far.mod
 accept "far.mod:1: the arm does not get there" compensate $arm --from rapid --poses far.mod
+accept 'path.mod: poses not corrected: 1; correct these next, in the result, with --poses' compensate $arm --from rapid path.mod
+accept 'path.mod: joint targets not corrected: 2; correct these first, without --poses' \
+    compensate $arm --from rapid --poses path.mod
+accept 'path.mod: the poses are joint targets now; move to them by MoveAbsJ' compensate $arm --from rapid --poses path.mod
