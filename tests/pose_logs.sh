@@ -15,7 +15,7 @@ urdf=data/demo/arm.urdf
 # A tracker 2 m away; targets A, B and C in training, D in the test; noise of 0.1 mm.  The true places of A, B, C differ by
 # (-50, 30, 0) and (-30, -40, 30) mm from A's.
 awk -F, -v OFS=, -v dir="$dir" '
-function noise(  i, s) { for (i = s = 0; i < 12; i++) s += rand(); return 1e-4 * (s - 6) }
+function noise(  i, s) { if (shared) return common[axis++ % 3]; for (i = s = 0; i < 12; i++) s += rand(); return 1e-4 * (s - 6) }
 function place(t,  w, x, y, z, a, b, c, p, q, r) {
     w = $12; x = $13; y = $14; z = $15; a = at[t, 1]; b = at[t, 2]; c = at[t, 3]
     p = $9 + (1-2*(y*y+z*z))*a + 2*(x*y-z*w)*b + 2*(x*z+y*w)*c
@@ -27,6 +27,7 @@ BEGIN { split("A .03 0 .02 B -.02 .03 .02 C 0 -.04 .05 D .05 .05 0", s, " ")
 /^#/ { next }
 !joints { joints = $2 OFS $3 OFS $4 OFS $5 OFS $6 OFS $7 OFS $8
     print joints, "x_m.A,y_m.A,z_m.A,x_m.B,y_m.B,z_m.B,x_m.C,y_m.C,z_m.C" >dir "/columns.csv"
+    print joints, "x_m.A,y_m.A,z_m.A,x_m.B,y_m.B,z_m.B,x_m.C,y_m.C,z_m.C" >dir "/shared.csv"
     print "target", joints, "x_m,y_m,z_m" >dir "/rows.csv"
     print "target", joints, "x_m,y_m,z_m" >dir "/test.csv"
     print joints, "x_m,y_m,z_m" >dir "/one.csv"
@@ -36,6 +37,8 @@ BEGIN { split("A .03 0 .02 B -.02 .03 .02 C 0 -.04 .05 D .05 .05 0", s, " ")
     if (n > 60) { print "D", q, place("D") >dir "/test.csv"; print q, place("A") >dir "/two.csv"; next }
     a = place("A"); b = place("B"); c = place("C")
     print q, a, b, c >dir "/columns.csv"
+    for (k = 0; k < 3; k++) common[k] = noise()
+    shared = 1; print q, place("A"), place("B"), place("C") >dir "/shared.csv"; shared = 0
     print q, a >dir "/one.csv"
     print "A", q, a RS "B", q, b RS "C", q, c >dir "/rows.csv" }' "$dir/all.csv"
 run() { "$mukca" "$1" --urdf $urdf "${@:2}"; }
@@ -51,6 +54,8 @@ for form in columns rows; do
         "$(sed -n 's/^Test data, mm:.*geometry \([0-9.]*\),.*/\1/p' "$dir/$form.txt")" 0.25
 done
 run evaluate "$dir/rows.csv" "$dir/test.csv" --offsets "$dir/rows.tsv" >"$dir/scores" 2>"$dir/said"
+"$mukca" diagnose -q --urdf $urdf --free-base --free-tool --json "$dir/shared.json" "$dir/shared.csv" >/dev/null 2>&1
+ok "noise that the targets of a posture share makes no cause" grep -q '"verdict": "none"' "$dir/shared.json"
 ok "a row per log and target" test "$(cut -f 2 "$dir/scores" | tr '\n' ' ')" = "placement rows.csv:A rows.csv:B rows.csv:C test.csv:D "
 ok "each below 0.25 mm" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
 run calibrate "$dir/rows.csv" --free-base >"$dir/said" 2>&1

@@ -59,7 +59,7 @@ int mukca_evidence_index(double rho)
  */
 static void lay_out(mukca_normal_equations *normal, const mukca_recording *r, const double *weight)
 {
-    const double rho = normal->rho, root = sqrt(1 - rho * rho);
+    const double rho = normal->rho, root = sqrt(1 - rho * rho), part = sqrt(r->share);
     normal->n_pairs = r->n_pairs;
     normal->log_det = 0;
     normal->dof = 0;
@@ -70,7 +70,7 @@ static void lay_out(mukca_normal_equations *normal, const mukca_recording *r, co
         if (!group->count) continue;
         for (int k = 0; k < group->count; k++) {
             const int i = group->start + k;
-            const double w = weight ? weight[r->order[i]] : 1;
+            const double w = part * (weight ? weight[r->order[i]] : 1);
             double own, before;
             mukca_evidence_whitening(&own, &before, k, root, rho);
             own *= w, before *= w;
@@ -84,8 +84,8 @@ static void lay_out(mukca_normal_equations *normal, const mukca_recording *r, co
         }
         normal->ones[g] = sum;
         for (int k = 0; k < group->count; k++) normal->mean_weight[group->start + k] /= sum;
-        normal->log_det -= 0.5 * r->dim * (group->count - 1) * log(1 - rho * rho);
-        normal->dof += r->dim * group->count;
+        normal->log_det -= 0.5 * r->share * r->dim * (group->count - 1) * log(1 - rho * rho);
+        normal->dof += (int)lround(r->share * r->dim * group->count);
         if (group->socket < 0) continue;
         normal->dof -= 3;
         normal->log_det -= 0.5 * 3 * log(sum);

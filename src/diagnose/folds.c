@@ -127,7 +127,7 @@ static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int 
     const int size = normal->n + 1, d = r->dim;
     const size_t step = (size_t)d * (size_t)size;
     const double *X = b->m->linear.columns + (size_t)group->start * step,
-                 root = sqrt(1 - normal->rho * normal->rho);
+                 root = sqrt(1 - normal->rho * normal->rho), part = sqrt(r->share);
     double *mean = b->white + 6 * BLOCK * size;
     int count = 0;
     for (int i = 0; i < group->count; i++) count += b->fold[r->order[group->start + i]] == f;
@@ -141,6 +141,7 @@ static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int 
         if (b->fold[r->order[group->start + i]] == f) {
             double own, before, *W = b->white + (size_t)count++ * step;
             mukca_evidence_whitening(&own, &before, i, root, normal->rho);
+            own *= part, before *= part;
             for (size_t k = 0; k < step; k++) W[k] = own * X[k];
             for (size_t k = 0; k < step && before > 0; k++) W[k] -= before * (X - step)[k];
             for (int k = 0; k < 3 * size && group->socket >= 0; k++)
@@ -172,7 +173,7 @@ static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
     for (int g = 0; g < r->n_groups; g++) /* a socket's mean takes those of one sample */
         for (int i = r->groups[g].socket < 0 ? 0 : 1; i < r->groups[g].count; i++)
             if (b->fold[r->order[r->groups[g].start + i]] == f) freedom += d;
-    return freedom;
+    return (int)lround(r->share * freedom);
 }
 
 /* Fit without each fold in turn and predict it; the model must be linearised.

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#define SAME_ANGLE 1e-5 /* rad: the resolution of any encoder */
+
 mukca_joint_state mukca_recording_state(const mukca_recording *r, int row)
 {
     const size_t n = (size_t)r->chain->n_joints, at = (size_t)row * n;
@@ -136,12 +138,34 @@ static void list_bodies(mukca_recording *r)
     r->body_element[r->payload_body] = chain->n_elements - 1;
 }
 
+/* Postures per sample of several targets; 1 for one target.  Errors of the targets of one posture
+ * count as one error, the most that they can have in common.  Quadratic in the samples, which
+ * condensing keeps to some thousands. */
+static double share_of(const mukca_dataset *data, int n_joints)
+{
+    int again = 0;
+    for (int row = 0; row < data->n_rows && data->n_targets > 1; row++)
+        for (int before = row - 1; before >= 0; before--) {
+            int j = 0;
+            while (j < n_joints &&
+                   fabs(data->q[row * n_joints + j] - data->q[before * n_joints + j]) < SAME_ANGLE)
+                j++;
+            if (j < n_joints ||
+                mukca_dataset_target(data, row) == mukca_dataset_target(data, before))
+                continue;
+            again++;
+            break;
+        }
+    return data->n_rows ? 1 - (double)again / data->n_rows : 1;
+}
+
 bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_chain *chain,
                             const mukca_dataset *data, const mukca_recording_options *options)
 {
     const int rows = data->n_rows, n_joints = chain->n_joints;
     *r =
         (mukca_recording){.chain = chain, .data = data, .options = *options, .dim = observed(data)};
+    r->share = share_of(data, n_joints);
     list_bodies(r);
     const int bodies = r->n_bodies ? r->n_bodies : 1;
     r->moment = MUKCA_TAKE(pool, double, 3 * rows * bodies * n_joints);
@@ -179,7 +203,7 @@ int mukca_recording_distinct(const mukca_recording *r)
             double most = i ? 0 : HUGE_VAL;
             for (int j = 0; i && j < n; j++)
                 most = fmax(most, fabs(r->data->q[row[0] * n + j] - r->data->q[row[-1] * n + j]));
-            distinct += most > 1e-5; /* rad: the resolution of any encoder */
+            distinct += most > SAME_ANGLE;
         }
     return distinct;
 }

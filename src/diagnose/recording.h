@@ -36,8 +36,10 @@ typedef struct {
     const mukca_chain *chain;
     const mukca_dataset *data;
     mukca_recording_options options;
-    int dim;    /* observed per sample: 3, or 6 with orientations (pose logs) */
-    int n_logs; /* 1 without poses */
+    int dim;      /* observed per sample: 3, or 6 with orientations (pose logs) */
+    double share; /* of a sample in what is known: below 1 where a posture shows several targets,
+                     whose errors have the repeatability of the arm in common */
+    int n_logs;   /* 1 without poses */
 
     /* loads: a body is an element that carries mass, or the payload */
     int n_bodies, body_element[MUKCA_MAX_ELEMENTS + 1];
