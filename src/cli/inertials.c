@@ -11,7 +11,8 @@
 #include "cli/cli.h"
 
 /* Folders of such files, from that of the program: in the source folder, and installed. */
-static const char *const folders[] = {"/../data/inertials", "/../share/mukca/inertials"};
+static const char *const folders[] = {"/../data/inertials", "/../../data/inertials",
+                                      "/../share/mukca/inertials"};
 
 /* Is the name of the file without its ending part of a name of the arm? */
 static bool is_named(const mukca_chain *chain, const char *file)

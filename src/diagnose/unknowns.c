@@ -221,7 +221,8 @@ void mukca_unknowns_set(mukca_unknowns *u, const double *mean)
     memcpy(u->theta, mean, sizeof *mean * (size_t)u->n_geometry);
     mean += u->n_geometry;
     for (int c = 0; c < u->n_causes; c++)
-        for (int t = 0; t < u->cause[c].candidate.terms; t++) u->cause[c].coefficient[t] = *mean++ + u->cause[c].centre;
+        for (int t = 0; t < u->cause[c].candidate.terms; t++)
+            u->cause[c].coefficient[t] = *mean++ + u->cause[c].centre;
 }
 
 bool mukca_unknowns_add(mukca_unknowns *u, const mukca_candidate *candidate)

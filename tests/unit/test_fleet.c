@@ -225,8 +225,7 @@ static void test_file(void **state)
     assert_int_equal(mukca_summary_read_stream(stream, "a.json", keep, &b, &error), MUKCA_OK);
     assert_memory_equal(a.ripple, b.ripple, sizeof a.ripple);
     assert_memory_equal(&a.model, &b.model, sizeof a.model);
-    for (int i = 0; i < TERMS; i++)
-        assert_close(b.vector[i], a.vector[i], 0);
+    for (int i = 0; i < TERMS; i++) assert_close(b.vector[i], a.vector[i], 0);
     fclose(stream);
 }
 
