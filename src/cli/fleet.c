@@ -1,12 +1,12 @@
 /* mukca fleet: pool the summaries of many arms of one model. */
+#include "cli/fleet.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "cli/cli.h"
-#include "fleet/traits.h"
 #include "io/summary.h"
 #include "io/traits.h"
-#include "report/wording.h"
+#include "report/wording_fleet.h"
 
 typedef struct {
     cli_common common;
@@ -22,28 +22,21 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-typedef struct {
-    mukca_fleet fleet;
-    mukca_fleet_result result;
-    const char *path; /* of the file that is being read */
-} fleet_work;
-
-static void release(void *work)
+void cli_fleet_free(void *work)
 {
-    fleet_work *w = work;
+    cli_fleet *w = work;
     mukca_fleet_result_free(&w->result);
     mukca_fleet_free(&w->fleet);
 }
 
 static mukca_status take(void *context, const mukca_summary *summary, mukca_error *error)
 {
-    fleet_work *w = context;
+    cli_fleet *w = context;
     return mukca_fleet_take(&w->fleet, summary, w->path, error);
 }
 
-static mukca_status read_all(cli_call *call)
+mukca_status cli_fleet_read(cli_call *call, cli_fleet *w)
 {
-    fleet_work *w = call->work;
     mukca_status status = MUKCA_OK;
     for (int i = 0; i < call->arguments.n && status == MUKCA_OK; i++) {
         w->path = call->arguments.items[i];
@@ -69,7 +62,7 @@ static mukca_status write_partial(FILE *stream, const mukca_fleet *fleet, mukca_
 static mukca_status write_output(cli_call *call)
 {
     const fleet_options *o = call->options;
-    const fleet_work *w = call->work;
+    const cli_fleet *w = call->work;
     mukca_output output = {0};
     if (!call->common->output) return MUKCA_OK;
     mukca_status status =
@@ -129,7 +122,7 @@ static json_t *arm_object(const mukca_fleet_result *r, const mukca_fleet *f, int
                      effects);
 }
 
-static json_t *result_json(const fleet_work *w)
+static json_t *result_json(const cli_fleet *w)
 {
     const mukca_fleet_result *r = &w->result;
     const mukca_fleet *f = &w->fleet;
@@ -157,64 +150,36 @@ static json_t *result_json(const fleet_work *w)
 
 /* ---- for people ---- */
 
-static void describe_effect(char words[MUKCA_WORDING], const mukca_effect *e, const mukca_fleet *f)
-{
-    snprintf(words, MUKCA_WORDING, "%s%s%s", mukca_effect_table[e->kind]->title,
-             e->joint < 0                           ? ""
-             : e->kind == MUKCA_EFFECT_LINK_BENDING ? " before "
-                                                    : " at ",
-             e->joint < 0 ? "" : f->model.joint[e->joint]);
-}
-
-static void print_shared(cli_call *call, const fleet_work *w)
+static void print_shared(cli_call *call, const cli_fleet *w)
 {
     const mukca_fleet_result *r = &w->result;
-    char words[MUKCA_WORDING], probability[MUKCA_WORDING];
+    char words[MUKCA_WORDING];
     int shown = 0;
     for (int k = 0; k < r->population.n; k++) {
-        const mukca_shared *s = &r->shared[k];
-        const double f = mukca_effect_table[s->effect.kind]->display_factor;
-        if (s->probability < 0.5) continue;
-        describe_effect(words, &s->effect, &w->fleet);
-        mukca_wording_probability(probability, s->probability);
-        cli_answer_keyed(call, shown++ ? "" : "Shared",
-                         "%s, %.3g urad/(N·m) [%.3g, %.3g], arms differ by %.2g (%.0f %%), %s",
-                         words, f * s->mean, f * s->low, f * s->high, f * s->spread,
-                         100 * s->spread / s->mean, probability);
+        if (r->shared[k].probability < MUKCA_COEFFICIENT_SHARED) continue;
+        mukca_wording_fleet_shared(words, &r->shared[k], &w->fleet);
+        cli_answer_keyed(call, shown++ ? "" : "Shared", "%s", words);
     }
     if (!shown) cli_answer_keyed(call, "Shared", "no elastic coefficient");
     shown = 0;
     for (int j = 0; j < w->fleet.model.n_joints; j++) {
         const mukca_shared_order *o = &r->order[j];
         if (!o->order || o->probability < MUKCA_ORDER_SHARED) continue;
-        mukca_wording_probability(probability, o->probability);
-        cli_answer_keyed(call, shown++ ? "" : "Ripple",
-                         "transmission ripple at %s, %d per turn, seen in %d of %d arms, %s",
-                         w->fleet.model.joint[j], o->order, o->arms, w->fleet.n_arms, probability);
+        mukca_wording_fleet_order(words, o, &w->fleet);
+        cli_answer_keyed(call, shown++ ? "" : "Ripple", "%s", words);
     }
     if (!shown) cli_answer_keyed(call, "Ripple", "no shared order");
 }
 
-static void print_departures(cli_call *call, const fleet_work *w)
+static void print_departures(cli_call *call, const cli_fleet *w)
 {
-    char words[MUKCA_WORDING], probability[MUKCA_WORDING], ratio[64];
+    char words[MUKCA_WORDING];
     int shown = 0;
     for (int a = 0; a < w->fleet.n_arms; a++) {
         const mukca_departure *d = &w->result.departure[a];
         if (!(d->probability >= MUKCA_DEPARTS)) continue;
-        const double f = mukca_effect_table[d->effect.kind]->display_factor;
-        describe_effect(words, &d->effect, &w->fleet);
-        mukca_wording_probability(probability, d->probability);
-        if (!isfinite(d->ratio))
-            snprintf(ratio, sizeof ratio, "unlike");
-        else if (d->ratio >= 1)
-            snprintf(ratio, sizeof ratio, "%.1f times softer than", d->ratio);
-        else
-            snprintf(ratio, sizeof ratio, "stiffer (%.1f of the deflection) than", d->ratio);
-        cli_answer_keyed(call, shown++ ? "" : "Departs",
-                         "%s: %s %s %d sisters, %.3g urad/(N·m) [%.3g, %.3g] against %.3g, %s",
-                         w->fleet.arm[a].name, words, ratio, w->fleet.n_arms - 1, f * d->value,
-                         f * d->low, f * d->high, f * d->mean, probability);
+        mukca_wording_fleet_departure(words, d, &w->fleet);
+        cli_answer_keyed(call, shown++ ? "" : "Departs", "%s: %s", w->fleet.arm[a].name, words);
     }
     if (!shown)
         cli_answer_keyed(call, "Departs",
@@ -224,13 +189,13 @@ static void print_departures(cli_call *call, const fleet_work *w)
 static mukca_status run(cli_call *call)
 {
     const fleet_options *o = call->options;
-    fleet_work *w = call->work;
+    cli_fleet *w = call->work;
     if (o->partial && (!call->common->output || call->common->json))
         return mukca_fail(&call->error, MUKCA_USAGE, "--partial needs -o FILE and writes no JSON");
     mukca_status status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->output);
     if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->json);
-    if (status == MUKCA_OK) status = read_all(call);
+    if (status == MUKCA_OK) status = cli_fleet_read(call, w);
     if (status == MUKCA_OK && !o->partial)
         status = mukca_fleet_pool(&w->result, &w->fleet, &call->error);
     if (status == MUKCA_OK) status = write_output(call);
@@ -271,6 +236,6 @@ const cli_command cli_command_fleet = {
     .options = options,
     .options_size = sizeof(fleet_options),
     .run = run,
-    .work_size = sizeof(fleet_work),
-    .release = release,
+    .work_size = sizeof(cli_fleet),
+    .release = cli_fleet_free,
 };

@@ -1,4 +1,4 @@
-/* mukca report: calibrate, diagnose, and show it all on one page. */
+/* mukca report: calibrate, diagnose, or pool a fleet, and show it all on one page. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,10 +9,11 @@
 #include <sha2.h>
 
 #include "base/file.h"
-#include "cli/cli.h"
+#include "cli/fleet.h"
 #include "fit/accept.h"
 #include "fit/nlopt_adapter.h"
 #include "io/output.h"
+#include "report/fleet_page.h"
 #include "report/report.h"
 
 typedef struct {
@@ -20,7 +21,7 @@ typedef struct {
     const char *plots;
     int format;
     double repeatability;
-    bool free_base, free_tool;
+    bool free_base, free_tool, fleet;
 } report_options;
 
 static const report_options defaults = {.repeatability = 1e-4};
@@ -28,6 +29,9 @@ static const report_options defaults = {.repeatability = 1e-4};
 static const char *const formats[] = {"png", "pdf", "svg", NULL};
 
 static const cli_option options[] = {
+    CLI_OPTION(report_options, fleet, "fleet", CLI_FLAG, NULL,
+               "DATA are summaries of the arms of one model (diagnose --summary): the page of a "
+               "fleet"),
     CLI_TEST_OPTION,
     CLI_OUTPUT_OPTION("write the page there (default: standard output)"),
     CLI_OPTION(report_options, plots, "plots", CLI_TEXT, "FOLDER",
@@ -64,6 +68,8 @@ typedef struct {
     mukca_report_step steps[MAX_STEPS];
     bool exhausted; /* out of memory for a step */
     mukca_report page;
+    cli_fleet fleet;
+    mukca_fleet_page fleet_page;
     char *command, when[32];
 } report_work;
 
@@ -144,8 +150,20 @@ static mukca_status diagnose(cli_call *call)
                                    &call->error);
 }
 
-/* Paths and hashes of all that was read, the command line that makes this page again, and the
- * time. */
+/* The command line that makes this page again, and the time. */
+static mukca_status note_command(cli_call *call)
+{
+    report_work *w = call->work;
+    size_t size;
+    FILE *line = open_memstream(&w->command, &size);
+    if (line) fputs("mukca report", line);
+    for (int i = 0; line && i < call->argc; i++) fprintf(line, " %s", call->argv[i]);
+    mukca_offsets_time(w->when);
+    if (line && mukca_file_close(line, &w->command)) return MUKCA_OK;
+    return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+}
+
+/* Paths and hashes of all that was read. */
 static mukca_status provenance(cli_call *call)
 {
     report_work *w = call->work;
@@ -153,26 +171,18 @@ static mukca_status provenance(cli_call *call)
     const mukca_dataset *sets[2] = {w->page.train, w->page.test};
     mukca_report_file *files =
         MUKCA_TAKE(&w->pool, mukca_report_file, sets[0]->n_files + sets[1]->n_files + 1);
-    size_t size;
-    FILE *line = open_memstream(&w->command, &size);
-    if (!files || !line) goto out;
+    if (!files) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     files[w->page.n_files++] = (mukca_report_file){call->common->urdf, chain->urdf_sha256};
     for (int k = 0; k < 2; k++)
         for (int f = 0; f < sets[k]->n_files; f++) {
             const char *path = sets[k]->files[f];
             char *hash = MUKCA_TAKE(&w->pool, char, SHA256_DIGEST_STRING_LENGTH);
-            if (!hash) goto out;
+            if (!hash) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
             if (!SHA256File(path, hash)) strcpy(hash, "file no longer exists");
             files[w->page.n_files++] = (mukca_report_file){path, hash};
         }
-    fputs("mukca report", line);
-    for (int i = 0; i < call->argc; i++) fprintf(line, " %s", call->argv[i]);
-    mukca_offsets_time(w->when);
     w->page.files = files;
     w->page.when = w->when;
-out:
-    if (!mukca_file_close(line, &w->command) || !w->page.files)
-        return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     w->page.command = w->command;
     return MUKCA_OK;
 }
@@ -180,25 +190,53 @@ out:
 static mukca_status write_page(cli_call *call)
 {
     const report_options *o = call->options;
-    const mukca_report *page = &((report_work *)call->work)->page;
+    const report_work *w = call->work;
+    const char *format = formats[o->format];
     mukca_output output = {0};
     mukca_status status = MUKCA_OK;
     if (o->plots && mkdir(o->plots, 0777) != 0 && errno != EEXIST)
         return mukca_fail(&call->error, MUKCA_INPUT, "--plots %s: %s", o->plots, strerror(errno));
     if (o->plots)
-        status = mukca_report_write_figures(o->plots, formats[o->format], page, &call->error);
+        status = o->fleet ? mukca_fleet_page_write_figures(o->plots, format, &w->fleet_page,
+                                                           &call->error)
+                          : mukca_report_write_figures(o->plots, format, &w->page, &call->error);
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
-    if (status == MUKCA_OK) status = mukca_report_write(output.stream, page, &call->error);
+    if (status == MUKCA_OK)
+        status = o->fleet ? mukca_fleet_page_write(output.stream, &w->fleet_page, &call->error)
+                          : mukca_report_write(output.stream, &w->page, &call->error);
     return mukca_output_finish(&output, status, &call->error);
+}
+
+/* Read and pool the summaries. */
+static mukca_status prepare_fleet(cli_call *call)
+{
+    report_work *w = call->work;
+    mukca_status status = cli_check_outputs(call);
+    if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->output);
+    if (status == MUKCA_OK) status = cli_fleet_read(call, &w->fleet);
+    if (status == MUKCA_OK)
+        status = mukca_fleet_pool(&w->fleet.result, &w->fleet.fleet, &call->error);
+    if (status != MUKCA_OK) return status;
+    w->fleet_page = (mukca_fleet_page){.command = w->command,
+                                       .when = w->when,
+                                       .fleet = &w->fleet.fleet,
+                                       .result = &w->fleet.result};
+    return mukca_fleet_page_prepare(&w->fleet_page, &call->error);
 }
 
 static mukca_status check(cli_call *call)
 {
     const report_options *o = call->options;
-    if (!call->common->output && isatty(STDOUT_FILENO))
+    const cli_common *c = call->common;
+    if (o->fleet && (c->urdf || c->kinematics || c->inertials || c->offsets || c->distances ||
+                     c->payload || c->test.n || o->free_base || o->free_tool))
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "--fleet reads summaries, which hold their model and data; only "
+                          "-o, --plots, --format and --force go with it");
+    if (!c->output && isatty(STDOUT_FILENO))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "-o FILE is needed: the page is HTML, not for the terminal");
-    if (call->common->offsets && (o->free_base || o->free_tool))
+    if (c->offsets && (o->free_base || o->free_tool))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--offsets contains its own frames; do not give --free-base or "
                           "--free-tool with it");
@@ -209,6 +247,8 @@ static void release(void *work)
 {
     report_work *w = work;
     free(w->command);
+    mukca_fleet_page_free(&w->fleet_page);
+    cli_fleet_free(&w->fleet);
     mukca_report_free(&w->page);
     mukca_next_poses_free(&w->next);
     mukca_diagnosis_free(&w->diagnosis);
@@ -216,12 +256,12 @@ static void release(void *work)
     mukca_pool_free(&w->pool);
 }
 
-static mukca_status run(cli_call *call)
+/* Calibrate and diagnose. */
+static mukca_status prepare_arm(cli_call *call)
 {
     const report_options *o = call->options;
     const cli_session *s = call->session;
     report_work *w = call->work;
-    cli_catch_interrupts();
     call->common->accept_failed = true; /* the page shows a table that did not pass, too */
     w->page = (mukca_report){.chain = &s->model.chain,
                              .offsets = &w->offsets,
@@ -231,14 +271,22 @@ static mukca_status run(cli_call *call)
                              .steps = w->steps,
                              .progress = cli_show_progress,
                              .progress_context = call};
-    mukca_status status = check(call);
-    if (status == MUKCA_OK) status = cli_load(call);
+    mukca_status status = cli_load(call);
     if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) status = cli_check_effects(call, &s->model);
     if (status == MUKCA_OK) status = calibrate(call);
     if (status == MUKCA_OK) status = diagnose(call);
     if (status == MUKCA_OK) status = mukca_report_prepare(&w->page, &call->error);
-    if (status == MUKCA_OK) status = provenance(call);
+    return status == MUKCA_OK ? provenance(call) : status;
+}
+
+static mukca_status run(cli_call *call)
+{
+    const report_options *o = call->options;
+    cli_catch_interrupts();
+    mukca_status status = check(call);
+    if (status == MUKCA_OK) status = note_command(call);
+    if (status == MUKCA_OK) status = o->fleet ? prepare_fleet(call) : prepare_arm(call);
     if (status == MUKCA_OK) status = write_page(call);
     if (status == MUKCA_OK && call->common->output)
         cli_answer(call, "report: %s\n", call->common->output);
@@ -257,7 +305,10 @@ const cli_command cli_command_report = {
         "requests. It opens with the verdict, what to do and the next postures. Then follow the "
         "held-out errors, the arm with its placements and residual vectors, the causes and what is "
         "confounded with them, errors by placement, joint and sample, detection limits, recording "
-        "faults, offsets with standard errors, and provenance. gnuplot draws the figures.",
+        "faults, offsets with standard errors, and provenance. gnuplot draws the figures.\n\n"
+        "--fleet writes the page of many arms of one model from their summaries, the arguments "
+        "of mukca fleet: arms that depart, what the arms share, each elastic coefficient with "
+        "the arms side by side, and the pooled ripple spectrum of each joint.",
     .example =
         "mukca report --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv -o "
         "build/demo/report.html --force",

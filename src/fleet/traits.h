@@ -22,7 +22,8 @@ typedef struct {
     mukca_trait list[MUKCA_MAX_TRAITS];
 } mukca_traits;
 
-/* From this probability on an order is a trait. */
+/* From these probabilities on a coefficient is called shared, and an order is a trait. */
+#define MUKCA_COEFFICIENT_SHARED 0.5
 #define MUKCA_ORDER_SHARED 0.5
 
 /* What a fleet comes to. */

@@ -4,10 +4,8 @@
 #include <stdlib.h>
 
 #include "base/file.h"
-#include "mukca/version.h"
-#include "report/html.h"
+#include "report/page.h"
 #include "report/parts.h"
-#include "report/style.h"
 
 /* In the order of reading.  A section without any of its figures is omitted. */
 static const struct {
@@ -31,32 +29,8 @@ static const struct {
 };
 enum { SECTIONS = sizeof sections / sizeof *sections };
 
-/* Where figures go: into the page, or into files. */
-typedef struct {
-    FILE *page;                     /* NULL: files */
-    const char *directory, *format; /* of files */
-} destination;
-
-static mukca_status put_figure(const destination *to, mukca_plot *plot, mukca_error *error)
-{
-    char path[4096];
-    if (!to->page) {
-        snprintf(path, sizeof path, "%s/%s.%s", to->directory, plot->id, to->format);
-        return mukca_plot_file(path, to->format, plot, error);
-    }
-    fprintf(to->page, "<figure%s>\n", plot->width > MUKCA_PLOT_HALF ? " class=\"broad\"" : "");
-    const mukca_status status = mukca_plot_svg(to->page, plot, error);
-    if (status != MUKCA_OK) return status;
-    fputs("<figcaption>", to->page);
-    mukca_html_element(to->page, "strong", plot->title);
-    fputc(' ', to->page);
-    mukca_html_escape(to->page, plot->words);
-    fputs("</figcaption>\n</figure>\n", to->page);
-    return MUKCA_OK;
-}
-
 /* All figures of a section. */
-static mukca_status put_figures(const destination *to, int section, const mukca_report *r,
+static mukca_status put_figures(const mukca_page_figures *to, int section, const mukca_report *r,
                                 mukca_error *error)
 {
     mukca_status status = MUKCA_OK;
@@ -70,7 +44,7 @@ static mukca_status put_figures(const destination *to, int section, const mukca_
                                   "interrupted; the page was not written");
             status = mukca_plot_open(&plot, error);
             more = status == MUKCA_OK && sections[section].figures[k](&plot, r, i);
-            if (more) status = put_figure(to, &plot, error);
+            if (more) status = mukca_page_figure(to, &plot, error);
             mukca_plot_free(&plot);
         }
     }
@@ -86,7 +60,7 @@ static mukca_status put_section(FILE *out, FILE *list, int section, const mukca_
         heading = "Position errors";
     char *figures = NULL;
     size_t size = 0;
-    const destination page = {.page = open_memstream(&figures, &size)};
+    const mukca_page_figures page = {.page = open_memstream(&figures, &size)};
     if (!page.page) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
     mukca_status status = put_figures(&page, section, r, error);
     if (!mukca_file_close(page.page, &figures) && status == MUKCA_OK)
@@ -102,25 +76,6 @@ static mukca_status put_section(FILE *out, FILE *list, int section, const mukca_
     return status;
 }
 
-static void put_head(FILE *out, const mukca_report *r)
-{
-    fputs(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        "<meta name=\"color-scheme\" content=\"light dark\">\n<title>",
-        out);
-    mukca_html_escape(out, r->chain->robot);
-    fprintf(out,
-            ": calibration report</title>\n<style>\n%s</style>\n</head>\n<body>\n<header>\n<h1>",
-            mukca_report_style);
-    mukca_html_escape(out, r->chain->robot);
-    fputs(": calibration report</h1>\n<p>From ", out);
-    mukca_html_element(out, "code", r->chain->base);
-    fputs(" to ", out);
-    mukca_html_element(out, "code", r->chain->tip);
-    fprintf(out, ", mukca %s, %s</p>\n</header>\n<main>\n", MUKCA_VERSION, r->when);
-}
-
 mukca_status mukca_report_write(FILE *out, const mukca_report *r, mukca_error *error)
 {
     char *text = NULL;
@@ -128,7 +83,11 @@ mukca_status mukca_report_write(FILE *out, const mukca_report *r, mukca_error *e
     FILE *body = open_memstream(&text, &size); /* the list of sections comes before them */
     mukca_status status = MUKCA_OK;
     if (!body) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
-    put_head(out, r);
+    mukca_page_begin(out, &(mukca_page_head){.robot = r->chain->robot,
+                                             .kind = "calibration report",
+                                             .from = r->chain->base,
+                                             .to = r->chain->tip,
+                                             .when = r->when});
     mukca_report_put_verdict(out, r);
     mukca_report_put_key_figures(out, r);
     fputs("<nav aria-label=\"Sections\"><ul>\n", out);
@@ -136,7 +95,10 @@ mukca_status mukca_report_write(FILE *out, const mukca_report *r, mukca_error *e
         status = put_section(body, out, k, r, error);
     if (!mukca_file_close(body, &text) && status == MUKCA_OK)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
-    if (status == MUKCA_OK) fprintf(out, "</ul></nav>\n%s</main>\n</body>\n</html>\n", text);
+    if (status == MUKCA_OK) {
+        fprintf(out, "</ul></nav>\n%s", text);
+        mukca_page_end(out);
+    }
     free(text);
     return status;
 }
@@ -144,7 +106,7 @@ mukca_status mukca_report_write(FILE *out, const mukca_report *r, mukca_error *e
 mukca_status mukca_report_write_figures(const char *directory, const char *format,
                                         const mukca_report *r, mukca_error *error)
 {
-    const destination files = {.directory = directory, .format = format};
+    const mukca_page_figures files = {.directory = directory, .format = format};
     mukca_status status = MUKCA_OK;
     for (int k = 0; k < SECTIONS && status == MUKCA_OK; k++)
         status = put_figures(&files, k, r, error);

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The report of the demo arm: self-contained, figures present and described in words, numbers those
-# of calibrate, failures clear.
+# of calibrate, failures clear; the page of a fleet.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 out=$(mktemp -d)
@@ -66,4 +66,33 @@ grep -v '^#' data/demo/train.tsv | cut -f 4-10 >"$out/q.tsv"
 check "a pose log prints no nan" sh -c '"$0" report --urdf data/demo/arm.urdf "$1/log.tsv" --free-base --free-tool \
     -o "$1/log.html" >"$1/screen" 2>&1 && grep -q "</html>" "$1/log.html" && cat "$1/screen" >>"$1/log.html" &&
     ! grep -nwi nan "$1/log.html"' "$MUKCA" "$out"
+
+# ---- the page of a fleet: the third of four arms has a joint six times as soft; all have ripple of order 60
+mkdir "$out/arms"
+for arm in a b c d; do
+    compliance=5e-5
+    [ $arm = c ] && compliance=3e-4
+    "$MUKCA" simulate -q --urdf data/demo/arm.urdf --seed "$(printf %d "'$arm")" --perturb 1,2 --noise 1e-4 --placements 3 --rows 15 \
+        --effect joint_compliance:joint_4=$compliance --effect gear_harmonic:joint_2@60=1e-3 -o "$out/arms/$arm.tsv" &&
+        "$MUKCA" diagnose -q --urdf data/demo/arm.urdf "$out/arms/$arm.tsv" --arm "arm <$arm>" --summary "$out/arms/$arm.json"
+done
+page=$out/fleet.html
+check "a fleet: made" "$MUKCA" report -q --fleet "$out"/arms/*.json -o "$page" --plots "$out/fleet"
+check "a fleet: the verdict names the broken arm" grep -q \
+    '^<p class="verdict unknown">arm &lt;c&gt;: joint compliance at joint_4 [0-9.]* times softer than 3 sisters' "$page"
+check "a fleet: as mukca fleet says" grep -qF "$("$MUKCA" fleet -q "$out"/arms/*.json --json - | sed -n '/"departures"/,$p' |
+    awk '/"value"/ {if (!n++) printf "%.3g urad", $2 * 1e6} END {if (!n) print "no value"}')" "$page"
+check "a fleet: the broken arm and its coefficient come first" sh -c '
+    sed -n "/<tbody>/,/<.tbody>/p" "$0" | sed -n 2p | grep -q "arm &lt;c&gt;.*joint compliance at joint_4" &&
+    grep -A400 "coefficient-1-t" "$0" | grep -q "arm &lt;c&gt; departs"' "$page"
+check "a fleet: the shared order is in text and spectrum" sh -c '
+    grep -q "<li>transmission ripple at joint_2, 60 per turn" "$0" && grep -q "Most probable: order 60, .*probability" "$0"' "$page"
+check "a fleet: a figure for each coefficient and joint" sh -c 'n=$(grep -c "<svg" "$0") &&
+    test "$n" -ge 15 && test "$(find "$1" -name "*.png" -size +2k | wc -l)" -eq "$n"' "$page" "$out/fleet"
+check "a fleet: no script, nothing from elsewhere, no nan" none '<script|(src|href)=["'"'"'][^#]|>-?nan<'
+check "a fleet: ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
+check "a fleet of two: not testable" sh -c '"$0" report -q --fleet "$1/arms/a.json" "$1/arms/b.json" -o "$1/two.html" &&
+    grep -q "verdict untestable" "$1/two.html" && grep -q "</html>" "$1/two.html"' "$MUKCA" "$out"
+check "a fleet: no --urdf" sh -c '"$0" report -q --fleet --urdf data/demo/arm.urdf "$1/arms/a.json" "$1/arms/b.json" -o "$1/n.html" 2>"$1/e"
+    test $? -eq 2 && grep -q "hold their model" "$1/e" && test ! -e "$1/n.html"' "$MUKCA" "$out"
 exit $failed

@@ -1,0 +1,18 @@
+/* Reading a fleet's summaries, for the commands fleet and report. */
+#ifndef MUKCA_CLI_FLEET_H
+#define MUKCA_CLI_FLEET_H
+
+#include "cli/cli.h"
+#include "fleet/traits.h"
+
+typedef struct {
+    mukca_fleet fleet;
+    mukca_fleet_result result;
+    const char *path; /* of the file that is being read */
+} cli_fleet;
+
+/* Read all arguments, and gather them. */
+mukca_status cli_fleet_read(cli_call *call, cli_fleet *fleet);
+void cli_fleet_free(void *fleet);
+
+#endif

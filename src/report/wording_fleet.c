@@ -1,0 +1,58 @@
+/* The wording of a fleet. */
+#include "report/wording_fleet.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double per = MUKCA_WORDING_PER_SPRING;
+
+void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *e,
+                                const mukca_fleet *f)
+{
+    snprintf(text, MUKCA_WORDING, "%s%s%s", mukca_effect_table[e->kind]->title,
+             e->joint < 0                           ? ""
+             : e->kind == MUKCA_EFFECT_LINK_BENDING ? " before "
+                                                    : " at ",
+             e->joint < 0 ? "" : f->model.joint[e->joint]);
+}
+
+void mukca_wording_fleet_shared(char text[MUKCA_WORDING], const mukca_shared *s,
+                                const mukca_fleet *f)
+{
+    char effect[MUKCA_WORDING], probability[MUKCA_WORDING];
+    mukca_wording_fleet_effect(effect, &s->effect, f);
+    mukca_wording_probability(probability, s->probability);
+    snprintf(text, MUKCA_WORDING,
+             "%.200s, %.3g " MUKCA_WORDING_SPRING
+             " [%.3g, %.3g], arms differ by %.2g (%.0f %%), %.60s",
+             effect, per * s->mean, per * s->low, per * s->high, per * s->spread,
+             100 * s->spread / s->mean, probability);
+}
+
+void mukca_wording_fleet_order(char text[MUKCA_WORDING], const mukca_shared_order *o,
+                               const mukca_fleet *f)
+{
+    char probability[MUKCA_WORDING];
+    mukca_wording_probability(probability, o->probability);
+    snprintf(text, MUKCA_WORDING,
+             "transmission ripple at %s, %d per turn, seen in %d of %d arms, %.60s",
+             f->model.joint[o->joint], o->order, o->arms, f->n_arms, probability);
+}
+
+void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *d,
+                                   const mukca_fleet *f)
+{
+    char effect[MUKCA_WORDING], probability[MUKCA_WORDING], ratio[64];
+    mukca_wording_fleet_effect(effect, &d->effect, f);
+    mukca_wording_probability(probability, d->probability);
+    if (!isfinite(d->ratio))
+        snprintf(ratio, sizeof ratio, "unlike");
+    else if (d->ratio >= 1)
+        snprintf(ratio, sizeof ratio, "%.1f times softer than", d->ratio);
+    else
+        snprintf(ratio, sizeof ratio, "stiffer (%.1f of the deflection) than", d->ratio);
+    snprintf(text, MUKCA_WORDING,
+             "%.200s %s %d sisters, %.3g " MUKCA_WORDING_SPRING " [%.3g, %.3g] against %.3g, %.60s",
+             effect, ratio, f->n_arms - 1, per * d->value, per * d->low, per * d->high,
+             per * d->mean, probability);
+}

@@ -1,0 +1,28 @@
+/* The wording of a fleet: one place for what screen and page say of it. */
+#ifndef MUKCA_REPORT_WORDING_FLEET_H
+#define MUKCA_REPORT_WORDING_FLEET_H
+
+#include "fleet/traits.h"
+#include "report/wording.h"
+
+/* Unit of all coefficients that a fleet has, and what makes it of rad/(N m). */
+#define MUKCA_WORDING_SPRING "urad/(N·m)"
+#define MUKCA_WORDING_PER_SPRING 1e6
+
+/* "joint compliance at joint_4". */
+void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *effect,
+                                const mukca_fleet *fleet);
+
+/* A shared coefficient with interval, spread and probability; no full stop in any of these. */
+void mukca_wording_fleet_shared(char text[MUKCA_WORDING], const mukca_shared *shared,
+                                const mukca_fleet *fleet);
+
+/* A shared order of ripple. */
+void mukca_wording_fleet_order(char text[MUKCA_WORDING], const mukca_shared_order *order,
+                               const mukca_fleet *fleet);
+
+/* "joint compliance at joint_4 6.4 times softer than 7 sisters, ...", without the arm's name. */
+void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *departure,
+                                   const mukca_fleet *fleet);
+
+#endif
