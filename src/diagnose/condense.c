@@ -19,7 +19,8 @@ static bool same_posture(const mukca_dataset *d, int first, int row)
     if (d->file[row] != d->file[first] || d->socket[row] != d->socket[first] ||
         mukca_dataset_target(d, row) != mukca_dataset_target(d, first))
         return false;
-    if (d->payload && memcmp(&d->payload[row], &d->payload[first], sizeof *d->payload) != 0)
+    if (d->payload && d->payload[row] != d->payload[first] &&
+        !(isnan(d->payload[row]) && isnan(d->payload[first])))
         return false;
     for (int j = 0; j < d->n_joints; j++)
         if (!(fabs(b[j] - a[j]) <= STILL)) return false;

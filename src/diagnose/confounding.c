@@ -53,7 +53,7 @@ static const mukca_candidate *closest(confounding_table *t, const mukca_candidat
 {
     const mukca_candidate *best = NULL;
     double most = CLOSE;
-    for (int i = 0; i < t->contest->n_first; i++) {
+    for (int i = 0; cause && i < t->contest->n_first; i++) {
         const mukca_contender *c = &t->contest->first[i];
         const mukca_candidate *candidate = mukca_scan_candidate(t->contest->scan, c->best);
         if (candidate->kind != MUKCA_CANDIDATE_EFFECT ||
