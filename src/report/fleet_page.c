@@ -78,6 +78,14 @@ static void put_verdict(FILE *out, const mukca_fleet_page *p)
                             : "No arm departs from the fleet",
               out);
     fputs(".</p>\n", out);
+    if (p->n_departing < 2) return;
+    fputs("<ul>\n", out);
+    for (int i = 0; i < p->n_departing && i < MOST_ROWS; i++) {
+        fputs("<li>", out);
+        put_departure(out, p, &p->arms[i]);
+        fputs("</li>\n", out);
+    }
+    fputs("</ul>\n", out);
 }
 
 /* What the arms share, as a list. */
@@ -156,8 +164,8 @@ static void put_arms(FILE *out, const mukca_fleet_page *p)
         }
         mukca_wording_fleet_effect(words, &d->effect, p->fleet);
         mukca_html_row(&table, "%s\t%d\t%d\t%s\t%.3g\t%.3g\t%.3g\t%.3g\t%.3f", arm->name,
-                       arm->end - arm->first, arm->samples, words, per * fmax(d->value, 0), per * d->low,
-                       per * fmax(d->high, 0), per * d->mean, d->probability);
+                       arm->end - arm->first, arm->samples, words, per * fmax(d->value, 0),
+                       per * d->low, per * fmax(d->high, 0), per * d->mean, d->probability);
     }
     mukca_html_table_end(&table);
     if (n > MOST_ROWS) fprintf(out, "<p>The first %d of %d arms.</p>\n", MOST_ROWS, n);

@@ -91,6 +91,12 @@ check "a fleet: a figure for each coefficient and joint" sh -c 'n=$(grep -c "<sv
     test "$n" -ge 15 && test "$(find "$1" -name "*.png" -size +2k | wc -l)" -eq "$n"' "$page" "$out/fleet"
 check "a fleet: no script, nothing from elsewhere, no nan" none '<script|(src|href)=["'"'"'][^#]|>-?nan<'
 check "a fleet: ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
+"$MUKCA" simulate -q --urdf data/demo/arm.urdf --seed 5 --perturb 1,2 --noise 1e-4 --placements 3 --rows 15 \
+    --effect joint_compliance:joint_2=4e-4 -o "$out/e.tsv" && "$MUKCA" diagnose -q --urdf data/demo/arm.urdf "$out/e.tsv" \
+    --arm e --summary "$out/e.json"
+check "a fleet: two broken arms, each with its reason" sh -c '"$0" report -q --fleet "$1"/arms/*.json "$1/e.json" -o "$1/more.html" &&
+    grep -q ">2 of 5 arms depart from the fleet[.]<" "$1/more.html" && grep -q "^<li>e: joint compliance at joint_2 " "$1/more.html" &&
+    grep -q "^<li>arm &lt;c&gt;: joint compliance at joint_4 " "$1/more.html"' "$MUKCA" "$out"
 check "a fleet of two: not testable" sh -c '"$0" report -q --fleet "$1/arms/a.json" "$1/arms/b.json" -o "$1/two.html" &&
     grep -q "verdict untestable" "$1/two.html" && grep -q "</html>" "$1/two.html"' "$MUKCA" "$out"
 check "a fleet: no --urdf" sh -c '"$0" report -q --fleet --urdf data/demo/arm.urdf "$1/arms/a.json" "$1/arms/b.json" -o "$1/n.html" 2>"$1/e"
