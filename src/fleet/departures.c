@@ -40,8 +40,8 @@ static bool compare(comparison *c, const mukca_population *p, const mukca_fleet 
                     double wider)
 {
     const int n = p->n;
-    mukca_arm_evidence own;
-    c->sisters = p;
+    mukca_arm_evidence own = {0};
+    *c = (comparison){.sisters = p};
     predictive(c->V, p, wider);
     mukca_population_arm(&own, p, f, arm);
     if (!mukca_population_scatter(&c->w, &own, c->V, n)) return false;
@@ -56,7 +56,7 @@ static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
     const int n = c->sisters->n;
     const double *W = c->w.L, *V = c->V;
     const double shrink = s2 / (1 + s2 * W[k * n + k]);
-    double own = 0, variance = V[k * n + k] + s2, row[T];
+    double own = 0, variance = V[k * n + k] + s2, row[T] = {0};
     for (int i = 0; i < n; i++) {
         row[i] = V[k * n + i] + (i == k ? s2 : 0);
         own += row[i] * (c->w.e[i] - shrink * W[i * n + k] * c->w.e[k]);
@@ -89,7 +89,7 @@ static void downdate(mukca_population *p, const mukca_fleet *f, int arm)
 {
     const int n = p->n;
     double V[T * T] = {0}, A[T * T], b[T];
-    mukca_arm_evidence own, w;
+    mukca_arm_evidence own = {0}, w = {0};
     for (int i = 0; i < n; i++) V[i * n + i] = p->spread[i] * p->spread[i];
     mukca_population_arm(&own, p, f, arm);
     if (!mukca_population_scatter(&w, &own, V, n)) return;

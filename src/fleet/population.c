@@ -126,7 +126,7 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
 {
     const int n = p->n;
     double P[T * T] = {0};
-    mukca_arm_evidence arm, w;
+    mukca_arm_evidence arm = {0}, w = {0};
     for (int i = 0; i < n; i++) {
         P[i * n + i] = 1 / (p->spread[i] * p->spread[i]);
         square[i] = diagonal[i] = p->vector[i] = 0;

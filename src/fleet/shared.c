@@ -53,15 +53,14 @@ void mukca_population_describe(mukca_shared *shared, const mukca_population *p,
     const double log_prior = -log(2.0 * n);
     bool set[T] = {false};
     double value[T];
-    for (bool changed = true; changed;) {
+    for (;;) {
         int best = -1;
-        changed = false;
         for (int k = 0; k < n; k++) {
             value[k] = set[k] ? -HUGE_VAL : log_bayes(p, set, k);
             if (!set[k] && (best < 0 || value[k] > value[best])) best = k;
         }
         if (best < 0 || value[best] + log_prior < THRESHOLD) break;
-        set[best] = changed = true;
+        set[best] = true;
     }
     for (int k = 0; k < n; k++)
         if (set[k] && log_bayes(p, set, k) + log_prior < THRESHOLD) set[k] = false, k = -1;

@@ -124,8 +124,8 @@ mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, 
     mukca_dataset kept = {0};
     const int most = data->n_sockets > data->n_placements ? data->n_sockets : data->n_placements;
     int *map = malloc(((size_t)most + 1) * sizeof *map);
-    mukca_status status = map ? mukca_dataset_subset(&kept, data, keep, error)
-                              : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (!map) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const mukca_status status = mukca_dataset_subset(&kept, data, keep, error);
     if (status == MUKCA_OK) {
         mukca_dataset_free(data);
         *data = kept;

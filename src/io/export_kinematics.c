@@ -65,9 +65,10 @@ static void note_others(const mukca_export_input *input, const bool *written)
         const mukca_element *nominal = &input->chain->element[e];
         mukca_export_origin origin;
         mukca_export_get_origin(&origin, input, e);
-        if (written[e] || (memcmp(origin.xyz, nominal->xyz, sizeof origin.xyz) == 0 &&
-                           memcmp(origin.rpy, nominal->rpy, sizeof origin.rpy) == 0))
-            continue;
+        bool moved = false;
+        for (int i = 0; i < 3; i++)
+            moved |= origin.xyz[i] != nominal->xyz[i] || origin.rpy[i] != nominal->rpy[i];
+        if (written[e] || !moved) continue;
         mukca_note_format(input->note, input->context,
                           "the calibrated origin of '%s' is not exported: the file has no entry "
                           "for it; put it into the URDF",

@@ -72,7 +72,7 @@ static const mukca_language urscript = {.open = "[",
                                         .comment = '#'};
 
 const mukca_language *const mukca_languages[] = {
-#define ADDRESS(name, description) &name,
+#define ADDRESS(name, description) &(name),
     MUKCA_LANGUAGE_LIST(ADDRESS)
 #undef ADDRESS
 };
