@@ -137,7 +137,7 @@ void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *t
 }
 
 /* An element whose origin is Tz(d) Tx(a) Rx(alpha) Rz(theta) Tz(e). */
-static void add_element(mukca_chain *chain, const mukca_dh_row *r, double before[3], double theta,
+static void add_element(mukca_chain *chain, const mukca_dh_row *r, const double before[3], double theta,
                         double e)
 {
     mukca_element *to = &chain->element[chain->n_elements];
