@@ -137,8 +137,8 @@ void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *t
 }
 
 /* An element whose origin is Tz(d) Tx(a) Rx(alpha) Rz(theta) Tz(e). */
-static void add_element(mukca_chain *chain, const mukca_dh_row *r, const double before[3], double theta,
-                        double e)
+static void add_element(mukca_chain *chain, const mukca_dh_row *r, const double before[3],
+                        double theta, double e)
 {
     mukca_element *to = &chain->element[chain->n_elements];
     const double d = before[0], a = before[1], alpha = before[2];
