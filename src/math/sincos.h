@@ -50,8 +50,8 @@ MUKCA_INLINE void sincos_lanes(double *s, double *c, lane_bits *wide, const doub
     const lane_bits sine = LANE_BITS(r + (r * (z * sines) + low));
     const lane_bits cosine = LANE_BITS(whole + (((1 - whole) - half) + (zz * cosines - r * low)));
     const lane_bits swap = (sine ^ cosine) & -(quadrant & 1);
-    STORE_LANES(s, BITS_LANES(sine ^ swap ^ ((given ^ quadrant << 62) & INT64_MIN)));
-    STORE_LANES(c, BITS_LANES(cosine ^ swap ^ ((quadrant + 1) << 62 & INT64_MIN)));
+    STORE_LANES(s, BITS_LANES(sine ^ swap ^ ((given ^ -(quadrant & 2)) & INT64_MIN)));
+    STORE_LANES(c, BITS_LANES(cosine ^ swap ^ (-((quadrant + 1) & 2) & INT64_MIN)));
 }
 
 #endif
