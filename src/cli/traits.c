@@ -23,7 +23,7 @@ static bool folder_of(char name[MUKCA_NAME_SIZE], const char *path)
 
 mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const char *given)
 {
-    char other[MUKCA_NAME_SIZE];
+    char other[MUKCA_NAME_SIZE] = "";
     if (given) {
         if (!*given || strlen(given) >= MUKCA_NAME_SIZE || strpbrk(given, "\t\r\n"))
             return mukca_fail(&call->error, MUKCA_USAGE,

@@ -42,7 +42,7 @@ static bool put_orders(task *t)
     return true;
 }
 
-/* An order that the arm's own data named gives way to the fleet's where it is needed no more. */
+/* An order that the arm's own data named is replaced by the fleet's where it is needed no more. */
 static double prune_orders(task *t, double score)
 {
     mukca_regression *m = t->m;

@@ -28,7 +28,7 @@ typedef struct {
 void mukca_population_arm(mukca_arm_evidence *evidence, const mukca_population *population,
                           const mukca_fleet *fleet, int arm);
 
-/* The information that it gives on its mean where it scatters about that with covariance
+/* The information that it gives on its mean where it varies about that with covariance
  * V[n][n]: W = (inverse(L) + V)^-1, w = W inverse(L) e.  False: V is not positive definite. */
 bool mukca_population_scatter(mukca_arm_evidence *out, const mukca_arm_evidence *arm,
                               const double *V, int n);

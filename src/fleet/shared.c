@@ -20,7 +20,7 @@ enum { SIZES = sizeof sizes / sizeof *sizes };
 static double log_bayes(const mukca_population *p, const bool *set, int k)
 {
     const int n = p->n;
-    int index[T], m = 0;
+    int index[T] = {0}, m = 0;
     double A[T * T] = {0}, b[2 * T], value[SIZES];
     for (int i = 0; i < n; i++)
         if (set[i] && i != k) index[m++] = i;

@@ -143,8 +143,8 @@ static mukca_status take_row(mukca_traits *t, const mukca_table *table, const in
                              const mukca_chain *chain, mukca_error *error)
 {
     mukca_trait r = {.spread = NAN, .error = NAN, .low = NAN, .high = NAN};
-    double arms, *const number[] = {&r.mean,        &r.spread, &arms, &r.log_bayes_factor,
-                                    &r.probability, &r.error};
+    double arms = 0, *const number[] = {&r.mean,        &r.spread, &arms, &r.log_bayes_factor,
+                                        &r.probability, &r.error};
     mukca_status status = take_effect(&r.effect, table, column, chain, error);
     const bool order = r.effect.kind == MUKCA_EFFECT_GEAR_HARMONIC;
     for (int i = MEAN; i < COLUMNS && status == MUKCA_OK; i++) {
