@@ -74,7 +74,7 @@ bool mukca_fleet_draw_coefficient(mukca_plot *plot, const mukca_fleet_page *p, i
             "%.3g [%.3g, %.3g]; grey: where 95 %% of its arms lie.",
             per * c->mean, per * c->low, per * c->high);
     for (int i = 0; i < p->n_departing; i++)
-        if (p->arms[i].k == k && i < MOST_ARMS)
+        if (i < MOST_ARMS && p->arms[i].k == k)
             fprintf(plot->description, " %s departs: %.3g [%.3g, %.3g].",
                     p->fleet->arm[p->arms[i].arm].name, per * p->arms[i].value,
                     per * p->arms[i].low, per * p->arms[i].high);
