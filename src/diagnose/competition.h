@@ -33,8 +33,9 @@ typedef struct {
     mukca_contender *first; /* the same after the first scan: what each candidate is worth alone */
     int n_first;
     mukca_score *first_score;
-    signed char *noise_made;    /* [scores] above 0: excluded, 1 since the noise in the angles makes
-        its score; -1:    tested, 0 */
+    /* [scores]: 1 excluded, since the noise in the angles makes its score; -1 tested and kept; 0
+     * not tested yet */
+    signed char *noise_made;
     double *tails;              /* [4 * n_rows] scratch */
     mukca_unknowns kept;        /* to go back to */
     bool names_first;           /* an unknown function comes when no name passes */

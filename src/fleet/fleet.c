@@ -56,7 +56,8 @@ mukca_status mukca_fleet_take(mukca_fleet *f, const mukca_summary *s, const char
         &f->pool, 1,
         sizeof(double) * (size_t)(packed + terms) + orders * sizeof(int16_t) + length + 1);
     if (!numbers || !grow(f)) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", path);
-    int16_t *ripple = (int16_t *)(numbers + packed + terms);
+    void *behind = numbers + packed + terms;
+    int16_t *ripple = behind;
     char *arm = (char *)(ripple + orders);
     memcpy(numbers, s->information, sizeof *numbers * (size_t)packed);
     memcpy(numbers + packed, s->vector, sizeof *numbers * (size_t)terms);

@@ -17,6 +17,7 @@ static void pool_joint(mukca_shared_order *shared, const mukca_fleet *f, int joi
     double each = 0;
     bool scanned = false;
     for (int a = 0; a < f->n_arms; a++) {
+        if (f->arm[a].departs) continue;
         for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
             const double value = mukca_fleet_ripple(f, a, joint, o + 2);
             scanned |= value != 0;
@@ -38,7 +39,7 @@ static void pool_joint(mukca_shared_order *shared, const mukca_fleet *f, int joi
     shared->log_bayes_factor = pooled[best];
     shared->probability = exp(own[best] - mukca_stats_log_sum_exp(all, 3));
     for (int a = 0; a < f->n_arms; a++)
-        shared->arms += mukca_fleet_ripple(f, a, joint, best + 2) > 0;
+        shared->arms += !f->arm[a].departs && mukca_fleet_ripple(f, a, joint, best + 2) > 0;
 }
 
 void mukca_orders_pool(mukca_shared_order *shared, const mukca_fleet *f)

@@ -6,7 +6,7 @@
 
 typedef struct {
     int joint, order;
-    double log_bayes_factor; /* sum over the arms */
+    double log_bayes_factor; /* sum over the arms that do not depart */
     double probability; /* shared, against other orders, an order of each arm's own, and none */
     int arms;           /* whose own data favour it */
 } mukca_shared_order;

@@ -45,7 +45,6 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
                           "sessions with diagnose --arm)",
                           f->session[0].path, f->arm[0].name);
     mukca_population_fit(&r->population, f, -1, false);
-    mukca_orders_pool(r->order, f);
     const int n = r->population.n;
     r->departure = MUKCA_TAKE(&r->pool, mukca_departure, f->n_arms);
     r->estimate = MUKCA_TAKE(&r->pool, mukca_departure, (size_t)f->n_arms * (size_t)(n + 1));
@@ -59,6 +58,7 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
         mukca_population_fit(&r->population, f, -1, true);
         mukca_departures_find(r->departure, r->estimate, &r->population, f);
     }
+    mukca_orders_pool(r->order, f);
     mukca_population_describe(r->shared, &r->population, f);
     mukca_traits *t = &r->traits;
     t->model = f->model;

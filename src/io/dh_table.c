@@ -32,7 +32,7 @@ static mukca_status read_header(int column[COLUMNS], const mukca_table *table, m
     for (int i = 0; i < COLUMNS; i++) {
         column[i] = mukca_table_find(table, names[i][0]);
         if (column[i] < 0 && names[i][1]) column[i] = mukca_table_find(table, names[i][1]);
-        if (column[i] < 0 && i <= THETA)
+        if (i <= THETA && column[i] < 0)
             return mukca_table_fail(error, table, -1, "the header has no column '%s'", names[i][0]);
     }
     return MUKCA_OK;
