@@ -27,6 +27,10 @@ typedef struct {
     double distance;   /* m between the sockets; 0: 0.05 */
     int n_labels;      /* sockets of a placement; 0: "0" and "1" */
     const char *const *labels;
+    /* change q[n_joints] from readings to angles of a rigid arm, for all that is found about a
+     * sample (NULL: the readings are used); the same readings must give the same angles */
+    void (*correct)(void *context, double *q);
+    void *context;
 } mukca_capture_settings;
 
 /* One message. */
@@ -73,8 +77,9 @@ typedef struct {
     double still_since, checked;
     double anchor[MUKCA_MAX_JOINTS];
     /* the rows */
-    mukca_dataset rows; /* n_rows, n_sockets, n_placements in use; room for the maxima */
-    int socket;         /* current, index into rows.sockets; -1: none */
+    mukca_dataset
+        rows;   /* as corrected; n_rows, n_sockets, n_placements in use; room for the maxima */
+    int socket; /* current, index into rows.sockets; -1: none */
 } mukca_capture;
 
 /* `chain`, and settings->labels, must outlive the capture; theta[6 * n_elements] (NULL: nominal)
@@ -114,12 +119,13 @@ const char *mukca_capture_socket(const mukca_capture *capture);
 /* The label that follows the current socket's in the settings. */
 const char *mukca_capture_next_label(const mukca_capture *capture);
 
-/* Whether q[n_joints] holds the very numbers of the last row: a driver that updates no more. */
+/* Whether the readings q[n_joints] hold the very numbers of the last row: a driver that updates no
+ * more. */
 bool mukca_capture_repeats(const mukca_capture *capture, const double *q);
 
-/* Add a row q[n_joints] to the current socket, or take the last one back.  `text` gets what is
- * remarkable about the row (a posture seen before, a ball that is not seated, the wrong socket), or
- * is empty.  Errors: MUKCA_INPUT (full; no row). */
+/* Add a row of readings q[n_joints] to the current socket, or take the last one back.  `text` gets
+ * what is remarkable about the row (a posture seen before, a ball that is not seated, the wrong
+ * socket), or is empty.  Errors: MUKCA_INPUT (full; no row). */
 mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture,
                                 const double *q, mukca_error *error);
 mukca_status mukca_capture_drop(mukca_capture *capture, mukca_error *error);

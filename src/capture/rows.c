@@ -5,11 +5,21 @@
 
 #include "capture/capture.h"
 
+/* Angles of the rows, from readings. */
+static void correct(double angles[MUKCA_MAX_JOINTS], const mukca_capture *capture, const double *q)
+{
+    memcpy(angles, q, (size_t)capture->chain->n_joints * sizeof *q);
+    if (capture->settings.correct) capture->settings.correct(capture->settings.context, angles);
+}
+
 bool mukca_capture_repeats(const mukca_capture *capture, const double *q)
 {
     const mukca_dataset *rows = &capture->rows;
-    size_t n = (size_t)rows->n_joints;
-    return rows->n_rows && memcmp(q, rows->q + (size_t)(rows->n_rows - 1) * n, n * sizeof *q) == 0;
+    const size_t n = (size_t)rows->n_joints;
+    double angles[MUKCA_MAX_JOINTS];
+    if (!rows->n_rows) return false;
+    correct(angles, capture, q);
+    return memcmp(angles, rows->q + (size_t)(rows->n_rows - 1) * n, n * sizeof *q) == 0;
 }
 
 /* Largest difference of any joint. */
@@ -111,9 +121,10 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     double dwell = capture->was_guided && !capture->guided ? s->window : s->dwell;
     if (capture->taken || sample.time - capture->still_since < dwell) return false;
     capture->taken = true;
-    if (find_posture(capture, sample.q, s->difference) >= 0) return false;
-    double x[3], how_far;
-    mukca_fk_position(x, &capture->model.geometry, sample.q, NULL);
+    double x[3], how_far, q[MUKCA_MAX_JOINTS];
+    correct(q, capture, sample.q);
+    if (find_posture(capture, q, s->difference) >= 0) return false;
+    mukca_fk_position(x, &capture->model.geometry, q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, -1);
     const char *label = nearest < 0 || how_far < 0.5 * s->distance ? NULL : empty_label(capture);
     *socket = nearest < 0 ? capture->socket : nearest;
@@ -242,8 +253,11 @@ mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *ca
         return mukca_fail(error, MUKCA_INPUT, "no placement and socket has been chosen");
     if (rows->n_rows == MUKCA_CAPTURE_MAX_ROWS)
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
-    int twin = find_posture(capture, q, 0.25 * capture->settings.difference);
-    memcpy(rows->q + rows->n_rows * rows->n_joints, q, (size_t)rows->n_joints * sizeof *q);
+    double angles[MUKCA_MAX_JOINTS];
+    correct(angles, capture, q);
+    int twin = find_posture(capture, angles, 0.25 * capture->settings.difference);
+    memcpy(rows->q + rows->n_rows * rows->n_joints, angles,
+           (size_t)rows->n_joints * sizeof *angles);
     rows->socket[rows->n_rows++] = capture->socket;
     capture->taken = true;
     remark(text, capture, twin);

@@ -174,12 +174,16 @@ static void print_next(const session *s)
     const capture_options *o = s->options;
     const struct {
         const char *option, *value;
-    } arm[] = {{"--urdf", c->urdf}, {"--base", c->base}, {"--tip", c->tip}};
+    } arm[] = {{"--urdf", c->urdf},
+               {"--base", c->base},
+               {"--tip", c->tip},
+               {"--inertials", c->inertials},
+               {"--traits", o->live.recorder.traits}};
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
     const bool finished = count_finished(&s->recorder.capture) > 0;
     mukca_text_put(&text, "mukca %s", finished ? "calibrate" : "capture");
-    for (int i = 0; i < 3; i++)
+    for (size_t i = 0; i < sizeof arm / sizeof *arm; i++)
         if (arm[i].value) mukca_text_put(&text, " %s %s", arm[i].option, arm[i].value);
     if (finished)
         mukca_text_put(&text, " %s -o offsets.tsv", s->recorder.session.path);

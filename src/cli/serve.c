@@ -18,7 +18,7 @@ static const serve_options defaults = {.most_change = 10e-3};
 
 /* The model's options for the server's jobs; numbers are written to the texts. */
 static void list_arguments(const char **arguments, char distance[32], char gravity[96],
-                           const cli_common *c)
+                           const cli_common *c, const char *traits)
 {
     const double *g = c->gravity;
     snprintf(distance, 32, "%.17g", c->distance);
@@ -29,6 +29,7 @@ static void list_arguments(const char **arguments, char distance[32], char gravi
         {"--tip", c->tip},
         {"--inertials", c->inertials},
         {"--distances", c->distances},
+        {"--traits", traits},
         {"--distance", distance},
         {"--gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? gravity : NULL}};
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
@@ -68,7 +69,7 @@ static mukca_status run(cli_call *call)
     o->live.recorder.triggers = true;
     cli_live_complete(&o->live, call->common);
     options.recorder = o->live.recorder;
-    list_arguments(options.arguments, distance, gravity, call->common);
+    list_arguments(options.arguments, distance, gravity, call->common, o->live.recorder.traits);
     mukca_status status = cli_load_model(call, model);
     if (status == MUKCA_OK)
         status = mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks,

@@ -201,6 +201,20 @@ static mukca_status take_summary(mukca_summary *s, const json_t *root, const pla
     return MUKCA_OK;
 }
 
+/* A line that is no JSON.  A traits table has the means without the information that they rest on:
+ * it cannot be pooled again. */
+static mukca_status refuse_line(const char *line, size_t length, const place *at)
+{
+    if (strncmp(line, "# mukca ", 8) == 0 && strstr(line, " traits table"))
+        return mukca_fail(
+            at->error, MUKCA_INPUT,
+            "%s:%d: a traits table, which cannot be pooled again; give the summaries "
+            "it was made from, or the file in which mukca fleet --partial joined them",
+            at->path, at->line);
+    return mukca_fail(at->error, MUKCA_INPUT, "%s:%d: %s; write the summary anew", at->path,
+                      at->line, line[length - 1] == '\n' ? "no JSON" : "the file is cut off");
+}
+
 mukca_status mukca_summary_read_stream(FILE *stream, const char *path, mukca_summary_fn *take,
                                        void *context, mukca_error *error)
 {
@@ -228,9 +242,7 @@ mukca_status mukca_summary_read_stream(FILE *stream, const char *path, mukca_sum
         if (root)
             status = take_summary(s, root, &at);
         else
-            status =
-                mukca_fail(error, MUKCA_INPUT, "%s:%d: %s; write the summary anew", path, at.line,
-                           line[length - 1] == '\n' ? "no JSON" : "the file is cut off");
+            status = refuse_line(line, (size_t)length, &at);
         json_decref(root);
         if (status == MUKCA_OK) status = take(context, s, error);
     }

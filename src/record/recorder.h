@@ -10,6 +10,7 @@
 #include "lcm/link.h"
 #include "lcm/message.h"
 #include "lcm/signature.h"
+#include "record/correction.h"
 #include "record/joint_lines.h"
 
 enum {
@@ -24,7 +25,9 @@ enum {
 typedef struct {
     mukca_lcm_network network;
     const char *channel, *prefix, *position, *names, *map, *placements, *sockets, *log;
-    const char *key;          /* file; requests must be signed with it, NULL: need not */
+    const char *key; /* file; requests must be signed with it, NULL: need not */
+    const char
+        *traits; /* file; its mean elasticity corrects what is found about samples, or NULL */
     const char *const *types; /* [n_types] .lcm files */
     int n_types;
     int stream; /* index into mukca_recorder_streams */
@@ -115,7 +118,8 @@ typedef struct {
     int64_t reported[MUKCA_RECORDER_TROUBLES], occurrences[MUKCA_RECORDER_TROUBLES];
     /* the session */
     mukca_capture capture;
-    mukca_session session; /* closed: nothing is recorded */
+    mukca_correction correction; /* by the traits */
+    mukca_session session;       /* closed: nothing is recorded */
     mukca_capture_advice advice;
     char labels[2][512];
     int n_placements, n_sockets;

@@ -33,6 +33,20 @@ static mukca_status split_labels(const char **labels, int *n, char *store, const
     return MUKCA_OK;
 }
 
+static mukca_status read_traits(mukca_recorder *r, mukca_error *error)
+{
+    if (!r->options->traits) return MUKCA_OK;
+    mukca_correction *c = &r->correction;
+    mukca_status status = mukca_correction_read(c, r->options->traits, r->chain, error);
+    if (status != MUKCA_OK) return status;
+    mukca_recorder_report(
+        r,
+        "samples are judged with the mean elasticity of %d arms (%d coefficients) "
+        "and recorded as read",
+        c->n_arms, c->n_effects);
+    return MUKCA_OK;
+}
+
 mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukca_error *error)
 {
     const mukca_recorder_options *o = r->options;
@@ -43,13 +57,17 @@ mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukc
             split_labels(r->sockets, &r->n_sockets, r->labels[1], o->sockets, "--sockets", error);
     if (!status && r->n_sockets == 1)
         status = mukca_fail(error, MUKCA_USAGE, "--sockets: a tool has two or more");
+    if (status == MUKCA_OK) status = read_traits(r, error);
     if (status != MUKCA_OK) return status;
-    mukca_capture_settings settings = {.window = o->window,
-                                       .range = o->motion,
-                                       .dwell = o->dwell,
-                                       .distance = o->distance,
-                                       .n_labels = r->n_sockets,
-                                       .labels = r->sockets};
+    mukca_capture_settings settings = {
+        .window = o->window,
+        .range = o->motion,
+        .dwell = o->dwell,
+        .distance = o->distance,
+        .n_labels = r->n_sockets,
+        .labels = r->sockets,
+        .correct = r->correction.n_effects ? mukca_correction_apply : NULL,
+        .context = &r->correction};
     return mukca_capture_init(&r->capture, r->chain, theta, &settings, error);
 }
 
@@ -81,7 +99,7 @@ static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *
     const mukca_dataset_options options = {.distance = r->options->distance,
                                            .partial = true,
                                            .note = mukca_recorder_note,
-                                           .context = r};
+                                           .context = &r->correction};
     char text[MUKCA_RECORDER_LINE];
     mukca_status status = mukca_dataset_load(&data, r->chain, &path, 1, &options, error);
     if (status != MUKCA_OK) return status;

@@ -39,6 +39,24 @@ expect "and has none" sh -c '! grep -q joint_compliance own.tsv'
 expect "the corrected arm fits its raw angles better" sh -c 'awk -F "\t" "FNR > 1 { s[FILENAME] += \$5 }
     END { exit !(s[\"scores.tsv\"] > 0 && s[\"scores.tsv\"] < s[\"own_scores.tsv\"]) }" scores.tsv own_scores.tsv'
 
+# capture: the advice is that for a rigid arm, the session holds what was read
+awk -F '\t' '/^#/ { next } !n { for (i = 3; i <= NF; i++) if ($i ~ /^joint_[0-9]$/) column[++n] = i; next }
+    { position = $column[1]
+      names = "\"joint_1\""
+      for (i = 2; i <= n; i++) { position = position ", " $column[i]; names = names ", \"joint_" i "\"" }
+      for (t = ++row; t < row + 0.3; t += 0.05)
+          printf "{\"time\": %.2f, \"name\": [%s], \"position\": [%s]}\n", t, names, position
+      printf "{\"trigger\": %d, \"placement\": \"%s\", \"socket\": \"%s\"}\n", row, $1, $2 }' nine.tsv >nine.lines
+for traits in "" "--traits all.traits.tsv"; do
+    "$MUKCA" capture $a --stdin $traits -o "live${traits:+_traits}.tsv" --json "live${traits:+_traits}.json" <nine.lines >live.out 2>live.err
+done
+expect "capture says what it takes from the fleet" grep -q "judged with the mean elasticity of 3 arms" live.err
+expect "and names the command that uses it" grep -q "^Next    mukca calibrate .* --traits all.traits.tsv" live.out
+grep -v "^#" live_traits.tsv >live.rows
+expect "the session is the same" sh -c 'grep -v "^#" live.tsv | cmp - live.rows'
+expect "the consistency errors are smaller" awk '/"spread_m"/ { s[FILENAME] += $2 }
+    END { exit !(s["live_traits.json"] > 0 && s["live_traits.json"] < 0.9 * s["live.json"]) }' live.json live_traits.json
+
 refuse 3 "missing.json: cannot read: No such file" fleet missing.json
 refuse 3 "7.json: the only arm ('seven'); a fleet needs two arms" fleet 7.json -o new.tsv
 refuse 3 "the same recording as" fleet 7.json 8.json 7.json -o new.tsv
@@ -48,6 +66,7 @@ refuse 3 "cut.json:1: the file is cut off" fleet 7.json cut.json
 refuse 3 "empty.json: the file is empty" fleet 7.json empty.json
 sed 's/summary\/1/summary\/2/' 8.json >new.json
 refuse 3 "new.json:1: of another version than mukca.summary/1" fleet 7.json new.json
+refuse 3 "all.traits.tsv:1: a traits table, which cannot be pooled again; give the summaries" fleet 7.json all.traits.tsv
 echo '{"schema": "other"}' >other.json
 refuse 3 "other.json:1: no summary" fleet 7.json other.json
 sed 's/"vector":\[[^,]*/"vector":[1e999/' 8.json >inf.json

@@ -1,0 +1,27 @@
+/* Readings of an elastic arm to angles of a rigid one.  A file of its own, as the headers of the
+ * fleet and of the capture each bring a mukca_linearisation. */
+#include "record/correction.h"
+
+#include "fleet/correct.h"
+#include "io/traits.h"
+
+_Static_assert(MUKCA_FLEET_TERMS == 2 * MUKCA_MAX_JOINTS, "room for all elastic coefficients");
+
+mukca_status mukca_correction_read(mukca_correction *c, const char *path, const mukca_chain *chain,
+                                   mukca_error *error)
+{
+    mukca_traits traits;
+    mukca_status status = mukca_traits_read(&traits, path, chain, error);
+    if (status != MUKCA_OK) return status;
+    c->chain = chain;
+    c->n_arms = traits.n_arms;
+    c->n_effects = mukca_traits_effects(c->effects, NULL, &traits);
+    return MUKCA_OK;
+}
+
+void mukca_correction_apply(void *correction, double *q)
+{
+    const mukca_correction *c = correction;
+    mukca_dataset sample = {.n_rows = 1, .n_joints = c->chain->n_joints, .q = q};
+    mukca_traits_correct(&sample, c->chain, c->effects, c->n_effects);
+}
