@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/file.h"
+
 static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
 {
     const mukca_rows_options options = {.kind = MUKCA_HEADER,
@@ -30,9 +32,9 @@ static mukca_status check_target(mukca_pose_stream *s, const mukca_row *row, muk
                             "a second target, '%.40s': mukca diagnose -o fits several", name);
 }
 
-static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
+/* The next row of the text; *more false at the end of the last file. */
+static mukca_status parse(mukca_pose_stream *s, mukca_pose_row *row, bool *more, mukca_error *error)
 {
-    mukca_pose_stream *s = context;
     mukca_row read;
     bool found = false;
     do {
@@ -46,7 +48,8 @@ static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_e
         if (found) status = check_target(s, &read, error);
         if (status != MUKCA_OK) return status;
         if (!found) {
-            mukca_pose_stream_close(s);
+            mukca_rows_close(&s->rows);
+            s->open = false;
             s->at++;
         }
     } while (!found || !isfinite(read.position[0]));
@@ -59,11 +62,77 @@ static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_e
     return MUKCA_OK;
 }
 
+/* Doubles of a kept row: angles and velocities, position, quaternion, time, file. */
+enum { POSE = 3 + 4 + 2, KEPT = 2 * MUKCA_MAX_JOINTS + POSE };
+
+static size_t bytes_kept(const mukca_pose_stream *s)
+{
+    return (size_t)(2 * s->chain->n_joints + POSE) * sizeof(double);
+}
+
+static void stop_keeping(mukca_pose_stream *s)
+{
+    if (s->kept) fclose(s->kept);
+    s->kept = NULL;
+    s->full = true;
+    s->n_kept = 0;
+}
+
+static void keep(mukca_pose_stream *s, const mukca_pose_row *row)
+{
+    double x[KEPT];
+    const int n = s->chain->n_joints;
+    const size_t bytes = bytes_kept(s);
+    if (!s->kept && (s->kept = tmpfile())) setvbuf(s->kept, s->buffer, _IOFBF, sizeof s->buffer);
+    memcpy(x, row->q, (size_t)n * sizeof *x);
+    memcpy(x + n, row->velocity, (size_t)n * sizeof *x);
+    memcpy(x + 2 * n, row->position, sizeof row->position);
+    memcpy(x + 2 * n + 3, row->quaternion, sizeof row->quaternion);
+    x[2 * n + 7] = row->time;
+    x[2 * n + 8] = row->file;
+    s->next = ++s->n_kept;
+    if (!s->kept || (double)s->n_kept * (double)bytes > MUKCA_POSE_STREAM_KEPT ||
+        fwrite(x, bytes, 1, s->kept) != 1)
+        stop_keeping(s);
+}
+
+static mukca_status fetch(mukca_pose_stream *s, mukca_pose_row *row, mukca_error *error)
+{
+    double x[KEPT];
+    const int n = s->chain->n_joints;
+    if (fread(x, bytes_kept(s), 1, s->kept) != 1) return mukca_file_fail(error, "temporary file");
+    memcpy(row->q, x, (size_t)n * sizeof *x);
+    memcpy(row->velocity, x + n, (size_t)n * sizeof *x);
+    memcpy(row->position, x + 2 * n, sizeof row->position);
+    memcpy(row->quaternion, x + 2 * n + 3, sizeof row->quaternion);
+    row->time = x[2 * n + 7];
+    row->file = (int)x[2 * n + 8];
+    /* the stream turns from reading to writing only by a change of place */
+    if (++s->next == s->n_kept && fseek(s->kept, 0, SEEK_END) != 0)
+        return mukca_file_fail(error, "temporary file");
+    return MUKCA_OK;
+}
+
+static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
+{
+    mukca_pose_stream *s = context;
+    *more = true;
+    if (s->next < s->n_kept) return fetch(s, row, error);
+    const mukca_status status = parse(s, row, more, error);
+    if (status == MUKCA_OK && *more && !s->full) keep(s, row);
+    return status;
+}
+
 static mukca_status rewind_stream(void *context, mukca_error *error)
 {
     mukca_pose_stream *s = context;
     (void)error;
-    mukca_pose_stream_close(s);
+    s->next = 0;
+    /* what is written reaches the file only here: a full disk shows now at the latest */
+    if (s->kept && fseek(s->kept, 0, SEEK_SET) != 0) stop_keeping(s);
+    if (s->kept) return MUKCA_OK;
+    if (s->open) mukca_rows_close(&s->rows);
+    s->open = false;
     s->at = 0;
     return MUKCA_OK;
 }
@@ -76,5 +145,8 @@ void mukca_pose_stream_start(mukca_pose_log *log, mukca_pose_stream *stream)
 void mukca_pose_stream_close(mukca_pose_stream *stream)
 {
     if (stream->open) mukca_rows_close(&stream->rows);
+    if (stream->kept) fclose(stream->kept);
     stream->open = false;
+    stream->kept = NULL;
+    stream->n_kept = 0;
 }

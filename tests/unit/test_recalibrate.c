@@ -4,9 +4,11 @@
 
 #include "close.h"
 #include "gen3.h"
+#include "io/pose_stream.h"
 #include "math/random.h"
 #include "recalibrate/check.h"
 #include "recalibrate/recalibrate.h"
+#include "scratch.h"
 #include "simulate/recipe.h"
 
 enum { MAX_ROWS = 2000 };
@@ -423,12 +425,81 @@ static void test_bad_input(void **state)
     assert_int_equal(run(NULL, &error), MUKCA_INPUT);
 }
 
+/* At most `most` rows of a log from its beginning; how many there were. */
+static int read_rows(mukca_pose_row *rows, int most, mukca_pose_log *log)
+{
+    mukca_error error;
+    int n = 0;
+    bool more = true;
+    assert_int_equal(log->rewind(log->context, &error), MUKCA_OK);
+    while (n < most) {
+        assert_int_equal(log->next(log->context, &rows[n], &more, &error), MUKCA_OK);
+        if (!more) break;
+        n++;
+    }
+    return n;
+}
+
+static void assert_same_row(const mukca_pose_row *a, const mukca_pose_row *b, int n_joints)
+{
+    const size_t joints = (size_t)n_joints * sizeof *a->q;
+    assert_memory_equal(a->q, b->q, joints);
+    for (int j = 0; j < n_joints; j++) assert_true(isnan(a->velocity[j]) && isnan(b->velocity[j]));
+    assert_memory_equal(a->position, b->position, sizeof a->position);
+    assert_memory_equal(a->quaternion, b->quaternion, sizeof a->quaternion);
+    assert_true(isnan(a->time) == isnan(b->time) && a->file == b->file);
+}
+
+/* Two files read several times, in part first: parsed once where a temporary file is there (so that
+ * they may be gone by then), parsed anew where not, the same rows. */
+static void test_text_once(void **state)
+{
+    static mukca_pose_row first[2 * MAX_ROWS], again[2 * MAX_ROWS];
+    static char text[MAX_ROWS * 160];
+    (void)state;
+    build_truth(1);
+    record(&train, MUKCA_RECIPE_SWEEPS);
+    size_t used = 0;
+    for (int j = 0; j < 7; j++)
+        used +=
+            (size_t)sprintf(text + used, "%s\t", nominal.element[nominal.joint_element[j]].name);
+    used += (size_t)sprintf(text + used, "x_m\ty_m\tz_m\n");
+    for (int i = 0; i < train.n; i++) {
+        for (int j = 0; j < 7; j++)
+            used += (size_t)sprintf(text + used, "%.9g\t", train.row[i].q[j]);
+        for (int a = 0; a < 3; a++)
+            used += (size_t)sprintf(text + used, "%.9g%c", train.row[i].position[a],
+                                    a < 2 ? '\t' : '\n');
+    }
+    const char *const paths[] = {scratch_file("a.tsv", text), scratch_file("b.tsv", text)};
+    for (int kept = 1; kept >= 0; kept--) {
+        mukca_pose_stream stream = {.paths = paths, .n_paths = 2, .chain = &nominal, .full = !kept};
+        mukca_pose_log log;
+        mukca_pose_stream_start(&log, &stream);
+        assert_int_equal(read_rows(again, 10, &log), 10);
+        assert_int_equal(read_rows(again, train.n + 5, &log), train.n + 5);
+        assert_int_equal(read_rows(again, 2 * MAX_ROWS, &log), 2 * train.n);
+        if (kept) {
+            memcpy(first, again, sizeof first);
+            assert_int_equal(rename(paths[0], scratch_file("c.tsv", "")), 0);
+        }
+        for (int i = 0; i < 2 * train.n; i++) {
+            assert_same_row(&again[i], &first[i], 7);
+            assert_int_equal(again[i].file, i / train.n);
+        }
+        assert_int_equal(read_rows(again, 2 * MAX_ROWS, &log), 2 * train.n);
+        for (int i = 0; i < 2 * train.n; i++) assert_same_row(&again[i], &first[i], 7);
+        mukca_pose_stream_close(&stream);
+        if (kept) scratch_file("a.tsv", text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_paper),    cmocka_unit_test(test_joint_solution),
-        cmocka_unit_test(test_noise),    cmocka_unit_test(test_constants),
-        cmocka_unit_test(test_lag),      cmocka_unit_test(test_frames),
-        cmocka_unit_test(test_bad_input)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+        cmocka_unit_test(test_paper),     cmocka_unit_test(test_joint_solution),
+        cmocka_unit_test(test_noise),     cmocka_unit_test(test_constants),
+        cmocka_unit_test(test_lag),       cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_bad_input), cmocka_unit_test(test_text_once)};
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
