@@ -5,6 +5,17 @@
 #include "math/dense.h"
 #include "math/four.h"
 
+/* x' y over m rows, both with the row stride `ld`; four sums, as additions wait for each other. */
+MUKCA_INLINE double column_product(const double *x, const double *y, long ld, int m)
+{
+    double sum[4] = {0, 0, 0, 0};
+    int r = 0;
+    for (; r + 4 <= m; r += 4)
+        for (int i = 0; i < 4; i++) sum[i] += x[(r + i) * ld] * y[(r + i) * ld];
+    for (; r < m; r++) sum[0] += x[r * ld] * y[r * ld];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 /* The reflector 1 - tau (1; v) (1; v)' below a row: v[m] has the row stride `ld`. */
 typedef struct {
     const double *v;
@@ -34,9 +45,8 @@ MUKCA_INLINE void reflect_one(double *t, double *A, const reflection *h)
 {
     const double *v = h->v;
     const long ld = h->ld;
-    double w = *t;
-    for (int r = 0; r < h->m; r++) w += v[r * ld] * A[r * ld];
-    *t -= w *= h->tau;
+    const double w = h->tau * (*t + column_product(v, A, ld, h->m));
+    *t -= w;
     for (int r = 0; r < h->m; r++) A[r * ld] -= v[r * ld] * w;
 }
 
@@ -47,6 +57,32 @@ MUKCA_INLINE void reflect(double *t, double *A, const reflection *h, int columns
     for (; c + 16 <= columns; c += 16) reflect_fours(t + c, A + c, h, 4);
     for (; c + 4 <= columns; c += 4) reflect_fours(t + c, A + c, h, 1);
     for (; c < columns; c++) reflect_one(t + c, A + c, h);
+}
+
+/* Two reflectors one after the other, g below t[], h below the row `next` under it, on 4 n columns,
+ * n <= 4: each column is read and written half as often.  `across`: v_h' v_g. */
+MUKCA_INLINE void reflect_pair_fours(double *t, double *next, double *A, const reflection *g,
+                                     const reflection *h, double across, int n)
+{
+    const double *a = g->v, *b = h->v;
+    const long ld = g->ld;
+    four w[4], z[4];
+    for (int c = 0; c < n; c++) w[c] = LOAD4(t + 4 * c), z[c] = LOAD4(next + 4 * c);
+    for (int r = 0; r < g->m; r++)
+        for (int c = 0; c < n; c++) {
+            const four x = LOAD4(A + r * ld + 4 * c);
+            w[c] += a[r * ld] * x;
+            z[c] += b[r * ld] * x;
+        }
+    for (int c = 0; c < n; c++) {
+        STORE4(t + 4 * c, LOAD4(t + 4 * c) - (w[c] *= g->tau));
+        z[c] = h->tau * (z[c] - across * w[c]);
+        STORE4(next + 4 * c, LOAD4(next + 4 * c) - z[c]);
+    }
+    for (int r = 0; r < g->m; r++)
+        for (int c = 0; c < n; c++)
+            STORE4(A + r * ld + 4 * c,
+                   (LOAD4(A + r * ld + 4 * c) - a[r * ld] * w[c]) - b[r * ld] * z[c]);
 }
 
 /* Scale (alpha; x) to a largest entry of 1; returns the former one, 0 where that is zero or not
@@ -65,14 +101,12 @@ static double normalise(double *alpha, double *x, int ldx, int m)
  * x is zero already. */
 MUKCA_INLINE double reflector(double *alpha, double *x, int ldx, int m)
 {
-    double sum = 0, unit = 1;
-    for (int r = 0; r < m; r++) sum += x[(long)r * ldx] * x[(long)r * ldx];
+    double sum = column_product(x, x, ldx, m), unit = 1;
     if (sum == 0 && *alpha != 0) return 0;
     if (!(sum > 1e-280 && sum < 1e280)) {
         unit = normalise(alpha, x, ldx, m);
         if (unit == 0) return 0;
-        sum = 0;
-        for (int r = 0; r < m; r++) sum += x[(long)r * ldx] * x[(long)r * ldx];
+        sum = column_product(x, x, ldx, m);
         if (sum < 1e-280) { /* negligible next to alpha */
             *alpha *= unit;
             return 0;
@@ -85,10 +119,34 @@ MUKCA_INLINE double reflector(double *alpha, double *x, int ldx, int m)
     return tau;
 }
 
+/* Reflectors for columns j and j + 1, applied to the columns after them; the first one also to the
+ * second's. */
+MUKCA_INLINE void absorb_pair(double *R, double *A, int j, int m, int width)
+{
+    double *top = R + (long)j * width + j, *next = top + width, *below = A + j;
+    const reflection g = {.v = below, .ld = width, .m = m, .tau = reflector(top, below, width, m)};
+    if (g.tau != 0) reflect_one(top + 1, below + 1, &g);
+    const reflection h = {
+        .v = below + 1, .ld = width, .m = m, .tau = reflector(next + 1, below + 1, width, m)};
+    const int columns = width - j - 2;
+    int c = 0;
+    if (g.tau != 0 && h.tau != 0) {
+        const double across = column_product(g.v, h.v, width, m);
+        for (; c + 12 <= columns; c += 12)
+            reflect_pair_fours(top + 2 + c, next + 2 + c, below + 2 + c, &g, &h, across, 3);
+        for (; c + 4 <= columns; c += 4)
+            reflect_pair_fours(top + 2 + c, next + 2 + c, below + 2 + c, &g, &h, across, 1);
+    }
+    if (g.tau != 0) reflect(top + 2 + c, below + 2 + c, &g, columns - c);
+    if (h.tau != 0) reflect(next + 2 + c, below + 2 + c, &h, columns - c);
+}
+
 MUKCA_CLONES void mukca_dense_qr_absorb(double *R, double *rss, double *A, int m, int n, int k)
 {
     const int width = n + k;
-    for (int j = 0; j < n; j++) {
+    int j = 0;
+    for (; j + 2 <= n; j += 2) absorb_pair(R, A, j, m, width);
+    if (j < n) {
         double *top = R + (long)j * width + j, *below = A + j;
         const reflection h = {
             .v = below, .ld = width, .m = m, .tau = reflector(top, below, width, m)};

@@ -38,18 +38,22 @@ void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain)
     model->base = model->tool = identity;
 }
 
-/* Axis of an unknown: in its joint's frame, or (base, tool) in that frame. */
-static void local_axis(double axis[3], const mukca_geometry *g, const mukca_unknown *u)
+/* Axis of an unknown: in its joint's frame, or (base, tool) in that frame; `own` is room for it. */
+static inline const double *local_axis(double own[3], const mukca_geometry *g,
+                                       const mukca_unknown *u)
 {
     double e[2][3];
-    for (int i = 0; i < 3; i++) axis[i] = i == u->axis;
-    if (u->kind == MUKCA_UNKNOWN_ZERO)
-        memcpy(axis, g->axis[u->element], sizeof e[0]);
-    else if (u->kind == MUKCA_UNKNOWN_SHIFT)
-        memcpy(axis, g->origin[u->element].R + 3 * u->axis, sizeof e[0]); /* from parent to joint */
-    else if (u->kind == MUKCA_UNKNOWN_TILT) {
-        mukca_rotation_transverse(e[0], e[1], g->axis[u->element]);
-        memcpy(axis, e[u->axis], sizeof e[0]);
+    switch (u->kind) {
+        case MUKCA_UNKNOWN_ZERO:
+            return g->axis[u->element];
+        case MUKCA_UNKNOWN_SHIFT:
+            return g->origin[u->element].R + 3 * u->axis; /* from parent to joint */
+        case MUKCA_UNKNOWN_TILT:
+            mukca_rotation_transverse(e[0], e[1], g->axis[u->element]);
+            memcpy(own, e[u->axis], sizeof e[0]);
+            return own;
+        default:
+            return identity.R + 3 * u->axis;
     }
 }
 
@@ -74,9 +78,8 @@ void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown,
     } else if (!kinds[unknown->kind].angle) {
         T->p[unknown->axis] += by;
     } else {
-        double axis[3];
-        local_axis(axis, &model->geometry, unknown);
-        const mukca_frame step = turn(axis, by);
+        double own[3];
+        const mukca_frame step = turn(local_axis(own, &model->geometry, unknown), by);
         mukca_frame_multiply(T, base ? &step : T, base ? T : &step);
     }
 }
@@ -136,22 +139,21 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
     mukca_rotation_log(look->rotation, off);
 }
 
-/* Motion of the tip, m per m or rad, and its rotation about its own axes (either may be NULL), by a
- * turn about (else a shift along) an axis that is given in frame T. */
-static void motion(double position[3], double rotation[3], const mukca_pose_look *look,
-                   const mukca_frame *T, const double axis[3], bool turning)
+/* Motion of the tip, m per m or rad, and its rotation about its own axes, by a turn about (else a
+ * shift along) an axis that is given in frame T. */
+static inline void motion(double position[3], double rotation[3], const mukca_pose_look *look,
+                          const mukca_frame *T, const double axis[3], bool turning)
 {
+    if (!turning) {
+        mukca_mat3_vec(position, T->R, axis);
+        for (int i = 0; i < 3; i++) rotation[i] = 0;
+        return;
+    }
     double world[3], lever[3];
     mukca_mat3_vec(world, T->R, axis);
     for (int i = 0; i < 3; i++) lever[i] = look->tip.p[i] - T->p[i];
-    if (position && turning)
-        mukca_cross(position, world, lever);
-    else if (position)
-        memcpy(position, world, sizeof world);
-    if (rotation && turning)
-        mukca_mat3_tvec(rotation, look->tip.R, world);
-    else if (rotation)
-        memset(rotation, 0, sizeof world);
+    mukca_cross(position, world, lever);
+    mukca_mat3_tvec(rotation, look->tip.R, world);
 }
 
 /* Motion of the tip by the joints' velocities. */
@@ -182,14 +184,13 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
                                          [MUKCA_UNKNOWN_TOOL_TURN] = &look->tip};
     for (int u = 0; u < n; u++) {
         const mukca_unknown *unknown = &unknowns[u];
-        double p[3], w[3], axis[3];
+        double p[3], w[3], own[3];
         if (unknown->kind == MUKCA_UNKNOWN_LAG) {
             lag_motion(p, w, look);
         } else {
             const mukca_frame *T =
                 unknown->element >= 0 ? &look->before[unknown->element] : frames[unknown->kind];
-            local_axis(axis, &look->model->geometry, unknown);
-            motion(position ? p : NULL, rotation ? w : NULL, look, T, axis,
+            motion(p, w, look, T, local_axis(own, &look->model->geometry, unknown),
                    kinds[unknown->kind].angle);
         }
         for (int i = 0; i < 3; i++) {

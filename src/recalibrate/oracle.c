@@ -218,10 +218,13 @@ mukca_status mukca_recalibrate_constants(mukca_constants *constants, const mukca
     s->system.positions = true;
     s->system.rotations = r->rotations > 0;
     s->system.metres_per_radian = mukca_metres_per_radian(&r->errors[MUKCA_WITH_BOTH]);
-    for (int u = 0; u < r->n; u++)
-        if (r->unknown[u].kind == MUKCA_UNKNOWN_ZERO || r->unknown[u].kind == MUKCA_UNKNOWN_SHIFT ||
-            r->unknown[u].kind == MUKCA_UNKNOWN_TOOL_SHIFT)
-            s->system.unknown[s->system.n++] = r->unknown[u];
+    for (int zeros = 0; zeros < 2; zeros++) /* last: see the blocks in system.h */
+        for (int u = 0; u < r->n; u++) {
+            const mukca_unknown_kind kind = r->unknown[u].kind;
+            const bool length = kind == MUKCA_UNKNOWN_SHIFT || kind == MUKCA_UNKNOWN_TOOL_SHIFT;
+            if (zeros ? kind == MUKCA_UNKNOWN_ZERO : length)
+                s->system.unknown[s->system.n++] = r->unknown[u];
+        }
     mukca_status status = gather(s, r, task, error);
     if (status == MUKCA_OK) {
         mukca_pose_system_flush(&s->system);

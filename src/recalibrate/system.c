@@ -16,15 +16,28 @@ void mukca_pose_system_clear(mukca_pose_system *s)
 {
     s->equations = 0;
     s->total = 0;
-    s->filled = 0;
+    memset(s->filled, 0, sizeof s->filled);
     memset(s->rss, 0, sizeof s->rss);
     memset(s->R, 0, sizeof *s->R * (size_t)(s->n * width_of(s)));
 }
 
+static void absorb(mukca_pose_system *s, int kind)
+{
+    mukca_dense_qr_absorb(s->R, s->rss, s->block[kind], s->filled[kind], s->n, s->carried + 1);
+    s->filled[kind] = 0;
+}
+
 void mukca_pose_system_flush(mukca_pose_system *s)
 {
-    mukca_dense_qr_absorb(s->R, s->rss, s->block, s->filled, s->n, s->carried + 1);
-    s->filled = 0;
+    for (int kind = 0; kind < 2; kind++) absorb(s, kind);
+}
+
+/* Room for three more rows of positions (0) or rotations (1). */
+static double *three_rows(mukca_pose_system *s, int kind)
+{
+    if (s->filled[kind] + 3 > MUKCA_SYSTEM_BLOCK) absorb(s, kind);
+    s->filled[kind] += 3;
+    return s->block[kind] + (s->filled[kind] - 3) * width_of(s);
 }
 
 /* Scale three rows and put their right-hand side at the end. */
@@ -38,19 +51,15 @@ static void finish_rows(mukca_pose_system *s, double *rows, const double *residu
         s->total += row[width - 1] * row[width - 1];
     }
     s->equations += 3;
-    s->filled += 3;
 }
 
 void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look, double weight,
                            double turn_weight)
 {
-    const int width = width_of(s);
     const bool rotations = s->rotations && isfinite(look->rotation[0]);
     const double lever = s->metres_per_radian > 0 ? s->metres_per_radian : 1;
-    if (s->filled + 6 > MUKCA_SYSTEM_BLOCK) mukca_pose_system_flush(s);
-    double *p = s->positions ? s->block + s->filled * width : NULL;
-    double *w = rotations ? s->block + (s->filled + (p ? 3 : 0)) * width : NULL;
-    mukca_pose_derivatives(p, w, width, look, s->unknown, s->n + s->carried);
+    double *p = s->positions ? three_rows(s, 0) : NULL, *w = rotations ? three_rows(s, 1) : NULL;
+    mukca_pose_derivatives(p, w, width_of(s), look, s->unknown, s->n + s->carried);
     if (p) finish_rows(s, p, look->position, weight);
     if (w) finish_rows(s, w, look->rotation, turn_weight * lever);
 }

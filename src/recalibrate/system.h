@@ -5,7 +5,8 @@
 
 #include "recalibrate/model.h"
 
-enum { MUKCA_SYSTEM_WIDTH = 2 * MUKCA_MAX_UNKNOWNS + 1, MUKCA_SYSTEM_BLOCK = 48 };
+/* A block and the triangle fit in 32 KiB of cache for 31 unknowns. */
+enum { MUKCA_SYSTEM_WIDTH = 2 * MUKCA_MAX_UNKNOWNS + 1, MUKCA_SYSTEM_BLOCK = 96 };
 
 typedef struct {
     int n;                     /* unknowns; a lag is the last one */
@@ -15,10 +16,12 @@ typedef struct {
     mukca_unknown unknown[MUKCA_SYSTEM_WIDTH];
     double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps taken so far */
     long equations;
-    double rss[MUKCA_SYSTEM_WIDTH], total;                 /* of weighted rows */
-    double R[MUKCA_MAX_UNKNOWNS * MUKCA_SYSTEM_WIDTH];     /* [n][n + carried + 1], with Q'b */
-    double block[MUKCA_SYSTEM_BLOCK * MUKCA_SYSTEM_WIDTH]; /* rows not yet absorbed */
-    int filled;
+    double rss[MUKCA_SYSTEM_WIDTH], total;             /* of weighted rows */
+    double R[MUKCA_MAX_UNKNOWNS * MUKCA_SYSTEM_WIDTH]; /* [n][n + carried + 1], with Q'b */
+    /* Rows not yet absorbed: positions, rotations.  Apart, because lengths do not turn the tip: the
+     * first columns of rotations are zero where the lengths are the first unknowns. */
+    double block[2][MUKCA_SYSTEM_BLOCK * MUKCA_SYSTEM_WIDTH];
+    int filled[2];
 } mukca_pose_system;
 
 typedef struct {
