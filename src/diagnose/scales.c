@@ -1,7 +1,8 @@
 /* Prior scales of geometry and causes by evidence.
  *
  * A scale is the prior of a few columns.  The other columns are integrated out once, which leaves
- * small normal equations (their Schur complement) for all values of the scale.
+ * small normal equations (their Schur complement) for all values of the scale.  For the causes
+ * these are in the blocks of one inverse, which follows each choice by an update of low rank.
  */
 #include "diagnose/scales.h"
 
@@ -137,26 +138,93 @@ static void choose_geometry(choice *s)
     set_geometry(s, length, angle);
 }
 
-static void choose_cause(choice *s, int c)
+/* V[k][k], the covariance of the causes' coefficients in units of their prior sigmas D, and the
+ * mean x behind each row: V = (1 + D S D)^-1, x = V D s, with S and s what the geometry leaves of
+ * the normal equations.  L and T are scratch. */
+static bool find_covariance(double *V, double *L, double *T, const marginal *left,
+                            const double *prior)
 {
-    mukca_accepted *cause = &s->u->cause[c];
-    const int n = s->normal->n, terms = cause->candidate.terms,
-              column = mukca_unknowns_column(s->u, c);
-    double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES], chosen = cause->scale;
-    double best = -HUGE_VAL;
-    const int n_scales = mukca_candidate_scales(scales, weight, &cause->candidate);
-    for (int i = 0; i < n; i++) /* its own columns last */
-        s->order[i] = i < column ? i : i + terms < n ? i + terms : i + terms - n + column;
-    gather(&s->all, s->normal, s->u->sigma);
-    if (!integrate(&s->few, &s->all, n - terms, s->evidence->prior)) return;
-    for (int i = 0; i < n_scales; i++) {
-        cause->scale = scales[i];
-        mukca_unknowns_prior(s->evidence->prior, s->u);
-        const double value = finish(&s->none, &s->few, s->evidence->prior) + weight[i];
-        if (value > best) best = value, chosen = scales[i];
+    const int size = left->size, k = size - 1;
+    memset(T, 0, sizeof *T * (size_t)(k * size));
+    for (int i = 0; i < k; i++) {
+        const double own = prior[left->order[i]], *A = left->A + i * size;
+        for (int j = 0; j <= i; j++) L[i * k + j] = own * A[j] * prior[left->order[j]];
+        L[i * k + i] += 1;
+        T[i * size + i] = 1;
+        T[i * size + k] = own * A[k];
     }
-    cause->scale = chosen;
-    mukca_unknowns_prior(s->evidence->prior, s->u);
+    if (mukca_dense_cholesky(L, k)) return false;
+    mukca_dense_forward(T, size, L, k);
+    memset(V, 0, sizeof *V * (size_t)(size * size));
+    mukca_dense_syrk(V, size, T, k, size);
+    return true;
+}
+
+/* L L' = K = f + (1 - f) B, where B is the block [at, at + n) of V[][size] and f the square of the
+ * factor by which the prior of these columns grows.  What the other columns leave of their normal
+ * equations is B^-1 - 1 before and f (B^-1 - 1) after, so that 1 + f (B^-1 - 1) = B^-1 K. */
+static bool factor_block(double *L, const double *V, int size, int at, int n, double f)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++)
+            L[i * n + j] = (1 - f) * V[(at + i) * size + at + j] + (i == j ? f : 0);
+    return mukca_dense_cholesky(L, n) == 0;
+}
+
+/* y := (L L')^-1 x for the means x of these columns. */
+static void solve_block(double *y, const double *L, const double *V, int size, int at, int n)
+{
+    for (int i = 0; i < n; i++) y[i] = V[(at + i) * size + size - 1];
+    mukca_dense_forward(y, 1, L, n);
+    mukca_dense_backward(y, 1, L, n);
+}
+
+/* V and x after that growth: (1 - f) V[][at] K^-1 V[at][] goes (Woodbury).  T is scratch. */
+static void widen(double *V, double *T, int size, int at, int n, double f)
+{
+    double L[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], *lost = T + n * size;
+    if (!factor_block(L, V, size, at, n, f)) return;
+    memcpy(T, V + at * size, sizeof *T * (size_t)(n * size));
+    mukca_dense_forward(T, size, L, n);
+    memset(lost, 0, sizeof *lost * (size_t)(size * size));
+    mukca_dense_syrk(lost, size, T, n, size);
+    for (int i = 0; i < size * size; i++) V[i] -= (1 - f) * lost[i];
+}
+
+/* The scale of a cause whose columns of V start at `at`; T is scratch. */
+static void choose_cause(mukca_accepted *cause, double *V, double *T, int size, int at)
+{
+    double L[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], y[MUKCA_MAX_COLUMNS], x[MUKCA_MAX_COLUMNS];
+    double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES], chosen = 1, best = -HUGE_VAL;
+    const double own = cause->scale;
+    const int n = cause->candidate.terms,
+              n_scales = mukca_candidate_scales(scales, weight, &cause->candidate);
+    if (!factor_block(L, V, size, at, n, 0)) return;
+    solve_block(y, L, V, size, at, n);
+    for (int i = 0; i < n_scales; i++) {
+        const double f = scales[i] * scales[i] / (own * own);
+        double value = weight[i];
+        if (!factor_block(L, V, size, at, n, f)) continue;
+        solve_block(x, L, V, size, at, n);
+        for (int k = 0; k < n; k++) value += 0.5 * f * x[k] * y[k] - log(L[k * n + k]);
+        if (value > best) best = value, chosen = f, cause->scale = scales[i];
+    }
+    if (chosen != 1) widen(V, T, size, at, n, chosen);
+}
+
+static void choose_causes(choice *s)
+{
+    mukca_unknowns *u = s->u;
+    const int n = s->normal->n;
+    double *V = s->none.A, *scratch = s->all.A;
+    for (int i = 0; i < n; i++) s->order[i] = i;
+    gather(&s->all, s->normal, s->u->sigma);
+    if (!integrate(&s->few, &s->all, u->n_geometry, s->evidence->prior) ||
+        !find_covariance(V, s->some.A, scratch, &s->few, s->evidence->prior))
+        return;
+    for (int c = 0, at = 0; c < u->n_causes; at += u->cause[c++].candidate.terms)
+        if (!u->cause[c].known) choose_cause(&u->cause[c], V, scratch, s->few.size, at);
+    mukca_unknowns_prior(s->evidence->prior, u);
 }
 
 void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
@@ -171,6 +239,5 @@ void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
     s.few.A = A + 2 * square;
     s.none.A = A + 3 * square;
     choose_geometry(&s);
-    for (int c = 0; c < u->n_causes; c++)
-        if (!u->cause[c].known) choose_cause(&s, c);
+    if (u->n_causes) choose_causes(&s);
 }
