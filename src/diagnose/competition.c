@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "diagnose/heavy_tails.h"
-
 /* Log posterior odds that the first cause and later ones need: 20 to 1, and 55 to 1 since later
  * ones are tried many times. */
 #define FIRST_THRESHOLD 3.0
@@ -180,8 +178,7 @@ static bool made_by_tails(mukca_competition *contest, const mukca_contender *c, 
 {
     const mukca_candidate *h = mukca_scan_candidate(contest->scan, c->best);
     if (!is_shift(h)) return false;
-    const double gain =
-        mukca_heavy_tails_gain(contest->m, &contest->kept, contest->tails, without, h);
+    const double gain = mukca_heavy_tails_gain(&contest->tails, contest->m, without, h);
     if (c->log_odds - gain >= threshold) return false;
     const mukca_contender key = *c;
     for (int i = 0; i < contest->scan->n_scores; i++) {
@@ -198,6 +195,7 @@ static void scan_and_rank(mukca_competition *contest, int without, mukca_scan_ex
     for (int i = 0; i < contest->scan->capacity; i++)
         if (contest->noise_made[i] == BY_TAILS) contest->noise_made[i] = 0;
     mukca_scan_run(contest->scan, contest->m, without, extent);
+    contest->tails.known = false;
     mukca_competition_rank(contest);
 }
 

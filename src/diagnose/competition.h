@@ -3,6 +3,7 @@
 #define MUKCA_DIAGNOSE_COMPETITION_H
 
 #include "diagnose/diagnose.h"
+#include "diagnose/heavy_tails.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
 
@@ -36,7 +37,7 @@ typedef struct {
     /* [scores]: 1 excluded, since the noise in the angles makes its score; -1 tested and kept; 0
      * not tested yet */
     signed char *noise_made;
-    double *tails;              /* [4 * n_rows] scratch */
+    mukca_heavy_tails tails;
     mukca_unknowns kept;        /* to go back to */
     bool names_first;           /* an unknown function comes when no name passes */
     bool passed_over;           /* ... and one led by more on the way */

@@ -84,23 +84,36 @@ static void explain(double value[2], double *square, const double *r,
     }
 }
 
-double mukca_heavy_tails_gain(mukca_regression *m, mukca_unknowns *kept, double *memory,
-                              int without, const mukca_candidate *candidate)
+/* Log likelihoods with the present causes, at the noise and the scales that the model has: a shift
+ * is linear, and its likelihood hardly depends on them. */
+static void explain_causes(double value[2], mukca_regression *m, double *scratch)
+{
+    mukca_regression_solve(m);
+    residuals(scratch, m);
+    explain(value, scratch + 3 * (size_t)m->recording.data->n_rows, scratch, &m->recording);
+}
+
+double mukca_heavy_tails_gain(mukca_heavy_tails *tails, mukca_regression *m, int without,
+                              const mukca_candidate *candidate)
 {
     mukca_unknowns *u = &m->unknowns;
-    double *square = memory + 3 * (size_t)m->recording.data->n_rows, gain = 0, value[2][2];
-    mukca_unknowns_assign(kept, u);
+    double value[2], gain = 0;
+    mukca_unknowns_assign(&tails->kept, u);
     if (without >= 0) mukca_unknowns_drop(u, without);
+    if (!tails->known) explain_causes(tails->value, m, tails->scratch);
+    tails->known = true;
     if (mukca_unknowns_add(u, candidate)) {
-        for (int with = 1; with >= 0; with--) {
-            mukca_regression_refit(m);
-            residuals(memory, m);
-            explain(value[with], square, memory, &m->recording);
-            if (with) mukca_unknowns_drop(u, u->n_causes - 1);
-        }
-        gain = (value[1][0] - value[0][0]) - (value[1][1] - value[0][1]);
+        explain_causes(value, m, tails->scratch);
+        gain = (value[0] - tails->value[0]) - (value[1] - tails->value[1]);
     }
-    mukca_unknowns_assign(u, kept);
+    mukca_unknowns_assign(u, &tails->kept);
     mukca_regression_return(m);
     return fmax(gain, 0);
+}
+
+bool mukca_heavy_tails_create(mukca_heavy_tails *tails, mukca_pool *pool, const mukca_regression *m)
+{
+    *tails = (mukca_heavy_tails){
+        .scratch = MUKCA_TAKE(pool, double, 4 * (size_t)m->recording.data->n_rows)};
+    return mukca_unknowns_clone(&tails->kept, pool, &m->unknowns) && !pool->failed;
 }

@@ -4,11 +4,22 @@
 
 #include "diagnose/regression.h"
 
+typedef struct {
+    mukca_unknowns kept; /* to go back to */
+    double *scratch;     /* [4 * n_rows] */
+    bool known;          /* value[] is that of the present model without the candidate */
+    double value[2];     /* log likelihood under Gaussian noise, and with tails and memory */
+} mukca_heavy_tails;
+
+/* Memory comes from `pool`.  False: no memory. */
+bool mukca_heavy_tails_create(mukca_heavy_tails *tails, mukca_pool *pool,
+                              const mukca_regression *m);
+
 /* By how much the log Bayes factor of a candidate, in the model without cause `without` (-1: in the
  * whole model), is higher under Gaussian noise than under noise that may have heavy tails and a
- * long memory.  `kept` is a clone of the unknowns and is overwritten, memory is [4 * n_rows]; the
- * model is left as it was. */
-double mukca_heavy_tails_gain(mukca_regression *m, mukca_unknowns *kept, double *memory,
-                              int without, const mukca_candidate *candidate);
+ * long memory.  The model is left as it was; set tails->known to false when it or `without` is
+ * another one than the last time. */
+double mukca_heavy_tails_gain(mukca_heavy_tails *tails, mukca_regression *m, int without,
+                              const mukca_candidate *candidate);
 
 #endif

@@ -156,10 +156,10 @@ void mukca_regression_return(mukca_regression *m)
         mukca_regression_freeze(m);
 }
 
-/* Solve for the unknowns at the present noise and prior scales. */
-static bool solve(mukca_regression *m)
+bool mukca_regression_solve(mukca_regression *m)
 {
     mukca_unknowns *u = &m->unknowns;
+    mukca_regression_return(m);
     const mukca_normal_equations *normal = mukca_regression_collect_own(m);
     mukca_unknowns_prior(m->evidence.prior, u);
     if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, m->evidence.mean)))
@@ -177,14 +177,14 @@ void mukca_regression_refit(mukca_regression *m)
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     choose_noise(m, MUKCA_FIT_ALL);
     for (int pass = 0; pass < 4; pass++) {
-        if (!solve(m)) return;
+        if (!mukca_regression_solve(m)) return;
         const bool done = holds(m);
         if (!done &&
             (pass >= 2 || !mukca_linearisation_refresh(&m->linear, &m->recording, &m->unknowns)))
             mukca_regression_freeze(m);
         if (!done) continue;
         choose_noise(m, MUKCA_FIT_ALL);
-        solve(m);
+        mukca_regression_solve(m);
         return;
     }
 }

@@ -55,6 +55,10 @@ double mukca_regression_score(mukca_regression *m);
 void mukca_regression_freeze(mukca_regression *m);
 void mukca_regression_return(mukca_regression *m);
 
+/* Solve for the unknowns on the frozen columns, at the noise and the prior scales that they have.
+ * False: the normal equations cannot be factored. */
+bool mukca_regression_solve(mukca_regression *m);
+
 /* Fit all unknowns, as MUKCA_FIT_ALL, to the frozen columns; freezes anew where these do not hold
  * for the result. */
 void mukca_regression_refit(mukca_regression *m);

@@ -119,8 +119,7 @@ mukca_status mukca_search_run(mukca_competition *contest, mukca_error *error)
     contest->first = MUKCA_TAKE(pool, mukca_contender, most);
     contest->first_score = MUKCA_TAKE(pool, mukca_score, most);
     contest->noise_made = MUKCA_TAKE(pool, signed char, most);
-    contest->tails = MUKCA_TAKE(pool, double, 4 * (size_t)contest->m->recording.data->n_rows);
-    if (pool->failed)
+    if (!mukca_heavy_tails_create(&contest->tails, pool, contest->m))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
     mukca_regression_freeze(contest->m);
     const mukca_status status = search_all(contest, error);
