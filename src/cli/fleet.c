@@ -87,7 +87,7 @@ static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
     const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
     const double ci95[2] = {t->low, t->high};
     json_t *object =
-        cli_json_numbers("mean", t->mean, "spread", t->spread, "error", t->error,
+        cli_json_numbers("mean", t->mean, "spread", t->spread, "error", t->error, "value", t->value,
                          "log_bayes_factor", t->log_bayes_factor, "probability", t->probability);
     json_object_set_new(object, "effect", json_string(info->name));
     json_object_set_new(object, "joint", joint_name(f, t->effect.joint));

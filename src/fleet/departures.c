@@ -20,33 +20,28 @@ enum {
 static const double sizes[] = {30e-6, 100e-6, 300e-6};
 enum { SIZES = sizeof sizes / sizeof *sizes };
 
-/* Covariance of one more arm's coefficients about the mean: the uncertainty of the mean, and the
- * scatter, its variance times `wider`. */
-static void predictive(double *V, const mukca_population *p, double wider)
-{
-    const int n = p->n;
-    memcpy(V, p->covariance, sizeof *V * (size_t)(n * n));
-    for (int i = 0; i < n; i++) V[i * n + i] += wider * p->spread[i] * p->spread[i];
-}
-
 /* An arm against its sisters. */
 typedef struct {
     const mukca_population *sisters;
+    const double *mean;   /* of the sisters */
     double V[T * T];      /* of its coefficients before its data */
     mukca_arm_evidence w; /* what it says of their mean; e becomes the residual about that */
 } comparison;
 
+/* The prior of its coefficients has the uncertainty of the mean, and the scatter, its variance
+ * times `wider`; `average`: over which means are 0, else all coefficients are present. */
 static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm,
-                    double wider)
+                    double wider, bool average)
 {
     const int n = p->n;
     mukca_arm_evidence own = {0};
-    *c = (comparison){.sisters = p};
-    predictive(c->V, p, wider);
+    *c = (comparison){.sisters = p, .mean = average ? p->average : p->mean};
+    memcpy(c->V, average ? p->average_covariance : p->covariance, sizeof *c->V * (size_t)(n * n));
+    for (int i = 0; i < n; i++) c->V[i * n + i] += wider * p->spread[i] * p->spread[i];
     mukca_population_arm(&own, p, f, arm);
     if (!mukca_population_scatter(&c->w, &own, c->V, n)) return false;
     for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) c->w.e[i] -= c->w.L[i * n + k] * p->mean[k];
+        for (int k = 0; k < n; k++) c->w.e[i] -= c->w.L[i * n + k] * c->mean[k];
     return true;
 }
 
@@ -65,7 +60,7 @@ static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
         for (int j = 0; j < n; j++)
             variance -= row[i] * row[j] * (W[i * n + j] - shrink * W[i * n + k] * W[k * n + j]);
     const double half = INTERVAL * sqrt(fmax(variance, 0));
-    d->mean = c->sisters->mean[k];
+    d->mean = c->mean[k];
     d->value = d->mean + own;
     d->low = fmax(d->value - half, 0), d->high = d->value + half;
     d->ratio = d->mean > 0 ? d->value / d->mean : (double)INFINITY;
@@ -121,7 +116,7 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
             mukca_population_fit(&sisters, f, a, true);
         else if (!f->arm[a].departs)
             downdate(&sisters, f, a);
-        if (!sisters.n || !compare(&c, &sisters, f, a, wider)) continue;
+        if (!sisters.n || !compare(&c, &sisters, f, a, wider, false)) continue;
         for (int k = 0; k < n; k++) {
             odds[k] = departs(&c, k, &size[k]) + each;
             if (odds[k] > odds[top]) top = k;
@@ -133,7 +128,8 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         departure[a].log_bayes_factor = odds[top] - each;
         departure[a].probability = 1 - exp(-total); /* of any departure; the top one is named */
         estimate(&departure[a], &c, top, size[top]);
-        for (int k = 0; k < n && estimates && compare(&own, &sisters, f, a, 1); k++) {
+        const bool wanted = estimates && compare(&own, &sisters, f, a, 1, true);
+        for (int k = 0; k < n && wanted; k++) {
             mukca_departure *e = &estimates[a * n + k];
             *e = (mukca_departure){.arm = a,
                                    .k = k,

@@ -8,9 +8,10 @@
 /* Share of arms with an order of their own: a model's gears fix its orders, so that is a fault. */
 #define FAULTY 0.1
 
-/* Three hypotheses of a joint, alike before the data: no ripple; all arms have ripple of one order;
- * some arms have an order of their own.  The last one keeps one arm's fault from passing for the
- * fleet's. */
+/* Three hypotheses of a joint: no ripple; all arms have ripple of one order; some arms have an
+ * order of their own.  The last one keeps one arm's fault from passing for the fleet's.  The odds
+ * that no joint has ripple are even, however many joints there are (as in departures.c); the other
+ * two are alike. */
 static void pool_joint(mukca_shared_order *shared, const mukca_fleet *f, int joint)
 {
     double pooled[MUKCA_FLEET_ORDERS] = {0}, own[MUKCA_FLEET_ORDERS + 1], all[3];
@@ -34,7 +35,9 @@ static void pool_joint(mukca_shared_order *shared, const mukca_fleet *f, int joi
         own[o] = pooled[o] + mukca_ripple_log_prior(o + 2);
         if (own[o] > own[best]) best = o;
     }
-    all[0] = 0, all[1] = each, all[2] = mukca_stats_log_sum_exp(own, MUKCA_FLEET_ORDERS);
+    const double none = pow(0.5, 1.0 / f->model.n_joints);
+    all[0] = log(2 * none / (1 - none)), all[1] = each,
+    all[2] = mukca_stats_log_sum_exp(own, MUKCA_FLEET_ORDERS);
     shared->order = best + 2;
     shared->log_bayes_factor = pooled[best];
     shared->probability = exp(own[best] - mukca_stats_log_sum_exp(all, 3));

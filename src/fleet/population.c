@@ -188,4 +188,5 @@ void mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without
     solve_mean(p);
     memcpy(A, p->information, sizeof *A * (size_t)(p->n * p->n));
     if (!invert(p->covariance, A, p->n)) p->n = 0;
+    mukca_population_average(p);
 }

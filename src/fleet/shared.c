@@ -1,4 +1,5 @@
-/* Which coefficients a fleet shares: the competition of their means. */
+/* Which coefficients a fleet shares, and how large they are: an average over sets of coefficients
+ * that are not zero. */
 #include <math.h>
 #include <string.h>
 
@@ -12,25 +13,41 @@ enum { T = MUKCA_FLEET_TERMS };
 static const double sizes[] = {10e-6, 30e-6, 100e-6, 300e-6};
 enum { SIZES = sizeof sizes / sizeof *sizes };
 
-/* Log odds from which a coefficient is shared: that of a diagnosis' first cause. */
-#define THRESHOLD 3.0
 #define INTERVAL 1.959963984540054
 
-/* Log Bayes factor of coefficient k besides those of the set (k left out of it). */
-static double log_bayes(const mukca_population *p, const bool *set, int k)
+typedef struct {
+    mukca_population *p;
+    double log_prior; /* odds of one more coefficient: that there is one at all, then which */
+    bool set[T];      /* the most probable coefficients */
+    double total;     /* weight of all sets so far */
+    double mean[T], square[T * T], present[T]; /* sums with their weights */
+} average;
+
+/* The members of a set, without coefficient k (-1: none); A gets the factor of their information.
+ * Returns their number, -1 where that fails. */
+static int factor(double *A, int *index, const average *a, const bool *set, int k)
 {
-    const int n = p->n;
-    int index[T] = {0}, m = 0;
-    double A[T * T] = {0}, b[2 * T], value[SIZES];
-    for (int i = 0; i < n; i++)
+    const mukca_population *p = a->p;
+    int m = 0;
+    for (int i = 0; i < p->n; i++)
         if (set[i] && i != k) index[m++] = i;
     for (int i = 0; i < m; i++) {
-        for (int j = 0; j <= i; j++) A[i * m + j] = p->information[index[i] * n + index[j]];
-        A[i * m + i] += 1 / (sizes[2] * sizes[2]);
-        b[2 * i] = p->information[index[i] * n + k], b[2 * i + 1] = p->vector[index[i]];
+        for (int j = 0; j <= i; j++) A[i * m + j] = p->information[index[i] * p->n + index[j]];
     }
-    double G = p->information[k * n + k], g = p->vector[k];
-    if (m && mukca_dense_cholesky(A, m)) return -HUGE_VAL;
+    return m && mukca_dense_cholesky(A, m) ? -1 : m;
+}
+
+/* Log Bayes factor of coefficient k besides those of the set (k left out of it). */
+static double log_bayes(const average *a, const bool *set, int k)
+{
+    const mukca_population *p = a->p;
+    int index[T] = {0};
+    double A[T * T] = {0}, b[2 * T], value[SIZES];
+    const int m = factor(A, index, a, set, k);
+    if (m < 0) return -HUGE_VAL;
+    for (int i = 0; i < m; i++)
+        b[2 * i] = p->information[index[i] * p->n + k], b[2 * i + 1] = p->vector[index[i]];
+    double G = p->information[k * p->n + k], g = p->vector[k];
     mukca_dense_forward(b, 2, A, m);
     for (int i = 0; i < m; i++) {
         G -= b[2 * i] * b[2 * i];
@@ -45,47 +62,99 @@ static double log_bayes(const mukca_population *p, const bool *set, int k)
     return mukca_stats_log_sum_exp(value, SIZES);
 }
 
+/* Add a set with its weight to the average: the coefficients in it are Gaussian, the others zero.
+ */
+static void take(average *a, const bool *set, double log_weight)
+{
+    const int n = a->p->n;
+    int index[T] = {0};
+    double A[T * T] = {0}, C[T * T] = {0}, mean[T] = {0};
+    const double weight = exp(log_weight);
+    const int m = weight > 1e-9 ? factor(A, index, a, set, -1) : -1;
+    if (m < 0) return;
+    for (int i = 0; i < m; i++) C[i * m + i] = 1, mean[i] = a->p->vector[index[i]];
+    mukca_dense_forward(mean, 1, A, m);
+    mukca_dense_backward(mean, 1, A, m);
+    mukca_dense_forward(C, m, A, m);
+    mukca_dense_backward(C, m, A, m);
+    a->total += weight;
+    for (int i = 0; i < m; i++) {
+        a->mean[index[i]] += weight * mean[i];
+        a->present[index[i]] += weight;
+        for (int j = 0; j < m; j++)
+            a->square[index[i] * n + index[j]] += weight * (C[i * m + j] + mean[i] * mean[j]);
+    }
+}
+
+/* The most probable set: by steps that add or drop a coefficient. */
+static void search(average *a)
+{
+    const int n = a->p->n;
+    for (int round = 0; round < 4 * n; round++) {
+        int best = -1;
+        double most = 0;
+        for (int k = 0; k < n; k++) {
+            const double odds = log_bayes(a, a->set, k) + a->log_prior;
+            const double gain = a->set[k] ? -odds : odds;
+            if (gain > most) most = gain, best = k;
+        }
+        if (best < 0) return;
+        a->set[best] = !a->set[best];
+    }
+}
+
+/* All sets that differ from the most probable one by a coefficient, or by one for another. */
+static void take_sets(average *a)
+{
+    const int n = a->p->n;
+    bool set[T];
+    memcpy(set, a->set, sizeof set);
+    take(a, set, 0);
+    for (int k = 0; k < n; k++) {
+        const double own = a->p->log_bayes_factor[k] = log_bayes(a, a->set, k);
+        set[k] = !a->set[k];
+        take(a, set, a->set[k] ? -own - a->log_prior : own + a->log_prior);
+        for (int i = 0; i < n && a->set[k]; i++) {
+            if (a->set[i]) continue;
+            set[i] = true;
+            take(a, set, log_bayes(a, set, i) - own);
+            set[i] = false;
+        }
+        set[k] = a->set[k];
+    }
+}
+
+void mukca_population_average(mukca_population *p)
+{
+    const int n = p->n;
+    average a = {.p = p, .log_prior = -log(2.0 * n)};
+    search(&a);
+    take_sets(&a);
+    for (int i = 0; i < n; i++) {
+        const double present = a.present[i], value = a.mean[i] / present;
+        const double half = INTERVAL * sqrt(a.square[i * n + i] / present - value * value);
+        p->probability[i] = present / a.total;
+        p->value[i] = fmax(value, 0);
+        p->low[i] = fmax(value - half, 0), p->high[i] = fmax(value + half, 0);
+        p->average[i] = fmax(a.mean[i] / a.total, 0);
+        for (int j = 0; j < n; j++)
+            p->average_covariance[i * n + j] =
+                (a.square[i * n + j] - a.mean[i] * a.mean[j] / a.total) / a.total;
+    }
+}
+
 void mukca_population_describe(mukca_shared *shared, const mukca_population *p,
                                const mukca_fleet *f)
 {
-    const int n = p->n;
-    /* equal prior odds: that there is one more at all, then which */
-    const double log_prior = -log(2.0 * n);
-    bool set[T] = {false};
-    double value[T];
-    for (;;) {
-        int best = -1;
-        for (int k = 0; k < n; k++) {
-            value[k] = set[k] ? -HUGE_VAL : log_bayes(p, set, k);
-            if (!set[k] && (best < 0 || value[k] > value[best])) best = k;
-        }
-        if (best < 0 || value[best] + log_prior < THRESHOLD) break;
-        set[best] = true;
-    }
-    for (int k = 0; k < n; k++)
-        if (set[k] && log_bayes(p, set, k) + log_prior < THRESHOLD) set[k] = false, k = -1;
-    for (int k = 0; k < n; k++) {
-        double odds[T + 1] = {0};
-        int m = 1, own = 0;
-        for (int i = 0; i < n; i++) {
-            if (set[i] && i != k) continue;
-            bool others[T];
-            memcpy(others, set, sizeof others);
-            others[k] = false;
-            if (i == k) own = m;
-            odds[m++] = log_bayes(p, others, i) + log_prior;
-        }
-        const int t = p->term[k];
-        const double error = sqrt(p->covariance[k * n + k]), half = INTERVAL * error;
-        shared[k] =
-            (mukca_shared){.effect = mukca_fleet_term(t, f->model.n_joints),
-                           .mean = p->mean[k],
-                           .error = error,
-                           .low = fmax(p->mean[k] - half, 0),
-                           .high = p->mean[k] + half,
-                           .spread = p->spread[k],
-                           .arms = p->arms[k],
-                           .log_bayes_factor = odds[own] - log_prior,
-                           .probability = exp(odds[own] - mukca_stats_log_sum_exp(odds, m))};
-    }
+    for (int k = 0; k < p->n; k++)
+        shared[k] = (mukca_shared){.effect = mukca_fleet_term(p->term[k], f->model.n_joints),
+                                   .mean = p->mean[k],
+                                   .error = sqrt(p->covariance[k * p->n + k]),
+                                   .value = p->value[k],
+                                   .low = p->low[k],
+                                   .high = p->high[k],
+                                   .spread = p->spread[k],
+                                   .arms = p->arms[k],
+                                   .log_bayes_factor = p->log_bayes_factor[k],
+                                   .probability = p->probability[k]};
 }

@@ -11,7 +11,9 @@ enum { MUKCA_MAX_TRAITS = MUKCA_FLEET_TERMS + MUKCA_MAX_JOINTS };
  */
 typedef struct {
     mukca_effect effect;
-    double mean, spread, error, low, high; /* rad/(N m); the spread of an order is not known: NaN */
+    /* rad/(N m): mean of the arms and its standard error with all coefficients present, the prior
+     * of one more arm; value and 95 % interval as in mukca_shared; of an order but the mean: NaN */
+    double mean, spread, error, value, low, high;
     int arms;
     double log_bayes_factor, probability;
 } mukca_trait;

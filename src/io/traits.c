@@ -28,12 +28,13 @@ void mukca_traits_write(FILE *stream, const mukca_traits *t)
     fprintf(stream, "# arms: %d\n# sessions: %d\n# samples: %d\n", t->n_arms, t->n_sessions,
             t->n_samples);
     fputs(
-        "# mean: of the fleet; error: its standard error; low, high: its 95 % interval; spread: "
-        "standard deviation between arms\n# probability: that the arms share it\n",
+        "# mean, error: of the fleet, with its standard error; spread: standard deviation between "
+        "arms: the prior of one more arm\n# probability: that the arms share it; value, low, high: "
+        "its mean if so, with its 95 % interval, coefficients that are not shared being 0\n",
         stream);
     fputs(
         "effect\tjoint\tterm\tunit\tmean\tspread\tarms\tlog_bayes_factor\tprobability\terror\t"
-        "low\thigh\n",
+        "value\tlow\thigh\n",
         stream);
     for (int i = 0; i < t->n; i++) {
         const mukca_trait *r = &t->list[i];
@@ -49,6 +50,7 @@ void mukca_traits_write(FILE *stream, const mukca_traits *t)
         put(stream, r->log_bayes_factor);
         put(stream, r->probability);
         put(stream, r->error);
+        put(stream, r->value);
         put(stream, r->low);
         put(stream, r->high);
         fputc('\n', stream);
@@ -142,7 +144,7 @@ static mukca_status take_effect(mukca_effect *e, const mukca_table *table, const
 static mukca_status take_row(mukca_traits *t, const mukca_table *table, const int *column,
                              const mukca_chain *chain, mukca_error *error)
 {
-    mukca_trait r = {.spread = NAN, .error = NAN, .low = NAN, .high = NAN};
+    mukca_trait r = {.spread = NAN, .error = NAN, .value = NAN, .low = NAN, .high = NAN};
     double arms = 0, *const number[] = {&r.mean,        &r.spread, &arms, &r.log_bayes_factor,
                                         &r.probability, &r.error};
     mukca_status status = take_effect(&r.effect, table, column, chain, error);

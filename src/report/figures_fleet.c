@@ -67,12 +67,12 @@ bool mukca_fleet_draw_coefficient(mukca_plot *plot, const mukca_fleet_page *p, i
         "plot $sound using 1:2:3:4 with yerrorbars lc rgb " PLOT_AFTER
         " pt 7 ps 0.6 lw 1.5 notitle, $departing using 1:2:3:4 with yerrorbars lc rgb " PLOT_BEFORE
         " pt 9 ps 0.9 lw 2 notitle\n",
-        shown + 0.7, per * fmax(c->mean - 1.96 * c->spread, 0), per * (c->mean + 1.96 * c->spread),
-        per * c->mean, per * c->mean);
+        shown + 0.7, per * fmax(c->value - 1.96 * c->spread, 0),
+        per * (c->value + 1.96 * c->spread), per * c->value, per * c->value);
     fprintf(plot->description,
             "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
             "%.3g [%.3g, %.3g]; grey: where 95 %% of its arms lie.",
-            per * c->mean, per * c->low, per * c->high);
+            per * c->value, per * c->low, per * c->high);
     for (int i = 0; i < p->n_departing; i++)
         if (i < MOST_ARMS && p->arms[i].k == k)
             fprintf(plot->description, " %s departs: %.3g [%.3g, %.3g].",

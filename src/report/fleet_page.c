@@ -183,7 +183,7 @@ static void put_coefficients(FILE *out, const mukca_fleet_page *p)
     for (int i = 0; i < r->population.n; i++) {
         const mukca_shared *s = &r->shared[p->panels[i]];
         mukca_wording_fleet_effect(words, &s->effect, p->fleet);
-        mukca_html_row(&table, "%s\t%.3g\t%.3g\t%.3g\t%.3g\t%d\t%.1f\t%.3f", words, per * s->mean,
+        mukca_html_row(&table, "%s\t%.3g\t%.3g\t%.3g\t%.3g\t%d\t%.1f\t%.3f", words, per * s->value,
                        per * s->low, per * s->high, per * s->spread, s->arms, s->log_bayes_factor,
                        s->probability);
     }

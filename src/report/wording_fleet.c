@@ -25,8 +25,8 @@ void mukca_wording_fleet_shared(char text[MUKCA_WORDING], const mukca_shared *s,
     snprintf(text, MUKCA_WORDING,
              "%.200s, %.3g " MUKCA_WORDING_SPRING
              " [%.3g, %.3g], arms differ by %.2g (%.0f %%), %.60s",
-             effect, per * s->mean, per * s->low, per * s->high, per * s->spread,
-             100 * s->spread / s->mean, probability);
+             effect, per * s->value, per * s->low, per * s->high, per * s->spread,
+             100 * s->spread / s->value, probability);
 }
 
 void mukca_wording_fleet_order(char text[MUKCA_WORDING], const mukca_shared_order *o,

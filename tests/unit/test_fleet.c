@@ -79,6 +79,49 @@ static void test_shared_is_found(void **state)
     assert_true(inside >= 17); /* of 20 at 95 %: fewer in one case of 60 */
 }
 
+/* Two coefficients that the data hardly distinguish, one of which is 0: the interval of the other
+ * rests on that, and holds the truth. */
+static void test_interval_is_not_too_wide(void **state)
+{
+    (void)state;
+    enum { FLEETS = 100, TWIN = SOFT + JOINTS };
+    int inside = 0, named = 0;
+    double width = 0, dense = 0;
+    for (uint64_t seed = 1; seed <= FLEETS; seed++) {
+        static mukca_summary s[ARMS];
+        mukca_fleet f = {.n_arms = 0};
+        mukca_fleet_result r;
+        mukca_random random;
+        mukca_random_seed(&random, 100 + seed);
+        for (int a = 0; a < ARMS; a++) {
+            const double own = TRUE_MEAN + TRUE_SPREAD * mukca_random_normal(&random),
+                         sigma = 10e-6, same = 0.95;
+            make_summary(&s[a], a, 0, sigma, &random);
+            /* L = [1 same; same 1] / sigma^2, e = L c + noise of that covariance */
+            const double x = mukca_random_normal(&random), y = mukca_random_normal(&random);
+            s[a].information[mukca_fleet_packed(TWIN) + SOFT] = same / (sigma * sigma);
+            s[a].vector[SOFT] = own / (sigma * sigma) + x / sigma;
+            s[a].vector[TWIN] =
+                same * own / (sigma * sigma) + (same * x + sqrt(1 - same * same) * y) / sigma;
+            take(&f, &s[a]);
+        }
+        assert_int_equal(mukca_fleet_gather(&f, NULL), MUKCA_OK);
+        pool(&r, &f);
+        const mukca_shared *soft = &r.shared[SOFT];
+        if (soft->probability > 0.5) {
+            named++;
+            inside += soft->low < TRUE_MEAN && TRUE_MEAN < soft->high;
+            width += soft->high - soft->low;
+            dense += 2 * 1.96 * soft->error;
+        }
+        mukca_fleet_result_free(&r);
+        mukca_fleet_free(&f);
+    }
+    assert_true(named >= 95);
+    assert_true(inside >= 0.9 * named); /* at 95 %, fewer in one case of 50 */
+    assert_true(width < 0.6 * dense);
+}
+
 static void test_null_fleet(void **state)
 {
     (void)state;
@@ -233,6 +276,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_shared_is_found),
+        cmocka_unit_test(test_interval_is_not_too_wide),
         cmocka_unit_test(test_null_fleet),
         cmocka_unit_test(test_broken_arm),
         cmocka_unit_test(test_orders),
