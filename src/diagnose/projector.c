@@ -8,74 +8,86 @@
 #include "math/dense.h"
 #include "math/stats.h"
 
+enum {
+    EIGHT = 8,               /* right sides that are solved for at once */
+    STRIDE = MUKCA_BATCH + 8 /* of a row of T: a power of two would share few lines of the cache */
+};
+
 bool mukca_projector_create(mukca_projector *p, mukca_pool *pool, mukca_regression *m)
 {
     const size_t rows = (size_t)m->recording.data->n_rows * (size_t)m->recording.dim,
-                 n = (size_t)mukca_unknowns_capacity(&m->unknowns);
+                 n = (size_t)mukca_unknowns_capacity(&m->unknowns),
+                 pairs = (size_t)m->recording.data->n_distances + 1;
     *p = (mukca_projector){.m = m,
-                           .inverse = MUKCA_TAKE(pool, double, m->recording.data->n_distances + 1),
+                           .inverse = MUKCA_TAKE(pool, double, pairs),
                            .z = MUKCA_TAKE(pool, double, n),
-                           .T = MUKCA_TAKE(pool, double, (n + 1) * MUKCA_BATCH),
+                           .factor = MUKCA_TAKE(pool, double, n + 1),
+                           .distance = MUKCA_TAKE(pool, double, pairs *(n + 1)),
+                           .along = MUKCA_TAKE(pool, double, pairs *STRIDE),
+                           .T = MUKCA_TAKE(pool, double, (n + 1) * STRIDE),
                            .u = MUKCA_TAKE(pool, double, rows),
                            .Zt = MUKCA_TAKE(pool, double, rows *n)};
     return mukca_products_create(&p->own, pool, m, MUKCA_MAX_COLUMNS, MUKCA_MAX_COLUMNS) &&
            mukca_products_scratch(&p->scratch, pool, m);
 }
 
-/* What the distances add to a row of W X and W y; column k of B gets the former times D. */
-static void add_distances(double *B, mukca_projector *p, int group, int i, int c)
+/* Add to B[n + 1][EIGHT], right sides as in T, what the distances make of coordinate c of a group's
+ * mean, times `weight`. */
+static void add_distances(double *B, const mukca_projector *p, int group, int c, double weight)
 {
     const mukca_recording *r = &p->m->recording;
-    const double *prior = p->m->evidence.prior;
     for (int k = 0; k < r->n_pairs; k++) {
         const double direction = p->m->linear.direction[k][c],
-                     sign = r->pairs[k].a == group   ? 1
-                            : r->pairs[k].b == group ? -1
-                                                     : 0,
-                     w = sign * p->inverse[k] * direction * p->normal->mean_weight[i];
-        const double *distance = p->normal->distance + k * (p->n + 1);
-        for (int t = 0; t < p->n && sign != 0; t++)
-            B[t * MUKCA_BATCH] += w * distance[t] * prior[t];
-        if (sign != 0) p->u[i * r->dim + c] += w * distance[p->n];
+                     w = r->pairs[k].a == group   ? weight * direction
+                         : r->pairs[k].b == group ? -weight * direction
+                                                  : 0;
+        const double *distance = p->distance + k * (p->n + 1);
+        for (int t = 0; t <= p->n && w != 0; t++) B[EIGHT * t] += w * distance[t];
     }
 }
 
-/* Zt := (L^-1 D (WX)')', a block of samples at a time; u := W y - Zt z. */
+/* B[n][8] := L^-1 B, and the row behind, which is that of y, less what the model explains. */
+static void solve_eight(double *B, const mukca_projector *p)
+{
+    const int n = p->n;
+    mukca_dense_forward8(B, EIGHT, EIGHT, p->m->evidence.factor, n);
+    for (int t = 0; t < n; t++)
+        for (int k = 0; k < EIGHT; k++) B[EIGHT * n + k] -= B[EIGHT * t + k] * p->z[t];
+}
+
+/* Rows [start, start + count) of Zt := (L^-1 D (WX)')' and u := W y - Zt z, at most EIGHT of one
+ * group. */
 static void fill_rows(mukca_projector *p, int group, int start, int count)
 {
     const mukca_recording *r = &p->m->recording;
-    const double *prior = p->m->evidence.prior;
     const int n = p->n, d = r->dim, *at = p->m->linear.at;
     const size_t stride = (size_t)p->m->linear.stride;
-    double *B = p->T;
-    for (int k = 0; k < count * d; k++) {
-        const double *w = p->normal->weighted + (size_t)(start * d + k) * stride;
-        for (int t = 0; t < n; t++) B[t * MUKCA_BATCH + k] = p->precision * w[at[t]] * prior[t];
-        p->u[start * d + k] = p->precision * w[at[n]];
-        if (k % d < 3 && r->groups[group].socket >= 0)
-            add_distances(B + k, p, group, start + k / d, k % d);
+    const double *w = p->normal->weighted + (size_t)start * stride;
+    double *B = p->T, *Z = p->Zt + (size_t)start * (size_t)n;
+    for (int t = 0; t <= n; t++) {
+        for (int k = 0; k < EIGHT; k++)
+            B[EIGHT * t + k] =
+                p->factor[t] * w[(size_t)(k < count ? k : 0) * stride + (size_t)at[t]];
     }
-    for (int t = 0; t < n; t++)
-        for (int k = count * d; k < MUKCA_BATCH; k++) B[t * MUKCA_BATCH + k] = 0;
-    mukca_dense_forward(B, MUKCA_BATCH, p->m->evidence.factor, n);
-    for (int k = 0; k < count * d; k++) {
-        double *x = p->Zt + (size_t)(start * d + k) * (size_t)n, sum = 0;
-        for (int t = 0; t < n; t++) {
-            x[t] = B[t * MUKCA_BATCH + k];
-            sum += x[t] * p->z[t];
-        }
-        p->u[start * d + k] -= sum;
+    for (int k = 0; k < count && r->groups[group].socket >= 0; k++)
+        if ((start + k) % d < 3)
+            add_distances(B + k, p, group, (start + k) % d,
+                          p->normal->mean_weight[(start + k) / d]);
+    solve_eight(B, p);
+    for (int k = 0; k < count; k++) {
+        for (int t = 0; t < n; t++) Z[(size_t)k * (size_t)n + (size_t)t] = B[EIGHT * t + k];
+        p->u[start + k] = B[EIGHT * n + k];
     }
 }
 
 void mukca_projector_rows(mukca_projector *p)
 {
     const mukca_recording *r = &p->m->recording;
-    const int most = MUKCA_BATCH / r->dim;
-    for (int g = 0; g < r->n_groups && !p->have_rows; g++)
-        for (int k = 0; k < r->groups[g].count; k += most)
-            fill_rows(p, g, r->groups[g].start + k,
-                      r->groups[g].count - k < most ? r->groups[g].count - k : most);
+    for (int g = 0; g < r->n_groups && !p->have_rows; g++) {
+        const int start = r->dim * r->groups[g].start, count = r->dim * r->groups[g].count;
+        for (int k = 0; k < count; k += EIGHT)
+            fill_rows(p, g, start + k, count - k < EIGHT ? count - k : EIGHT);
+    }
     p->have_rows = true;
 }
 
@@ -127,34 +139,29 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
     return mukca_stats_log_sum_exp(value, n_scales);
 }
 
-/* Columns of a few items side by side: their right sides in T and g. */
+/* Columns of a few items side by side: their right sides in T, D X'W E, and E'W y behind. */
 typedef struct {
     int n, width;
-    double g[MUKCA_BATCH];
     struct {
         const mukca_scored *item;
         int first, count, at; /* columns of the item, and where they are */
     } entry[MUKCA_BATCH];
 } batch;
 
-/* T := D X'W E and g := E'W y of an entry. */
-static void fill(batch *b, const mukca_projector *p, int e)
+/* What the samples have in the right sides of an entry, and what it does to the distances. */
+static void fill(const batch *b, const mukca_projector *p, int e)
 {
     const mukca_products *x = b->entry[e].item->products;
-    const int n = p->n, first = b->entry[e].first, count = b->entry[e].count,
+    const int n = p->n, first = b->entry[e].first, count = b->entry[e].count, at = b->entry[e].at,
               *held = p->m->linear.at;
-    const double *prior = p->m->evidence.prior;
     for (int t = 0; t <= n; t++) {
         const double *cross = x->cross + (size_t)held[t] * (size_t)x->columns + first;
-        double *out = t < n ? p->T + t * MUKCA_BATCH + b->entry[e].at : b->g + b->entry[e].at;
-        for (int k = 0; k < count; k++) out[k] = p->precision * cross[k];
-        for (int q = 0; q < p->normal->n_pairs; q++) {
-            const double w = p->inverse[q] * p->normal->distance[q * (n + 1) + t];
-            const double *along = x->along + q * x->columns + first;
-            for (int k = 0; k < count && w != 0; k++) out[k] += w * along[k];
-        }
-        for (int k = 0; k < count && t < n; k++) out[k] *= prior[t];
+        double *out = p->T + t * STRIDE + at;
+        for (int k = 0; k < count; k++) out[k] = p->factor[t] * cross[k];
     }
+    for (int q = 0; q < p->normal->n_pairs; q++)
+        memcpy(p->along + q * STRIDE + at, x->along + q * x->columns + first,
+               sizeof *p->along * (size_t)count);
 }
 
 /* Projected G[k][k] and g[k] of one block of an entry, `column` columns on. */
@@ -165,10 +172,8 @@ static void take_block(double *G, double *g, const batch *b, const mukca_project
     const int k = x->block, first = b->entry[e].first + column, at = b->entry[e].at + column;
     double lost[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS];
     memset(lost, 0, sizeof *lost * (size_t)(k * k));
-    for (int a = 0; a < k; a++) g[a] = b->g[at + a];
-    for (int t = 0; t < p->n; t++)
-        for (int a = 0; a < k; a++) g[a] -= p->T[t * MUKCA_BATCH + at + a] * p->z[t];
-    mukca_dense_syrk(lost, k, p->T + at, p->n, MUKCA_BATCH);
+    for (int a = 0; a < k; a++) g[a] = p->T[p->n * STRIDE + at + a];
+    mukca_dense_syrk(lost, k, p->T + at, p->n, STRIDE);
     for (int a = 0; a < k; a++)
         for (int c = 0; c < k; c++) {
             double sum = p->precision * x->gram[(first + a) * k + c] - lost[a * k + c];
@@ -179,13 +184,20 @@ static void take_block(double *G, double *g, const batch *b, const mukca_project
         }
 }
 
-/* Solve for the whole batch. */
+/* Add the distances, solve, and project g, for the whole batch. */
 static void solve(const batch *b, mukca_projector *p)
 {
-    const int width = (b->width + 7) & ~7; /* whole registers */
-    for (int t = 0; t < p->n; t++)
-        for (int k = b->width; k < width; k++) p->T[t * MUKCA_BATCH + k] = 0;
-    mukca_dense_forward8(p->T, width, MUKCA_BATCH, p->m->evidence.factor, p->n);
+    const int width = (b->width + 7) & ~7, n = p->n; /* whole registers */
+    for (int t = 0; t <= n; t++)
+        for (int k = b->width; k < width; k++) p->T[t * STRIDE + k] = 0;
+    for (int q = 0; q < p->normal->n_pairs; q++)
+        for (int k = b->width; k < width; k++) p->along[q * STRIDE + k] = 0;
+    mukca_dense_xty(p->T, (mukca_columns){p->distance, n + 1, n + 1},
+                    (mukca_columns){p->along, STRIDE, STRIDE}, p->normal->n_pairs);
+    mukca_dense_forward8(p->T, width, STRIDE, p->m->evidence.factor, n);
+    double *g = p->T + n * STRIDE;
+    for (int t = 0; t < n; t++)
+        for (int k = 0; k < width; k++) g[k] -= p->T[t * STRIDE + k] * p->z[t];
 }
 
 static void finish(batch *b, mukca_projector *p)
@@ -253,46 +265,74 @@ void mukca_projector_project(double *G, double *g, mukca_projector *p, int k,
     take_block(G, g, &b, p, 0, 0);
 }
 
-/* Faults of one socket or row: columns -share(row) * identity, so sums over rows suffice. */
+/* T[n][8] and, behind it, g of a fault by itself. */
+static void project_fault(double *B, mukca_projector *p, const mukca_candidate *h, double mean)
+{
+    const mukca_recording *r = &p->m->recording;
+    const mukca_group *group = &r->groups[h->fault.group];
+    const int n = p->n, *at = p->m->linear.at;
+    const size_t stride = (size_t)p->m->linear.stride;
+    memset(B, 0, sizeof *B * (size_t)((n + 1) * EIGHT));
+    for (int i = group->start; i < group->start + group->count; i++) {
+        const double share = mukca_candidate_fault_share(h, r, r->order[i]);
+        const double *w = p->normal->weighted + (size_t)(i * r->dim) * stride;
+        for (int t = 0; t <= n && share != 0; t++)
+            for (size_t c = 0; c < 3; c++)
+                B[EIGHT * (size_t)t + c] -= share * w[c * stride + (size_t)at[t]];
+    }
+    for (int t = 0; t <= n; t++)
+        for (int c = 0; c < 3; c++) B[EIGHT * t + c] *= p->factor[t];
+    for (int c = 0; c < 3 && group->socket >= 0; c++)
+        add_distances(B + c, p, h->fault.group, c, -mean);
+    solve_eight(B, p);
+}
+
+/* The same from the rows. */
+static void sum_rows(double *B, const mukca_projector *p, const mukca_candidate *h)
+{
+    const mukca_recording *r = &p->m->recording;
+    const mukca_group *group = &r->groups[h->fault.group];
+    const int n = p->n;
+    memset(B, 0, sizeof *B * (size_t)((n + 1) * EIGHT));
+    for (int i = group->start; i < group->start + group->count; i++) {
+        const double share = mukca_candidate_fault_share(h, r, r->order[i]);
+        const double *z = p->Zt + (size_t)(i * r->dim) * (size_t)n;
+        for (int k = 0; k < n && share != 0; k++)
+            for (int c = 0; c < 3; c++) B[EIGHT * k + c] -= share * z[c * n + k];
+        for (int c = 0; c < 3; c++) B[EIGHT * n + c] -= share * p->u[i * r->dim + c];
+    }
+}
+
+/* Faults of one socket or row: columns -share(row) * identity. */
 double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, double *information)
 {
     const mukca_recording *r = &p->m->recording;
     const mukca_group *group = &r->groups[h->fault.group];
-    const int d = r->dim, n = p->n;
-    double T[3][512], G[9], g[3] = {0, 0, 0}, square = 0, mean = 0, last = 0;
-    if (n > 512) return -HUGE_VAL;
-    mukca_projector_rows(p);
-    memset(T, 0, sizeof T);
-    for (int i = 0; i < group->count; i++) {
-        const double share = mukca_candidate_fault_share(h, r, r->order[group->start + i]);
-        const int sample = group->start + i;
-        square += share * (p->normal->diagonal[sample] * share +
-                           (i ? 2 * p->normal->off[sample] * last : 0));
+    double *T = p->T, G[9] = {0}, square = 0, mean = 0, last = 0;
+    for (int i = group->start; i < group->start + group->count; i++) {
+        const double share = mukca_candidate_fault_share(h, r, r->order[i]);
+        square += share * (p->normal->diagonal[i] * share +
+                           (i > group->start ? 2 * p->normal->off[i] * last : 0));
         last = share;
-        if (share == 0) continue;
-        if (group->socket >= 0) mean += p->normal->mean_weight[sample] * share;
-        for (int c = 0; c < 3; c++) {
-            const int at = (group->start + i) * d + c;
-            const double *z = p->Zt + (size_t)at * (size_t)n;
-            for (int k = 0; k < n; k++) T[c][k] -= share * z[k];
-            g[c] -= share * p->u[at];
-        }
+        /* mean is 0 in a pose log, which has no free mean */
+        if (group->socket >= 0) mean += p->normal->mean_weight[i] * share;
     }
-    /* mean is 0 in a pose log, which has no free mean */
+    if (p->have_rows)
+        sum_rows(T, p, h);
+    else
+        project_fault(T, p, h, mean);
     const double own_part = p->precision * (square - p->normal->ones[h->fault.group] * mean * mean);
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) {
-            double sum = a == b ? own_part : 0;
-            for (int k = 0; k < n; k++) sum -= T[a][k] * T[b][k];
-            G[3 * a + b] = sum;
-        }
+    for (int k = 0; k < p->n; k++)
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++) G[3 * a + b] -= T[EIGHT * k + a] * T[EIGHT * k + b];
+    for (int a = 0; a < 3; a++) G[4 * a] += own_part;
     for (int q = 0; q < r->n_pairs; q++) {
         const double *direction = p->m->linear.direction[q], w = p->inverse[q] * mean * mean;
         if (r->pairs[q].a != h->fault.group && r->pairs[q].b != h->fault.group) continue;
         for (int a = 0; a < 3; a++)
             for (int b = 0; b < 3; b++) G[3 * a + b] += w * direction[a] * direction[b];
     }
-    return mukca_projector_block(G, g, h, p->residual, p->normal->dof, information);
+    return mukca_projector_block(G, T + EIGHT * p->n, h, p->residual, p->normal->dof, information);
 }
 
 void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *normal, double sigma)
@@ -307,7 +347,12 @@ void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *norma
     mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL);
     memcpy(p->z, m->evidence.work, sizeof *p->z * (size_t)n);
     p->residual = fmax(m->evidence.quadratic, 1e-9);
+    for (int t = 0; t <= n; t++) p->factor[t] = p->precision * (t < n ? m->evidence.prior[t] : 1);
     const double known = normal->distance_sigma * normal->distance_sigma;
-    for (int k = 0; k < normal->n_pairs; k++)
+    for (int k = 0; k < normal->n_pairs; k++) {
         p->inverse[k] = 1 / (known + sigma * sigma * normal->variance[k]);
+        for (int t = 0; t <= n; t++)
+            p->distance[k * (n + 1) + t] = p->inverse[k] * normal->distance[k * (n + 1) + t] *
+                                           (t < n ? m->evidence.prior[t] : 1);
+    }
 }

@@ -18,7 +18,9 @@ typedef struct {
     double residual;    /* quadratic form that the present model leaves */
     double *inverse;    /* [n_pairs] 1 / variance of the distance rows */
     double *z;          /* [n] */
-    double *T;          /* [n][MUKCA_BATCH] scratch */
+    double *factor;     /* [n + 1] precision * D, and the precision */
+    double *distance;   /* [n_pairs][n + 1] distance rows times D over their variance */
+    double *T, *along;  /* [n + 1][], [n_pairs][]: scratch of MUKCA_BATCH columns */
     mukca_products own; /* of the columns that mukca_projector_project() gets */
     bool have_rows;     /* mukca_projector_rows() was called since it was aimed */
     double *u;          /* [rows] W y - Zt z */
@@ -31,7 +33,7 @@ bool mukca_projector_create(mukca_projector *p, mukca_pool *pool, mukca_regressi
 /* Prepare it for these normal equations and m->evidence.prior. */
 void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *normal, double sigma);
 
-/* Fill Zt and u. */
+/* Fill Zt and u: for more than a few faults, and what looks at each sample. */
 void mukca_projector_rows(mukca_projector *p);
 
 /* Log Bayes factor of a block with projected Gram G[k][k] (leading dimension k) and gradient g[k]

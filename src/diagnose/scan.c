@@ -116,6 +116,17 @@ static void weigh_rhos(mukca_regression *m, double *sigma, double *value, int *o
         if (value[i] > value[order[0]]) order[i] = order[0], order[0] = i;
 }
 
+/* A fault by itself costs as much as so many rows of the projector. */
+enum { ROWS_OF_A_FAULT = 8 };
+
+static int count_faults(const mukca_scan *scan)
+{
+    int n = 0;
+    for (int k = 0; k < scan->n_scores; k++)
+        n += scan->wanted[k] && mukca_candidate_is_fault(mukca_scan_candidate(scan, k));
+    return n;
+}
+
 /* Score the wanted candidates at an AR(1) coefficient that the projector aims at; `pick` adds
  * orders of ripple. */
 static void score_all(mukca_scan *scan, int rho, bool pick)
@@ -125,6 +136,7 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
     int n = 0;
     for (int j = 0; j < m->recording.chain->n_joints && pick; j++) pick_harmonics(scan, j);
     scan->n_scores = scan->all->count + scan->n_harmonic;
+    if (count_faults(scan) > p->rows / ROWS_OF_A_FAULT) mukca_projector_rows(p);
     for (int j = -1; j < m->recording.chain->n_joints; j++) /* functions of one joint together */
         for (int k = 0; k < scan->n_scores; k++) {
             const mukca_candidate *h = mukca_scan_candidate(scan, k);
