@@ -256,27 +256,104 @@ double mukca_evidence_standard_error(mukca_evidence *evidence, int n, int column
     return sqrt(variance);
 }
 
+/* The evidence along the noise.  With K = 1 + D G D / sigma^2 = Q (1 + T / sigma^2) Q' and the
+ * distances predicted from the samples, it takes T, Q'D X'W y and Q'D d for each distance row d;
+ * each value is linear in n. */
 typedef struct {
     mukca_evidence *evidence;
     const mukca_normal_equations *normal;
-} noise_context;
+    double *T;       /* [2][n] diagonal and beside; NULL: each value by a factorisation */
+    double *B;       /* [n][1 + n_pairs] */
+    double *scratch; /* [n][1 + n_pairs], [1 + n_pairs][1 + n_pairs] and that of its factor */
+} along_noise;
+
+/* Q'AQ of rounding has errors of 1e-16 of its norm, which must not reach the 1 of 1 + T / sigma^2.
+ */
+#define MOST_NORM 1e13
+
+/* False: it cannot be reduced well enough for noise of `least`. */
+static bool reduce(along_noise *a, double least)
+{
+    const mukca_normal_equations *normal = a->normal;
+    const double *prior = a->evidence->prior;
+    const int n = normal->n, size = n + 1, k = 1 + normal->n_pairs;
+    double *A = a->evidence->factor, norm = 0;
+    if (k > n) return false; /* as much work as the factorisations */
+    a->T = a->evidence->marginal;
+    a->B = a->T + 4 * n;
+    a->scratch = a->B + n * k;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) A[i * n + j] = prior[i] * normal->gram[i * size + j] * prior[j];
+        a->B[i * k] = prior[i] * normal->gram[n * size + i];
+        for (int p = 1; p < k; p++)
+            a->B[i * k + p] = prior[i] * normal->distance[(p - 1) * size + i];
+    }
+    mukca_dense_tridiagonalise(A, n, a->T, a->B, k);
+    for (int i = 0; i < n; i++) norm = fmax(norm, fabs(a->T[i]) + 2 * fabs(a->T[n + i]));
+    return norm < MOST_NORM * least * least;
+}
+
+/* Rows of Y := L^-1 B / sqrt(C), where L C L' = 1 + T / sigma^2: its Gram matrix is
+ * B'(1 + T / sigma^2)^-1 B.  Returns log |C|, NaN where it is not positive. */
+static double eliminate(double *Y, const along_noise *a, double precision)
+{
+    const int n = a->normal->n, k = 1 + a->normal->n_pairs;
+    double pivot = 1, log_det = 0, product = 1;
+    for (int i = 0; i < n; i++) {
+        const double beside = i ? precision * a->T[n + i - 1] : 0, l = i ? beside / pivot : 0,
+                     root = sqrt(pivot);
+        pivot = 1 + precision * a->T[i] - beside * l;
+        if (!(pivot > 0)) return NAN;
+        const double inverse = 1 / sqrt(pivot);
+        for (int c = 0; c < k; c++)
+            Y[i * k + c] = (a->B[i * k + c] - (i ? l * root * Y[(i - 1) * k + c] : 0)) * inverse;
+        product *= pivot; /* one logarithm for a few */
+        if (product > 1e100 || i + 1 == n) log_det += log(product), product = 1;
+    }
+    return log_det;
+}
 
 static double minus_evidence(void *context, double log_sigma)
 {
-    const noise_context *c = context;
-    return -mukca_evidence_evaluate(c->evidence, c->normal, exp(log_sigma), NULL);
+    const along_noise *a = context;
+    const mukca_normal_equations *normal = a->normal;
+    const double sigma = exp(log_sigma), precision = 1 / (sigma * sigma),
+                 known = normal->distance_sigma * normal->distance_sigma;
+    const int n = normal->n, size = n + 1, pairs = normal->n_pairs, k = 1 + pairs;
+    if (!a->T) return -mukca_evidence_evaluate(a->evidence, normal, sigma, NULL);
+    double *Y = a->scratch, *G = Y + n * k, *S = G + k * k, *r = S + pairs * pairs;
+    double log_det = eliminate(Y, a, precision);
+    memset(G, 0, sizeof *G * (size_t)(k * k));
+    mukca_dense_syrk(G, k, Y, n, k);
+    double quadratic = precision * (normal->gram[size * size - 1] - precision * G[0]);
+    for (int p = 0; p < pairs; p++) { /* what the samples leave of the distances */
+        r[p] = normal->distance[p * size + n] - precision * G[1 + p];
+        for (int q = 0; q <= p; q++) S[p * pairs + q] = G[(1 + p) * k + 1 + q];
+        S[p * pairs + p] += known + sigma * sigma * normal->variance[p];
+    }
+    if (!isfinite(log_det) || mukca_dense_cholesky(S, pairs)) return HUGE_VAL;
+    mukca_dense_forward(r, 1, S, pairs);
+    for (int p = 0; p < pairs; p++) {
+        quadratic += r[p] * r[p];
+        log_det += 2 * log(S[p * pairs + p]);
+    }
+    return 0.5 * (quadratic + log_det) + normal->dof * log_sigma - normal->log_det;
 }
 
 double mukca_evidence_noise(mukca_evidence *evidence, const mukca_normal_equations *normal,
                             double guess, double *value)
 {
     const double tolerance = 0.01; /* a hundredth of sigma: far below what the data know of it */
-    noise_context context = {evidence, normal};
+    along_noise context = {.evidence = evidence, .normal = normal};
     double best, lo = log(guess / 2), hi = log(2 * guess);
+    if (!reduce(&context, guess / 2)) context.T = NULL;
     double x = mukca_stats_minimize(&best, minus_evidence, &context, lo, hi, tolerance);
-    if (x < lo + 5 * tolerance || x > hi - 5 * tolerance) /* the guess was none: look everywhere */
+    if (x < lo + 5 * tolerance ||
+        x > hi - 5 * tolerance) { /* the guess was none: look everywhere */
+        context.T = NULL;
         x = mukca_stats_minimize(&best, minus_evidence, &context, log(LEAST_NOISE), log(MOST_NOISE),
                                  tolerance);
+    }
     if (value) *value = -best;
     return exp(x);
 }

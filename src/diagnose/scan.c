@@ -106,9 +106,9 @@ static void weigh_rhos(mukca_regression *m, double *sigma, double *value, int *o
         const mukca_normal_equations *normal = mukca_regression_collect(m, i);
         order[i] = i;
         sigma[i] = mukca_evidence_noise(&m->evidence, normal, m->unknowns.sigma, &value[i]);
-        if (without >=
-            0) { /* the noise is what the full model leaves, not what the missing cause adds */
-            sigma[i] = fmin(sigma[i], 1.15 * m->unknowns.sigma);
+        /* the noise is what the full model leaves, not what the missing cause adds */
+        if (without >= 0 && sigma[i] > 1.15 * m->unknowns.sigma) {
+            sigma[i] = 1.15 * m->unknowns.sigma;
             value[i] = mukca_evidence_evaluate(&m->evidence, normal, sigma[i], NULL);
         }
     }

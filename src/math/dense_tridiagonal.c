@@ -1,0 +1,68 @@
+/* Householder reduction of a symmetric matrix to tridiagonal form. */
+#include <math.h>
+
+#include "math/dense.h"
+#include "math/four.h"
+
+/* row -= a w + b v over n entries; returns row' next. */
+MUKCA_INLINE double update(double *row, const double *v, const double *w, const double ab[2],
+                           const double *next, int n)
+{
+    const double a = ab[0], b = ab[1];
+    const int n4 = n & ~3;
+    four s = {0};
+    for (int i = 0; i < n4; i += 4) {
+        const four x = LOAD4(row + i) - a * LOAD4(w + i) - b * LOAD4(v + i);
+        STORE4(row + i, x);
+        s += x * LOAD4(next + i);
+    }
+    double sum = (s[0] + s[1]) + (s[2] + s[3]);
+    for (int i = n4; i < n; i++) {
+        row[i] -= a * w[i] + b * v[i];
+        sum += row[i] * next[i];
+    }
+    return sum;
+}
+
+/* v[n] := the Householder vector of v that leaves *left in its first place; returns 2 / v'v, or 0
+ * where nothing is to be done. */
+MUKCA_INLINE double reflect(double *v, double *left, int n)
+{
+    const double rest = dot4(v + 1, v + 1, n - 1), norm = sqrt(v[0] * v[0] + rest);
+    *left = v[0];
+    if (!(rest > 0)) return 0;
+    *left = v[0] > 0 ? -norm : norm;
+    v[0] -= *left;
+    return 1 / (norm * fabs(v[0]));
+}
+
+/* Golub and Van Loan, Matrix Computations, algorithm 8.3.1.  Each row gets the update of a step and
+ * its product with the vector of the next one in one pass; the vectors stay in the upper rows. */
+MUKCA_CLONES void mukca_dense_tridiagonalise(double *A, int n, double *T, double *B, int k)
+{
+    double *diagonal = T, *beside = T + n, *w = T + 2 * (long)n, *next = T + 3 * (long)n;
+    const double *v = next; /* of the step before, from its column on; none at first */
+    for (int i = 0; i < n; i++) w[i] = next[i] = 0;
+    for (int j = 0; j < n; j++) {
+        double *row = A + (long)j * n + j, *x = row + 1;
+        const int m = n - j - 1;
+        const double first[2] = {v[0], w[0]};
+        update(row, v, w, first, row, n - j);
+        diagonal[j] = row[0];
+        beside[j] = 0;
+        if (!m) break;
+        const double beta = reflect(x, &beside[j], m);
+        for (int i = 0; i < m; i++) {
+            const double ab[2] = {v[1 + i], w[1 + i]};
+            next[i] = beta * update(A + (long)(j + 1 + i) * n + j + 1, v + 1, w + 1, ab, x, m);
+        }
+        const double own = 0.5 * beta * dot4(x, next, m);
+        for (int i = 0; i < m; i++) w[i] = beta > 0 ? next[i] - own * x[i] : 0;
+        v = x;
+        for (int c = 0; c < k && beta > 0; c++) {
+            double sum = 0, *b = B + (long)(j + 1) * k + c;
+            for (long i = 0; i < m; i++) sum += x[i] * b[i * k];
+            for (long i = 0; i < m; i++) b[i * k] -= beta * sum * x[i];
+        }
+    }
+}
