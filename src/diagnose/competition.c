@@ -229,8 +229,17 @@ static bool watch(const mukca_competition *contest, const char *doing, mukca_err
     return false;
 }
 
+bool mukca_competition_is_spring(const mukca_candidate *h)
+{
+    return mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_ELASTIC);
+}
+
 static bool add(mukca_competition *contest, const mukca_candidate *h)
 {
+    if (contest->names_first && !contest->sprung && mukca_competition_is_spring(h)) {
+        mukca_competition_save(&contest->unsprung, contest);
+        contest->sprung = true;
+    }
     if (!mukca_unknowns_add(&contest->m->unknowns, h)) return false;
     contest->m->unknowns.cause[contest->m->unknowns.n_causes - 1].step = contest->scan->steps - 1;
     return true;

@@ -43,7 +43,13 @@ typedef struct {
     bool passed_over;           /* ... and one led by more on the way */
     bool parted;                /* a name came before an unknown function that led */
     mukca_search_state parting; /* before the first step where one did */
+    bool sprung;                /* an elastic cause was accepted, with names first */
+    mukca_search_state
+        unsprung; /* before the first step that did; before: where the search began */
 } mukca_competition;
+
+/* Is it an elastic effect? */
+bool mukca_competition_is_spring(const mukca_candidate *candidate);
 
 /* Keep the state of the search. */
 void mukca_competition_save(mukca_search_state *state, const mukca_competition *contest);

@@ -267,18 +267,19 @@ typedef struct {
     double *scratch; /* [n][1 + n_pairs], [1 + n_pairs][1 + n_pairs] and that of its factor */
 } along_noise;
 
-/* Q'AQ of rounding has errors of 1e-16 of its norm, which must not reach the 1 of 1 + T / sigma^2.
- */
-#define MOST_NORM 1e13
+/* Rounding changes T by 1e-16 of its norm, which is at most its trace; beside the 1 that is 1 %. */
+#define MOST_TRACE 1e14
 
-/* False: it cannot be reduced well enough for noise of `least`. */
+/* False: factorisations do better (free frames of a pose log, many distances).  `least` is the
+ * least noise that will be asked for. */
 static bool reduce(along_noise *a, double least)
 {
     const mukca_normal_equations *normal = a->normal;
     const double *prior = a->evidence->prior;
     const int n = normal->n, size = n + 1, k = 1 + normal->n_pairs;
-    double *A = a->evidence->factor, norm = 0;
-    if (k > n) return false; /* as much work as the factorisations */
+    double *A = a->evidence->factor, trace = 0;
+    for (int i = 0; i < n; i++) trace += prior[i] * normal->gram[i * size + i] * prior[i];
+    if (k > n || !(trace < MOST_TRACE * least * least)) return false;
     a->T = a->evidence->marginal;
     a->B = a->T + 4 * n;
     a->scratch = a->B + n * k;
@@ -289,8 +290,7 @@ static bool reduce(along_noise *a, double least)
             a->B[i * k + p] = prior[i] * normal->distance[(p - 1) * size + i];
     }
     mukca_dense_tridiagonalise(A, n, a->T, a->B, k);
-    for (int i = 0; i < n; i++) norm = fmax(norm, fabs(a->T[i]) + 2 * fabs(a->T[n + i]));
-    return norm < MOST_NORM * least * least;
+    return true;
 }
 
 /* Rows of Y := L^-1 B / sqrt(C), where L C L' = 1 + T / sigma^2: its Gram matrix is

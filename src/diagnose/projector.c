@@ -265,39 +265,59 @@ void mukca_projector_project(double *G, double *g, mukca_projector *p, int k,
     take_block(G, g, &b, p, 0, 0);
 }
 
+/* Samples [*from, *to) of its group hold what is not 0 of a fault's share. */
+static void find_samples(int *from, int *to, const mukca_recording *r, const mukca_candidate *h)
+{
+    const mukca_group *group = &r->groups[h->fault.group];
+    int lo = group->start, hi = *to = group->start + group->count;
+    *from = lo;
+    if (h->kind == MUKCA_CANDIDATE_CREEP) return;
+    while (lo < hi) { /* rows rise within a group */
+        const int middle = (lo + hi) / 2;
+        if (r->order[middle] < h->fault.first)
+            lo = middle + 1;
+        else
+            hi = middle;
+    }
+    *from = lo;
+    if (h->kind != MUKCA_CANDIDATE_OUTLIER) return;
+    for (hi = lo; hi < *to && r->order[hi] <= h->fault.last;) hi++;
+    *to = hi;
+}
+
 /* T[n][8] and, behind it, g of a fault by itself. */
-static void project_fault(double *B, mukca_projector *p, const mukca_candidate *h, double mean)
+static void project_fault(mukca_projector *p, const mukca_candidate *h, int from, int to,
+                          double mean)
 {
     const mukca_recording *r = &p->m->recording;
-    const mukca_group *group = &r->groups[h->fault.group];
     const int n = p->n, *at = p->m->linear.at;
     const size_t stride = (size_t)p->m->linear.stride;
+    double *B = p->T;
     memset(B, 0, sizeof *B * (size_t)((n + 1) * EIGHT));
-    for (int i = group->start; i < group->start + group->count; i++) {
+    for (int i = from; i < to; i++) {
         const double share = mukca_candidate_fault_share(h, r, r->order[i]);
         const double *w = p->normal->weighted + (size_t)(i * r->dim) * stride;
-        for (int t = 0; t <= n && share != 0; t++)
+        for (int t = 0; t <= n; t++)
             for (size_t c = 0; c < 3; c++)
                 B[EIGHT * (size_t)t + c] -= share * w[c * stride + (size_t)at[t]];
     }
     for (int t = 0; t <= n; t++)
         for (int c = 0; c < 3; c++) B[EIGHT * t + c] *= p->factor[t];
-    for (int c = 0; c < 3 && group->socket >= 0; c++)
-        add_distances(B + c, p, h->fault.group, c, -mean);
+    for (int c = 0; c < 3; c++) add_distances(B + c, p, h->fault.group, c, -mean);
     solve_eight(B, p);
 }
 
 /* The same from the rows. */
-static void sum_rows(double *B, const mukca_projector *p, const mukca_candidate *h)
+static void sum_rows(mukca_projector *p, const mukca_candidate *h, int from, int to)
 {
     const mukca_recording *r = &p->m->recording;
-    const mukca_group *group = &r->groups[h->fault.group];
     const int n = p->n;
+    double *B = p->T;
     memset(B, 0, sizeof *B * (size_t)((n + 1) * EIGHT));
-    for (int i = group->start; i < group->start + group->count; i++) {
+    for (int i = from; i < to; i++) {
         const double share = mukca_candidate_fault_share(h, r, r->order[i]);
         const double *z = p->Zt + (size_t)(i * r->dim) * (size_t)n;
-        for (int k = 0; k < n && share != 0; k++)
+        for (int k = 0; k < n; k++)
             for (int c = 0; c < 3; c++) B[EIGHT * k + c] -= share * z[c * n + k];
         for (int c = 0; c < 3; c++) B[EIGHT * n + c] -= share * p->u[i * r->dim + c];
     }
@@ -309,18 +329,20 @@ double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, doubl
     const mukca_recording *r = &p->m->recording;
     const mukca_group *group = &r->groups[h->fault.group];
     double *T = p->T, G[9] = {0}, square = 0, mean = 0, last = 0;
-    for (int i = group->start; i < group->start + group->count; i++) {
+    int from, to;
+    find_samples(&from, &to, r, h);
+    for (int i = from; i < to; i++) {
         const double share = mukca_candidate_fault_share(h, r, r->order[i]);
-        square += share * (p->normal->diagonal[i] * share +
-                           (i > group->start ? 2 * p->normal->off[i] * last : 0));
+        square += share *
+                  (p->normal->diagonal[i] * share + (i > from ? 2 * p->normal->off[i] * last : 0));
         last = share;
         /* mean is 0 in a pose log, which has no free mean */
         if (group->socket >= 0) mean += p->normal->mean_weight[i] * share;
     }
     if (p->have_rows)
-        sum_rows(T, p, h);
+        sum_rows(p, h, from, to);
     else
-        project_fault(T, p, h, mean);
+        project_fault(p, h, from, to, mean);
     const double own_part = p->precision * (square - p->normal->ones[h->fault.group] * mean * mean);
     for (int k = 0; k < p->n; k++)
         for (int a = 0; a < 3; a++)

@@ -10,11 +10,6 @@
 #define SAME_SPRING 0.99
 enum { BARRED = 2 }; /* in noise_made: not to be accepted in this search */
 
-static bool is_spring(const mukca_candidate *h)
-{
-    return mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_ELASTIC);
-}
-
 /* Bar an elastic cause and those that do the same (a tilting base and bending at the first joint),
  * where the set has another one besides; false: it has not. */
 static bool bar_first_spring(mukca_competition *contest)
@@ -23,7 +18,7 @@ static bool bar_first_spring(mukca_competition *contest)
     const mukca_unknowns *u = &m->unknowns;
     int first = -1, springs = 0;
     for (int c = 0; c < u->n_causes; c++) {
-        if (!is_spring(&u->cause[c].candidate)) continue;
+        if (!mukca_competition_is_spring(&u->cause[c].candidate)) continue;
         springs++;
         if (first < 0 || u->cause[c].step < u->cause[first].step) first = c;
     }
@@ -32,7 +27,7 @@ static bool bar_first_spring(mukca_competition *contest)
     mukca_scan_run(contest->scan, m, first, MUKCA_SCAN_CONTENDERS);
     for (int i = 0; i < contest->all->first_unlisted; i++) {
         const mukca_candidate *h = &contest->all->list[i];
-        if (is_spring(h) &&
+        if (mukca_competition_is_spring(h) &&
             (mukca_candidate_same(h, barred) ||
              mukca_scan_correlation(contest->scan, m, first, h, barred) > SAME_SPRING))
             contest->noise_made[i] = BARRED;
@@ -84,23 +79,23 @@ static mukca_status search_again(mukca_competition *contest, const mukca_search_
 
 /* The order in which causes are accepted must not decide.  Names first; where an unknown function
  * led on the way, from there by the lead alone; where springs share the deflection, also without
- * the one that was accepted first: one that does part of everything, such as a tilting base, comes
- * before the two that do all of it.  The most probable set stays, names being preferred.  Rows come
- * back on the way: each search ends with its own. */
+ * the one that was accepted first, from where the first search came to springs: one that does part
+ * of everything, such as a tilting base, comes before the two that do all of it.  The most probable
+ * set stays, names being preferred.  Rows come back on the way: each search ends with its own. */
 static mukca_status search_all(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;
-    mukca_search_state start = {0}, before = {0};
-    if (!reserve(&contest->parting, m) || !reserve(&start, m) || !reserve(&before, m) ||
+    mukca_search_state before = {0};
+    if (!reserve(&contest->parting, m) || !reserve(&contest->unsprung, m) || !reserve(&before, m) ||
         !mukca_unknowns_clone(&contest->kept, &m->pool, &m->unknowns))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
-    mukca_competition_save(&start, contest);
+    mukca_competition_save(&contest->unsprung, contest);
     mukca_status status = mukca_competition_search(contest, true, error);
     if (status == MUKCA_OK && contest->passed_over)
         status = search_again(contest, &contest->parting, &before, false, PREFERENCE, error);
     if (status == MUKCA_OK && bar_first_spring(contest)) {
         const double score = mukca_regression_score(m);
-        status = search_again(contest, &start, &before, true, 0, error);
+        status = search_again(contest, &contest->unsprung, &before, true, 0, error);
         for (int i = 0; i < contest->scan->capacity; i++)
             if (contest->noise_made[i] == BARRED) contest->noise_made[i] = 0;
         /* in the new set, what was barred may do better in the place of another */
