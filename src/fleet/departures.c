@@ -28,12 +28,14 @@ typedef struct {
     mukca_arm_evidence w; /* what it says of their mean; e becomes the residual about that */
 } comparison;
 
-/* The prior of its coefficients has the uncertainty of the mean, and the scatter, its variance
- * times `wider`; `average`: over which means are 0, else all coefficients are present. */
+/* The prior of its coefficients has the uncertainty of the mean, and the scatter, widened for what
+ * so few sisters know of it (Student's t).  `average`: over which means are 0, else all
+ * coefficients are present. */
 static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm,
-                    double wider, bool average)
+                    bool average)
 {
     const int n = p->n;
+    const double nu = f->n_arms, wider = nu > 2 ? nu / (nu - 2) : 3;
     mukca_arm_evidence own = {0};
     *c = (comparison){.sisters = p, .mean = average ? p->average : p->mean};
     memcpy(c->V, average ? p->average_covariance : p->covariance, sizeof *c->V * (size_t)(n * n));
@@ -106,8 +108,6 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
     for (int a = 0; a < f->n_arms; a++) {
         mukca_population sisters = *all;
         comparison c, own;
-        /* A departure must exceed what so few sisters know of the scatter (Student's t). */
-        const double nu = f->n_arms, wider = nu > 2 ? nu / (nu - 2) : 3;
         double odds[T + 1] = {0}, size[T] = {0};
         int top = 0;
         departure[a] = (mukca_departure){.arm = a, .k = -1};
@@ -116,7 +116,7 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
             mukca_population_fit(&sisters, f, a, true);
         else if (!f->arm[a].departs)
             downdate(&sisters, f, a);
-        if (!sisters.n || !compare(&c, &sisters, f, a, wider, false)) continue;
+        if (!sisters.n || !compare(&c, &sisters, f, a, false)) continue;
         for (int k = 0; k < n; k++) {
             odds[k] = departs(&c, k, &size[k]) + each;
             if (odds[k] > odds[top]) top = k;
@@ -128,7 +128,7 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         departure[a].log_bayes_factor = odds[top] - each;
         departure[a].probability = 1 - exp(-total); /* of any departure; the top one is named */
         estimate(&departure[a], &c, top, size[top]);
-        const bool wanted = estimates && compare(&own, &sisters, f, a, 1, true);
+        const bool wanted = estimates && compare(&own, &sisters, f, a, true);
         for (int k = 0; k < n && wanted; k++) {
             mukca_departure *e = &estimates[a * n + k];
             *e = (mukca_departure){.arm = a,

@@ -37,13 +37,15 @@ void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain)
         memcpy(model->joint[j], mukca_chain_joint_name(chain, j), sizeof *model->joint);
     mukca_geometry nominal;
     mukca_geometry_set(&nominal, chain, NULL);
-    for (int k = 0; k < chain->n_elements; k++) {
+    const int last = chain->joint_element[chain->n_joints - 1];
+    for (int k = 0; k <= last; k++) {
         const mukca_element *e = &chain->element[k];
         model->geometry = hash_numbers(model->geometry, nominal.origin[k].R, 9, 1e-6);
         model->geometry = hash_numbers(model->geometry, nominal.origin[k].p, 3, 1e-6);
         if (e->joint >= 0) model->geometry = hash_numbers(model->geometry, e->axis, 3, 1e-6);
     }
     for (int i = 0; i < chain->n_masses; i++) {
+        if (chain->mass[i].element >= last) continue; /* the last link carries the tool */
         const double element = chain->mass[i].element;
         model->masses = hash_numbers(model->masses, &element, 1, 1);
         model->masses = hash_numbers(model->masses, &chain->mass[i].kg, 1, 1e-3);
@@ -55,8 +57,7 @@ void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain)
 const char *mukca_fleet_model_differs(const mukca_fleet_model *a, const mukca_fleet_model *b)
 {
     if (a->n_joints != b->n_joints) return "the number of joints differs";
-    if (strcmp(a->base, b->base) != 0 || strcmp(a->tip, b->tip) != 0)
-        return "base or tip of the chain differ";
+    if (strcmp(a->base, b->base) != 0) return "the base of the chain differs";
     for (int j = 0; j < a->n_joints; j++)
         if (strcmp(a->joint[j], b->joint[j]) != 0) return "the names of the joints differ";
     if (a->geometry != b->geometry) return "the nominal geometry differs";

@@ -17,7 +17,8 @@ enum {
  * +-2047 counts as that. */
 #define MUKCA_FLEET_QUANTUM (1.0 / 16)
 
-/* Arms of one model have these in common. */
+/* Arms of one model have these in common, but for the tool: all behind the last joint, and the tip.
+ */
 typedef struct {
     char robot[MUKCA_NAME_SIZE], base[MUKCA_NAME_SIZE], tip[MUKCA_NAME_SIZE];
     int n_joints;
