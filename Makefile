@@ -279,7 +279,7 @@ emptied := $(libdir)/pkgconfig $(libdir)/systemd/system $(libdir)/systemd $(shar
 
 install: all ## program, core library, headers, mukca.pc, unit, man pages, completion (DESTDIR, PREFIX)
 	install -d $(bindir) $(libdir)/pkgconfig $(libdir)/systemd/system $(incdir) $(share)/man/man1 \
-	    $(share)/man/man5 $(share)/mukca/lcm $(share)/mukca/inertials $(share)/bash-completion/completions \
+	    $(share)/man/man5 $(share)/mukca/lcm $(share)/mukca/inertials $(share)/mukca/traits $(share)/bash-completion/completions \
 	    $(share)/zsh/site-functions
 	install -m 755 $(BUILD)/mukca $(bindir)/mukca
 	install -m 644 $(CORE) $(RT) $(libdir)/
@@ -288,6 +288,7 @@ install: all ## program, core library, headers, mukca.pc, unit, man pages, compl
 	sed -e 's|/usr/local|$(PREFIX)|' data/systemd/mukca.service > $(libdir)/systemd/system/mukca.service
 	install -m 644 data/lcm/*.lcm $(share)/mukca/lcm/
 	install -m 644 data/inertials/*.tsv $(share)/mukca/inertials/
+	install -m 644 data/traits/*.tsv $(share)/mukca/traits/
 	install -m 644 $(MAN1) $(share)/man/man1/
 	$(if $(MAN5),install -m 644 $(MAN5) $(share)/man/man5/)
 	$(EMULATOR) $(BUILD)/mukca completion bash > $(share)/bash-completion/completions/mukca
