@@ -165,7 +165,8 @@ static double step_spread(mukca_population *p, const double *square, const doubl
         const double next = sqrt((lost * square[i] * v * v + SPREAD_ARMS * usual * usual) /
                                  (diagonal[i] + SPREAD_ARMS / v));
         const double spread = fmax(sqrt(next), LEAST_SPREAD);
-        most = fmax(most, fabs(spread / p->spread[i] - 1));
+        const double change = fabs(spread / p->spread[i] - 1);
+        if (change > most) most = change; /* with fmax, gcc 12 for aarch64 crashes */
         p->spread[i] = spread;
     }
     return most;
