@@ -138,6 +138,26 @@ static bool is_elastic(const mukca_candidate *h)
            mukca_effect_has((int)h->effect.kind, MUKCA_TRAIT_ELASTIC);
 }
 
+/* Prior sizes of what is no unknown function. */
+static const mukca_effect_sizes *sizes_of(int class)
+{
+    const mukca_effect_sizes *sizes =
+        class < MUKCA_EFFECT_COUNT ? mukca_effect_catalogue[class]->sizes : &mukca_sizes_socket;
+    return sizes ? sizes : &mukca_sizes_angle;
+}
+
+/* The run-out of a part that turns is bounded by its make.  Shifts, gaps and springs have no such
+ * bound. */
+double mukca_candidate_largest(const mukca_candidate *h)
+{
+    const int class = mukca_candidate_class(h);
+    if (!mukca_effect_has(class, MUKCA_TRAIT_PERIODIC)) return HUGE_VAL;
+    const mukca_effect_sizes *sizes = sizes_of(class);
+    double largest = 0;
+    for (int i = 0; i < MUKCA_MAX_SIZES; i++) largest = fmax(largest, sizes->sigma[i]);
+    return largest;
+}
+
 int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *h)
 {
     /* An unknown function turns its joint by so much rms, rad: arms show many of 0.1 mrad, and
@@ -155,11 +175,7 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
             total += log_weight[n] = frequency[n];
         }
     } else {
-        const mukca_effect_ops *ops =
-            class < MUKCA_EFFECT_COUNT ? mukca_effect_catalogue[class] : NULL;
-        const mukca_effect_sizes *sizes = !ops         ? &mukca_sizes_socket
-                                          : ops->sizes ? ops->sizes
-                                                       : &mukca_sizes_angle;
+        const mukca_effect_sizes *sizes = sizes_of(class);
         const double unit =
             mukca_candidate_site(h) == MUKCA_SITE_ANGLES ? 1 : h->unit[0]; /* see sizes */
         for (int i = 0; i < MUKCA_MAX_SIZES && sizes->sigma[i] > 0; i++) {

@@ -116,6 +116,10 @@ bool mukca_candidate_changes_pair(const mukca_candidate *candidate,
  * weight; returns their number, at most MUKCA_MAX_SIZES. */
 int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *candidate);
 
+/* The largest amplitude that its prior admits, in the coefficient's unit; infinite where any is
+ * possible. */
+double mukca_candidate_largest(const mukca_candidate *candidate);
+
 /* Fill terms, basis and units of a candidate that is otherwise set.  False: no memory. */
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,
                              const mukca_recording *recording);

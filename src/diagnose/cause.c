@@ -4,9 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Ties: within this much log odds (20 to 1), or twice that where the two do nearly the same
+/* Ties: within half of MUKCA_TIE_MOST (20 to 1), or within it where the two do nearly the same
  * (canonical correlation after geometry is projected out). */
-#define TIE_ODDS 3.0
 #define TIE_CORRELATION 0.9
 /* Probability from which a function that no effect makes is reported as a rival of a cause. */
 #define UNKNOWN_SHARE 0.25
@@ -124,13 +123,13 @@ static void add_ties(mukca_cause *out, const mukca_competition *contest, int ind
     const double best = contest->n_table ? contest->table[0].log_odds : 0;
     for (int i = 0; i < contest->n_table && out->n_ties < MUKCA_MAX_TIES; i++) {
         const mukca_contender *c = &contest->table[i];
-        if (c->log_odds < best - 2 * TIE_ODDS) break;
+        if (c->log_odds < best - MUKCA_TIE_MOST) break;
         if (c->class >= MUKCA_EFFECT_COUNT ||
             (c->class == (int)out->effect.kind && c->joint == out->effect.joint))
             continue;
         const mukca_candidate *rival = mukca_scan_candidate(contest->scan, c->best);
         const double correlation = mukca_scan_correlation(contest->scan, m, index, cause, rival);
-        if (c->log_odds < best - TIE_ODDS && !(correlation > TIE_CORRELATION)) continue;
+        if (c->log_odds < best - 0.5 * MUKCA_TIE_MOST && !(correlation > TIE_CORRELATION)) continue;
         add_tie(out, (mukca_tie){.effect = (mukca_effect_kind)c->class,
                                  .joint = c->joint,
                                  .log_bayes_factor = contest->scan->score[c->best].log_bayes,

@@ -11,6 +11,9 @@ typedef struct {
     double by_joint[MUKCA_MAX_JOINTS]; /* ... and of one that acts on each joint */
 } mukca_standing;
 
+/* Log odds that part two causes that do nearly the same: 400 to 1. */
+#define MUKCA_TIE_MOST 6.0
+
 /* Test accepted cause `index` of the competition against all others, and describe it where it has a
  * name: returns false otherwise, and `cause` (may be NULL) is not set.  Amplitudes follow by
  * mukca_cause_measure. */

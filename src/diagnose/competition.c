@@ -50,6 +50,7 @@ void mukca_competition_rank(mukca_competition *contest)
     for (int i = 0; i < scan->n_scores; i++) {
         const mukca_score *score = &scan->score[i];
         if (!(score->log_odds > -HUGE_VAL) || contest->noise_made[i] > 0) continue;
+        const double odds = score->log_odds - contest->waiting[i];
         mukca_contender key = key_of(mukca_scan_candidate(scan, i));
         int at = key.class == MUKCA_CLASS_OUTLIER ? -1 : contest->n_table - 1;
         while (at >= 0 && !same_key(&contest->table[at], &key)) at--;
@@ -58,9 +59,9 @@ void mukca_competition_rank(mukca_competition *contest)
             contest->table[at] = key;
         }
         mukca_contender *c = &contest->table[at];
-        if (c->best < 0 || score->log_odds > scan->score[c->best].log_odds) c->best = i;
-        const double hi = fmax(c->log_odds, score->log_odds),
-                     lo = fmin(c->log_odds, score->log_odds);
+        if (c->best < 0 || odds > scan->score[c->best].log_odds - contest->waiting[c->best])
+            c->best = i;
+        const double hi = fmax(c->log_odds, odds), lo = fmin(c->log_odds, odds);
         c->log_odds = lo > -HUGE_VAL ? hi + log1p(exp(lo - hi)) : hi;
     }
     qsort(contest->table, (size_t)contest->n_table, sizeof *contest->table, by_odds);
@@ -299,6 +300,15 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
         mukca_regression_refit(m);
     }
     return MUKCA_OK;
+}
+
+void mukca_competition_leave_waiting(mukca_competition *contest)
+{
+    mukca_scan_run(contest->scan, contest->m, -1, MUKCA_SCAN_LISTED);
+    for (int i = 0; i < contest->scan->n_scores; i++) {
+        const double odds = contest->scan->score[i].log_odds;
+        contest->waiting[i] = odds < LATER_THRESHOLD ? 0 : odds;
+    }
 }
 
 static bool any_unknown(const mukca_unknowns *u)

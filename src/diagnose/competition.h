@@ -37,6 +37,7 @@ typedef struct {
     /* [scores]: 1 excluded, since the noise in the angles makes its score; -1 tested and kept; 0
      * not tested yet */
     signed char *noise_made;
+    double *waiting; /* [scores] log odds beside the accepted causes of what stays outside */
     mukca_heavy_tails tails;
     mukca_unknowns kept;        /* to go back to */
     bool names_first;           /* an unknown function comes when no name passes */
@@ -66,6 +67,11 @@ bool mukca_competition_taken(const mukca_competition *contest, const mukca_conte
  * until no name passes.  Errors: MUKCA_INTERRUPTED. */
 mukca_status mukca_competition_search(mukca_competition *contest, bool names_first,
                                       mukca_error *error);
+
+/* Where no room is left, or only noise with heavy tails makes them, candidates that reach the
+ * threshold stay outside.  They are no rivals of an accepted cause by what they are worth beside
+ * it: the ranks after this are without that. */
+void mukca_competition_leave_waiting(mukca_competition *contest);
 
 /* The swaps alone.  Errors: MUKCA_INTERRUPTED. */
 mukca_status mukca_competition_settle(mukca_competition *contest, mukca_error *error);

@@ -91,6 +91,22 @@ void mukca_projector_rows(mukca_projector *p)
     p->have_rows = true;
 }
 
+/* Log share of the posterior whose amplitude is below the largest that the prior admits.  L: the
+ * factor of the posterior precision in units of the prior; s2 x: its mean. */
+static double log_admitted(const double *L, const double *x, const mukca_candidate *h, double s2,
+                           double noise, double largest)
+{
+    double amplitude = 0, variance = 0, radial[MUKCA_MAX_COLUMNS];
+    for (int i = 0; i < h->terms; i++) amplitude += pow(s2 * x[i] / h->unit[i], 2);
+    amplitude = sqrt(amplitude);
+    if (amplitude < 0.5 * largest) return 0; /* nearly all of it */
+    for (int i = 0; i < h->terms; i++)
+        radial[i] = s2 * x[i] / (h->unit[i] * h->unit[i] * amplitude);
+    mukca_dense_forward(radial, 1, L, h->terms);
+    for (int i = 0; i < h->terms; i++) variance += s2 * radial[i] * radial[i];
+    return mukca_stats_log_normal_cdf((largest - amplitude) / sqrt(variance * noise));
+}
+
 double mukca_projector_block(double *G, double *g, const mukca_candidate *h, double residual,
                              int dof, double *information)
 {
@@ -100,6 +116,7 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
     const int n_scales = mukca_candidate_scales(scales, weight, h);
     const bool nonnegative =
         h->kind == MUKCA_CANDIDATE_EFFECT && mukca_effect_table[h->effect.kind]->nonnegative;
+    const double largest = mukca_candidate_largest(h);
     double trace = 0;
     for (int i = 0; i < k; i++) {
         g[i] /= h->unit[i];
@@ -125,15 +142,16 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
         }
         q = fmin(q, 0.9999 * residual);
         value[s] = weight[s] - 0.5 * log_det - 0.5 * dof * log1p(-q / residual);
+        const double noise = fmax((residual - q) / dof, 1e-6);
+        if (nonnegative || largest < HUGE_VAL) mukca_dense_backward(x, 1, A, k);
+        if (largest < HUGE_VAL) value[s] += log_admitted(A, x, h, s2, noise, largest);
         if (nonnegative) {
-            mukca_dense_backward(x, 1, A, k);
             memset(first, 0, sizeof *first * (size_t)k);
             first[0] = 1;
             mukca_dense_forward(first, 1, A, k);
             double variance = 0;
             for (int i = 0; i < k; i++) variance += s2 * first[i] * first[i];
-            variance *= fmax((residual - q) / dof, 1e-6);
-            value[s] += log(2) + mukca_stats_log_normal_cdf(s2 * x[0] / sqrt(variance));
+            value[s] += log(2) + mukca_stats_log_normal_cdf(s2 * x[0] / sqrt(variance * noise));
         }
     }
     return mukca_stats_log_sum_exp(value, n_scales);

@@ -114,10 +114,12 @@ mukca_status mukca_search_run(mukca_competition *contest, mukca_error *error)
     contest->first = MUKCA_TAKE(pool, mukca_contender, most);
     contest->first_score = MUKCA_TAKE(pool, mukca_score, most);
     contest->noise_made = MUKCA_TAKE(pool, signed char, most);
+    contest->waiting = MUKCA_TAKE(pool, double, most);
     if (!mukca_heavy_tails_create(&contest->tails, pool, contest->m))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
     mukca_regression_freeze(contest->m);
     const mukca_status status = search_all(contest, error);
     mukca_regression_fit(contest->m, 3, MUKCA_FIT_ALL);
+    mukca_competition_leave_waiting(contest);
     return status;
 }

@@ -113,15 +113,22 @@ static bool part_of_unknown(const mukca_unknowns *u, const described *found, int
     return false;
 }
 
-/* Is a cause more likely than not, or are its rivals named with it?  (Unknown functions count as
- * rivals where it has one chance in five.)  A size of the sign that physics excludes is none: the
- * score of a cause honours the sign, but other causes may turn it. */
+/* Is a cause more likely than not, or are its rivals named with it?  What loses to a rival by more
+ * than a tie may is none; unknown functions count as rivals where it has one chance in five.  A
+ * size of the sign that physics excludes is none: the score of a cause honours the sign, but other
+ * causes may turn it. */
 static bool listed(const mukca_cause *cause)
 {
     if (mukca_effect_table[cause->effect.kind]->nonnegative && !(cause->amplitude > 0))
         return false;
-    return cause->probability >= 0.5 || cause->n_ties > 0 ||
-           (cause->or_unknown && cause->probability >= 0.2);
+    double probability = cause->probability;
+    bool rivals = false;
+    for (int t = 0; t < cause->n_ties; t++)
+        if (isnan(cause->ties[t].log_bayes_factor))
+            probability *= 2; /* it shares its place with what cannot be tested */
+        else
+            rivals = true;
+    return probability >= (rivals ? exp(-MUKCA_TIE_MOST) : cause->or_unknown ? 0.2 : 0.5);
 }
 
 static int by_odds(const void *a, const void *b)

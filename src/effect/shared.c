@@ -59,6 +59,9 @@ const mukca_effect_sizes mukca_sizes_backlash = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3,
  */
 const mukca_effect_sizes mukca_sizes_angle = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
+/* rad: a pair of bearings 50 mm apart with 5 to 150 um of run-out. */
+const mukca_effect_sizes mukca_sizes_wobble = {3, {0.1e-3, 0.3e-3, 1e-3, 3e-3}};
+
 /* rad: the makers state a transmission accuracy of 0.5 to 2 arcmin for strain wave gears. */
 const mukca_effect_sizes mukca_sizes_ripple = {4, {0.03e-3, 0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
