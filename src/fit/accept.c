@@ -34,8 +34,12 @@ mukca_status mukca_fit_accept(mukca_offsets *offsets, const mukca_fit *fit,
         options.start = fit->theta;
         mukca_status status = mukca_fit_cross_validate(&cv, task->chain, data, &options, error);
         if (status != MUKCA_OK) return status;
-        snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d %s", cv.folds,
-                 cv.placements ? "folds of placements" : "folds of consecutive samples");
+        const int used =
+            snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d %s", cv.folds,
+                     cv.placements ? "folds of placements" : "folds of consecutive samples");
+        if (cv.samples > 0)
+            snprintf(a->error_of + used, sizeof a->error_of - (size_t)used, ", %d samples",
+                     cv.samples);
         a->error_nominal_m = cv.nominal;
         a->error_m = cv.mean;
     }

@@ -7,6 +7,7 @@
 
 typedef struct {
     int folds;            /* 0: too few samples, the errors are NaN */
+    int samples;          /* of a long recording, that were predicted; 0: all */
     bool placements;      /* folds are placements; else blocks of consecutive samples */
     double nominal, mean; /* mean errors (mukca_score.mae) of all samples when left out, m; nominal
                              with the free frames aligned */
