@@ -119,12 +119,11 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     double log_product = 0, squares = 0;
     memset(id, 0, sizeof *id);
     mukca_cost_normal(R, cost, x, true);
-    score_covariance(B, cost);
-    mukca_cost_normal(R, cost, x, true); /* the Jacobian once more: it is needed whole */
     const int pairs = cost->pair_weight > 0 ? o->n_pairs : 0;
     for (int i = 0; i < o->n_residuals - o->n_pairs + pairs; i++)
         squares += cost->weight[i] > 0 ? cost->r[i] * cost->r[i] : 0;
     factorise(R, s, cost);
+    score_covariance(B, cost); /* spoils the Jacobian */
     if (!o->target && !o->fixed_mean)
         project_out_turning(R, n); /* measured poses and fixed means identify it */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);

@@ -37,6 +37,9 @@ void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain
     sweep->x = MUKCA_CARVE(arena, double, 3 * padded);
     sweep->w = MUKCA_CARVE(arena, double, n * 3 * padded);
     sweep->Q = MUKCA_CARVE(arena, double, 9 * padded);
+    if (rows > MUKCA_SWEEP_WINDOW)
+        sweep->window =
+            MUKCA_CARVE(arena, double, (2 * joints + 3 + 3 * n + 9) * MUKCA_SWEEP_WINDOW);
 }
 
 void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q)

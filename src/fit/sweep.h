@@ -20,9 +20,13 @@ typedef struct {
     double *sine, *cosine;                   /* [n_joints][padded]; prismatic: sine holds q */
     double R[MUKCA_MAX_ELEMENTS][9], p[MUKCA_MAX_ELEMENTS][3]; /* aligned origins in use */
     double *x;                                                 /* [3][padded] predicted tip */
-    double *w; /* [n_elements][3][padded] tip in the frame behind the origin of each element */
-    double *Q; /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
+    double *w;      /* [n_elements][3][padded] tip in the frame behind the origin of each element */
+    double *Q;      /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
+    double *window; /* of the Jacobian of many samples: room for a sweep of MUKCA_SWEEP_WINDOW */
 } mukca_sweep;
+
+/* Samples whose rows of a Jacobian are filled together: 1 MB of 48 columns stay in the cache. */
+enum { MUKCA_SWEEP_WINDOW = 1024 };
 
 /* Carve the arrays for `rows` samples. */
 void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows);

@@ -263,10 +263,61 @@ static void test_poses_and_frames(void **state)
     }
 }
 
+/* Derivatives of the tip's position, then orientation; free *memory. */
+static const double *tip_jacobian(void **memory, const mukca_chain *chain, const double *theta,
+                                  const double *q, int rows)
+{
+    mukca_sweep sweep;
+    mukca_parameters parameters;
+    mukca_arena arena = {.base = NULL};
+    assert_int_equal(mukca_parameters_select(&parameters, chain, &(mukca_selection){0}, NULL),
+                     MUKCA_OK);
+    mukca_sweep_carve(&sweep, &arena, chain, rows);
+    const size_t room = (arena.used + 63) / 64 * 64, one = 3 * (size_t)(rows * parameters.n);
+    *memory = malloc(room + 2 * one * sizeof(double));
+    assert_non_null(*memory);
+    arena = (mukca_arena){.base = *memory};
+    mukca_sweep_carve(&sweep, &arena, chain, rows);
+    mukca_sweep_load(&sweep, chain, q);
+    mukca_sweep_origins(&sweep, theta);
+    mukca_sweep_forward(&sweep);
+    double *J = (double *)(void *)((char *)*memory + room);
+    mukca_sweep_jacobian(J, J + one, &sweep, theta, &parameters, MUKCA_GRADIENT_ANALYTIC);
+    return J;
+}
+
+/* Many samples are swept in windows: the same bits as a few alone. */
+static void test_windows(void **state)
+{
+    enum { MANY = 2 * MUKCA_SWEEP_WINDOW + 77, FEW = 50 };
+    (void)state;
+    mukca_random random;
+    mukca_chain chain;
+    void *memory[2];
+    double theta[MUKCA_MAX_FREE];
+    static double q[MANY * JOINTS];
+    mukca_random_seed(&random, 5);
+    make_arm(&chain, &random, true);
+    off_nominal(theta, &chain, &random);
+    for (int i = 0; i < MANY * JOINTS; i++) q[i] = 4 * mukca_random_uniform(&random) - 2;
+    const double *all = tip_jacobian(&memory[0], &chain, theta, q, MANY);
+    const int starts[] = {0, MUKCA_SWEEP_WINDOW - FEW / 2, MANY - FEW};
+    for (int i = 0; i < 3; i++) {
+        const double *few = tip_jacobian(&memory[1], &chain, theta, q + starts[i] * JOINTS, FEW);
+        mukca_parameters p;
+        mukca_parameters_select(&p, &chain, &(mukca_selection){0}, NULL);
+        for (int turned = 0; turned < 2; turned++)
+            assert_memory_equal(all + 3 * p.n * (turned * MANY + starts[i]),
+                                few + 3 * p.n * turned * FEW, sizeof *few * 3 * FEW * (size_t)p.n);
+        free(memory[1]);
+    }
+    free(memory[0]);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_options), cmocka_unit_test(test_masks),
-                                       cmocka_unit_test(test_angles),
-                                       cmocka_unit_test(test_poses_and_frames)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_options), cmocka_unit_test(test_masks), cmocka_unit_test(test_angles),
+        cmocka_unit_test(test_poses_and_frames), cmocka_unit_test(test_windows)};
     return cmocka_run_group_tests_name("gradient", tests, NULL, NULL);
 }
