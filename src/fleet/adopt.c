@@ -197,7 +197,7 @@ mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis
     double own = mukca_regression_score(m);
     for (int k = 0; k < MUKCA_FLEET_TERMS; k++) wide[k] = (mukca_fleet_prior){0, WIDE};
     if (ok) {
-        mukca_fleet_strip(m, false);
+        mukca_fleet_strip(m, -1);
         ok = options->only || put_orders(&t);
         mukca_unknowns_assign(&t.base, &m->unknowns);
     }

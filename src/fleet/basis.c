@@ -19,12 +19,13 @@ mukca_effect mukca_fleet_term(int i, int n_joints)
                           .terms = 1};
 }
 
-void mukca_fleet_strip(mukca_regression *m, bool ripple)
+void mukca_fleet_strip(mukca_regression *m, int joint)
 {
     for (int c = m->unknowns.n_causes - 1; c >= 0; c--) {
-        const int class = mukca_candidate_class(&m->unknowns.cause[c].candidate);
+        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
+        const int class = mukca_candidate_class(h);
         if (class == MUKCA_CLASS_UNKNOWN || mukca_effect_has(class, MUKCA_TRAIT_ELASTIC) ||
-            (ripple && class == MUKCA_EFFECT_GEAR_HARMONIC))
+            (class == MUKCA_EFFECT_GEAR_HARMONIC && h->joint == joint))
             mukca_unknowns_drop(&m->unknowns, c);
     }
 }

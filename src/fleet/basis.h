@@ -18,8 +18,8 @@ int mukca_fleet_terms(int n_joints);
 mukca_effect mukca_fleet_term(int i, int n_joints);
 
 /* Take all elastic causes out of the regression, and unknown functions, which would stand in for
- * them; with `ripple` also the gear harmonics. */
-void mukca_fleet_strip(mukca_regression *m, bool ripple);
+ * them, and the gear harmonics of a joint (-1: none). */
+void mukca_fleet_strip(mukca_regression *m, int joint);
 
 /* Add the elastic coefficients behind all other causes, each with its prior[terms], and one
  * coefficient for all masses; none where it deflects nothing in this recording.  Fit afterwards.

@@ -73,8 +73,20 @@ uint64_t mukca_summary_hash(const mukca_dataset *data)
     return hash;
 }
 
-/* Log Bayes factors of all orders of all joints against the present model. */
-static bool scan_orders(mukca_summary *s, mukca_regression *m)
+/* Whether a joint has a gear harmonic among the causes. */
+static bool has_ripple(const mukca_unknowns *u, int joint)
+{
+    for (int c = 0; c < u->n_causes; c++) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        if (mukca_candidate_class(h) == MUKCA_EFFECT_GEAR_HARMONIC && h->joint == joint)
+            return true;
+    }
+    return false;
+}
+
+/* Log Bayes factors of all orders against the present model, of one joint (-1: of all without a
+ * gear harmonic in it). */
+static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
 {
     const mukca_recording *r = &m->recording;
     mukca_projector p;
@@ -87,6 +99,7 @@ static bool scan_orders(mukca_summary *s, mukca_regression *m)
     mukca_projector_aim(&p, normal, m->unknowns.sigma);
     for (int j = 0; j < r->chain->n_joints; j++) {
         double value[MUKCA_RIPPLE_ORDERS + 1], travel[2];
+        if (only < 0 ? has_ripple(&m->unknowns, j) : j != only) continue;
         mukca_recording_travel(travel, r, j);
         const mukca_joint_type type = r->chain->element[r->chain->joint_element[j]].type;
         if (!mukca_joint_turns((int)type) || travel[1] - travel[0] < MUKCA_LEAST_RANGE) continue;
@@ -143,12 +156,15 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
     mukca_fleet_model_of(&s->model, m->recording.chain);
     s->samples = m->recording.n_samples;
     bool ok = mukca_unknowns_clone(&own, &m->pool, &m->unknowns);
-    for (int ripple = 1; ripple >= 0 && ok; ripple--) { /* the orders compete without the arm's */
+    /* The orders of a joint compete without the arm's own there, but with those of the other
+     * joints: strong ripple that is left over passes for faint ripple elsewhere. */
+    for (int j = m->recording.chain->n_joints - 1; j >= -1 && ok; j--) {
+        if (j >= 0 && !has_ripple(&own, j)) continue;
         mukca_unknowns_assign(&m->unknowns, &own);
-        mukca_fleet_strip(m, ripple);
+        mukca_fleet_strip(m, j);
         ok = mukca_fleet_add(m, prior);
         mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
-        if (ripple && ok) ok = scan_orders(s, m);
+        if (ok) ok = scan_orders(s, m, j);
     }
     if (!ok || m->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the summary");

@@ -39,6 +39,16 @@ expect "and has none" sh -c '! grep -q joint_compliance own.tsv'
 expect "the corrected arm fits its raw angles better" sh -c 'awk -F "\t" "FNR > 1 { s[FILENAME] += \$5 }
     END { exit !(s[\"scores.tsv\"] > 0 && s[\"scores.tsv\"] < s[\"own_scores.tsv\"]) }" scores.tsv own_scores.tsv'
 
+# strong ripple of one joint is no ripple of another
+mkdir ripple
+for arm in 00 01 02 03 04 05 06 07 08 09 10 11; do
+    "$MUKCA" simulate -q $a --seed 1$arm --perturb 1,2 --noise 1e-4 --placements 3 --rows 10 --effect joint_compliance:joint_4=5e-5 \
+        --effect gear_harmonic:joint_2@60=1e-3 -o ripple/$arm.tsv &&
+        "$MUKCA" diagnose -q $a ripple/$arm.tsv --arm $arm --summary ripple/$arm.json
+done
+answer "transmission ripple at joint_2, 60 per turn" fleet ripple/*.json
+expect "and at no other joint" sh -c "test \$(grep -c 'per turn' '$scratch/out') -eq 1"
+
 # capture: the advice is that for a rigid arm, the session holds what was read
 awk -F '\t' '/^#/ { next } !n { for (i = 3; i <= NF; i++) if ($i ~ /^joint_[0-9]$/) column[++n] = i; next }
     { position = $column[1]
