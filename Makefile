@@ -23,7 +23,7 @@ CORE_SRC := $(filter-out src/fit/nlopt_adapter%,$(foreach room,$(CORE_ROOMS),\
 # of these, what a control loop needs: no stdio, no allocation, no clock, no locale
 RT_SRC := $(addprefix src/,$(addsuffix .c,base/cells base/number base/print math/orientation \
           math/rotation math/sincos model/chain model/fk model/fk_jacobian model/gravity model/row_state \
-          arm/acceptance arm/corrected arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
+          arm/acceptance arm/corrected arm/corrected_jacobian arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
 REST_SRC := $(sort $(wildcard src/fit/nlopt_adapter*.c $(foreach room,io lcm report record,\
             src/$(room)/*.c src/$(room)/*.cc)))
 CLI_SRC  := $(sort $(wildcard src/cli/*.c))

@@ -22,6 +22,13 @@ static void basis(double basis[][3], const mukca_basis_input *in)
     basis[0][0] = q * q;
 }
 
+static int by_angle(double slope[][3], const mukca_basis_input *in, const double value[][3])
+{
+    (void)value;
+    slope[0][0] = 2 * in->state->q[in->effect->joint];
+    return 0;
+}
+
 const mukca_effect_ops mukca_joint_quadratic_effect = {
     .info = {.name = "joint_quadratic",
              .title = "quadratic angle error",
@@ -33,6 +40,7 @@ const mukca_effect_ops mukca_joint_quadratic_effect = {
              .traits = MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "the error of the angle grows with its square"},
     .basis = basis,
+    .by_angle = by_angle,
     .candidate = mukca_survey_moved,
 };
 EOF

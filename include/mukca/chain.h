@@ -136,12 +136,6 @@ void mukca_fk_frames(mukca_frame *before, mukca_frame *tip, const mukca_geometry
 void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip, const mukca_geometry *geometry,
                        const double *q, const mukca_displacement *displacement);
 
-/* Velocity of the tip in base coordinates, linear (m/s), then angular (rad/s), of the arm held at q
- * whose displacement changes by `rate` in a second. */
-void mukca_fk_displacement_rate(double velocity[6], const mukca_geometry *geometry, const double *q,
-                                const mukca_displacement *displacement,
-                                const mukca_displacement *rate);
-
 /* Parameter Jacobian of the tip's position: J[3][6 * n_elements] row-major, by x y z roll pitch yaw
  * of each element (m/m, m/rad).  `theta` must be the one that `geometry` was set from. */
 void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geometry *geometry,

@@ -65,8 +65,8 @@ void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model,
                           const mukca_joint_state *state);
 
 /* Derivative of the pose by q, J[6][n_joints] row-major: linear (m/rad, m/m), then angular, in base
- * coordinates.  What the effects change with q is included (central differences of the small
- * displacement alone, good to 1e-9).  `T_base_tip` may be NULL. */
+ * coordinates.  What the effects change with q is included, exact to 1e-11; last move, command and
+ * what else `state` holds stand still.  `T_base_tip` may be NULL. */
 void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,
                               const double *q, const mukca_joint_state *state);
 

@@ -1,9 +1,9 @@
 /* The corrected arm: read from an offsets table alone, its kinematics with effects. */
 #include "mukca/corrected.h"
 
-#include <math.h>
 #include <string.h>
 
+#include "arm/corrected_jacobian.h"
 #include "arm/offsets.h"
 #include "base/print.h"
 
@@ -71,39 +71,24 @@ void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model,
     mukca_fk_pose(T_base_tip, &model->geometry, q, displace(&d, model, q, state));
 }
 
-/* rate := (b - a) / step, for what displaces the tip. */
-static void difference(mukca_displacement *rate, const mukca_displacement *b,
-                       const mukca_displacement *a, double step)
-{
-    for (int j = 0; j < MUKCA_MAX_JOINTS; j++) {
-        rate->q[j] = (b->q[j] - a->q[j]) / step;
-        for (int i = 0; i < 3; i++)
-            rate->rotation[j][i] = (b->rotation[j][i] - a->rotation[j][i]) / step;
-    }
-    for (int i = 0; i < 3; i++) {
-        rate->base[i] = (b->base[i] - a->base[i]) / step;
-        rate->tip[i] = (b->tip[i] - a->tip[i]) / step;
-    }
-}
-
 void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,
                               const double *q, const mukca_joint_state *state)
 {
-    const int n = model->chain.n_joints;
-    const double h = 1e-5;
-    mukca_displacement d, side[2];
-    double moved[MUKCA_MAX_JOINTS], velocity[6];
-    mukca_fk_jacobian(J, T_base_tip, &model->geometry, q, displace(&d, model, q, state));
-    if (model->n_effects == 0) return;
-    memcpy(moved, q, (size_t)n * sizeof *q);
-    for (int j = 0; j < n; j++) { /* the arm held at q, its displacement as at q +- h */
-        for (int k = 0; k < 2; k++) {
-            moved[j] = q[j] + (k ? h : -h);
-            displace(&side[k], model, moved, state);
-        }
-        moved[j] = q[j];
-        difference(&side[0], &side[1], &side[0], 2 * h);
-        mukca_fk_displacement_rate(velocity, &model->geometry, q, &d, &side[0]);
-        for (int i = 0; i < 6; i++) J[i * n + j] += velocity[i];
+    mukca_displacement d;
+    mukca_effect_slopes slopes = {.base = 0};
+    mukca_joint_state at = {.placement = -1};
+    if (!displace(&d, model, q, state)) {
+        mukca_fk_jacobian(J, T_base_tip, &model->geometry, q, NULL);
+        return;
     }
+    if (state) at = *state;
+    at.q = q;
+    mukca_effects_slopes_by_angle(&slopes, model->effects, model->n_effects, &model->chain, &at);
+    const mukca_corrected_point point = {.model = model,
+                                         .q = q,
+                                         .displacement = &d,
+                                         .slopes = &slopes,
+                                         .loaded = !at.torque,
+                                         .payload_kg = at.payload_kg};
+    mukca_corrected_differentiate(J, T_base_tip, &point);
 }

@@ -51,6 +51,12 @@ typedef struct {
     mukca_effect_info info;
     const mukca_effect_sizes *sizes;                               /* NULL: mukca_sizes_angle */
     void (*basis)(double basis[][3], const mukca_basis_input *in); /* [terms], zeroed before */
+    /* Derivative of basis[terms], given, by a joint's angle; returns which joint's: 0 its own (the
+     * only one for rotations), -1 and 1 the neighbours.  NULL: it depends on none. */
+    int (*by_angle)(double slope[][3], const mukca_basis_input *in, const double basis[][3]);
+    /* Needs masses: derivative of basis[0] by the joint's torque, by the moment across its axis
+     * (rotations), by the base's moment.  NULL: it depends on none. */
+    double (*by_load)(const mukca_effect *effect, const mukca_joint_state *state);
     /* site ANGLES, instead of basis: direction[n_joints], zeroed before */
     void (*direction)(double *direction, int n_joints, const mukca_effect *effect,
                       const mukca_joint_state *state);
@@ -86,6 +92,9 @@ bool mukca_effect_read_number(double *value, const char *text, const char *unit)
 
 /* A whole number from `lowest` to `highest`, with or without a plus sign. */
 bool mukca_effect_read_integer(int *value, const char *text, int lowest, int highest);
+
+/* by_load of a spring: -1. */
+double mukca_effect_spring_slope(const mukca_effect *effect, const mukca_joint_state *state);
 
 /* Candidates that several effects share: one where the joint moved, one per placement. */
 bool mukca_survey_moved(mukca_effect *effect, const mukca_effect_survey *survey, int i);

@@ -10,6 +10,14 @@ static void scale_basis(double basis[][3], const mukca_basis_input *in)
     basis[0][0] = in->state->q[in->effect->joint];
 }
 
+static int scale_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
+{
+    (void)in;
+    (void)basis;
+    slope[0][0] = 1;
+    return 0;
+}
+
 const mukca_effect_ops mukca_joint_scale_effect = {
     .info = {.name = "joint_scale",
              .title = "joint scale",
@@ -20,12 +28,21 @@ const mukca_effect_ops mukca_joint_scale_effect = {
              .sentence = "the encoder counts a little too much or too little per turn",
              .remedy = "correct the encoder's counts per turn in the controller, or compensate it"},
     .basis = scale_basis,
+    .by_angle = scale_by_angle,
     .candidate = mukca_survey_moved,
 };
 
 static void coupling_basis(double basis[][3], const mukca_basis_input *in)
 {
     basis[0][0] = in->state->q[in->effect->joint + in->effect->variant.neighbour];
+}
+
+static int coupling_by_angle(double slope[][3], const mukca_basis_input *in,
+                             const double basis[][3])
+{
+    (void)basis;
+    slope[0][0] = 1;
+    return in->effect->variant.neighbour;
 }
 
 /* Not given: the joint after, or before the last one. */
@@ -85,6 +102,7 @@ const mukca_effect_ops mukca_joint_coupling_effect = {
                          "differential or cable drive)",
              .remedy = "correct the coupling ratio in the controller, or compensate it"},
     .basis = coupling_basis,
+    .by_angle = coupling_by_angle,
     .variant = &neighbour,
     .describe = describe_coupling,
     .candidate = coupling_candidate,
@@ -96,6 +114,13 @@ static void wave(double basis[][3], const mukca_basis_input *in, int order)
 {
     const double angle = order * in->state->q[in->effect->joint];
     basis[0][0] = sin(angle), basis[1][0] = cos(angle);
+}
+
+static int wave_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
+{
+    const int order = in->effect->variant.order > 1 ? in->effect->variant.order : 1;
+    slope[0][0] = order * basis[1][0], slope[1][0] = -order * basis[0][0];
+    return 0;
 }
 
 static void eccentricity_basis(double basis[][3], const mukca_basis_input *in)
@@ -113,6 +138,7 @@ const mukca_effect_ops mukca_encoder_eccentricity_effect = {
              .sentence = "the encoder disk is off centre: an error once per turn",
              .remedy = "calibrate the encoder in the controller, or compensate it"},
     .basis = eccentricity_basis,
+    .by_angle = wave_by_angle,
     .term_name = {"sin", "cos"},
     .candidate = mukca_survey_moved,
 };
@@ -164,6 +190,7 @@ const mukca_effect_ops mukca_gear_harmonic_effect = {
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "gear ripple: an error that repeats `order` times per turn"},
     .basis = harmonic_basis,
+    .by_angle = wave_by_angle,
     .variant = &order,
     .term_name = {"sin", "cos"},
     .describe = describe_harmonic,

@@ -22,6 +22,14 @@ static void lag_direction(double *direction, int n_joints, const mukca_effect *e
         for (int j = 0; j < n_joints; j++) direction[j] = move[j] / largest;
 }
 
+/* The command stands still as the angle moves. */
+static int lag_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
+{
+    (void)basis;
+    if (in->effect->variant.to_command && in->state->command) slope[0][0] = -1;
+    return 0;
+}
+
 static bool read_direction(mukca_effect_variant *variant, const char *text)
 {
     variant->to_command = strcmp(text, "command") == 0;
@@ -65,6 +73,7 @@ const mukca_effect_ops mukca_readback_lag_effect = {
              .remedy = "let the arm stand still before each sample; check the time stamps of the "
                        "joint states"},
     .direction = lag_direction,
+    .by_angle = lag_by_angle,
     .variant = &direction,
     .describe = describe,
     .candidate = lag_candidate,

@@ -48,6 +48,19 @@ static void wobble_basis(double basis[][3], const mukca_basis_input *in)
     }
 }
 
+/* Terms come in pairs of sine and cosine; in the turning frame the axes turn, too. */
+static int wobble_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
+{
+    const mukca_effect_variant *variant = &in->effect->variant;
+    const int order = variant->order;
+    for (int t = 0; t < in->effect->terms; t++) {
+        if (variant->frame == MUKCA_WOBBLE_TURNING) mukca_cross(slope[t], in->axis, basis[t]);
+        for (int i = 0; i < 3; i++)
+            slope[t][i] += t % 2 ? -order * basis[t - 1][i] : order * basis[t + 1][i];
+    }
+    return 0;
+}
+
 static const char *const *term_names(const mukca_effect_variant *variant)
 {
     static const char *const waves[] = {"sin u", "cos u", "sin v", "cos v", NULL};
@@ -146,6 +159,7 @@ const mukca_effect_ops mukca_axis_wobble_effect = {
              .sentence = "the joint's axis tilts as the joint turns (bearing run-out)",
              .remedy = "check the seat and the preload of the bearing, or compensate it"},
     .basis = wobble_basis,
+    .by_angle = wobble_by_angle,
     .variant = &motion,
     .variant_terms = term_names,
     .read_old_term = read_old_term,

@@ -40,49 +40,6 @@ MUKCA_CLONES void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip,
     }
 }
 
-/* Angular velocity of exp([w]x) as w changes by `rate`: the left Jacobian of SO(3); its series is
- * exact to 1e-9 up to |w| = 0.2 rad. */
-static void angular_rate(double omega[3], const double w[3], const double rate[3])
-{
-    const double t2 = mukca_dot3(w, w);
-    const double a = 0.5 - t2 / 24 + t2 * t2 / 720, b = 1.0 / 6 - t2 / 120 + t2 * t2 / 5040;
-    double once[3], twice[3];
-    mukca_cross(once, w, rate);
-    mukca_cross(twice, w, once);
-    for (int i = 0; i < 3; i++) omega[i] = rate[i] + a * once[i] + b * twice[i];
-}
-
-void mukca_fk_displacement_rate(double velocity[6], const mukca_geometry *geometry, const double *q,
-                                const mukca_displacement *displacement,
-                                const mukca_displacement *rate)
-{
-    mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
-    double R[9], omega[3], local[3], swept[3];
-    mukca_fk_frames(before, &tip, geometry, q, displacement);
-    angular_rate(omega, displacement->base, rate->base);
-    mukca_mat3_vec(local, tip.R, rate->tip);
-    mukca_cross(swept, omega, tip.p);
-    for (int i = 0; i < 3; i++) velocity[i] = local[i] + swept[i], velocity[3 + i] = omega[i];
-    for (int k = 0; k < geometry->n_elements; k++) {
-        const int j = geometry->joint[k];
-        if (j < 0) continue;
-        const bool slides = geometry->type[k] == MUKCA_PRISMATIC;
-        double axis[3], slide[3], lever[3];
-        mukca_rotation_exp(R, displacement->rotation[j]);
-        mukca_mat3_vec(axis, R, geometry->axis[k]);
-        angular_rate(local, displacement->rotation[j], rate->rotation[j]);
-        for (int i = 0; i < 3 && !slides; i++) local[i] += rate->q[j] * axis[i];
-        mukca_mat3_vec(omega, before[k].R, local);
-        mukca_mat3_vec(slide, before[k].R, axis);
-        for (int i = 0; i < 3; i++) lever[i] = tip.p[i] - before[k].p[i];
-        mukca_cross(swept, omega, lever);
-        for (int i = 0; i < 3; i++) {
-            velocity[i] += swept[i] + (slides ? rate->q[j] * slide[i] : 0);
-            velocity[3 + i] += omega[i];
-        }
-    }
-}
-
 MUKCA_CLONES void mukca_fk_parameter_jacobian(double *J, double position[3],
                                               const mukca_geometry *geometry, const double *theta,
                                               const double *q)

@@ -120,6 +120,87 @@ static void jacobian_is_the_derivative(void **state)
     assert_true(harmonic > 0.01);
 }
 
+/* Every kind of effect at several joints, in every variant that changes the derivative. */
+static void add_every_effect(mukca_corrected *arm)
+{
+    static const char *const wobbles[] = {"fixed2", "turning1", "cone-2"};
+    mukca_random random;
+    mukca_random_seed(&random, 14);
+    arm->n_effects = 0;
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
+        for (int i = 0; i < (mukca_effect_has_joint(kind) ? 3 : 1); i++) {
+            mukca_effect *e = &arm->effects[arm->n_effects++];
+            const char *variant = kind == MUKCA_EFFECT_GEAR_HARMONIC  ? "5"
+                                  : kind == MUKCA_EFFECT_AXIS_WOBBLE  ? wobbles[i]
+                                  : kind == MUKCA_EFFECT_READBACK_LAG ? "command"
+                                                                      : NULL;
+            *e = (mukca_effect){.kind = (mukca_effect_kind)kind,
+                                .joint = mukca_effect_has_joint(kind) ? (kind + 3 * i) % 7 : -1,
+                                .placement = 0};
+            assert_null(mukca_effect_set_variant(e, variant, 7));
+            e->terms = mukca_effect_terms(e);
+            /* N m deflect less than angles do; soft enough to count */
+            const bool loaded = (mukca_effect_table[kind]->needs & MUKCA_NEEDS_MASSES) &&
+                                kind != MUKCA_EFFECT_BACKLASH;
+            for (int t = 0; t < e->terms; t++)
+                e->coefficient[t] = (loaded ? 6e-5 : 3e-3) * (1 + mukca_random_uniform(&random));
+        }
+}
+
+/* The Jacobian in closed form against differences of fourth order, of turning and sliding joints,
+ * with moments computed and given. */
+static void jacobian_is_exact(void **state)
+{
+    (void)state;
+    const double h = 4e-4, weight[4] = {1, -8, 8, -1}, at[4] = {-2, -1, 1, 2};
+    static mukca_corrected arm;
+    mukca_random random;
+    mukca_random_seed(&random, 15);
+    for (int i = 0; i < 60; i++) {
+        double q[7], J[42], command[7], move[7], torque[7], moment[7][3], base[3] = {9, -4, 2};
+        arm = model;
+        for (int j = 0; j < 7 && i % 2; j++)
+            if (j % 3 == 1) arm.chain.element[arm.chain.joint_element[j]].type = MUKCA_PRISMATIC;
+        mukca_geometry_set(&arm.geometry, &arm.chain, offsets.theta);
+        add_every_effect(&arm);
+        random_angles(q, &random);
+        for (int j = 0; j < 7; j++) {
+            command[j] = q[j] + 0.01;
+            move[j] = 0.1 * mukca_random_normal(&random);
+            torque[j] = 20 * mukca_random_normal(&random);
+            for (int a = 0; a < 3; a++) moment[j][a] = 20 * mukca_random_normal(&random);
+        }
+        const mukca_joint_state now = {.command = command,
+                                       .move = move,
+                                       .time = 100,
+                                       .payload_kg = 2,
+                                       .torque = i % 4 < 2 ? NULL : torque,
+                                       .moment = (const double(*)[3])moment,
+                                       .base_moment = base};
+        mukca_frame tip, same;
+        mukca_corrected_jacobian(J, &tip, &arm, q, &now);
+        mukca_corrected_pose(&same, &arm, q, &now);
+        for (int a = 0; a < 9; a++) assert_close(tip.R[a], same.R[a], 1e-15);
+        for (int a = 0; a < 3; a++) assert_close(tip.p[a], same.p[a], 1e-15);
+        for (int j = 0; j < 7; j++) {
+            double rate[6] = {0};
+            for (int k = 0; k < 4; k++) {
+                double moved[7], w[3];
+                mukca_frame side;
+                memcpy(moved, q, sizeof moved);
+                moved[j] += at[k] * h;
+                mukca_corrected_pose(&side, &arm, moved, &now);
+                mukca_rotation_difference(w, side.R, tip.R);
+                for (int a = 0; a < 3; a++) {
+                    rate[a] += weight[k] * (side.p[a] - tip.p[a]) / (12 * h);
+                    rate[3 + a] += weight[k] * w[a] / (12 * h);
+                }
+            }
+            for (int a = 0; a < 6; a++) assert_close(J[a * 7 + j], rate[a], 1e-9);
+        }
+    }
+}
+
 static void bad_tables_are_refused(void **state)
 {
     (void)state;
@@ -206,9 +287,11 @@ static void a_million_calls_allocate_nothing(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equals_the_program), cmocka_unit_test(jacobian_is_the_derivative),
-        cmocka_unit_test(bad_tables_are_refused), cmocka_unit_test(columns_may_stand_in_any_order),
-        cmocka_unit_test(a_million_calls_allocate_nothing)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(equals_the_program),
+                                       cmocka_unit_test(jacobian_is_the_derivative),
+                                       cmocka_unit_test(jacobian_is_exact),
+                                       cmocka_unit_test(bad_tables_are_refused),
+                                       cmocka_unit_test(columns_may_stand_in_any_order),
+                                       cmocka_unit_test(a_million_calls_allocate_nothing)};
     return cmocka_run_group_tests(tests, setup, NULL);
 }
