@@ -8,7 +8,6 @@
 #include "diagnose/recording.h"
 #include "fit/frames.h"
 #include "fit/nlopt_adapter.h"
-#include "fleet/correct.h"
 #include "io/traits.h"
 
 typedef struct {
@@ -210,7 +209,7 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r)
 }
 
 typedef struct {
-    mukca_fit fit, with; /* with the traits */
+    mukca_fit fit;
     mukca_offsets offsets;
     mukca_traits traits;
     calibrate_result result;
@@ -224,7 +223,6 @@ static void release(void *work)
     cli_scores_free(&w->result.train_scores);
     cli_scores_free(&w->result.test_scores);
     mukca_fit_free(&w->fit);
-    mukca_fit_free(&w->with);
 }
 
 /* Several pose logs have one frame and one target here. */
@@ -237,79 +235,16 @@ static void note_logs(cli_call *call, const mukca_dataset *data)
                  "diagnose -o` gives each its own where the evidence wants it");
 }
 
-static void exchange_angles(double *a, mukca_dataset *data)
-{
-    for (int i = 0; i < data->n_rows * data->n_joints; i++) {
-        const double q = data->q[i];
-        data->q[i] = a[i], a[i] = q;
-    }
-}
-
-/* Fit once more with the means of the traits; they are used where the geometry then fits better.
- * The log Bayes factor is that of the residuals' variances: both fits have as many unknowns. */
 static mukca_status use_traits(cli_call *call)
 {
     const calibrate_options *o = call->options;
-    cli_session *s = call->session;
     calibrate_work *w = call->work;
-    calibrate_result *r = &w->result;
-    mukca_effect effects[MUKCA_FLEET_TERMS];
-    mukca_dataset *const data[2] = {&s->data, &s->test};
-    double *angles[2] = {NULL, NULL};
-    if (!o->traits) return MUKCA_OK;
-    mukca_status status = mukca_traits_read(&w->traits, o->traits, &s->model.chain, &call->error);
-    const int n = mukca_traits_effects(effects, NULL, &w->traits);
-    for (int i = 0; i < 2 && status == MUKCA_OK; i++) {
-        const size_t size = (size_t)data[i]->n_rows * (size_t)data[i]->n_joints;
-        angles[i] = malloc((size + 1) * sizeof *angles[i]);
-        if (!angles[i]) {
-            status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-            break;
-        }
-        if (size) memcpy(angles[i], data[i]->q, size * sizeof *angles[i]);
-        mukca_traits_correct(data[i], &s->model.chain, effects, n);
-    }
     const mukca_fit_options again = fit_options(o);
-    if (status == MUKCA_OK)
-        status = mukca_fit_run(&w->with, &s->model.chain, &s->data, &again, &call->error);
-    if (status == MUKCA_OK) {
-        r->traits = &w->traits;
-        r->traits_evidence =
-            0.5 * w->fit.n_measured * log(w->fit.calibrated.total / w->with.calibrated.total);
-        r->traits_used = w->with.converged && r->traits_evidence > 0;
-    }
-    if (r->traits_used) {
-        mukca_fit_free(&w->fit);
-        w->fit = w->with;
-        memset(&w->with, 0, sizeof w->with);
-    } else {
-        for (int i = 0; i < 2 && angles[i]; i++) exchange_angles(angles[i], data[i]);
-    }
-    free(angles[0]);
-    free(angles[1]);
-    return status;
-}
-
-/* The traits' effects belong to the table: without them the geometry does not fit the arm. */
-static void add_traits(calibrate_work *w)
-{
-    mukca_offsets *to = &w->offsets;
-    double sigma[MUKCA_FLEET_TERMS];
-    if (!w->result.traits_used) return;
-    to->n_effects = mukca_traits_effects(to->effects, sigma, &w->traits);
-    for (int e = 0; e < to->n_effects; e++) to->effect_sigma[e][0] = sigma[e];
-}
-
-static void print_traits(cli_call *call, const calibrate_result *r)
-{
-    if (!r->traits) return;
-    cli_answer_wrapped(call,
-                       r->traits_used
-                           ? "Fleet: the elastic means of %d arms are in the table; the data agree "
-                             "(log Bayes factor %.1f)."
-                           : "Fleet: the traits of %d arms contradict the data (log Bayes factor "
-                             "%.1f) and are not used.",
-                       r->traits->n_arms, r->traits_evidence);
+    if (!o->traits) return MUKCA_OK;
+    mukca_status status =
+        mukca_traits_read(&w->traits, o->traits, &call->session->model.chain, &call->error);
+    if (status != MUKCA_OK) return status;
+    return calibrate_use_traits(call, &w->result, &w->fit, &w->traits, &again);
 }
 
 static mukca_status run(cli_call *call)
@@ -339,11 +274,11 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && r->test->n_rows > 0)
         status = cli_scores_make(call, &r->test_scores, &fit->chain, fit->theta, NULL, r->test);
     if (status == MUKCA_OK) status = judge(call, r);
-    if (status == MUKCA_OK) add_traits(w);
+    if (status == MUKCA_OK) calibrate_add_traits(r->offsets, r);
     if (status == MUKCA_OK) status = write_results(call, r);
     if (status != MUKCA_OK) return status;
     calibrate_print(call, r);
-    print_traits(call, r);
+    calibrate_print_traits(call, r);
     return w->offsets.acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
@@ -369,7 +304,8 @@ const cli_command cli_command_calibrate = {
         "model, and the change of the tip is plausible. The other commands refuse a table that is "
         "not accepted.\n\n"
         "--traits corrects the recorded angles for the mean elasticity of the arm's fleet before "
-        "the fit and adds it to the table, unless the data then fit worse.\n\n"
+        "the fit and adds it to the table, or half of it, or nothing, whichever fits the data "
+        "best.\n\n"
         "Exit code 1: not accepted; 5: the data identify nothing.",
     .example =
         "mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv "

@@ -42,9 +42,9 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
     const mukca_fit *fit = r->fit;
     json_t *traits = json_null();
     if (r->traits)
-        traits =
-            json_pack("{s:b, s:i, s:o}", "used", (int)r->traits_used, "arms", r->traits->n_arms,
-                      "log_bayes_factor", cli_json_real(r->traits_evidence));
+        traits = json_pack("{s:b, s:f, s:i, s:o}", "used", r->traits_share > 0, "share",
+                           r->traits_share, "arms", r->traits->n_arms, "log_bayes_factor",
+                           cli_json_real(r->traits_evidence));
     return json_pack(
         "{s:s, s:b, s:{s:s, s:s, s:i, s:i, s:s, s:o}, s:{s:o, s:o}, s:o, s:o, s:o, s:i, s:i, s:o, "
         "s:o, "

@@ -4,7 +4,8 @@
 usage: gain.py [SEEDS]
 
 Arms of the demo's model with two elastic joints, 20 % apart from arm to arm.  A fleet of eight gives the right traits;
-eight arms with other elastic joints give the wrong ones.  Prints the median error on two held-out placements, mm.
+eight arms with other elastic joints, and eight with the same joints twice as soft, give wrong ones.  Prints the median
+error on two held-out placements, mm, and how many samples it takes without traits to reach the error with them.
 """
 import json
 import os
@@ -17,8 +18,10 @@ import random
 
 MUKCA = os.environ.get("MUKCA", "build/mukca")
 ARM = ("--urdf", "data/demo/arm.urdf")
-TRUE, OTHER = (("joint_2", 3e-5), ("joint_4", 6e-5)), (("joint_3", 8e-5), ("joint_6", 2e-4))
-SIZES = ((1, 10), (1, 20), (2, 10), (2, 20), (3, 20), (4, 20))
+TRUE = (("joint_2", 3e-5), ("joint_4", 6e-5))
+FLEETS = {"right": TRUE, "other": (("joint_3", 8e-5), ("joint_6", 2e-4)), "twice": (("joint_2", 6e-5), ("joint_4", 1.2e-4))}
+SIZES = ((1, 10), (1, 15), (1, 20), (1, 30), (1, 40), (2, 10), (2, 20), (3, 20))
+COLUMNS = ("without", *FLEETS)
 
 
 def run(*words):
@@ -48,25 +51,49 @@ def make_traits(folder, effects, seed):
     return f"{folder}/{seed}.tsv"
 
 
+def errors(train, test, traits):
+    """Held-out error of calibrate and of diagnose, without traits and with each file, mm."""
+    data = (*ARM, "-q", train, "--test", test, "--json", "-")
+    error = {"calibrate": {}, "diagnose": {}}
+    for name in COLUMNS:
+        words = ("--traits", traits[name]) if name != "without" else ()
+        score = json.loads(run("calibrate", *data, *words))["test"]
+        error["calibrate"][name] = 1e3 * sum(p["rows"] * p["mae_m"] for p in score) / sum(p["rows"] for p in score)
+        error["diagnose"][name] = 1e3 * json.loads(run("diagnose", *data, *words))["test"]["explained_m"]
+    return error
+
+
+def needed(error, without):
+    """Samples per socket without traits for that error: `without` has (samples, error), by interpolation."""
+    for (n, e), (m, f) in zip(without, without[1:]):
+        if f <= error <= e:
+            return "%.0f" % (n + (m - n) * (e - error) / (e - f))
+    return "more than %d" % without[-1][0] if error < without[-1][1] else "fewer than %d" % without[0][0]
+
+
 def main():
-    seeds = int(sys.argv[1]) if len(sys.argv) > 1 else 10
+    seeds = int(sys.argv[1]) if len(sys.argv) > 1 else 20
+    median = {}
     with tempfile.TemporaryDirectory() as folder:
-        right, wrong = make_traits(folder, TRUE, 1000), make_traits(folder, OTHER, 2000)
-        print("placements  per socket   without  right traits  wrong traits (used)")
+        traits = {name: make_traits(folder, effects, 1000 * (i + 1)) for i, (name, effects) in enumerate(FLEETS.items())}
+        print("placements  per socket  " + "   ".join(f"{c}: " + " ".join("%8s" % n for n in COLUMNS)
+                                                       for c in ("calibrate", "diagnose")))
         for placements, rows in SIZES:
-            error = {"without": [], "right": [], "wrong": []}
-            used = 0
+            found = []
             for seed in range(1, seeds + 1):
                 train = simulate(folder, 3000 + seed, TRUE, placements, rows, "--held-out", "2", "--test",
                                  f"{folder}/test.tsv")
-                for name, traits in (("right", right), ("wrong", wrong)):
-                    d = json.loads(run("diagnose", *ARM, "-q", train, "--test", f"{folder}/test.tsv", "--traits",
-                                       traits, "--json", "-"))
-                    error[name].append(1e3 * d["test"]["explained_m"])
-                    used += name == "wrong" and d["traits"]["used"]
-                error["without"].append(1e3 * d["traits"]["test_without_m"])
-            print("%10d  %10d  %8.3f  %12.3f  %12.3f (%d of %d)" %
-                  (placements, rows, *(statistics.median(error[k]) for k in error), used, seeds), flush=True)
+                found.append(errors(train, f"{folder}/test.tsv", traits))
+            for command in found[0]:
+                for name in COLUMNS:
+                    median[command, name, placements, rows] = statistics.median(f[command][name] for f in found)
+            print("%10d  %10d  " % (placements, rows) + "   ".join(
+                " " * (len(c) + 2) + " ".join("%8.3f" % median[c, n, placements, rows] for n in COLUMNS)
+                for c in found[0]), flush=True)
+    for command in ("calibrate", "diagnose"):
+        without = [(r, median[command, "without", p, r]) for p, r in SIZES if p == 1]
+        print(f"{command}, one placement, samples per socket without traits for the error with them: " + ", ".join(
+            f"{r}: {needed(median[command, 'right', 1, r], without)}" for p, r in SIZES if p == 1))
 
 
 main()
