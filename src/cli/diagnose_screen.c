@@ -193,7 +193,8 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
                    : causes == 2 ? "geometry and both causes"
                                  : "geometry and all causes",
                    d->explained_m, remark);
-    print_step(stream, "and unexplained structure", d->structure_m, "");
+    if (d->structure_m < d->explained_m) /* where it predicts something */
+        print_step(stream, "and unexplained structure", d->structure_m, "");
     print_step(stream, "noise floor", d->noise_floor_m, "");
     if (r->test && isfinite(d->test_geometry_m))
         fprintf(stream, "Test data, mm: nominal %.3f, geometry %.3f, with causes %.3f\n",

@@ -139,7 +139,7 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
 
 /* What the held-out errors say of the verdict: suspected causes are not found, and samples that
  * miss by more than noise and geometry allow have structure left. */
-static void revise(mukca_findings *f, const mukca_validation *v)
+static void revise(mukca_findings *f, const mukca_validation *v, bool have_torques)
 {
     const bool surprised = v->surprise_sigmas > SURPRISED;
     int on_arm = 0, suspected = 0;
@@ -157,6 +157,8 @@ static void revise(mukca_findings *f, const mukca_validation *v)
                                                                  : MUKCA_VERDICT_NAMED;
     if (surprised && f->verdict == MUKCA_VERDICT_NONE) f->verdict = MUKCA_VERDICT_UNKNOWN;
     f->unexplained = f->n_causes > suspected && (f->unexplained || surprised);
+    if (!have_torques && f->unexplained && f->verdict == MUKCA_VERDICT_NAMED)
+        f->verdict = MUKCA_VERDICT_TIED; /* the rest may be the main thing: flexibility */
 }
 
 /* The results of all steps, as they are reported. */
@@ -243,7 +245,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         diagnosis->tracker = m.unknowns.log.tracker[0];
         if (status == MUKCA_OK && !options->no_folds)
             status = validate(s, &diagnosis->pool, &m, options, error);
-        revise(&s->findings, &s->validation);
+        revise(&s->findings, &s->validation, m.recording.have_torques);
         if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, &m);
     }
     assemble(diagnosis, s, recording);

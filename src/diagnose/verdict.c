@@ -185,6 +185,4 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_c
                         : tied                ? MUKCA_VERDICT_TIED
                                               : MUKCA_VERDICT_NAMED;
     findings->unexplained = unknown && findings->n_causes > 0;
-    if (!m->recording.have_torques && unknown && findings->verdict == MUKCA_VERDICT_NAMED)
-        findings->verdict = MUKCA_VERDICT_TIED; /* the rest may be the main thing: flexibility */
 }

@@ -190,11 +190,12 @@ void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
             put(text,
                 "Flexibility not tested: the URDF has no link masses (give --inertials "
                 "FILE).");
-    for (int i = 0; *text && i < d->n_causes; i++)
-        if (mukca_effect_is_smooth(&d->causes[i].effect)) {
-            put(text, " What follows may be flexibility in disguise.");
-            break;
-        }
+    bool smooth = false;
+    for (int i = 0; i < d->n_causes; i++) smooth |= mukca_effect_is_smooth(&d->causes[i].effect);
+    if (*text && smooth)
+        put(text, " What follows may be flexibility in disguise.");
+    else if (*text && d->unexplained)
+        put(text, " The unexplained structure may be flexibility.");
 }
 
 void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
