@@ -81,6 +81,30 @@ def the_whole_job(client, arm, state):
     return first
 
 
+def its_fleet(client, state):
+    """--traits reaches the jobs; a table of another model ends the server."""
+    summary, traits = os.path.join(state, "summary.json"), os.path.join(state, "traits.tsv")
+    subprocess.run([MUKCA, "diagnose", "-q", "--urdf", URDF, os.path.join(os.path.dirname(URDF), "train.tsv"), "--arm",
+                    "demo", "--summary", summary], check=True)
+    with open(summary) as f:
+        model = json.load(f)
+    with open(traits, "w") as f:
+        f.write("# geometry: %(geometry)s\n# masses: %(masses)s\n# arms: 7\n" % model)
+        f.write("effect\tjoint\tterm\tmean\tspread\tarms\tlog_bayes_factor\tprobability\terror\n"
+                "joint_compliance\tjoint_4\t\t5e-5\t1e-5\t7\t9\t0.99\t1e-6\n")
+    p = serve(state, "--traits", traits)
+    client.wait_stream()
+    answer = client.command("calibrate")
+    used = answer and answer.json and json.loads(answer.json)["traits"]
+    check("serve --traits: calibrate has them", used and used["arms"] == 7, say_code(answer))
+    check("and it says so", any("mean elasticity of 7 arms" in line for line in p.said), p.said)
+    stop(p)
+    with open(traits, "a") as f:
+        f.write("backlash\tjoint_4\t\t5e-5\t1e-5\t7\t9\t0.99\t1e-6\n")
+    p = serve(state, "--traits", traits)
+    check("traits that cannot be read: exit code 3", p.wait(10) == 3, p.said)
+
+
 def poses(client, arm, state):
     """Poses equal `mukca fk` with the same table, message by message."""
     p = serve(state, "--publish-pose")
@@ -203,6 +227,7 @@ def main():
     client, state = Client(), fresh("serve")
     with Arm(KIND, ROWS[0][2], 200, CHANNEL) as arm:
         the_whole_job(client, arm, state)
+        its_fleet(client, state)
         poses(client, arm, state)
         its_client(client, state)
         its_manager(client, state)
