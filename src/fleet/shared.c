@@ -15,11 +15,16 @@ enum { SIZES = sizeof sizes / sizeof *sizes };
 
 #define INTERVAL 1.959963984540054
 
+/* Of a set: nothing in a sum, and far from the smallest number. */
+#define LEAST_LOG_WEIGHT (-200.0)
+
 typedef struct {
     mukca_population *p;
     double log_prior; /* odds of one more coefficient: that there is one at all, then which */
     bool set[T];      /* the most probable coefficients */
-    double total;     /* weight of all sets so far */
+    bool best[T];     /* a better set, and its log odds */
+    double gain;
+    double total;                              /* weight of all sets so far */
     double mean[T], square[T * T], present[T]; /* sums with their weights */
 } average;
 
@@ -69,8 +74,9 @@ static void take(average *a, const bool *set, double log_weight)
     const int n = a->p->n;
     int index[T] = {0};
     double A[T * T] = {0}, C[T * T] = {0}, mean[T] = {0};
-    const double weight = exp(log_weight);
-    const int m = weight > 1e-9 ? factor(A, index, a, set, -1) : -1;
+    /* the floor keeps the value of a coefficient that is surely 0 */
+    const double weight = exp(fmax(log_weight, LEAST_LOG_WEIGHT));
+    const int m = factor(A, index, a, set, -1);
     if (m < 0) return;
     for (int i = 0; i < m; i++) C[i * m + i] = 1, mean[i] = a->p->vector[index[i]];
     mukca_dense_forward(mean, 1, A, m);
@@ -86,41 +92,43 @@ static void take(average *a, const bool *set, double log_weight)
     }
 }
 
-/* The most probable set: by steps that add or drop a coefficient. */
-static void search(average *a)
-{
-    const int n = a->p->n;
-    for (int round = 0; round < 4 * n; round++) {
-        int best = -1;
-        double most = 0;
-        for (int k = 0; k < n; k++) {
-            const double odds = log_bayes(a, a->set, k) + a->log_prior;
-            const double gain = a->set[k] ? -odds : odds;
-            if (gain > most) most = gain, best = k;
-        }
-        if (best < 0) return;
-        a->set[best] = !a->set[best];
-    }
-}
-
-/* All sets that differ from the most probable one by a coefficient, or by one for another. */
-static void take_sets(average *a)
+/* Call f with all sets that differ from the present one by a coefficient, or by one for another,
+ * and their log odds against it. */
+static void visit(average *a, void (*f)(average *, const bool *set, double log_odds))
 {
     const int n = a->p->n;
     bool set[T];
     memcpy(set, a->set, sizeof set);
-    take(a, set, 0);
     for (int k = 0; k < n; k++) {
         const double own = a->p->log_bayes_factor[k] = log_bayes(a, a->set, k);
         set[k] = !a->set[k];
-        take(a, set, a->set[k] ? -own - a->log_prior : own + a->log_prior);
+        f(a, set, a->set[k] ? -own - a->log_prior : own + a->log_prior);
         for (int i = 0; i < n && a->set[k]; i++) {
             if (a->set[i]) continue;
             set[i] = true;
-            take(a, set, log_bayes(a, set, i) - own);
+            f(a, set, log_bayes(a, set, i) - own);
             set[i] = false;
         }
         set[k] = a->set[k];
+    }
+}
+
+static void remember(average *a, const bool *set, double log_odds)
+{
+    if (!(log_odds > a->gain)) return;
+    a->gain = log_odds;
+    memcpy(a->best, set, sizeof a->best);
+}
+
+/* The most probable set, by such steps. */
+static void search(average *a)
+{
+    /* far more than coefficients that come and go */
+    for (int round = 0; round < 4 * a->p->n; round++) {
+        a->gain = 1e-9; /* rounding does not go in circles */
+        visit(a, remember);
+        if (!(a->gain > 1e-9)) return;
+        memcpy(a->set, a->best, sizeof a->set);
     }
 }
 
@@ -129,10 +137,11 @@ void mukca_population_average(mukca_population *p)
     const int n = p->n;
     average a = {.p = p, .log_prior = -log(2.0 * n)};
     search(&a);
-    take_sets(&a);
+    take(&a, a.set, 0);
+    visit(&a, take);
     for (int i = 0; i < n; i++) {
         const double present = a.present[i], value = a.mean[i] / present;
-        const double half = INTERVAL * sqrt(a.square[i * n + i] / present - value * value);
+        const double half = INTERVAL * sqrt(fmax(a.square[i * n + i] / present - value * value, 0));
         p->probability[i] = present / a.total;
         p->value[i] = fmax(value, 0);
         p->low[i] = fmax(value - half, 0), p->high[i] = fmax(value + half, 0);

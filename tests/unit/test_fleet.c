@@ -101,6 +101,7 @@ static void test_interval_is_not_too_wide(void **state)
             const double x = mukca_random_normal(&random), y = mukca_random_normal(&random);
             s[a].information[mukca_fleet_packed(TWIN) + SOFT] = same / (sigma * sigma);
             s[a].vector[SOFT] = own / (sigma * sigma) + x / sigma;
+            s[a].vector[SOFT + 1] -= 1e-3 / (sigma * sigma); /* surely not above 0 */
             s[a].vector[TWIN] =
                 same * own / (sigma * sigma) + (same * x + sqrt(1 - same * same) * y) / sigma;
             take(&f, &s[a]);
@@ -114,6 +115,10 @@ static void test_interval_is_not_too_wide(void **state)
             width += soft->high - soft->low;
             dense += 2 * 1.96 * soft->error;
         }
+        for (int k = 0; k < TERMS; k++)
+            assert_true(r.shared[k].low <= r.shared[k].value &&
+                        r.shared[k].value <= r.shared[k].high && r.shared[k].high < 1e-3);
+        assert_true(r.shared[SOFT + 1].probability < 1e-3 && r.shared[SOFT + 1].value == 0);
         mukca_fleet_result_free(&r);
         mukca_fleet_free(&f);
     }
