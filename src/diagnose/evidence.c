@@ -1,4 +1,4 @@
-/* Evidence of the linearised model: normal equations, posterior, noise.
+/* Evidence of the linearised model: normal equations, posterior.
  *
  * The evidence of a linear model with Gaussian priors and noise is in closed form; sockets' means
  * are integrated out with a flat prior.  (C. M. Bishop, Pattern Recognition and Machine Learning,
@@ -10,13 +10,8 @@
 #include <string.h>
 
 #include "math/dense.h"
-#include "math/stats.h"
 
 const double mukca_evidence_rho[MUKCA_RHOS] = {0.0, 0.25, 0.5};
-
-/* Noise that is looked for at most, m: from below any encoder to far above any arm. */
-#define LEAST_NOISE 1e-6
-#define MOST_NOISE 5e-2
 
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns)
@@ -36,7 +31,11 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
             .ones = MUKCA_TAKE(pool, double, recording->data->n_sockets + 2),
             .weighted = MUKCA_TAKE(pool, double, (size_t)(rows * recording->dim) * (size_t)size),
             .all_gram = MUKCA_TAKE(pool, double, size *size),
-            .all_distance = MUKCA_TAKE(pool, double, pairs *size)};
+            .all_distance = MUKCA_TAKE(pool, double, pairs *size),
+            .at = MUKCA_TAKE(pool, int, size),
+            .reduced_prior = MUKCA_TAKE(pool, double, size),
+            .T = MUKCA_TAKE(pool, double, 4 * size),
+            .B = MUKCA_TAKE(pool, double, size *(pairs < size ? pairs : size))};
     evidence->work = MUKCA_TAKE(pool, double, size);
     evidence->factor = MUKCA_TAKE(pool, double, size *size);
     evidence->marginal = MUKCA_TAKE(pool, double, 4 * size * size);
@@ -184,13 +183,18 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
 {
     mukca_normal_equations *normal = &evidence->normal[index];
     const int size = linear->n_columns + 1, ld = linear->stride, *at = linear->at;
+    bool same = normal->n + 1 == size && memcmp(normal->at, at, sizeof *at * (size_t)size) == 0;
     if (unknowns->weight || normal->version != linear->version) {
+        same = false;
         lay_out(normal, recording, unknowns->weight);
         normal->done = 0;
         normal->version = unknowns->weight ? 0 : linear->version;
     }
     extend(normal, recording, linear, evidence->marginal);
+    if (same) return normal;
     normal->n = linear->n_columns;
+    normal->reduced = false;
+    memcpy(normal->at, at, sizeof *at * (size_t)size);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++)
             normal->gram[i * size + j] = normal->all_gram[at[i] * ld + at[j]];
@@ -254,106 +258,4 @@ double mukca_evidence_standard_error(mukca_evidence *evidence, int n, int column
     mukca_dense_forward(x, 1, evidence->factor, n);
     for (int i = 0; i < n; i++) variance += x[i] * x[i];
     return sqrt(variance);
-}
-
-/* The evidence along the noise.  With K = 1 + D G D / sigma^2 = Q (1 + T / sigma^2) Q' and the
- * distances predicted from the samples, it takes T, Q'D X'W y and Q'D d for each distance row d;
- * each value is linear in n. */
-typedef struct {
-    mukca_evidence *evidence;
-    const mukca_normal_equations *normal;
-    double *T;       /* [2][n] diagonal and beside; NULL: each value by a factorisation */
-    double *B;       /* [n][1 + n_pairs] */
-    double *scratch; /* [n][1 + n_pairs], [1 + n_pairs][1 + n_pairs] and that of its factor */
-} along_noise;
-
-/* Rounding changes T by 1e-16 of its norm, which is at most its trace; beside the 1 that is 1 %. */
-#define MOST_TRACE 1e14
-
-/* False: factorisations do better (free frames of a pose log, many distances).  `least` is the
- * least noise that will be asked for. */
-static bool reduce(along_noise *a, double least)
-{
-    const mukca_normal_equations *normal = a->normal;
-    const double *prior = a->evidence->prior;
-    const int n = normal->n, size = n + 1, k = 1 + normal->n_pairs;
-    double *A = a->evidence->factor, trace = 0;
-    for (int i = 0; i < n; i++) trace += prior[i] * normal->gram[i * size + i] * prior[i];
-    if (k > n || !(trace < MOST_TRACE * least * least)) return false;
-    a->T = a->evidence->marginal;
-    a->B = a->T + 4 * n;
-    a->scratch = a->B + n * k;
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++) A[i * n + j] = prior[i] * normal->gram[i * size + j] * prior[j];
-        a->B[i * k] = prior[i] * normal->gram[n * size + i];
-        for (int p = 1; p < k; p++)
-            a->B[i * k + p] = prior[i] * normal->distance[(p - 1) * size + i];
-    }
-    mukca_dense_tridiagonalise(A, n, a->T, a->B, k);
-    return true;
-}
-
-/* Rows of Y := L^-1 B / sqrt(C), where L C L' = 1 + T / sigma^2: its Gram matrix is
- * B'(1 + T / sigma^2)^-1 B.  Returns log |C|, NaN where it is not positive. */
-static double eliminate(double *Y, const along_noise *a, double precision)
-{
-    const int n = a->normal->n, k = 1 + a->normal->n_pairs;
-    double pivot = 1, log_det = 0, product = 1;
-    for (int i = 0; i < n; i++) {
-        const double beside = i ? precision * a->T[n + i - 1] : 0, l = i ? beside / pivot : 0,
-                     root = sqrt(pivot);
-        pivot = 1 + precision * a->T[i] - beside * l;
-        if (!(pivot > 0)) return NAN;
-        const double inverse = 1 / sqrt(pivot);
-        for (int c = 0; c < k; c++)
-            Y[i * k + c] = (a->B[i * k + c] - (i ? l * root * Y[(i - 1) * k + c] : 0)) * inverse;
-        product *= pivot; /* one logarithm for a few */
-        if (product > 1e100 || i + 1 == n) log_det += log(product), product = 1;
-    }
-    return log_det;
-}
-
-static double minus_evidence(void *context, double log_sigma)
-{
-    const along_noise *a = context;
-    const mukca_normal_equations *normal = a->normal;
-    const double sigma = exp(log_sigma), precision = 1 / (sigma * sigma),
-                 known = normal->distance_sigma * normal->distance_sigma;
-    const int n = normal->n, size = n + 1, pairs = normal->n_pairs, k = 1 + pairs;
-    if (!a->T) return -mukca_evidence_evaluate(a->evidence, normal, sigma, NULL);
-    double *Y = a->scratch, *G = Y + n * k, *S = G + k * k, *r = S + pairs * pairs;
-    double log_det = eliminate(Y, a, precision);
-    memset(G, 0, sizeof *G * (size_t)(k * k));
-    mukca_dense_syrk(G, k, Y, n, k);
-    double quadratic = precision * (normal->gram[size * size - 1] - precision * G[0]);
-    for (int p = 0; p < pairs; p++) { /* what the samples leave of the distances */
-        r[p] = normal->distance[p * size + n] - precision * G[1 + p];
-        for (int q = 0; q <= p; q++) S[p * pairs + q] = G[(1 + p) * k + 1 + q];
-        S[p * pairs + p] += known + sigma * sigma * normal->variance[p];
-    }
-    if (!isfinite(log_det) || mukca_dense_cholesky(S, pairs)) return HUGE_VAL;
-    mukca_dense_forward(r, 1, S, pairs);
-    for (int p = 0; p < pairs; p++) {
-        quadratic += r[p] * r[p];
-        log_det += 2 * log(S[p * pairs + p]);
-    }
-    return 0.5 * (quadratic + log_det) + normal->dof * log_sigma - normal->log_det;
-}
-
-double mukca_evidence_noise(mukca_evidence *evidence, const mukca_normal_equations *normal,
-                            double guess, double *value)
-{
-    const double tolerance = 0.01; /* a hundredth of sigma: far below what the data know of it */
-    along_noise context = {.evidence = evidence, .normal = normal};
-    double best, lo = log(guess / 2), hi = log(2 * guess);
-    if (!reduce(&context, guess / 2)) context.T = NULL;
-    double x = mukca_stats_minimize(&best, minus_evidence, &context, lo, hi, tolerance);
-    if (x < lo + 5 * tolerance ||
-        x > hi - 5 * tolerance) { /* the guess was none: look everywhere */
-        context.T = NULL;
-        x = mukca_stats_minimize(&best, minus_evidence, &context, log(LEAST_NOISE), log(MOST_NOISE),
-                                 tolerance);
-    }
-    if (value) *value = -best;
-    return exp(x);
 }

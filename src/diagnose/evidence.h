@@ -1,4 +1,4 @@
-/* Evidence of the linearised model: normal equations, posterior of all columns, noise. */
+/* Evidence of the linearised model: normal equations, posterior of all columns. */
 #ifndef MUKCA_DIAGNOSE_EVIDENCE_H
 #define MUKCA_DIAGNOSE_EVIDENCE_H
 
@@ -29,6 +29,11 @@ typedef struct {
     double *weighted;     /* [n_samples][dim][stride] W times the columns */
     double *all_gram;     /* [stride][stride] */
     double *all_distance; /* [n_pairs][stride] */
+    int *at;              /* [n + 1] which of them `gram` is of */
+    /* their reduction to tridiagonal form, for noise.c */
+    bool reduced;
+    double *reduced_prior; /* [n] priors that it was made with */
+    double *T, *B;         /* [4][n]: diagonal, beside it, scratch; [n][1 + n_pairs] */
 } mukca_normal_equations;
 
 typedef struct {
@@ -73,11 +78,6 @@ void mukca_evidence_weigh(const mukca_weighing *columns, const mukca_normal_equa
  * posterior mean.  The factor stays.  -HUGE_VAL where it cannot be factored. */
 double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equations *normal,
                                double sigma, double *mean);
-
-/* Noise sigma that maximises the evidence, near `guess` or anywhere; *value (may be NULL) gets the
- * evidence. */
-double mukca_evidence_noise(mukca_evidence *evidence, const mukca_normal_equations *normal,
-                            double guess, double *value);
 
 /* Standard error of the sum of direction[t] x[column + t], t < terms, among n columns in the
  * posterior whose factor the last evaluation left: |L^-1 D a| with the priors D that it used. */

@@ -211,6 +211,7 @@ static void cross_predict(mukca_folds *b, mukca_normal_equations *normal)
         for (int i = 0; i < size * size; i++) normal->gram[i] += b->gram[i];
         memcpy(normal->distance, b->distance, distances);
     }
+    normal->n = 0; /* what was put back is rounded: it must be collected again */
 }
 
 void mukca_folds_run(double *error, mukca_folds *b, bool by_socket)

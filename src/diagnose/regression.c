@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/noise.h"
 #include "diagnose/scales.h"
 
 mukca_status mukca_regression_create(mukca_regression *m, const mukca_chain *chain,
@@ -57,16 +58,16 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
 
 /* Noise and AR(1) coefficient by evidence, and the prior scales with them; returns the normal
  * equations at the best. */
-static const mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freedom freedom)
+static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freedom freedom)
 {
     mukca_unknowns *u = &m->unknowns;
-    const mukca_normal_equations *chosen = &m->evidence.normal[0];
+    mukca_normal_equations *chosen = &m->evidence.normal[0];
     double best = -HUGE_VAL;
     for (int i = 0; i < MUKCA_RHOS; i++) {
         double value;
         if (u->weight && i) break; /* robust weights go with independent samples only */
-        const mukca_normal_equations *normal = mukca_regression_collect(m, i);
-        const double sigma = mukca_evidence_noise(&m->evidence, normal, u->sigma, &value);
+        mukca_normal_equations *normal = mukca_regression_collect(m, i);
+        const double sigma = mukca_noise_choose(&m->evidence, normal, u->sigma, &value);
         if (value > best) {
             best = value, u->sigma = sigma, u->rho = normal->rho;
             chosen = normal;
@@ -74,7 +75,7 @@ static const mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit
     }
     if (freedom == MUKCA_FIT_ALL) {
         mukca_scales_choose(u, &m->evidence, &m->recording, chosen);
-        u->sigma = mukca_evidence_noise(&m->evidence, chosen, u->sigma, NULL);
+        u->sigma = mukca_noise_choose(&m->evidence, chosen, u->sigma, NULL);
     }
     return chosen;
 }

@@ -6,6 +6,7 @@
 
 #include "diagnose/angle_noise.h"
 #include "diagnose/correlation.h"
+#include "diagnose/noise.h"
 #include "diagnose/projector.h"
 #include "diagnose/ripple.h"
 
@@ -103,9 +104,9 @@ static bool worth_averaging(double log_bayes, double log_prior, double most)
 static void weigh_rhos(mukca_regression *m, double *sigma, double *value, int *order, int without)
 {
     for (int i = 0; i < MUKCA_RHOS; i++) {
-        const mukca_normal_equations *normal = mukca_regression_collect(m, i);
+        mukca_normal_equations *normal = mukca_regression_collect(m, i);
         order[i] = i;
-        sigma[i] = mukca_evidence_noise(&m->evidence, normal, m->unknowns.sigma, &value[i]);
+        sigma[i] = mukca_noise_choose(&m->evidence, normal, m->unknowns.sigma, &value[i]);
         /* the noise is what the full model leaves, not what the missing cause adds */
         if (without >= 0 && sigma[i] > 1.15 * m->unknowns.sigma) {
             sigma[i] = 1.15 * m->unknowns.sigma;

@@ -1,0 +1,115 @@
+/* The noise that makes the evidence largest. */
+#include "diagnose/noise.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "math/dense.h"
+#include "math/stats.h"
+
+/* Noise that is looked for at most, m: from below any encoder to far above any arm. */
+#define LEAST_NOISE 1e-6
+#define MOST_NOISE 5e-2
+
+/* The evidence along the noise.  With K = 1 + D G D / sigma^2 = Q (1 + T / sigma^2) Q' and the
+ * distances predicted from the samples, it takes T, Q'D X'W y and Q'D d for each distance row d;
+ * each value is linear in n. */
+typedef struct {
+    mukca_evidence *evidence;
+    const mukca_normal_equations *normal;
+    bool reduced;    /* T and B are there; else each value needs a factorisation */
+    double *scratch; /* [n][1 + n_pairs], [1 + n_pairs][1 + n_pairs] and that of its factor */
+} along_noise;
+
+/* Rounding changes T by 1e-16 of its norm, which is at most its trace; beside the 1 that is 1 %. */
+#define MOST_TRACE 1e14
+
+/* T and B of these normal equations and priors, where they are not there yet.  False:
+ * factorisations do better (free frames of a pose log, many distances).  `least` is the least noise
+ * that will be asked for. */
+static bool reduce(mukca_normal_equations *normal, mukca_evidence *evidence, double least)
+{
+    const double *prior = evidence->prior;
+    const int n = normal->n, size = n + 1, k = 1 + normal->n_pairs;
+    const size_t bytes = sizeof *prior * (size_t)n;
+    double *A = evidence->factor, trace = 0;
+    for (int i = 0; i < n; i++) trace += prior[i] * normal->gram[i * size + i] * prior[i];
+    if (k > n || !(trace < MOST_TRACE * least * least)) return false;
+    if (normal->reduced && memcmp(normal->reduced_prior, prior, bytes) == 0) return true;
+    memcpy(normal->reduced_prior, prior, bytes);
+    normal->reduced = true;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) A[i * n + j] = prior[i] * normal->gram[i * size + j] * prior[j];
+        normal->B[i * k] = prior[i] * normal->gram[n * size + i];
+        for (int p = 1; p < k; p++)
+            normal->B[i * k + p] = prior[i] * normal->distance[(p - 1) * size + i];
+    }
+    mukca_dense_tridiagonalise(A, n, normal->T, normal->B, k);
+    return true;
+}
+
+/* Rows of Y := L^-1 B / sqrt(C), where L C L' = 1 + T / sigma^2: its Gram matrix is
+ * B'(1 + T / sigma^2)^-1 B.  Returns log |C|, NaN where it is not positive. */
+static double eliminate(double *Y, const mukca_normal_equations *normal, double precision)
+{
+    const int n = normal->n, k = 1 + normal->n_pairs;
+    const double *T = normal->T, *B = normal->B;
+    double pivot = 1, log_det = 0, product = 1;
+    for (int i = 0; i < n; i++) {
+        const double beside = i ? precision * T[n + i - 1] : 0, l = i ? beside / pivot : 0,
+                     root = sqrt(pivot);
+        pivot = 1 + precision * T[i] - beside * l;
+        if (!(pivot > 0)) return NAN;
+        const double inverse = 1 / sqrt(pivot);
+        for (int c = 0; c < k; c++)
+            Y[i * k + c] = (B[i * k + c] - (i ? l * root * Y[(i - 1) * k + c] : 0)) * inverse;
+        product *= pivot; /* one logarithm for a few */
+        if (product > 1e100 || i + 1 == n) log_det += log(product), product = 1;
+    }
+    return log_det;
+}
+
+static double minus_evidence(void *context, double log_sigma)
+{
+    const along_noise *a = context;
+    const mukca_normal_equations *normal = a->normal;
+    const double sigma = exp(log_sigma), precision = 1 / (sigma * sigma),
+                 known = normal->distance_sigma * normal->distance_sigma;
+    const int n = normal->n, size = n + 1, pairs = normal->n_pairs, k = 1 + pairs;
+    if (!a->reduced) return -mukca_evidence_evaluate(a->evidence, normal, sigma, NULL);
+    double *Y = a->scratch, *G = Y + n * k, *S = G + k * k, *r = S + pairs * pairs;
+    double log_det = eliminate(Y, normal, precision);
+    memset(G, 0, sizeof *G * (size_t)(k * k));
+    mukca_dense_syrk(G, k, Y, n, k);
+    double quadratic = precision * (normal->gram[size * size - 1] - precision * G[0]);
+    for (int p = 0; p < pairs; p++) { /* what the samples leave of the distances */
+        r[p] = normal->distance[p * size + n] - precision * G[1 + p];
+        for (int q = 0; q <= p; q++) S[p * pairs + q] = G[(1 + p) * k + 1 + q];
+        S[p * pairs + p] += known + sigma * sigma * normal->variance[p];
+    }
+    if (!isfinite(log_det) || mukca_dense_cholesky(S, pairs)) return HUGE_VAL;
+    mukca_dense_forward(r, 1, S, pairs);
+    for (int p = 0; p < pairs; p++) {
+        quadratic += r[p] * r[p];
+        log_det += 2 * log(S[p * pairs + p]);
+    }
+    return 0.5 * (quadratic + log_det) + normal->dof * log_sigma - normal->log_det;
+}
+
+double mukca_noise_choose(mukca_evidence *evidence, mukca_normal_equations *normal, double guess,
+                          double *value)
+{
+    const double tolerance = 0.01; /* a hundredth of sigma: far below what the data know of it */
+    along_noise context = {evidence, normal, reduce(normal, evidence, guess / 2),
+                           evidence->marginal};
+    double best, lo = log(guess / 2), hi = log(2 * guess);
+    double x = mukca_stats_minimize(&best, minus_evidence, &context, lo, hi, tolerance);
+    if (x < lo + 5 * tolerance ||
+        x > hi - 5 * tolerance) { /* the guess was none: look everywhere */
+        context.reduced = false;
+        x = mukca_stats_minimize(&best, minus_evidence, &context, log(LEAST_NOISE), log(MOST_NOISE),
+                                 tolerance);
+    }
+    if (value) *value = -best;
+    return exp(x);
+}
