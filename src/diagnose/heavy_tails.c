@@ -60,7 +60,9 @@ static double likelihood(const double *square, int count, double nu)
     double variance = 1e-18, sum = 0;
     for (int i = 0; i < count; i++) variance += square[i] / (3 * count);
     if (!isfinite(nu)) return -1.5 * count * (log(2 * PI * variance) + 1);
-    for (int pass = 0; pass < 30; pass++) { /* expectation maximisation, to far below 1 % */
+    double before = 0;
+    for (int pass = 0; pass < 30 && fabs(variance - before) > 1e-6 * variance; pass++) {
+        before = variance; /* expectation maximisation */
         double next = 1e-18;
         for (int i = 0; i < count; i++)
             next += (nu + 3) / (nu + square[i] / variance) * square[i] / (3 * count);

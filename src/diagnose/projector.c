@@ -6,6 +6,7 @@
 
 #include "diagnose/ripple.h"
 #include "math/dense.h"
+#include "math/four.h"
 #include "math/stats.h"
 
 enum {
@@ -107,6 +108,34 @@ static double log_admitted(const double *L, const double *x, const mukca_candida
     return mukca_stats_log_normal_cdf((largest - amplitude) / sqrt(variance * noise));
 }
 
+/* L L' = A[n][n] in place and x := L^-1 x; *log_diagonal gets the sum of log L[i][i].  Most blocks
+ * have three columns at most, where a call would cost more than the work.  False: not positive. */
+static bool factor_block(double *A, double *x, double *log_diagonal, int n)
+{
+    enum { FEW = 3 };
+    double product = 1;
+    if (n > FEW) {
+        if (mukca_dense_cholesky(A, n)) return false;
+        mukca_dense_forward(x, 1, A, n);
+    }
+    for (int i = 0; i < n && n <= FEW; i++) {
+        for (int j = 0; j <= i; j++) {
+            double sum = A[i * n + j];
+            for (int k = 0; k < j; k++) sum -= A[i * n + k] * A[j * n + k];
+            if (i == j && !(sum > 0)) return false;
+            A[i * n + j] = i == j ? sqrt(sum) : sum / A[j * n + j];
+        }
+        for (int k = 0; k < i; k++) x[i] -= A[i * n + k] * x[k];
+        x[i] /= A[i * n + i];
+    }
+    *log_diagonal = 0;
+    for (int i = 0; i < n; i++) { /* one logarithm for a few */
+        product *= A[i * n + i];
+        if (product > 1e100 || i + 1 == n) *log_diagonal += log(product), product = 1;
+    }
+    return true;
+}
+
 double mukca_projector_block(double *G, double *g, const mukca_candidate *h, double residual,
                              int dof, double *information)
 {
@@ -128,20 +157,16 @@ double mukca_projector_block(double *G, double *g, const mukca_candidate *h, dou
     if (information) *information = trace;
     for (int s = 0; s < n_scales; s++) {
         const double s2 = scales[s] * scales[s];
-        double log_det = 0, q = 0;
+        double log_diagonal, q = 0;
         for (int i = 0; i < k; i++) {
             for (int j = 0; j <= i; j++) A[i * k + j] = s2 * 0.5 * (G[i * k + j] + G[j * k + i]);
             A[i * k + i] += 1;
         }
-        if (mukca_dense_cholesky(A, k)) return -HUGE_VAL;
         for (int i = 0; i < k; i++) x[i] = g[i];
-        mukca_dense_forward(x, 1, A, k);
-        for (int i = 0; i < k; i++) {
-            log_det += 2 * log(A[i * k + i]);
-            q += s2 * x[i] * x[i];
-        }
+        if (!factor_block(A, x, &log_diagonal, k)) return -HUGE_VAL;
+        for (int i = 0; i < k; i++) q += s2 * x[i] * x[i];
         q = fmin(q, 0.9999 * residual);
-        value[s] = weight[s] - 0.5 * log_det - 0.5 * dof * log1p(-q / residual);
+        value[s] = weight[s] - log_diagonal - 0.5 * dof * log1p(-q / residual);
         const double noise = fmax((residual - q) / dof, 1e-6);
         if (nonnegative || largest < HUGE_VAL) mukca_dense_backward(x, 1, A, k);
         if (largest < HUGE_VAL) value[s] += log_admitted(A, x, h, s2, noise, largest);
@@ -283,12 +308,19 @@ void mukca_projector_project(double *G, double *g, mukca_projector *p, int k,
     take_block(G, g, &b, p, 0, 0);
 }
 
-/* Samples [*from, *to) of its group hold what is not 0 of a fault's share. */
-static void find_samples(int *from, int *to, const mukca_recording *r, const mukca_candidate *h)
+/* Samples [from, to) of its group that a fault moves, and what it moves their mean by: 0 in a pose
+ * log, which has no free mean. */
+typedef struct {
+    int from, to;
+    double mean;
+} fault_span;
+
+static void find_samples(fault_span *span, const mukca_recording *r, const mukca_candidate *h)
 {
     const mukca_group *group = &r->groups[h->fault.group];
-    int lo = group->start, hi = *to = group->start + group->count;
-    *from = lo;
+    const int end = group->start + group->count;
+    int lo = group->start, hi = end;
+    *span = (fault_span){lo, end, 0};
     if (h->kind == MUKCA_CANDIDATE_CREEP) return;
     while (lo < hi) { /* rows rise within a group */
         const int middle = (lo + hi) / 2;
@@ -297,22 +329,22 @@ static void find_samples(int *from, int *to, const mukca_recording *r, const muk
         else
             hi = middle;
     }
-    *from = lo;
+    span->from = lo;
     if (h->kind != MUKCA_CANDIDATE_OUTLIER) return;
-    for (hi = lo; hi < *to && r->order[hi] <= h->fault.last;) hi++;
-    *to = hi;
+    while (hi < end && r->order[hi] <= h->fault.last) hi++;
+    span->to = hi;
 }
 
-/* T[n][8] and, behind it, g of a fault by itself. */
-static void project_fault(mukca_projector *p, const mukca_candidate *h, int from, int to,
-                          double mean)
+/* T[3][n] and g[3] of a fault by itself. */
+static void project_fault(double *T, double *g, mukca_projector *p, const mukca_candidate *h,
+                          const fault_span *span)
 {
     const mukca_recording *r = &p->m->recording;
     const int n = p->n, *at = p->m->linear.at;
     const size_t stride = (size_t)p->m->linear.stride;
     double *B = p->T;
     memset(B, 0, sizeof *B * (size_t)((n + 1) * EIGHT));
-    for (int i = from; i < to; i++) {
+    for (int i = span->from; i < span->to; i++) {
         const double share = mukca_candidate_fault_share(h, r, r->order[i]);
         const double *w = p->normal->weighted + (size_t)(i * r->dim) * stride;
         for (int t = 0; t <= n; t++)
@@ -321,23 +353,25 @@ static void project_fault(mukca_projector *p, const mukca_candidate *h, int from
     }
     for (int t = 0; t <= n; t++)
         for (int c = 0; c < 3; c++) B[EIGHT * t + c] *= p->factor[t];
-    for (int c = 0; c < 3; c++) add_distances(B + c, p, h->fault.group, c, -mean);
+    for (int c = 0; c < 3; c++) add_distances(B + c, p, h->fault.group, c, -span->mean);
     solve_eight(B, p);
+    for (int c = 0; c < 3; c++) {
+        for (int t = 0; t < n; t++) T[c * n + t] = B[EIGHT * t + c];
+        g[c] = B[EIGHT * n + c];
+    }
 }
 
 /* The same from the rows. */
-static void sum_rows(mukca_projector *p, const mukca_candidate *h, int from, int to)
+static void sum_rows(double *T, double *g, const mukca_projector *p, const mukca_candidate *h,
+                     const fault_span *span)
 {
     const mukca_recording *r = &p->m->recording;
-    const int n = p->n;
-    double *B = p->T;
-    memset(B, 0, sizeof *B * (size_t)((n + 1) * EIGHT));
-    for (int i = from; i < to; i++) {
+    memset(T, 0, sizeof *T * (size_t)(3 * p->n));
+    for (int i = span->from; i < span->to; i++) {
         const double share = mukca_candidate_fault_share(h, r, r->order[i]);
-        const double *z = p->Zt + (size_t)(i * r->dim) * (size_t)n;
-        for (int k = 0; k < n; k++)
-            for (int c = 0; c < 3; c++) B[EIGHT * k + c] -= share * z[c * n + k];
-        for (int c = 0; c < 3; c++) B[EIGHT * n + c] -= share * p->u[i * r->dim + c];
+        const double *z = p->Zt + (size_t)(i * r->dim) * (size_t)p->n, *u = p->u + i * r->dim;
+        for (int k = 0; k < 3 * p->n; k++) T[k] -= share * z[k];
+        for (int c = 0; c < 3; c++) g[c] -= share * u[c];
     }
 }
 
@@ -346,33 +380,34 @@ double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, doubl
 {
     const mukca_recording *r = &p->m->recording;
     const mukca_group *group = &r->groups[h->fault.group];
-    double *T = p->T, G[9] = {0}, square = 0, mean = 0, last = 0;
-    int from, to;
-    find_samples(&from, &to, r, h);
-    for (int i = from; i < to; i++) {
+    const int n = p->n;
+    double *T = p->T + (n + 1) * EIGHT, G[9], g[3] = {0}, square = 0, last = 0;
+    fault_span span;
+    find_samples(&span, r, h);
+    for (int i = span.from; i < span.to; i++) {
         const double share = mukca_candidate_fault_share(h, r, r->order[i]);
-        square += share *
-                  (p->normal->diagonal[i] * share + (i > from ? 2 * p->normal->off[i] * last : 0));
+        square += share * (p->normal->diagonal[i] * share +
+                           (i > span.from ? 2 * p->normal->off[i] * last : 0));
         last = share;
-        /* mean is 0 in a pose log, which has no free mean */
-        if (group->socket >= 0) mean += p->normal->mean_weight[i] * share;
+        if (group->socket >= 0) span.mean += p->normal->mean_weight[i] * share;
     }
     if (p->have_rows)
-        sum_rows(p, h, from, to);
+        sum_rows(T, g, p, h, &span);
     else
-        project_fault(p, h, from, to, mean);
-    const double own_part = p->precision * (square - p->normal->ones[h->fault.group] * mean * mean);
-    for (int k = 0; k < p->n; k++)
-        for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++) G[3 * a + b] -= T[EIGHT * k + a] * T[EIGHT * k + b];
-    for (int a = 0; a < 3; a++) G[4 * a] += own_part;
+        project_fault(T, g, p, h, &span);
+    const double own =
+        p->precision * (square - p->normal->ones[h->fault.group] * span.mean * span.mean);
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b <= a; b++)
+            G[3 * a + b] = G[3 * b + a] = (a == b ? own : 0) - dot4(T + a * n, T + b * n, n);
     for (int q = 0; q < r->n_pairs; q++) {
-        const double *direction = p->m->linear.direction[q], w = p->inverse[q] * mean * mean;
+        const double *direction = p->m->linear.direction[q],
+                     w = p->inverse[q] * span.mean * span.mean;
         if (r->pairs[q].a != h->fault.group && r->pairs[q].b != h->fault.group) continue;
         for (int a = 0; a < 3; a++)
             for (int b = 0; b < 3; b++) G[3 * a + b] += w * direction[a] * direction[b];
     }
-    return mukca_projector_block(G, T + EIGHT * p->n, h, p->residual, p->normal->dof, information);
+    return mukca_projector_block(G, g, h, p->residual, p->normal->dof, information);
 }
 
 void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *normal, double sigma)
