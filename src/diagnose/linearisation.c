@@ -39,7 +39,7 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
         double *out = E + (size_t)i * (size_t)d * (size_t)ld;
         const int row = recording->order[i];
         const double *levers = linear->lever + (size_t)(i * n_joints) * (size_t)d;
-        const double *lever = NULL; /* [d][width] */
+        const double *lever = NULL; /* [d][width], width 1 or 3 */
         for (int c = 0; c < d; c++) memset(out + c * ld, 0, sizeof *out * (size_t)terms);
         if (mukca_candidate_is_fault(h)) {
             const double share = mukca_candidate_fault_share(h, recording, row);
@@ -74,10 +74,12 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
         } else if (site == MUKCA_SITE_BASE) {
             lever = linear->base_lever + (size_t)i * (size_t)(3 * d);
         }
-        for (int t = 0; lever && t < terms; t++)
-            for (int c = 0; c < d; c++)
-                for (int k = 0; k < width; k++)
-                    out[c * ld + t] += lever[c * width + k] * (double)basis[t * width + k];
+        for (int c = 0; lever && c < d; c++, lever += width, out += ld)
+            for (int t = 0; t < terms; t++)
+                out[t] = width == 1 ? lever[0] * (double)basis[t]
+                                    : lever[0] * (double)basis[3 * t] +
+                                          lever[1] * (double)basis[3 * t + 1] +
+                                          lever[2] * (double)basis[3 * t + 2];
     }
 }
 
