@@ -20,7 +20,7 @@ bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mu
         .along = MUKCA_TAKE(pool, double, (data->n_distances + 1) * MUKCA_BATCH),
         .mean = MUKCA_TAKE(pool, double, (data->n_sockets + 2) * 3 * MUKCA_BATCH),
         .tri = MUKCA_TAKE(pool, double, 2 * rows),
-        .wave = MUKCA_TAKE(pool, double, 4 * rows)};
+        .wave = MUKCA_TAKE(pool, double, 4 * rows + 1)};
     return !pool->failed;
 }
 
@@ -221,19 +221,22 @@ static void fill(const job *j, const mukca_candidate *const *candidate)
     }
 }
 
-/* All orders of ripple of the joint. */
-static void update_ripple(job *j, mukca_products *x, int aimed)
+void mukca_products_ripple(mukca_products *x, int joint, const int *order,
+                           const mukca_regression *m, const mukca_normal_equations *normal,
+                           const mukca_product_scratch *s)
 {
-    mukca_ripple_start(j->s->wave, &j->m->recording, j->joint);
+    job j = {.m = m, .normal = normal, .s = s, .joint = joint};
+    aim_levers(&j, 0);
+    mukca_ripple_start(s->wave, &m->recording, joint);
     for (int first = 0; first < x->columns; first += MUKCA_BATCH) {
         const int count = x->columns - first < MUKCA_BATCH ? x->columns - first : MUKCA_BATCH;
-        j->b.n = j->b.width = 0;
-        j->b.start = x->done;
-        put(&j->b, x, first, count);
-        mukca_ripple_advance(j->s->E, j->s->wave, j->m->recording.n_samples, count / 2);
-        finish_functions(j, aimed);
+        j.b.n = j.b.width = 0;
+        put(&j.b, x, first, count);
+        mukca_ripple_advance(s->E, s->wave, m->recording.n_samples, order + first / 2, count / 2);
+        finish_functions(&j, 0);
     }
-    x->done = j->m->linear.n_held;
+    x->version = m->linear.version;
+    x->done = m->linear.n_held;
 }
 
 /* What a candidate does to the distances themselves. */
@@ -267,13 +270,9 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
             aim_levers(&j, aimed);
         }
         j.joint = item[i].joint;
-        if (!item[i].candidate) {
-            update_ripple(&j, item[i++].products, aimed);
-            continue;
-        }
         j.b.n = j.b.width = 0;
         j.b.start = x->done;
-        for (; i < n && item[i].candidate && item[i].joint == j.joint; i++) {
+        for (; i < n && item[i].joint == j.joint; i++) {
             mukca_products *next = item[i].products;
             if (next->done == held) continue;
             if (next->done != j.b.start || j.b.width + next->columns > MUKCA_BATCH) break;

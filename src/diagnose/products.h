@@ -18,11 +18,10 @@ typedef struct {
     double *along;      /* [n_pairs][columns] what E does to the distances */
 } mukca_products;
 
-/* A candidate, or all orders of ripple of a joint (columns sine and cosine from order 2 on), and
- * its products. */
+/* A candidate and its products. */
 typedef struct {
-    const mukca_candidate *candidate; /* NULL: ripple */
-    int joint;
+    const mukca_candidate *candidate;
+    int joint; /* that its function of the samples turns, or -1 */
     mukca_products *products;
 } mukca_product_item;
 
@@ -34,7 +33,7 @@ typedef struct {
     double *along; /* [n_pairs + 1][MUKCA_BATCH] */
     double *mean;  /* [n_groups][3][MUKCA_BATCH] */
     double *tri;   /* [2][n_samples] W along the levers: diagonal, and with the sample before */
-    double *wave;  /* [4][n_samples] */
+    double *wave;  /* [4 * n_samples + 1] */
 } mukca_product_scratch;
 
 /* False: no memory. */
@@ -46,6 +45,11 @@ bool mukca_products_create(mukca_products *products, mukca_pool *pool, const muk
 /* Form what the items lack.  Items of one joint should be neighbours. */
 void mukca_products_update(const mukca_product_item *item, int n, const mukca_regression *m,
                            const mukca_normal_equations *normal,
+                           const mukca_product_scratch *scratch);
+
+/* Form those of ripple of a joint: sine and cosine of columns / 2 orders, which rise. */
+void mukca_products_ripple(mukca_products *products, int joint, const int *order,
+                           const mukca_regression *m, const mukca_normal_equations *normal,
                            const mukca_product_scratch *scratch);
 
 /* Products of the columns scratch->E[n_samples][dim][columns], those of `candidate` first; they are

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/ripple.h"
 #include "math/dense.h"
 #include "math/four.h"
 #include "math/stats.h"
@@ -281,18 +280,6 @@ void mukca_projector_score(mukca_projector *p, const mukca_scored *item, int n)
             fill(&b, p, b.n - 1);
         }
     if (b.n) finish(&b, p);
-}
-
-void mukca_projector_ripple(double *value, mukca_projector *p, mukca_products *x, int joint)
-{
-    double information[MUKCA_RIPPLE_ORDERS];
-    const mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
-                               .joint = joint,
-                               .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC},
-                               .terms = 2,
-                               .unit = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT}};
-    mukca_products_update(&(mukca_product_item){NULL, joint, x}, 1, p->m, p->normal, &p->scratch);
-    mukca_projector_score(p, &(mukca_scored){x, &h, value + 2, information}, 1);
 }
 
 void mukca_projector_project(double *G, double *g, mukca_projector *p, int k,

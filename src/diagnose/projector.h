@@ -58,10 +58,6 @@ typedef struct {
 /* Log Bayes factors of n items from their products. */
 void mukca_projector_score(mukca_projector *p, const mukca_scored *item, int n);
 
-/* value[MUKCA_RIPPLE_ORDERS + 1]: those of all orders of ripple of a joint, from 2 on; `products`
- * is of MUKCA_RIPPLE_COLUMNS in blocks of 2. */
-void mukca_projector_ripple(double *value, mukca_projector *p, mukca_products *products, int joint);
-
 /* Log Bayes factor of a fault of one socket or row. */
 double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, double *information);
 

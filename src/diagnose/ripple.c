@@ -25,20 +25,25 @@ void mukca_ripple_start(double *wave, const mukca_recording *r, int joint)
         wave[i] = wave[2 * n + i] = sin(q);
         wave[n + i] = wave[3 * n + i] = cos(q);
     }
+    wave[4 * n] = 1;
 }
 
 /* By the recurrence of the addition theorem. */
-void mukca_ripple_advance(double *F, double *wave, int n, int count)
+void mukca_ripple_advance(double *F, double *wave, int n, const int *order, int count)
 {
     for (int i = 0; i < n; i++) {
         double s = wave[i], c = wave[n + i];
         const double s1 = wave[2 * n + i], c1 = wave[3 * n + i];
+        int at = (int)wave[4 * n];
         for (int o = 0; o < count; o++) {
-            const double next = s * c1 + c * s1;
-            c = c * c1 - s * s1;
-            s = next;
+            for (; at < order[o]; at++) {
+                const double next = s * c1 + c * s1;
+                c = c * c1 - s * s1;
+                s = next;
+            }
             *F++ = s, *F++ = c;
         }
         wave[i] = s, wave[n + i] = c;
     }
+    if (count) wave[4 * n] = order[count - 1];
 }

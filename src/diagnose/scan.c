@@ -8,7 +8,7 @@
 #include "diagnose/correlation.h"
 #include "diagnose/noise.h"
 #include "diagnose/projector.h"
-#include "diagnose/ripple.h"
+#include "diagnose/ripple_scan.h"
 
 const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index)
 {
@@ -16,11 +16,11 @@ const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index)
                                     : &scan->harmonic[index - scan->all->count];
 }
 
-/* The products of a score (or, behind them all, of the ripple of a joint); NULL: no memory. */
-static mukca_products *products_of(mukca_scan *scan, int rho, int index, int columns, int block)
+/* The products of a score; NULL: no memory. */
+static mukca_products *products_of(mukca_scan *scan, int rho, int index, int columns)
 {
     mukca_products *x = &scan->products[rho][index];
-    if (!x->columns && !mukca_products_create(x, &scan->pool, scan->projector.m, columns, block))
+    if (!x->columns && !mukca_products_create(x, &scan->pool, scan->projector.m, columns, columns))
         return NULL;
     return x;
 }
@@ -34,9 +34,7 @@ static void pick_harmonics(mukca_scan *scan, int j)
     double value[MUKCA_RIPPLE_ORDERS + 1], travel[2];
     mukca_recording_travel(travel, r, j);
     if (!scan->all->survey.joint[j].turns || travel[1] - travel[0] < 1e-2) return;
-    mukca_products *x = products_of(scan, scan->rho, scan->capacity + j, MUKCA_RIPPLE_COLUMNS, 2);
-    if (!x) return;
-    mukca_projector_ripple(value, &scan->projector, x, j);
+    mukca_ripple_scan(value, &scan->projector, &scan->ripple, j);
     for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
         value[order] += mukca_ripple_log_prior(order);
     for (int k = 0; k < MUKCA_RIPPLE_KEPT; k++) {
@@ -149,7 +147,7 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
                                      : -HUGE_VAL;
                 continue;
             }
-            mukca_products *x = products_of(scan, rho, k, h->terms, h->terms);
+            mukca_products *x = products_of(scan, rho, k, h->terms);
             if (!x) return;
             scan->item[n] = (mukca_product_item){h, joint, x};
             scan->scored[n++] = (mukca_scored){x, h, &scan->value[k], &scan->information[k]};
@@ -262,9 +260,9 @@ mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, mukca_re
     scan->item = MUKCA_TAKE(&scan->pool, mukca_product_item, most);
     scan->scored = MUKCA_TAKE(&scan->pool, mukca_scored, most);
     for (int i = 0; i < MUKCA_RHOS; i++)
-        scan->products[i] =
-            MUKCA_TAKE(&scan->pool, mukca_products, most + m->recording.chain->n_joints);
+        scan->products[i] = MUKCA_TAKE(&scan->pool, mukca_products, most);
     mukca_projector_create(&scan->projector, &scan->pool, m);
+    mukca_products_create(&scan->ripple, &scan->pool, m, MUKCA_BATCH, 2);
     for (int k = 0; scan->history && k < most * MUKCA_SCAN_STEPS; k++)
         scan->history[k] = -HUGE_VALF;
     if (!scan->pool.failed) return MUKCA_OK;

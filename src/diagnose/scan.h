@@ -42,7 +42,8 @@ typedef struct {
     double sigma;
     unsigned char *wanted;                /* [scores] scratch: averaged over rho */
     double *value, *information;          /* [scores] scratch: at one rho */
-    mukca_products *products[MUKCA_RHOS]; /* [capacity + n_joints]: of all orders of ripple last */
+    mukca_products *products[MUKCA_RHOS]; /* [capacity] */
+    mukca_products ripple;                /* of the promising orders of a joint */
     mukca_product_item *item;             /* [capacity] scratch */
     mukca_scored *scored;                 /* [capacity] scratch */
     mukca_projector projector;

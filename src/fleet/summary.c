@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/projector.h"
+#include "diagnose/ripple_scan.h"
 
 /* FNV-1a, 64 bits (Fowler, Noll, Vo). */
 static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t n)
@@ -103,8 +103,7 @@ static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
         mukca_recording_travel(travel, r, j);
         const mukca_joint_type type = r->chain->element[r->chain->joint_element[j]].type;
         if (!mukca_joint_turns((int)type) || travel[1] - travel[0] < MUKCA_LEAST_RANGE) continue;
-        x.version = 0; /* of another joint */
-        mukca_projector_ripple(value, &p, &x, j);
+        mukca_ripple_scan(value, &p, &x, j);
         for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
             const double quanta = round(value[o + 2] / MUKCA_FLEET_QUANTUM);
             s->ripple[j][o] = (int16_t)fmin(fmax(quanta, -INT16_MAX), INT16_MAX);

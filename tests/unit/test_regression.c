@@ -11,8 +11,7 @@
 #include <cmocka.h>
 
 #include "diagnose/folds.h"
-#include "diagnose/projector.h"
-#include "diagnose/ripple.h"
+#include "diagnose/ripple_scan.h"
 #include "diagnose/scales.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
@@ -208,6 +207,26 @@ static double score_columns(mukca_projector *p, const mukca_candidate *h)
     return mukca_projector_block(G, g, h, p->residual, p->normal->dof, NULL);
 }
 
+/* A scan that finds the scores of promising orders alone finds the best ones of all. */
+static void check_screening(mukca_projector *p, double *all, int joint)
+{
+    double some[MUKCA_RIPPLE_ORDERS + 1];
+    mukca_pool pool = {0};
+    mukca_products x;
+    assert_true(mukca_products_create(&x, &pool, p->m, MUKCA_BATCH, 2));
+    mukca_ripple_scan(some, p, &x, joint);
+    mukca_pool_free(&pool);
+    for (int kept = 0; kept < MUKCA_RIPPLE_KEPT; kept++) {
+        int best = 2;
+        for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
+            if (all[order] + mukca_ripple_log_prior(order) >
+                all[best] + mukca_ripple_log_prior(best))
+                best = order;
+        assert_close(some[best], all[best], 1e-9 * (1 + fabs(all[best])));
+        all[best] = -HUGE_VAL;
+    }
+}
+
 /* The scan of all orders scores each as a fit of that order alone does. */
 static void harmonics(void **state)
 {
@@ -230,12 +249,13 @@ static void harmonics(void **state)
             assert_true(mukca_candidate_prepare(&h, &m->pool, &m->recording));
             mukca_regression_collect(m, r);
             mukca_projector_aim(p, &m->evidence.normal[r], m->unknowns.sigma);
-            mukca_projector_ripple(value, p, &x, joint);
+            mukca_ripple_scan(value, p, &x, joint);
             for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order += 57) {
                 h.effect.variant.order = order;
                 assert_true(mukca_candidate_prepare(&h, &m->pool, &m->recording));
                 assert_close(value[order], score_columns(p, &h), 1e-4);
             }
+            check_screening(p, value, joint);
         }
 }
 

@@ -1,0 +1,95 @@
+/* Scores of the orders of gear ripple of a joint.
+ *
+ * What an order takes from the residuals, its gradient, is exact and cheap.  What the model leaves
+ * of its own products needs a solve, and differs little between orders: it is guessed first, and
+ * found for the orders that are promising by the guess.
+ */
+#include "diagnose/ripple_scan.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "math/dense.h"
+
+enum { ORDERS = MUKCA_RIPPLE_ORDERS - 1 };
+
+static mukca_candidate ripple_of(int joint)
+{
+    return (mukca_candidate){.kind = MUKCA_CANDIDATE_EFFECT,
+                             .joint = joint,
+                             .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC},
+                             .terms = 2,
+                             .unit = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT}};
+}
+
+/* gradient[ORDERS][2], and the squares of the levers with their weights, half of which a wave has
+ * on average. */
+static void find_gradients(double *gradient, double *square, mukca_projector *p, int joint)
+{
+    const mukca_regression *m = p->m;
+    const int n = m->recording.n_samples, d = m->recording.dim;
+    double *along = p->scratch.tri, part[MUKCA_BATCH];
+    int order[MUKCA_BATCH / 2];
+    mukca_projector_rows(p);
+    *square = 0;
+    for (int i = 0; i < n; i++) {
+        const double *lever =
+            m->linear.lever + (size_t)(i * m->recording.chain->n_joints + joint) * (size_t)d;
+        along[i] = 0;
+        for (int c = 0; c < d; c++) {
+            along[i] += lever[c] * p->u[i * d + c];
+            *square += p->precision * p->normal->diagonal[i] * lever[c] * lever[c];
+        }
+    }
+    mukca_ripple_start(p->scratch.wave, &m->recording, joint);
+    for (int first = 0; first < ORDERS; first += MUKCA_BATCH / 2) {
+        const int count = ORDERS - first < MUKCA_BATCH / 2 ? ORDERS - first : MUKCA_BATCH / 2;
+        for (int o = 0; o < count; o++) order[o] = 2 + first + o;
+        memset(part, 0, sizeof part);
+        mukca_ripple_advance(p->scratch.E, p->scratch.wave, n, order, count);
+        mukca_dense_xty(part, (mukca_columns){along, 1, 1},
+                        (mukca_columns){p->scratch.E, 2 * count, 2 * count}, n);
+        memcpy(gradient + 2 * first, part, sizeof *part * (size_t)(2 * count));
+    }
+}
+
+/* order[count], rising: the smooth ones, of which the geometry may leave anything, and those of the
+ * highest guesses. */
+static void screen(int *order, int count, mukca_projector *p, int joint)
+{
+    double gradient[2 * ORDERS], guess[ORDERS], square;
+    bool taken[ORDERS] = {false};
+    const mukca_candidate h = ripple_of(joint);
+    find_gradients(gradient, &square, p, joint);
+    const double left = 0.5 * square * fmax(1 - (double)p->n / p->normal->dof, 0.1);
+    for (int o = 0; o < ORDERS; o++) {
+        double G[] = {left, 0, 0, left};
+        guess[o] = o + 2 <= MUKCA_SMOOTH_ORDER
+                       ? HUGE_VAL
+                       : mukca_projector_block(G, gradient + 2 * o, &h, p->residual, p->normal->dof,
+                                               NULL) +
+                             mukca_ripple_log_prior(o + 2);
+    }
+    for (int k = 0; k < count; k++) {
+        int best = -1;
+        for (int o = 0; o < ORDERS; o++)
+            if (!taken[o] && (best < 0 || guess[o] > guess[best])) best = o;
+        taken[best] = true;
+    }
+    for (int o = 0, k = 0; o < ORDERS; o++)
+        if (taken[o]) order[k++] = o + 2;
+}
+
+void mukca_ripple_scan(double *value, mukca_projector *p, mukca_products *x, int joint)
+{
+    double score[ORDERS], information[ORDERS];
+    int order[ORDERS];
+    const int count = x->columns / 2;
+    const mukca_candidate h = ripple_of(joint);
+    for (int o = 0; o < ORDERS; o++) order[o] = o + 2;
+    if (count < ORDERS) screen(order, count, p, joint);
+    mukca_products_ripple(x, joint, order, p->m, p->normal, &p->scratch);
+    mukca_projector_score(p, &(mukca_scored){x, &h, score, information}, 1);
+    for (int o = 2; o <= MUKCA_RIPPLE_ORDERS; o++) value[o] = -HUGE_VAL;
+    for (int o = 0; o < count; o++) value[order[o]] = score[o];
+}
