@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/ripple.h"
 #include "math/dense.h"
 
 bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mukca_regression *m)
@@ -20,7 +19,9 @@ bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mu
         .along = MUKCA_TAKE(pool, double, (data->n_distances + 1) * MUKCA_BATCH),
         .mean = MUKCA_TAKE(pool, double, (data->n_sockets + 2) * 3 * MUKCA_BATCH),
         .tri = MUKCA_TAKE(pool, double, 2 * rows),
-        .wave = MUKCA_TAKE(pool, double, 4 * rows + 1)};
+        .wave = {.sine = MUKCA_TAKE(pool, double, rows),
+                 .cosine = MUKCA_TAKE(pool, double, rows),
+                 .first = MUKCA_TAKE(pool, double, 2 * rows)}};
     return !pool->failed;
 }
 
@@ -226,13 +227,14 @@ void mukca_products_ripple(mukca_products *x, int joint, const int *order,
                            const mukca_product_scratch *s)
 {
     job j = {.m = m, .normal = normal, .s = s, .joint = joint};
+    mukca_ripple wave = s->wave;
     aim_levers(&j, 0);
-    mukca_ripple_start(s->wave, &m->recording, joint);
+    mukca_ripple_start(&wave, &m->recording, joint);
     for (int first = 0; first < x->columns; first += MUKCA_BATCH) {
         const int count = x->columns - first < MUKCA_BATCH ? x->columns - first : MUKCA_BATCH;
         j.b.n = j.b.width = 0;
         put(&j.b, x, first, count);
-        mukca_ripple_advance(s->E, s->wave, m->recording.n_samples, order + first / 2, count / 2);
+        mukca_ripple_fill(s->E, &wave, order + first / 2, count / 2);
         finish_functions(&j, 0);
     }
     x->version = m->linear.version;

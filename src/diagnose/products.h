@@ -5,6 +5,7 @@
 #define MUKCA_DIAGNOSE_PRODUCTS_H
 
 #include "diagnose/regression.h"
+#include "diagnose/ripple.h"
 
 enum { MUKCA_BATCH = 2 * MUKCA_MAX_COLUMNS }; /* columns that are treated together */
 
@@ -33,7 +34,7 @@ typedef struct {
     double *along; /* [n_pairs + 1][MUKCA_BATCH] */
     double *mean;  /* [n_groups][3][MUKCA_BATCH] */
     double *tri;   /* [2][n_samples] W along the levers: diagonal, and with the sample before */
-    double *wave;  /* [4 * n_samples + 1] */
+    mukca_ripple wave;
 } mukca_product_scratch;
 
 /* False: no memory. */

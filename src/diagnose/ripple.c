@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "base/clones.h"
+
 double mukca_ripple_log_prior(int order)
 {
     /* Ratios of strain wave and cycloidal gears in cobots, their doubles (two lobes a turn), and
@@ -17,33 +19,39 @@ double mukca_ripple_log_prior(int order)
     return log(p);
 }
 
-void mukca_ripple_start(double *wave, const mukca_recording *r, int joint)
+void mukca_ripple_start(mukca_ripple *wave, const mukca_recording *r, int joint)
 {
     const int n_joints = r->chain->n_joints, n = r->n_samples;
     for (int i = 0; i < n; i++) {
         const double q = r->data->q[r->order[i] * n_joints + joint];
-        wave[i] = wave[2 * n + i] = sin(q);
-        wave[n + i] = wave[3 * n + i] = cos(q);
+        wave->first[i] = wave->sine[i] = sin(q);
+        wave->first[n + i] = wave->cosine[i] = cos(q);
     }
-    wave[4 * n] = 1;
+    wave->n = n;
+    wave->order = 1;
 }
 
-/* By the recurrence of the addition theorem. */
-void mukca_ripple_advance(double *F, double *wave, int n, const int *order, int count)
+/* By the addition theorem. */
+MUKCA_CLONES void mukca_ripple_next(mukca_ripple *wave)
 {
+    const int n = wave->n;
+    const double *restrict s1 = wave->first, *restrict c1 = s1 + n;
+    double *restrict sine = wave->sine, *restrict cosine = wave->cosine;
     for (int i = 0; i < n; i++) {
-        double s = wave[i], c = wave[n + i];
-        const double s1 = wave[2 * n + i], c1 = wave[3 * n + i];
-        int at = (int)wave[4 * n];
-        for (int o = 0; o < count; o++) {
-            for (; at < order[o]; at++) {
-                const double next = s * c1 + c * s1;
-                c = c * c1 - s * s1;
-                s = next;
-            }
-            *F++ = s, *F++ = c;
-        }
-        wave[i] = s, wave[n + i] = c;
+        const double s = sine[i], c = cosine[i];
+        sine[i] = s * c1[i] + c * s1[i];
+        cosine[i] = c * c1[i] - s * s1[i];
     }
-    if (count) wave[4 * n] = order[count - 1];
+    wave->order++;
+}
+
+void mukca_ripple_fill(double *F, mukca_ripple *wave, const int *order, int count)
+{
+    for (int o = 0; o < count; o++) {
+        while (wave->order < order[o]) mukca_ripple_next(wave);
+        for (int i = 0; i < wave->n; i++) {
+            F[2 * (i * count + o)] = wave->sine[i];
+            F[2 * (i * count + o) + 1] = wave->cosine[i];
+        }
+    }
 }

@@ -9,11 +9,20 @@ enum { MUKCA_RIPPLE_ORDERS = 400, MUKCA_RIPPLE_COLUMNS = 2 * (MUKCA_RIPPLE_ORDER
 /* Log prior of an order among all that are scanned. */
 double mukca_ripple_log_prior(int order);
 
-/* Start at order 1 of a joint; wave[4 * n_samples + 1] holds the state: sine and cosine of the last
- * order and of the first one, and the last order. */
-void mukca_ripple_start(double *wave, const mukca_recording *recording, int joint);
+/* Sine and cosine of one order at the angles of a joint. */
+typedef struct {
+    int n, order;
+    double *sine, *cosine; /* [n] samples */
+    double *first;         /* [2][n] those of order 1 */
+} mukca_ripple;
 
-/* Sine and cosine of the next orders, which rise: F[n_samples][2 * count]. */
-void mukca_ripple_advance(double *F, double *wave, int n_samples, const int *order, int count);
+/* Start at order 1 of a joint; the arrays are the caller's. */
+void mukca_ripple_start(mukca_ripple *wave, const mukca_recording *recording, int joint);
+
+/* Go to the next order. */
+void mukca_ripple_next(mukca_ripple *wave);
+
+/* F[n][2 * count]: sine and cosine of the given orders, which rise and are yet to come. */
+void mukca_ripple_fill(double *F, mukca_ripple *wave, const int *order, int count);
 
 #endif

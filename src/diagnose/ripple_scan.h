@@ -3,7 +3,6 @@
 #define MUKCA_DIAGNOSE_RIPPLE_SCAN_H
 
 #include "diagnose/projector.h"
-#include "diagnose/ripple.h"
 
 /* value[MUKCA_RIPPLE_ORDERS + 1]: log Bayes factors of the orders of ripple of a joint, from 2 on.
  * `products` has blocks of 2: MUKCA_RIPPLE_COLUMNS columns for all orders, or two for each of the

@@ -262,7 +262,7 @@ mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, mukca_re
     for (int i = 0; i < MUKCA_RHOS; i++)
         scan->products[i] = MUKCA_TAKE(&scan->pool, mukca_products, most);
     mukca_projector_create(&scan->projector, &scan->pool, m);
-    mukca_products_create(&scan->ripple, &scan->pool, m, MUKCA_BATCH, 2);
+    mukca_products_create(&scan->ripple, &scan->pool, m, 2 * MUKCA_RIPPLE_PROMISING, 2);
     for (int k = 0; scan->history && k < most * MUKCA_SCAN_STEPS; k++)
         scan->history[k] = -HUGE_VALF;
     if (!scan->pool.failed) return MUKCA_OK;

@@ -14,8 +14,9 @@ typedef struct {
 } mukca_score;
 
 enum {
-    MUKCA_RIPPLE_KEPT = 8, /* best orders of a joint that one scan of all orders adds */
-    MUKCA_RIPPLE_MOST = 24 /* orders of a joint that are scored as candidates */
+    MUKCA_RIPPLE_PROMISING = 64, /* orders that a scan of all orders scores exactly */
+    MUKCA_RIPPLE_KEPT = 8,       /* best orders of a joint that one scan of all orders adds */
+    MUKCA_RIPPLE_MOST = 24       /* orders of a joint that are scored as candidates */
 };
 
 enum { MUKCA_SCAN_STEPS = 64 }; /* runs that are remembered; later ones count for the last */

@@ -213,7 +213,7 @@ static void check_screening(mukca_projector *p, double *all, int joint)
     double some[MUKCA_RIPPLE_ORDERS + 1];
     mukca_pool pool = {0};
     mukca_products x;
-    assert_true(mukca_products_create(&x, &pool, p->m, MUKCA_BATCH, 2));
+    assert_true(mukca_products_create(&x, &pool, p->m, 2 * MUKCA_RIPPLE_PROMISING, 2));
     mukca_ripple_scan(some, p, &x, joint);
     mukca_pool_free(&pool);
     for (int kept = 0; kept < MUKCA_RIPPLE_KEPT; kept++) {
