@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "diagnose/folds.h"
+#include "diagnose/noise.h"
 #include "diagnose/ripple_scan.h"
 #include "diagnose/scales.h"
 #include "diagnose/scan.h"
@@ -205,6 +206,57 @@ static double score_columns(mukca_projector *p, const mukca_candidate *h)
     mukca_linearisation_columns(p->scratch.E, h->terms, &p->m->linear, &p->m->recording, h);
     mukca_projector_project(G, g, p, h->terms, h);
     return mukca_projector_block(G, g, h, p->residual, p->normal->dof, NULL);
+}
+
+/* A fault scores the same by itself, from the rows of all samples, and from its columns. */
+static void faults(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    mukca_projector *p = &f->projector;
+    int n[3] = {0};
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    for (int i = 0; i < f->all.count; i++) {
+        const mukca_candidate *h = &f->all.list[i];
+        const int kind = h->kind == MUKCA_CANDIDATE_STEP    ? 0
+                         : h->kind == MUKCA_CANDIDATE_CREEP ? 1
+                                                            : 2;
+        if (!mukca_candidate_is_fault(h) || n[kind]++ % 7) continue;
+        mukca_regression_collect(m, i % MUKCA_RHOS);
+        mukca_projector_aim(p, &m->evidence.normal[i % MUKCA_RHOS], m->unknowns.sigma);
+        const double alone = mukca_projector_fault(p, h, NULL), columns = score_columns(p, h);
+        mukca_projector_rows(p);
+        assert_close(alone, columns, 1e-7 * (1 + fabs(columns)));
+        assert_close(mukca_projector_fault(p, h, NULL), columns, 1e-7 * (1 + fabs(columns)));
+    }
+    assert_true(n[0] > 20 && n[1] > 5 && n[2] > 20);
+}
+
+/* The evidence at the chosen noise is that of a factorisation, and no other noise has more. */
+static void noise(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    for (int r = 0; r < MUKCA_RHOS; r++) {
+        double value, again;
+        mukca_normal_equations *normal = mukca_regression_collect(m, r);
+        const double sigma = mukca_noise_choose(&m->evidence, normal, m->unknowns.sigma, &value);
+        assert_true(normal->reduced);
+        assert_close(mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL), value,
+                     1e-8 * fabs(value));
+        for (int i = -1; i < 2; i += 2)
+            assert_true(mukca_evidence_evaluate(&m->evidence, normal, sigma * (1 + 0.02 * i),
+                                                NULL) < value);
+        /* what was kept is not of other priors */
+        for (int i = 0; i < normal->n; i++) m->evidence.prior[i] *= 0.5;
+        mukca_noise_choose(&m->evidence, normal, m->unknowns.sigma, &again);
+        for (int i = 0; i < normal->n; i++) m->evidence.prior[i] *= 2;
+        assert_true(fabs(again - value) > 1e-3);
+        /* far from the guess: by factorisations */
+        assert_close(mukca_noise_choose(&m->evidence, normal, 50 * sigma, NULL), sigma,
+                     0.01 * sigma);
+    }
 }
 
 /* A scan that finds the scores of promising orders alone finds the best ones of all. */
@@ -445,6 +497,8 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(geometry_columns),
                                        cmocka_unit_test(effect_columns),
                                        cmocka_unit_test(projected_evidence),
+                                       cmocka_unit_test(faults),
+                                       cmocka_unit_test(noise),
                                        cmocka_unit_test(harmonics),
                                        cmocka_unit_test(scales),
                                        cmocka_unit_test(held_products),
