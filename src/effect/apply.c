@@ -41,17 +41,18 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
         for (int i = 0; i < width; i++) into[i] += effect->coefficient[t] * basis[t][i];
 }
 
-/* Largest difference between two displacements' angles and rotations. */
-static double change(const mukca_displacement *a, const mukca_displacement *b, int n_joints)
+/* Whether two displacements' angles and rotations differ by less than `limit`. */
+static bool is_close(const mukca_displacement *a, const mukca_displacement *b, int n_joints,
+                     double limit)
 {
-    double largest = 0;
+    bool close = true;
     for (int j = 0; j < n_joints; j++) {
-        largest = fmax(largest, fabs(a->q[j] - b->q[j]));
+        close &= !(fabs(a->q[j] - b->q[j]) >= limit);
         for (int i = 0; i < 3; i++)
-            largest = fmax(largest, fabs(a->rotation[j][i] - b->rotation[j][i]));
+            close &= !(fabs(a->rotation[j][i] - b->rotation[j][i]) >= limit);
     }
-    for (int i = 0; i < 3; i++) largest = fmax(largest, fabs(a->base[i] - b->base[i]));
-    return largest;
+    for (int i = 0; i < 3; i++) close &= !(fabs(a->base[i] - b->base[i]) >= limit);
+    return close;
 }
 
 static bool is_loaded(const mukca_effect *effect)
@@ -83,7 +84,7 @@ void mukca_effects_displacement(mukca_displacement *displacement, const mukca_ef
         *displacement = unloaded;
         for (int i = 0; i < n; i++)
             if (is_loaded(&effects[i])) mukca_effect_apply(displacement, &effects[i], chain, &full);
-        if (!loaded || change(displacement, &before, chain->n_joints) < 1e-12) return;
+        if (!loaded || is_close(displacement, &before, chain->n_joints, 1e-12)) return;
         /* Once more under the load of the arm where it has come to: the equilibrium. */
         before = *displacement;
         mukca_chain_moments_displaced(&load, chain, geometry, q, displacement, full.payload_kg);

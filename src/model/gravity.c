@@ -35,9 +35,11 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
     double R[9], tilt[9]; /* of the base */
     joint_angles angles;
     double gravity[MUKCA_MAX_ELEMENTS][3];
-    double kg[MUKCA_MAX_ELEMENTS] = {0}, first[MUKCA_MAX_ELEMENTS][3] = {{0}}; /* child frames */
+    double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3]; /* child frames */
     double g[3] = {chain->gravity[0], chain->gravity[1], chain->gravity[2]};
 
+    memset(kg, 0, (size_t)n * sizeof *kg); /* not of the elements that there could be */
+    memset(first, 0, (size_t)n * sizeof *first);
     mukca_joint_angles_set(&angles, geometry, at->q, at->displacement);
     if (tilted) {
         mukca_rotation_exp(tilt, at->displacement->base);
