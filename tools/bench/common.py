@@ -10,6 +10,14 @@ DATA = os.environ.get("MUKCA_REAL_DATA", "../shared/real")
 REPEATS = int(os.environ.get("BENCH_REPEATS", "31"))
 
 
+def goal(value, limit, at_least=False):
+    """How a figure compares with its goal, for the end of a line; nothing where there is none."""
+    if limit is None:
+        return ""
+    good = value >= limit if at_least else value <= limit
+    return f"   goal {'at least' if at_least else 'at most'} {limit}: {'reached' if good else 'FALLS SHORT'}"
+
+
 def output(*command):
     done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
     if done.returncode != 0:

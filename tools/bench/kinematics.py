@@ -1,10 +1,10 @@
-"""Forward kinematics of the demo arm beside CasADi's generated C and Pinocchio, on the same angles."""
+"""Forward kinematics of the demo arm beside CasADi's generated C, Pinocchio and KDL, on the same angles."""
 import array
 import os
 import random
 import subprocess
 
-from common import BUILD, HERE, MUKCA, REPEATS, output, python_with
+from common import BUILD, HERE, MUKCA, REPEATS, goal, output, python_with
 
 URDF, TIP, JOINTS, ROWS = "data/demo/arm.urdf", "ball_link", 7, 1000
 CC, CXX = os.environ.get("CC", "gcc").split(), os.environ.get("CXX", "g++").split()
@@ -53,20 +53,42 @@ def pinocchio(folder, rows, repeats):
     return output(program, URDF, TIP, repeats, rows)
 
 
+def kdl(folder, rows, repeats):
+    """Lines of the KDL program; none where Debian's liborocos-kdl-dev is missing."""
+    elements, program = os.path.join(folder, "elements.txt"), os.path.join(folder, "kdl_fk")
+    python = python_with("numpy")
+    if not python:
+        print("  SKIPPED KDL: numpy, which reads the URDF for it, cannot be installed")
+        return ""
+    script = "import sys; from peer import chain_of; [print(k, *o, *a) for k, o, a in chain_of(*sys.argv[1:])]"
+    with open(elements, "w") as f:
+        f.write(output("env", f"PYTHONPATH={HERE}", python, "-B", "-c", script, URDF, TIP))
+    done = subprocess.run([*CXX, "-std=c++17", "-O3", "-DNDEBUG", "-w", "-isystem", "/usr/include/eigen3", "-o", program,
+                           os.path.join(HERE, "kdl_fk.cc"), "-lorocos-kdl"], capture_output=True, text=True)
+    if done.returncode != 0:
+        print("  SKIPPED KDL: it does not compile here (Debian: liborocos-kdl-dev)")
+        return ""
+    return output(program, elements, repeats, rows)
+
+
+# words, name, goal of the ratio to the yardstick
 LINES = (
-    ("seven times the C library's sincos: the yardstick", "yardstick", 1),
-    ("position, many rows in one call", "positions", 1),
+    ("seven times the C library's sincos: the yardstick", "yardstick", None),
+    ("position, many rows in one call", "positions", 0.4),
     ("position, one by one", "position", 1),
-    ("  CasADi's generated C, parameters folded into the code", "casadi_position", 1),
-    ("  Pinocchio, forwardKinematics and the tip's frame", "pinocchio_position", 1),
-    ("pose", "pose", 1),
-    ("pose and geometric Jacobian", "geometric_jacobian", 1),
-    (f"position and Jacobian by {6 * (JOINTS + 1)} parameters", "jacobian", 1),
-    ("  CasADi's generated C", "casadi_jacobian", 1),
-    ("  the same, parameters folded into the code", "casadi_jacobian_constant", 1),
-    (f"  Pinocchio, kinematic regressor of {6 * JOINTS} parameters", "pinocchio_regressor", 1),
-    ("pose with every kind of effect (19)", "corrected_pose", 1),
-    ("pose and Jacobian with every kind of effect", "corrected_jacobian_16th", ROWS / (ROWS // 16)),
+    ("  CasADi's generated C, parameters folded into the code", "casadi_position", None),
+    ("  Pinocchio, forwardKinematics and the tip's frame", "pinocchio_position", None),
+    ("  KDL, JntToCart", "kdl_position", None),
+    ("pose", "pose", None),
+    ("pose and geometric Jacobian", "geometric_jacobian", 1.5),
+    ("  Pinocchio, computeFrameJacobian", "pinocchio_jacobian", None),
+    ("  KDL, JntToCart and JntToJac", "kdl_jacobian", None),
+    (f"position and Jacobian by {6 * (JOINTS + 1)} parameters", "jacobian", None),
+    ("  CasADi's generated C", "casadi_jacobian", None),
+    ("  the same, parameters folded into the code", "casadi_jacobian_constant", None),
+    (f"  Pinocchio, kinematic regressor of {6 * JOINTS} parameters", "pinocchio_regressor", None),
+    ("pose with every kind of effect (19)", "corrected_pose", None),
+    ("pose and Jacobian with every kind of effect", "corrected_jacobian", 4),
 )
 
 
@@ -74,20 +96,21 @@ def main():
     folder = os.path.join(BUILD, "bench")
     rows, table, repeats = os.path.join(folder, "angles.bin"), os.path.join(folder, "effects.tsv"), 3 * REPEATS
     print(f"\nforward kinematics, {URDF}, {JOINTS} joints, {ROWS} configurations, {repeats} runs: medians, and ratios to the"
-          " yardstick with their quartiles")
+          " yardstick, timed in the same repeats, with their quartiles")
     angles(rows)
     with open(table, "w") as f:
         f.write(output(os.path.join(HERE, "../cross/m7/table"), MUKCA))
     ours = output(os.path.join(folder, "bench_fk"), URDF, repeats, rows, table, *casadi_library(folder))
-    theirs = pinocchio(folder, rows, repeats)
+    theirs = pinocchio(folder, rows, repeats) + kdl(folder, rows, repeats)
     values = {name: [float(n) for n in numbers] for name, *numbers in map(str.split, (ours + theirs).splitlines())}
     checks = [line.split()[1:] for line in (ours + theirs).splitlines() if line.startswith("check")]
-    if any(abs(float(a) - float(b)) > 1e-6 for a, b in zip(checks[0], checks[-1])):
-        raise SystemExit("bench: Pinocchio's positions are not ours")
-    for words, name, share in LINES:
+    if any(not abs(float(a) - float(b)) <= 1e-6 for other in checks[1:] for a, b in zip(checks[0], other)):
+        raise SystemExit("bench: a peer's positions are not ours")
+    for words, name, limit in LINES:
         if name not in values:
             continue
-        ns, *ratios = [share * value for value in values[name]]
-        ratios = ratios or [ns / values["yardstick"][0]]  # of another process, next to the last yardstick
-        spread = f"  [{ratios[1]:.2f}, {ratios[2]:.2f}]" if len(ratios) > 1 else ""
-        print(f"  {words:62}{ns:9.1f} ns{ratios[0]:8.2f}{spread}")
+        ns, ratio, lower, upper = values[name]
+        print(f"  {words:62}{ns:9.1f} ns{ratio:8.2f}  [{lower:.2f}, {upper:.2f}]{goal(ratio, limit)}")
+    if "casadi_jacobian_constant" in values:
+        ratio = values["jacobian"][1] / values["casadi_jacobian_constant"][1]
+        print(f"  {'the Jacobian by parameters over that of the folded code':62}{'':12}{ratio:8.2f}{goal(ratio, 1)}")

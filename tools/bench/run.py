@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """make bench: times and memory beside references, in one run.
 
-The re-calibration beside numpy (recalibrate.py), LCM (lcm_speed.py), the fit beside the method's
-published program and numpy, the diagnosis beside a numpy prototype, forward kinematics beside CasADi and
-Pinocchio. The published robots' data are not part of the project: MUKCA_REAL_DATA or ../shared/real. What
+Forward kinematics beside CasADi, Pinocchio and KDL, the re-calibration beside numpy, LCM (lcm_speed.py), the fit
+beside the method's published program and numpy, the diagnosis beside a numpy prototype, growth in rows. Each peer
+is timed in turn with mukca. The published robots' data are not part of the project: MUKCA_REAL_DATA or ../shared/real. What
 PyPI gives is taken as found, else installed into build/venv.
 """
 import os
@@ -11,7 +11,9 @@ import sys
 
 sys.dont_write_bytecode = True
 import diagnosis  # noqa: E402
+import growth  # noqa: E402
 import kinematics  # noqa: E402
+import recalibrate  # noqa: E402
 from common import BUILD, DATA, HERE, MUKCA, REPEATS, output, process, python_with  # noqa: E402
 
 # What the method's published program needs, measured on one thread of a machine like ours: seconds
@@ -61,20 +63,26 @@ def fit():
                   f"{1e9 * float(seconds) / int(n):6.0f} ns per row")
 
 
+def machine():
+    """Processor and compiler; no date."""
+    with open("/proc/cpuinfo") as f:
+        names = [line.split(":", 1)[1].strip() for line in f if line.startswith("model name")]
+    compiler = output(*os.environ.get("CC", "gcc").split(), "--version").splitlines()[0]
+    return f"{len(names)} cores of {names[0] if names else 'an unknown processor'}; {compiler}"
+
+
 def others():
-    python = python_with("numpy")
-    if python:
-        print(output(sys.executable, os.path.join(HERE, "recalibrate.py"), python), end="")
-    else:
-        print("SKIPPED bench of the re-calibration: numpy cannot be installed")
     print(output(sys.executable, os.path.join(HERE, "lcm_speed.py")), end="")
 
 
 def main():
+    print(machine())
+    kinematics.main()
+    recalibrate.main()
     others()
     fit()
     diagnosis.main()
-    kinematics.main()
+    growth.main()
 
 
 if __name__ == "__main__":
