@@ -41,27 +41,31 @@ void mukca_pose_log_from_dataset(mukca_pose_log *log, mukca_pose_cursor *cursor,
     *log = (mukca_pose_log){.next = cursor_next, .rewind = cursor_rewind, .context = cursor};
 }
 
+/* Place in `row` and `state` of the row before (0), now (1), after (2). */
+static int place(const mukca_pose_reader *r, int i)
+{
+    return (r->first + i) % 3;
+}
+
 /* Move the window on by one row. */
 static mukca_status advance(mukca_pose_reader *r, mukca_error *error)
 {
-    r->row[0] = r->row[1];
-    r->row[1] = r->row[2];
-    r->state[0] = r->state[1];
-    r->state[1] = r->state[2];
-    r->state[2] = 0;
+    r->first = place(r, 1);
+    const int after = place(r, 2);
+    r->state[after] = 0;
     for (; r->log < r->n_logs; r->log++, r->started = false) {
         const mukca_pose_log *log = &r->logs[r->log];
         mukca_status status = r->started ? MUKCA_OK : log->rewind(log->context, error);
         bool more = false;
         r->started = true;
-        if (status == MUKCA_OK) status = log->next(log->context, &r->row[2], &more, error);
-        if (more) r->state[2] = 1 + r->log;
+        if (status == MUKCA_OK) status = log->next(log->context, &r->row[after], &more, error);
+        if (more) r->state[after] = 1 + r->log;
         if (status != MUKCA_OK || more) return status;
     }
     return MUKCA_OK;
 }
 
-/* Rows a and b of the window follow each other closely. */
+/* Rows of the window at places a and b follow each other closely. */
 static bool adjacent(const mukca_pose_reader *r, int a, int b)
 {
     if (!r->state[a] || r->state[a] != r->state[b] || r->row[a].file != r->row[b].file)
@@ -74,10 +78,13 @@ static bool adjacent(const mukca_pose_reader *r, int a, int b)
 
 static void fill_velocity(mukca_pose_reader *r)
 {
-    mukca_pose_row *now = &r->row[1];
+    const int before = place(r, 0), at = place(r, 1), after = place(r, 2);
+    mukca_pose_row *now = &r->row[at];
     if (isfinite(now->velocity[0])) return;
-    const int from = adjacent(r, 0, 1) ? 0 : 1, to = adjacent(r, 1, 2) ? 2 : 1;
-    const double span = isfinite(now->time) ? r->row[to].time - r->row[from].time : to - from;
+    const int from = adjacent(r, before, at) ? before : at,
+              to = adjacent(r, at, after) ? after : at;
+    const int rows = (to != at) + (from != at);
+    const double span = isfinite(now->time) ? r->row[to].time - r->row[from].time : rows;
     for (int j = 0; j < r->n_joints; j++)
         now->velocity[j] = from == to ? 0 : (r->row[to].q[j] - r->row[from].q[j]) / span;
 }
@@ -87,10 +94,11 @@ mukca_status mukca_pose_reader_next(mukca_pose_reader *r, mukca_error *error)
     const bool first = !r->started && r->log == 0;
     mukca_status status = first ? advance(r, error) : MUKCA_OK;
     if (status == MUKCA_OK) status = advance(r, error);
-    r->now = r->state[1] ? &r->row[1] : NULL;
+    const int at = place(r, 1);
+    r->now = r->state[at] ? &r->row[at] : NULL;
     if (status != MUKCA_OK || !r->now) return status;
     fill_velocity(r);
-    r->weight = r->logs[r->state[1] - 1].weight;
+    r->weight = r->logs[r->state[at] - 1].weight;
     if (!(r->weight > 0)) r->weight = 1;
     return MUKCA_OK;
 }

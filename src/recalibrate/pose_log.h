@@ -44,8 +44,8 @@ typedef struct {
     double weight;             /* of its log */
     bool started;
     int log;               /* which one is being read */
-    mukca_pose_row row[3]; /* before, now, after */
-    int state[3];          /* of row: 0 empty, else 1 + log */
+    mukca_pose_row row[3]; /* before, now, after: in turn, from row[first] on */
+    int state[3], first;   /* state of row: 0 empty, else 1 + log */
 } mukca_pose_reader;
 
 /* Move to the next row.  Errors: the logs' own. */

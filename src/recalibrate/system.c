@@ -47,7 +47,7 @@ static void finish_rows(mukca_pose_system *s, double *rows, const double *residu
     for (int i = 0; i < 3; i++) {
         double *row = rows + i * width;
         row[width - 1] = residual[i];
-        for (int c = 0; c < width; c++) row[c] *= weight;
+        for (int c = 0; c < width && weight != 1; c++) row[c] *= weight;
         s->total += row[width - 1] * row[width - 1];
     }
     s->equations += 3;
