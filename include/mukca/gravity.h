@@ -16,6 +16,11 @@ typedef struct {
     double base[3];                  /* the same about the base origin, in the base frame */
 } mukca_gravity_load;
 
+/* Mass kg[n_elements] and first moment first[n_elements][3] (kg m, child frame) of what moves with
+ * each element; `mass_scale` and `payload_kg` as below. */
+void mukca_chain_masses(double *kg, double (*first)[3], const mukca_chain *chain,
+                        const double *mass_scale, double payload_kg);
+
 /* Static load of the masses at q[n_joints].  `mass_scale` (n_masses factors) may be NULL;
  * `payload_kg` sits at the tip.  Linear in elements and masses. */
 void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,

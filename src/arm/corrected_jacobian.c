@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "model/turn.h"
+#include "mukca/gravity.h"
 
 /* With several lanes part of the function that is compiled for each processor; with one apart: a
  * small controller has little stack and memory for code. */
@@ -69,21 +70,6 @@ PART void angular_velocity(lanes omega[3], const double w[3], const lanes rate[3
     for (int i = 0; i < 3; i++) omega[i] = rate[i] + a * once[i] + b * twice[i];
 }
 
-/* Masses and first moments of the elements, in their child frames. */
-static void gather_masses(double *kg, double (*first)[3], const mukca_chain *chain,
-                          double payload_kg)
-{
-    const int n = chain->n_elements;
-    memset(kg, 0, (size_t)n * sizeof *kg);
-    memset(first, 0, (size_t)n * sizeof *first);
-    for (const mukca_mass *m = chain->mass; m < chain->mass + chain->n_masses; m++) {
-        if (m->element < 0 || m->element >= n) continue;
-        kg[m->element] += m->kg;
-        for (int i = 0; i < 3; i++) first[m->element][i] += m->kg * m->com[i];
-    }
-    if (n > 0) kg[n - 1] += payload_kg;
-}
-
 /* Frames and masses along the chain, outwards, then what each joint carries, inwards. */
 PART void set_posture(posture *p, const mukca_corrected_point *point)
 {
@@ -93,7 +79,7 @@ PART void set_posture(posture *p, const mukca_corrected_point *point)
     double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3], sum[3] = {0, 0, 0}, total = 0;
     joint_angles at;
     columns F;
-    gather_masses(kg, first, &model->chain, point->payload_kg);
+    mukca_chain_masses(kg, first, &model->chain, NULL, point->payload_kg);
     p->slopes = point->slopes;
     p->n_joints = g->n_joints;
     memcpy(p->gravity, model->chain.gravity, sizeof p->gravity);

@@ -93,7 +93,8 @@ bool mukca_effect_read_number(double *value, const char *text, const char *unit)
 /* A whole number from `lowest` to `highest`, with or without a plus sign. */
 bool mukca_effect_read_integer(int *value, const char *text, int lowest, int highest);
 
-/* by_load of a spring: -1. */
+/* A spring at a joint: basis minus its torque; by_load of any spring: -1. */
+void mukca_effect_spring_basis(double basis[][3], const mukca_basis_input *in);
 double mukca_effect_spring_slope(const mukca_effect *effect, const mukca_joint_state *state);
 
 /* Candidates that several effects share: one where the joint moved, one per placement. */

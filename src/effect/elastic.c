@@ -8,7 +8,7 @@ double mukca_effect_spring_slope(const mukca_effect *effect, const mukca_joint_s
     return -1;
 }
 
-static void joint_basis(double basis[][3], const mukca_basis_input *in)
+void mukca_effect_spring_basis(double basis[][3], const mukca_basis_input *in)
 {
     if (in->state->torque) basis[0][0] = -in->state->torque[in->effect->joint];
 }
@@ -29,7 +29,7 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
              .needs = MUKCA_NEEDS_MASSES,
              .traits = MUKCA_TRAIT_ELASTIC,
              .sentence = "the transmission deflects under gravity torque"},
-    .basis = joint_basis,
+    .basis = mukca_effect_spring_basis,
     .by_load = mukca_effect_spring_slope,
     .candidate = joint_candidate,
     .untested = "gravity loads it alike in all samples: record postures with other lever arms",

@@ -10,12 +10,12 @@ static void scale_basis(double basis[][3], const mukca_basis_input *in)
     basis[0][0] = in->state->q[in->effect->joint];
 }
 
-static int scale_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
+/* In proportion to the joint's own angle, or to that of the neighbour it has. */
+static int linear_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
 {
-    (void)in;
     (void)basis;
     slope[0][0] = 1;
-    return 0;
+    return in->effect->variant.neighbour;
 }
 
 const mukca_effect_ops mukca_joint_scale_effect = {
@@ -28,21 +28,13 @@ const mukca_effect_ops mukca_joint_scale_effect = {
              .sentence = "the encoder counts a little too much or too little per turn",
              .remedy = "correct the encoder's counts per turn in the controller, or compensate it"},
     .basis = scale_basis,
-    .by_angle = scale_by_angle,
+    .by_angle = linear_by_angle,
     .candidate = mukca_survey_moved,
 };
 
 static void coupling_basis(double basis[][3], const mukca_basis_input *in)
 {
     basis[0][0] = in->state->q[in->effect->joint + in->effect->variant.neighbour];
-}
-
-static int coupling_by_angle(double slope[][3], const mukca_basis_input *in,
-                             const double basis[][3])
-{
-    (void)basis;
-    slope[0][0] = 1;
-    return in->effect->variant.neighbour;
 }
 
 /* Not given: the joint after, or before the last one. */
@@ -102,7 +94,7 @@ const mukca_effect_ops mukca_joint_coupling_effect = {
                          "differential or cable drive)",
              .remedy = "correct the coupling ratio in the controller, or compensate it"},
     .basis = coupling_basis,
-    .by_angle = coupling_by_angle,
+    .by_angle = linear_by_angle,
     .variant = &neighbour,
     .describe = describe_coupling,
     .candidate = coupling_candidate,

@@ -6,11 +6,6 @@
  * encoder's resolution; users of cheap arms report 30 mrad at a few N m. */
 static const mukca_effect_sizes sizes = {4, {30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
 
-static void basis(double basis[][3], const mukca_basis_input *in)
-{
-    if (in->state->torque) basis[0][0] = -in->state->torque[in->effect->joint];
-}
-
 static bool candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
     return i == 0 && survey->by_command && mukca_survey_loads(survey, effect->joint);
@@ -30,7 +25,7 @@ const mukca_effect_ops mukca_servo_sag_effect = {
                          "command and angle",
              .remedy = "record the readings too; raise the position gain or add gravity "
                        "compensation or integral action, or compensate it"},
-    .basis = basis,
+    .basis = mukca_effect_spring_basis,
     .by_load = mukca_effect_spring_slope,
     .candidate = candidate,
     .untested = "gravity loads it alike in all samples: record postures with other lever arms",

@@ -26,6 +26,22 @@ static const double *turn_origin(double R[9], const posture *p, int k)
     return R;
 }
 
+void mukca_chain_masses(double *kg, double (*first)[3], const mukca_chain *chain,
+                        const double *mass_scale, double payload_kg)
+{
+    const int n = chain->n_elements;
+    memset(kg, 0, (size_t)n * sizeof *kg);
+    memset(first, 0, (size_t)n * sizeof *first);
+    for (int m = 0; m < chain->n_masses; m++) {
+        const mukca_mass *mass = &chain->mass[m];
+        if (mass->element < 0 || mass->element >= n) continue; /* fixed to the base */
+        const double w = mass->kg * (mass_scale ? mass_scale[m] : 1);
+        kg[mass->element] += w;
+        for (int i = 0; i < 3; i++) first[mass->element][i] += w * mass->com[i];
+    }
+    if (n > 0) kg[n - 1] += payload_kg;
+}
+
 static void find_moments(mukca_gravity_load *load, const posture *at)
 {
     const mukca_chain *chain = at->chain;
@@ -38,8 +54,7 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
     double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3]; /* child frames */
     double g[3] = {chain->gravity[0], chain->gravity[1], chain->gravity[2]};
 
-    memset(kg, 0, (size_t)n * sizeof *kg); /* not of the elements that there could be */
-    memset(first, 0, (size_t)n * sizeof *first);
+    mukca_chain_masses(kg, first, chain, at->mass_scale, at->payload_kg);
     mukca_joint_angles_set(&angles, geometry, at->q, at->displacement);
     if (tilted) {
         mukca_rotation_exp(tilt, at->displacement->base);
@@ -53,14 +68,6 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
         if (mukca_joint_turns(geometry->type[k]))
             turn_vector(g, geometry, k, -angles.s[j], angles.c[j]);
     }
-    for (int m = 0; m < chain->n_masses; m++) {
-        const mukca_mass *mass = &chain->mass[m];
-        if (mass->element < 0 || mass->element >= n) continue; /* fixed to the base */
-        const double w = mass->kg * (at->mass_scale ? at->mass_scale[m] : 1);
-        kg[mass->element] += w;
-        for (int i = 0; i < 3; i++) first[mass->element][i] += w * mass->com[i];
-    }
-    if (n > 0) kg[n - 1] += at->payload_kg;
 
     /* Mass and first moment of all that each joint carries, inwards. */
     double total = 0, carried[3] = {0, 0, 0}; /* of element k + 1, in the child frame of k */
