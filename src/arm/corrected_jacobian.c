@@ -88,17 +88,17 @@ PART void set_posture(posture *p, const mukca_corrected_point *point)
     mukca_joint_angles_set(&at, g, point->q, d);
     for (int k = 0; k < g->n_elements; k++) {
         const int j = g->joint[k];
-        lanes axis[ROWS], bent[ROWS], turning[ROWS], moment[ROWS];
+        lanes turned[3][ROWS], moment[ROWS];
         columns_enter(&F, g, k);
         if (j >= 0) {
             joint_posture *joint = &p->joint[j];
             columns_displace(&F, j, d);
-            columns_vector(axis, &F, g->axis[k]);
-            columns_vector(bent, &F, d->rotation[j]);
-            columns_vector(turning, &F, p->slopes->rotation[j]);
-            memcpy(joint->axis, axis, sizeof joint->axis);
-            memcpy(joint->bent, bent, sizeof joint->bent);
-            memcpy(p->slopes->rotation[j], turning, sizeof joint->bent);
+            columns_vector(turned[0], &F, g->axis[k]);
+            columns_vector(turned[1], &F, d->rotation[j]);
+            columns_vector(turned[2], &F, p->slopes->rotation[j]);
+            memcpy(joint->axis, turned[0], sizeof joint->axis);
+            memcpy(joint->bent, turned[1], sizeof joint->bent);
+            memcpy(p->slopes->rotation[j], turned[2], sizeof joint->bent);
             memcpy(joint->origin, F.column[3], sizeof joint->origin);
             joint->slides = g->type[k] == MUKCA_PRISMATIC;
             columns_turn(&F, g, k, &at);
@@ -201,8 +201,9 @@ MUKCA_INLINE double settle_once(rates *r, const rates *unloaded, const posture *
             r->base[i] = answer[i];
         }
     }
-    double sum = 0;
-    for (int l = 0; l < MUKCA_LANES; l++) sum += ((const double *)&changed)[l];
+    double of_lane[MUKCA_LANES], sum = 0;
+    memcpy(of_lane, &changed, sizeof of_lane);
+    for (int l = 0; l < MUKCA_LANES; l++) sum += of_lane[l];
     return sum;
 }
 

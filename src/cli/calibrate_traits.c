@@ -72,9 +72,9 @@ mukca_status calibrate_use_traits(cli_call *call, calibrate_result *r, mukca_fit
     const mukca_chain *chain = &s->model.chain;
     recorded as;
     mukca_fit with = {0}, best = {0};
-    mukca_status status = MUKCA_OK;
+    mukca_status status = keep(&as, s) ? MUKCA_OK : MUKCA_MEMORY;
     r->traits = traits;
-    if (!keep(&as, s)) status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (status != MUKCA_OK) mukca_fail(&call->error, status, "out of memory");
     for (size_t k = 0; k < sizeof shares / sizeof *shares && status == MUKCA_OK; k++) {
         correct(&as, chain, traits, shares[k]);
         status = mukca_fit_run(&with, chain, &s->data, options, &call->error);

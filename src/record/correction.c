@@ -22,6 +22,7 @@ mukca_status mukca_correction_read(mukca_correction *c, const char *path, const 
 void mukca_correction_apply(void *correction, double *q)
 {
     const mukca_correction *c = correction;
-    mukca_dataset sample = {.n_rows = 1, .n_joints = c->chain->n_joints, .q = q};
+    mukca_dataset sample = {.n_rows = 1, .n_joints = c->chain->n_joints};
+    sample.q = q;
     mukca_traits_correct(&sample, c->chain, c->effects, c->n_effects);
 }
