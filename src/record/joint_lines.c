@@ -60,13 +60,15 @@ void mukca_joint_lines_take(mukca_joint_lines *l)
 
 /* ---- cells ---- */
 
-/* A number, NaN for an empty cell or `nan`; false: text. */
+/* A number, NaN for an empty cell or `nan`; false, and NaN: text, or no double. */
 static bool read_cell(double *value, const char *cell)
 {
     *value = (double)NAN;
     if (!*cell || strcmp(cell, "nan") == 0 || strcmp(cell, "NaN") == 0) return true;
     if (strcmp(cell, "inf") == 0 || strcmp(cell, "-inf") == 0) return true;
-    return mukca_number_parse(value, cell);
+    if (mukca_number_parse(value, cell)) return true;
+    *value = (double)NAN;
+    return false;
 }
 
 static void clear(mukca_lcm_joints *joints, int n)
