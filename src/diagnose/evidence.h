@@ -33,7 +33,7 @@ typedef struct {
     /* their reduction to tridiagonal form, for noise.c */
     bool reduced;
     double *reduced_prior; /* [n] priors that it was made with */
-    double *T, *B;         /* [4][n]: diagonal, beside it, scratch; [n][1 + n_pairs] */
+    double *T, *B;         /* [4][n]: diagonal, off-diagonal, scratch; [n][1 + n_pairs] */
 } mukca_normal_equations;
 
 typedef struct {

@@ -32,7 +32,7 @@ void mukca_dense_backward(double *b, int k, const double *L, int n);
 void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n);
 
 /* Q'A Q is tridiagonal for A[n][n] (both triangles; destroyed): T[0..n) gets its diagonal, T[n..2n)
- * the entries beside it (0 behind the last), T[4n] is scratch.  B[n][k] becomes Q'B. */
+ * the off-diagonal entries (0 behind the last), T[4n] is scratch.  B[n][k] becomes Q'B. */
 void mukca_dense_tridiagonalise(double *A, int n, double *T, double *B, int k);
 
 /* One-sided Jacobi SVD of A[m][n], m >= n, in place: A becomes U (columns orthonormal where the
