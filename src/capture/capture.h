@@ -27,9 +27,9 @@ typedef struct {
     double distance;   /* m between the sockets; 0: 0.05 */
     int n_labels;      /* sockets of a placement; 0: "0" and "1" */
     const char *const *labels;
-    /* change q[n_joints] from readings to angles of a rigid arm, for all that is found about a
-     * sample (NULL: the readings are used); the same readings must give the same angles */
-    void (*correct)(void *context, double *q);
+    /* change q[n_joints] from readings to angles of a rigid arm, by this share of the elasticity
+     * that is expected, for all that is found about a sample (NULL: the readings are used) */
+    void (*correct)(void *context, double share, double *q);
     void *context;
 } mukca_capture_settings;
 
@@ -64,6 +64,7 @@ typedef struct {
     double sigma[MUKCA_MAX_FREE]; /* [n] of the prior, n = model.parameters.n */
     double noise;                 /* of one coordinate, m */
     double *factor;               /* [n][n] as mukca_posterior_factor gives it */
+    double share;                 /* of the expected elasticity that the rows support: 1, 0.5, 0 */
     /* the stream */
     int head, count; /* of the ring: next to be written, filled */
     double *time;    /* [RING] */
@@ -78,8 +79,9 @@ typedef struct {
     double anchor[MUKCA_MAX_JOINTS];
     /* the rows */
     mukca_dataset
-        rows;   /* as corrected; n_rows, n_sockets, n_placements in use; room for the maxima */
-    int socket; /* current, index into rows.sockets; -1: none */
+        rows; /* as corrected; n_rows, n_sockets, n_placements in use; room for the maxima */
+    double *readings; /* [MAX_ROWS][n_joints] of the rows */
+    int socket;       /* current, index into rows.sockets; -1: none */
 } mukca_capture;
 
 /* `chain`, and settings->labels, must outlive the capture; theta[6 * n_elements] (NULL: nominal)
@@ -89,6 +91,9 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
                                 const double *theta, const mukca_capture_settings *settings,
                                 mukca_error *error);
 void mukca_capture_free(mukca_capture *capture);
+
+/* angles[n_joints] of a rigid arm, from readings q[n_joints]. */
+void mukca_capture_correct(double *angles, const mukca_capture *capture, const double *q);
 
 /* Forget all rows, placements and readings. */
 void mukca_capture_clear(mukca_capture *capture);
@@ -156,11 +161,12 @@ typedef struct {
     bool more_rows_help;  /* those ten would take more than 3 % off */
     int twin;             /* socket that the current one seems to be; -1: none */
     double apart;         /* m, distance of their centres */
+    double evidence;      /* log Bayes factor of capture->share against all of the elasticity */
 } mukca_capture_advice;
 
-/* Fit the model to the rows: Gaussian prior about the start, noise from the residuals.  Without
- * rows back to the start.
- * Errors: MUKCA_MEMORY. */
+/* Fit the model to the rows: Gaussian prior about the start, noise from the residuals, and the
+ * share of the expected elasticity that the rows support.  Without rows back to the start. Errors:
+ * MUKCA_MEMORY. */
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
                                   mukca_error *error);
 

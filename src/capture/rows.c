@@ -5,21 +5,10 @@
 
 #include "capture/capture.h"
 
-/* Angles of the rows, from readings. */
-static void correct(double angles[MUKCA_MAX_JOINTS], const mukca_capture *capture, const double *q)
-{
-    memcpy(angles, q, (size_t)capture->chain->n_joints * sizeof *q);
-    if (capture->settings.correct) capture->settings.correct(capture->settings.context, angles);
-}
-
 bool mukca_capture_repeats(const mukca_capture *capture, const double *q)
 {
-    const mukca_dataset *rows = &capture->rows;
-    const size_t n = (size_t)rows->n_joints;
-    double angles[MUKCA_MAX_JOINTS];
-    if (!rows->n_rows) return false;
-    correct(angles, capture, q);
-    return memcmp(angles, rows->q + (size_t)(rows->n_rows - 1) * n, n * sizeof *q) == 0;
+    const size_t n = (size_t)capture->rows.n_joints, rows = (size_t)capture->rows.n_rows;
+    return rows && memcmp(q, capture->readings + (rows - 1) * n, n * sizeof *q) == 0;
 }
 
 /* Largest difference of any joint. */
@@ -122,7 +111,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     if (capture->taken || sample.time - capture->still_since < dwell) return false;
     capture->taken = true;
     double x[3], how_far, q[MUKCA_MAX_JOINTS];
-    correct(q, capture, sample.q);
+    mukca_capture_correct(q, capture, sample.q);
     if (find_posture(capture, q, s->difference) >= 0) return false;
     mukca_fk_position(x, &capture->model.geometry, q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, -1);
@@ -254,10 +243,11 @@ mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *ca
     if (rows->n_rows == MUKCA_CAPTURE_MAX_ROWS)
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
     double angles[MUKCA_MAX_JOINTS];
-    correct(angles, capture, q);
+    mukca_capture_correct(angles, capture, q);
     int twin = find_posture(capture, angles, 0.25 * capture->settings.difference);
-    memcpy(rows->q + rows->n_rows * rows->n_joints, angles,
-           (size_t)rows->n_joints * sizeof *angles);
+    const size_t at = (size_t)(rows->n_rows * rows->n_joints);
+    memcpy(rows->q + at, angles, (size_t)rows->n_joints * sizeof *angles);
+    memcpy(capture->readings + at, q, (size_t)rows->n_joints * sizeof *q);
     rows->socket[rows->n_rows++] = capture->socket;
     capture->taken = true;
     remark(text, capture, twin);

@@ -19,10 +19,16 @@ mukca_status mukca_correction_read(mukca_correction *c, const char *path, const 
     return MUKCA_OK;
 }
 
-void mukca_correction_apply(void *correction, double *q)
+void mukca_correction_apply(void *correction, double share, double *q)
 {
     const mukca_correction *c = correction;
+    mukca_effect effects[2 * MUKCA_MAX_JOINTS];
+    if (!(share > 0)) return;
+    for (int e = 0; e < c->n_effects; e++) {
+        effects[e] = c->effects[e];
+        effects[e].coefficient[0] *= share;
+    }
     mukca_dataset sample = {.n_rows = 1, .n_joints = c->chain->n_joints};
     sample.q = q;
-    mukca_traits_correct(&sample, c->chain, c->effects, c->n_effects);
+    mukca_traits_correct(&sample, c->chain, effects, c->n_effects);
 }

@@ -15,7 +15,8 @@ typedef struct {
 mukca_status mukca_correction_read(mukca_correction *correction, const char *path,
                                    const mukca_chain *chain, mukca_error *error);
 
-/* Correct q[n_joints] of a still arm; `correction` is a mukca_correction. */
-void mukca_correction_apply(void *correction, double *q);
+/* Correct q[n_joints] of a still arm by a share of the mean elasticity; `correction` is a
+ * mukca_correction. */
+void mukca_correction_apply(void *correction, double share, double *q);
 
 #endif

@@ -91,6 +91,24 @@ static void new_placement(const mukca_recorder *r, char name[MUKCA_NAME_SIZE])
     while (placement_used(r, name));
 }
 
+/* The model so far.  Says when the samples begin to speak against the traits, or for them again. */
+static mukca_status advise(mukca_recorder *r, mukca_error *error)
+{
+    const double before = r->capture.share;
+    mukca_status status = mukca_capture_advise(&r->advice, &r->capture, error);
+    const double share = r->capture.share;
+    if (status == MUKCA_OK && share != before)
+        mukca_recorder_report(
+            r,
+            share == 1  ? "the samples agree with the traits of %d arms again"
+            : share > 0 ? "the samples support half of the elasticity that the traits of %d arms "
+                          "expect (log Bayes factor %.1f): it is halved"
+                        : "the samples contradict the traits of %d arms (log Bayes factor %.1f): "
+                          "they are judged without",
+            r->correction.n_arms, r->advice.evidence);
+    return status;
+}
+
 /* ---- the file ---- */
 
 static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *error)
@@ -99,7 +117,7 @@ static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *
     const mukca_dataset_options options = {.distance = r->options->distance,
                                            .partial = true,
                                            .note = mukca_recorder_note,
-                                           .context = &r->correction};
+                                           .context = r};
     char text[MUKCA_RECORDER_LINE];
     mukca_status status = mukca_dataset_load(&data, r->chain, &path, 1, &options, error);
     if (status != MUKCA_OK) return status;
@@ -135,7 +153,7 @@ mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resu
         status =
             mukca_capture_select(&r->capture, name, mukca_capture_next_label(&r->capture), error);
     }
-    if (status == MUKCA_OK) status = mukca_capture_advise(&r->advice, &r->capture, error);
+    if (status == MUKCA_OK) status = advise(r, error);
     if (status) mukca_session_close(&r->session);
     return status;
 }
@@ -235,7 +253,7 @@ mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *pl
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not recorded: %s", error.text);
     mukca_fail(answer, MUKCA_OK, "row %d: placement %s, socket %s%s%s", message.row, placement,
                socket, remark[0] ? ": " : "", remark);
-    if (mukca_capture_advise(&r->advice, &r->capture, &error) != MUKCA_OK) {
+    if (advise(r, &error) != MUKCA_OK) {
         mukca_recorder_report(r, "%s", error.text); /* the row is safe all the same */
         mukca_recorder_count_unwritten(r, &error);
     }
@@ -260,7 +278,7 @@ mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer)
     mukca_fail(answer, MUKCA_OK, "row %d deleted (placement %s, socket %s)", rows->n_rows,
                placement, s->label);
     (void)mukca_capture_drop(&r->capture, &error); /* there is a row */
-    (void)mukca_capture_advise(&r->advice, &r->capture, &error);
+    (void)advise(r, &error);
     return MUKCA_OK;
 }
 

@@ -48,6 +48,10 @@ head -n 100 "$dir/empty.csv" | capture --stdin --still -o "$dir/half.tsv" >"$dir
 ok "one socket: the next command goes on recording" grep -q 'mukca capture --urdf data/demo/arm.urdf -o .*half.tsv --resume --stdin --still$' "$dir/answer"
 next=$(next_of)
 ok "and it works" bash -c "$mukca ${next#mukca } <'$dir/empty.csv'"
+awk -F'\t' -v OFS='\t' '$1 !~ /^#/ && $1 != "placement" { $4 = 3.1 } { print }' "$dir/half.tsv" >"$dir/wide.tsv"
+capture --stdin --still -o "$dir/wide.tsv" --resume <"$dir/empty.csv" >"$dir/answer" 2>"$dir/said"
+ok "resumed with a note about its rows" grep -q "wide.tsv:[0-9]*: joint .* beyond its limits" "$dir/said"
+ok "and goes on" grep -q "samples in" "$dir/answer"
 
 # one clear line; recording goes on where there was a stream
 refuses() { # NAME CODE PATTERN TEXT OPTION...

@@ -68,6 +68,16 @@ grep -v "^#" live_traits.tsv >live.rows
 expect "the session is the same" sh -c 'grep -v "^#" live.tsv | cmp - live.rows'
 expect "the consistency errors are smaller" awk '/"spread_m"/ { s[FILENAME] += $2 }
     END { exit !(s["live_traits.json"] > 0 && s["live_traits.json"] < 0.9 * s["live.json"]) }' live.json live_traits.json
+# traits that the samples contradict are said, and no longer used
+for traits in wrong soft; do
+    "$MUKCA" capture $a --stdin --traits $traits.traits.tsv -o live_$traits.tsv --json live_$traits.json <nine.lines >live.out 2>live_$traits.err
+done
+expect "capture: other traits are noticed" grep -q "samples contradict the traits of 3 arms" live_wrong.err
+expect "twice as soft: half" grep -q "half of the elasticity that the traits of 3 arms expect" live_soft.err
+expect "the errors are those without, and nearly those with the right ones" awk '/"spread_m"/ { s[FILENAME] += $2 }
+    function same(a, b) { return s[a] > 0 && s[a] < 1.001 * s[b] && s[b] < 1.001 * s[a] }
+    END { exit !(same("live_wrong.json", "live.json") && s["live_soft.json"] < 0.92 * s["live.json"]) }' \
+    live.json live_wrong.json live_soft.json
 
 refuse 3 "missing.json: cannot read: No such file" fleet missing.json
 refuse 3 "7.json: the only arm ('seven'); a fleet needs two arms" fleet 7.json -o new.tsv
