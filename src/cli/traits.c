@@ -42,6 +42,10 @@ mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const ch
 
 /* ---- for people ---- */
 
+/* Log Bayes factor of 1 to 20, strong evidence (R. Kass, A. Raftery, J. Am. Stat. Assoc. 90, 1995);
+ * what is less does not contradict. */
+#define CONTRADICTION (-3.)
+
 static void put_coefficient(mukca_text *text, const mukca_inherited *c, const mukca_chain *chain)
 {
     char words[MUKCA_WORDING];
@@ -68,9 +72,12 @@ void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_dia
     }
     if (!a->adopted) {
         cli_answer_keyed(call, "Fleet",
-                         "the traits of %d arms contradict this arm's data (log Bayes factor "
-                         "%.1f) and are not used; its own fit stands. Are they of this model, and "
-                         "the link masses right?",
+                         a->log_evidence < CONTRADICTION
+                             ? "the traits of %d arms contradict this arm's data (log Bayes factor "
+                               "%.1f) and are not used; its own fit stands. Are they of this "
+                               "model, and the link masses right?"
+                             : "the traits of %d arms explain this arm's data less well than its "
+                               "own fit (log Bayes factor %.1f), which stands",
                          a->traits->n_arms, a->log_evidence);
         return;
     }
