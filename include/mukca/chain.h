@@ -64,6 +64,7 @@ typedef struct {
     char robot[MUKCA_NAME_SIZE], base[MUKCA_NAME_SIZE], tip[MUKCA_NAME_SIZE];
     char urdf_sha256[65];       /* lower-case hex; empty where not from a file */
     char kinematics_sha256[65]; /* of the factory file that replaced origins; empty: none */
+    char kinematics_hash[MUKCA_NAME_SIZE]; /* UR's mark of the robot in that file; empty: none */
     int n_elements, n_joints, n_masses;
     mukca_element element[MUKCA_MAX_ELEMENTS];
     int joint_element[MUKCA_MAX_JOINTS]; /* element of each actuated joint */

@@ -325,6 +325,7 @@ static mukca_status read_chain_line(reader *r)
     comment(c->tip, sizeof c->tip, line, "# tip: ");
     comment(c->urdf_sha256, sizeof c->urdf_sha256, line, "# urdf_sha256: ");
     comment(c->kinematics_sha256, sizeof c->kinematics_sha256, line, "# kinematics_sha256: ");
+    comment(c->kinematics_hash, sizeof c->kinematics_hash, line, "# kinematics_hash: ");
     r->n_cells = mukca_cells_count(line, '\t');
     if (r->n_cells > MOST_CELLS || !mukca_cells_split(r->cell, r->n_cells, line, '\t'))
         return MUKCA_OK;

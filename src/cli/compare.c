@@ -118,6 +118,35 @@ static mukca_status check_pairs(cli_call *call)
     return MUKCA_OK;
 }
 
+/* The same origins in both chains, and no element more? */
+static bool same_origins(const mukca_chain *a, const mukca_chain *b)
+{
+    for (int k = 0; k < a->n_elements && k < b->n_elements; k++)
+        if (memcmp(a->element[k].xyz, b->element[k].xyz, sizeof a->element[k].xyz) != 0 ||
+            memcmp(a->element[k].rpy, b->element[k].rpy, sizeof a->element[k].rpy) != 0)
+            return false;
+    return a->n_elements == b->n_elements;
+}
+
+/* A note where UR's hashes say that the factory files of A and B are of two robots, or that not
+ * both are the factory's. */
+static void note_hashes(cli_call *call)
+{
+    const compare_work *w = call->work;
+    const mukca_chain *a = &w->arm[0].chain, *b = &w->arm[1].chain;
+    if (!a->kinematics_hash[0] || !b->kinematics_hash[0]) return;
+    if (strcmp(a->kinematics_hash, b->kinematics_hash) != 0)
+        mukca_note_format(cli_note, call,
+                          "the hash of A is %s, that of B %s: two robots, or one that its maker "
+                          "calibrated anew",
+                          a->kinematics_hash, b->kinematics_hash);
+    else if (!same_origins(a, b))
+        mukca_note_format(cli_note, call,
+                          "A and B start from other origins under the same hash, %s: one of them "
+                          "is no factory file, but edited or exported from a fit",
+                          a->kinematics_hash);
+}
+
 static void print_number(cli_call *call, double value)
 {
     if (isfinite(value)) /* and no -0.0000 */
@@ -254,6 +283,7 @@ static mukca_status run(cli_call *call)
     for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
     if (status == MUKCA_OK) status = check_pairs(call);
     if (status != MUKCA_OK) return status;
+    note_hashes(call);
     mukca_compare(&w->comparison, &w->arm[0], &w->arm[1]);
     if (o->plot) status = draw(call);
     if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, as_json(call));

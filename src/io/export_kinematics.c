@@ -76,12 +76,29 @@ static void note_others(const mukca_export_input *input, const bool *written)
     }
 }
 
+/* UR's driver compares the hash with that of the robot's own calibration, which no file changes:
+ * another one would be reported at each start, and ur_description does not load without any. */
+static void write_hash(FILE *stream, const mukca_export_input *input, const mukca_kinematics *k,
+                       bool fitted)
+{
+    if (!k->hash[0]) return;
+    if (fitted) {
+        fputs("  # marks the robot, for its driver; the origins are fitted, not the factory's\n",
+              stream);
+        mukca_note_format(input->note, input->context,
+                          "hash %s marks the robot, for its driver; the origins are fitted, not "
+                          "the factory's",
+                          k->hash);
+    }
+    fprintf(stream, "  hash: %s\n", k->hash);
+}
+
 static mukca_status write_kinematics(FILE *stream, const mukca_export_input *input,
                                      mukca_error *error)
 {
     mukca_kinematics own;
     const mukca_kinematics *k = input->kinematics;
-    bool written[MUKCA_MAX_ELEMENTS] = {false};
+    bool written[MUKCA_MAX_ELEMENTS] = {false}, fitted = false;
     (void)error;
     if (!k) name_entries(&own, input->chain);
     if (!k) k = &own;
@@ -97,12 +114,12 @@ static mukca_status write_kinematics(FILE *stream, const mukca_export_input *inp
             mukca_export_get_origin(&origin, input, element);
             memcpy(value, origin.xyz, sizeof origin.xyz);
             memcpy(value + 3, origin.rpy, sizeof origin.rpy);
+            for (int p = 0; p < MUKCA_PARAMETERS; p++) fitted |= value[p] != entry->value[p];
             written[element] = true;
         }
         print_entry(stream, k, entry->name, value);
     }
-    /* UR's driver compares the hash with that of the robot's own calibration, which stays */
-    if (k->hash[0]) fprintf(stream, "  hash: %s\n", k->hash);
+    write_hash(stream, input, k, fitted);
     if (k->layout == &mukca_kinematics_layouts[0] && !k->hash[0])
         mukca_note_format(input->note, input->context,
                           "without the factory file (--kinematics) the hash is missing that UR's "

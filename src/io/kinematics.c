@@ -265,5 +265,6 @@ mukca_status mukca_kinematics_apply(mukca_chain *chain, const mukca_kinematics *
         mukca_note_format(note, context, "%s: %d entries are not between '%s' and '%s'; ignored",
                           mukca_file_shown(path), ignored, chain->base, chain->tip);
     memcpy(chain->kinematics_sha256, kinematics->sha256, sizeof chain->kinematics_sha256);
+    memcpy(chain->kinematics_hash, kinematics->hash, sizeof chain->kinematics_hash);
     return MUKCA_OK;
 }

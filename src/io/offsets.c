@@ -95,6 +95,7 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
     print_line(stream, "urdf_sha256: ", chain->urdf_sha256);
     if (chain->kinematics_sha256[0])
         print_line(stream, "kinematics_sha256: ", chain->kinematics_sha256);
+    if (chain->kinematics_hash[0]) print_line(stream, "kinematics_hash: ", chain->kinematics_hash);
     print_line(stream, "base: ", chain->base);
     print_line(stream, "tip: ", chain->tip);
     for (int i = 0; data && i < data->n_files; i++) print_line(stream, "data: ", data->files[i]);
@@ -123,6 +124,44 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
     return MUKCA_OK;
 }
 
+/* The value of the comment "# key: value" into value[MUKCA_NAME_SIZE], empty: there is none. */
+static void find_comment(char *value, const char *text, const char *key)
+{
+    const char *at = strstr(text, key);
+    if (at) at += strlen(key);
+    snprintf(value, MUKCA_NAME_SIZE, "%.*s", at ? (int)strcspn(at, "\r\n") : 0, at ? at : "");
+}
+
+/* Of tables and chains made with UR's factory files, whose hash marks the robot: is it the same
+ * robot, and the same file?  A note where `force` is set. */
+static mukca_status check_robot(const char *text, const mukca_offsets_origin *origin,
+                                const mukca_chain *chain, const mukca_offsets_options *options,
+                                mukca_error *error)
+{
+    char hash[MUKCA_NAME_SIZE], sha256[MUKCA_NAME_SIZE], fault[192];
+    find_comment(hash, text, "\n# kinematics_hash: ");
+    find_comment(sha256, text, "\n# kinematics_sha256: ");
+    if (!hash[0] || !chain->kinematics_hash[0]) return MUKCA_OK;
+    if (strcmp(hash, chain->kinematics_hash) != 0)
+        snprintf(fault, sizeof fault,
+                 "is of the robot %.40s, the factory file of %.40s: another robot, or one "
+                 "calibrated anew",
+                 hash, chain->kinematics_hash);
+    else if (strncmp(sha256, chain->kinematics_sha256, sizeof sha256 - 1) != 0)
+        snprintf(fault, sizeof fault,
+                 "the factory file has the table's hash, %.40s, but was edited or exported from a "
+                 "fit",
+                 hash);
+    else
+        return MUKCA_OK;
+    if (!options->force)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s: %s; give the file of the table (--force takes any)", origin->name,
+                          fault);
+    mukca_note_format(options->note, options->context, "%s: %s", origin->name, fault);
+    return MUKCA_OK;
+}
+
 mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain, const char *path,
                                 const mukca_offsets_options *options, mukca_error *error)
 {
@@ -134,7 +173,8 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
     void *context = options->context;
     mukca_status status = mukca_file_read(&text, path, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_offsets_parse(offsets, &origin, chain, text, error);
+    status = check_robot(text, &origin, chain, options, error);
+    if (status == MUKCA_OK) status = mukca_offsets_parse(offsets, &origin, chain, text, error);
     free(text);
     if (status != MUKCA_OK) return status;
     if (origin.other)

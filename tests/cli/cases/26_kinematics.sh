@@ -41,13 +41,33 @@ accept "calibrated origin of 'ball' is not exported" export $ur --offsets table.
 accept 'the hash is missing' export --urdf ur5e.urdf -f kinematics
 answer 'agrees with the table' export $ur --offsets table.tsv -f kinematics --check own.yaml
 refuse 3 'was made with a factory file (--kinematics)' evaluate --urdf ur5e.urdf --offsets table.tsv session.tsv
-refuse 3 'was made with a factory file (--kinematics)' evaluate --urdf ur5e.urdf --kinematics own.yaml --offsets table.tsv session.tsv
+refuse 3 'but was edited or exported from a fit' \
+    evaluate --urdf ur5e.urdf --kinematics own.yaml --offsets table.tsv session.tsv
 refuse 2 'factory.yaml is an input of this command' calibrate $ur session.tsv -o factory.yaml --force
 
 # nominal, factory and calibrated compared
 answer 'base and tool aligned' compare --urdf ur5e.urdf ur5e.urdf factory.yaml
 answer 'base and tool aligned' compare --urdf ur5e.urdf factory.yaml table.tsv
 refuse 2 'factory.yaml: --urdf FILE is needed' compare ur5e.urdf factory.yaml
+
+# UR's hash marks the robot: of another one, or of a file that was edited
+sed 's/calib_12345678901234567890/calib_987/' factory.yaml >other_robot.yaml
+sed 's/x: -0.42542/x: -0.42642/' factory.yaml >edited.yaml
+expect "a table holds the hash of its factory file" grep -qx '# kinematics_hash: calib_12345678901234567890' table.tsv
+refuse 3 'table.tsv: is of the robot calib_12345678901234567890, the factory file of calib_987: another' \
+    fk --urdf ur5e.urdf --kinematics other_robot.yaml --offsets table.tsv rows.csv
+accept 'table.tsv: is of the robot calib_12345678901234567890' \
+    fk --urdf ur5e.urdf --kinematics other_robot.yaml --offsets table.tsv rows.csv --force
+refuse 3 'the factory file has the table.s hash, calib_12345678901234567890, but was edited' \
+    export --urdf ur5e.urdf --kinematics edited.yaml --offsets table.tsv -f yaml
+accept 'the hash of A is calib_12345678901234567890, that of B calib_987: two robots' compare --urdf ur5e.urdf table.tsv other_robot.yaml
+accept 'other origins under the same hash, calib_12345678901234567890' compare --urdf ur5e.urdf factory.yaml edited.yaml
+run compare --urdf ur5e.urdf factory.yaml table.tsv
+expect "a table and its own factory file are of one robot" sh -c "! grep -q hash '$scratch/err'"
+accept 'hash calib_12345678901234567890 marks the robot, for its driver; the origins are fitted' \
+    export $ur --offsets table.tsv -f kinematics
+run export $ur -f kinematics
+expect "a factory file written back as it was needs no word about its hash" sh -c "! grep -q 'the robot' '$scratch/err' '$scratch/out'"
 refuse 2 '--kinematics: give the file as A or as B' compare $ur ur5e.urdf table.tsv
 
 # Franka's and UFACTORY's layouts
