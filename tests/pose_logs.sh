@@ -58,6 +58,12 @@ run evaluate "$dir/rows.csv" "$dir/test.csv" --offsets "$dir/rows.tsv" >"$dir/sc
 ok "noise that the targets of a posture share makes no cause" grep -q '"verdict": "none"' "$dir/shared.json"
 ok "a row per log and target" test "$(cut -f 2 "$dir/scores" | tr '\n' ' ')" = "placement rows.csv:A rows.csv:B rows.csv:C test.csv:D "
 ok "each below 0.25 mm" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
+run report "$dir/columns.csv" --free-base --test "$dir/test.csv" -o "$dir/targets.html" >"$dir/said" 2>&1
+sed 's/<style.*//; s/<[^>]*>/ /g' "$dir/targets.html" | tr -d '\0' >"$dir/targets.txt"
+for tile in 'nominal, test data=10' 'calibrated, test data=0.25'; do
+    ok "report of several targets: ${tile%=*}" below \
+        "$(sed -n "s/^ *${tile%=*} *\([0-9.e+]*\) *mm.*/\1/p" "$dir/targets.txt" | head -n 1)" "${tile#*=}"
+done
 run calibrate "$dir/rows.csv" --free-base >"$dir/said" 2>&1
 ok "calibrate names the command for several" grep -q 'the pose logs have 3 targets; mukca diagnose -o' "$dir/said"
 run recalibrate "$dir/rows.csv" --free-base >"$dir/said" 2>&1

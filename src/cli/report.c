@@ -9,6 +9,7 @@
 #include <sha2.h>
 
 #include "base/file.h"
+#include "cli/diagnose.h"
 #include "cli/fleet.h"
 #include "fit/accept.h"
 #include "fit/nlopt_adapter.h"
@@ -62,6 +63,7 @@ typedef struct {
     mukca_fit fit;
     mukca_offsets offsets;
     mukca_diagnosis diagnosis;
+    mukca_chain diagnosed; /* of the offsets of a diagnosis */
     mukca_next_poses next;
     mukca_pool pool;
     mukca_score *scores; /* scratch of `watch` */
@@ -89,6 +91,18 @@ static void watch(void *work, const double *theta, const mukca_cost_value *value
     }
     w->steps[w->page.n_steps++] =
         (mukca_report_step){{train.std, train.distance_error, test.std, test.distance_error}};
+}
+
+/* The geometry of the diagnosis, which fits the place of each target. */
+static mukca_status take_diagnosed(cli_call *call)
+{
+    const report_options *o = call->options;
+    report_work *w = call->work;
+    const cli_frames frames = {o->free_base, o->free_tool};
+    int left_out;
+    w->page.fitted = &w->diagnosed;
+    return cli_diagnosis_offsets(&w->offsets, &w->diagnosed, &left_out, &w->page.diagnosed, &frames,
+                                 &call->error);
 }
 
 /* Fit, or take the table of --offsets. */
@@ -259,7 +273,7 @@ static void release(void *work)
 /* Calibrate and diagnose. */
 static mukca_status prepare_arm(cli_call *call)
 {
-    const report_options *o = call->options;
+    report_options *o = call->options;
     const cli_session *s = call->session;
     report_work *w = call->work;
     call->common->accept_failed = true; /* the page shows a table that did not pass, too */
@@ -274,8 +288,12 @@ static mukca_status prepare_arm(cli_call *call)
     mukca_status status = cli_load(call);
     if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) status = cli_check_effects(call, &s->model);
-    if (status == MUKCA_OK) status = calibrate(call);
+    const bool several = s->data.n_targets > 1 && !call->common->offsets;
+    if (several) o->free_tool = true;
+    if (status == MUKCA_OK && !several) status = calibrate(call);
     if (status == MUKCA_OK) status = diagnose(call);
+    if (status == MUKCA_OK && several) status = take_diagnosed(call);
+    w->page.free_base = o->free_base, w->page.free_tool = o->free_tool;
     if (status == MUKCA_OK) status = mukca_report_prepare(&w->page, &call->error);
     return status == MUKCA_OK ? provenance(call) : status;
 }
@@ -300,6 +318,7 @@ const cli_command cli_command_report = {
     .synopsis = "DATA...",
     .min_arguments = 1,
     .max_arguments = -1,
+    .targets = true,
     .description =
         "Calibrates (or takes --offsets), diagnoses, and writes one page without scripts and "
         "requests. It opens with the verdict, what to do and the next postures. Then follow the "

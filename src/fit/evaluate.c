@@ -34,8 +34,7 @@ static void socket_means(double (*mean)[3], int *count, const mukca_frame *tips,
         for (int a = 0; a < 3 && count[s] > 0; a++) mean[s][a] /= count[s];
 }
 
-/* Move the tips to their targets: the mean place of each in the tip's frame. */
-static bool place_targets(mukca_frame *tips, const mukca_dataset *data)
+bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data)
 {
     if (data->n_targets == 0 || !data->position) return true;
     double(*sum)[4] = calloc((size_t)data->n_targets, sizeof *sum);
@@ -140,7 +139,7 @@ int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *mo
     int *count = calloc(sockets, sizeof *count);
     if (!tips || !means || !count) goto out;
     mukca_evaluate_tips(tips, model, data);
-    if (!place_targets(tips, data)) goto out;
+    if (!mukca_evaluate_place(tips, data)) goto out;
     socket_means(means, count, tips, data);
     n = 0;
     for (int p = 0; p <= data->n_placements; p++) {

@@ -2,6 +2,7 @@
 #include "fit/frames.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "fit/align.h"
@@ -39,15 +40,22 @@ mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain,
 mukca_status mukca_frames_start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
                                 bool base, bool tool, mukca_error *error)
 {
-    const mukca_align_options options = {.tracker = base, .target = tool};
+    unsigned char *keep = NULL;
     const int tip = mukca_chain_tip_element(chain);
     mukca_geometry geometry;
     mukca_alignment found;
     mukca_chain_theta(theta, chain);
     if (!base && !tool) return MUKCA_OK;
     mukca_geometry_set(&geometry, chain, NULL);
-    if (!mukca_align(&found, &geometry, data, &options))
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    if (data->n_targets > 1) { /* the frames of one */
+        keep = malloc((size_t)data->n_rows);
+        for (int i = 0; i < data->n_rows && keep; i++) keep[i] = data->target[i] == data->target[0];
+    }
+    const mukca_align_options options = {.tracker = base, .target = tool, .keep = keep};
+    const bool aligned =
+        (keep || data->n_targets < 2) && mukca_align(&found, &geometry, data, &options);
+    free(keep);
+    if (!aligned) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     if (base) geometry.origin[0] = found.tracker;
     if (tool) mukca_frame_multiply(&geometry.origin[tip], &geometry.origin[tip], &found.target);
     mukca_geometry_theta(theta, chain, &geometry);

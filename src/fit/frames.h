@@ -12,7 +12,7 @@ mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain,
                                      bool tool, mukca_error *error);
 
 /* theta[6 * n_elements] to start from: nominal, with the added frames aligned to the measured
- * poses. Errors: MUKCA_MEMORY. */
+ * poses (of several targets: of the first). Errors: MUKCA_MEMORY. */
 mukca_status mukca_frames_start(double *theta, const mukca_chain *with_frames,
                                 const mukca_dataset *data, bool base, bool tool,
                                 mukca_error *error);

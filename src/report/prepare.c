@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "fit/cross_training.h"
+#include "fit/frames.h"
 #include "report/report.h"
 
 /* Append the samples of `from`, its sockets and placements to r->data, which has room for them. */
@@ -42,15 +43,18 @@ static mukca_status join(mukca_report *r, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Tip of each sample by models[0] for the training data and models[1] for the test data,
+/* Ball or target of each sample by models[0] for the training data and models[1] for the test data,
  * [n_rows][3]; NULL out of memory. */
 static double *positions(mukca_report *r, const mukca_model models[2])
 {
     double *tips = MUKCA_TAKE(&r->pool, double, 3 * r->data.n_rows + 1);
     mukca_frame *frames = MUKCA_TAKE(&r->pool, mukca_frame, r->data.n_rows + 1);
     if (!tips || !frames) return NULL;
+    mukca_frame *test = frames + r->train->n_rows;
     mukca_evaluate_tips(frames, &models[0], r->train);
-    if (r->test->n_rows > 0) mukca_evaluate_tips(frames + r->train->n_rows, &models[1], r->test);
+    if (r->test->n_rows > 0) mukca_evaluate_tips(test, &models[1], r->test);
+    if (!mukca_evaluate_place(frames, r->train) || !mukca_evaluate_place(test, r->test))
+        return NULL;
     for (int i = 0; i < r->data.n_rows; i++) memcpy(tips + 3 * i, frames[i].p, sizeof frames[i].p);
     return tips;
 }
@@ -128,11 +132,11 @@ static double *explain(mukca_report *r)
 
 /* Positions, residuals and their parts by joint; models[0] for the training data, models[1] for the
  * test data. */
-static mukca_status predict(mukca_report *r, const mukca_model models[2], mukca_error *error)
+static mukca_status predict(mukca_report *r, const mukca_model *nominal,
+                            const mukca_model models[2], mukca_error *error)
 {
     const mukca_applied *applied = &r->diagnosed.diagnosis->applied;
-    const mukca_model nominal = {.chain = r->fitted};
-    r->nominal = positions(r, (const mukca_model[2]){nominal, nominal});
+    r->nominal = positions(r, (const mukca_model[2]){*nominal, *nominal});
     r->calibrated = positions(r, models);
     r->residual = residuals(r, r->calibrated);
     double *errors = joint_errors(r, r->fitted, r->offsets->theta, r->residual);
@@ -145,17 +149,17 @@ static mukca_status predict(mukca_report *r, const mukca_model models[2], mukca_
             left[i] = errors[i] - left[i];
         r->joint_effect = left;
     }
-    return r->pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+    const bool whole = r->nominal && r->residual && errors && !r->pool.failed;
+    return whole ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
 /* Append the scores of a dataset; its means become those of the page. */
-static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukca_model *calibrated,
-                          mukca_error *error)
+static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukca_model *nominal,
+                          const mukca_model *calibrated, mukca_error *error)
 {
-    const mukca_model nominal = {.chain = r->fitted};
     const int room = data->n_placements + 1;
     mukca_score *scores = MUKCA_TAKE(&r->pool, mukca_score, 2 * room), mean[2];
-    int n = scores ? mukca_evaluate(scores, &mean[0], &nominal, data) : -1;
+    int n = scores ? mukca_evaluate(scores, &mean[0], nominal, data) : -1;
     if (n >= 0) n = mukca_evaluate(scores + room, &mean[1], calibrated, data);
     if (n < 0) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < n; i++) {
@@ -196,8 +200,12 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
 {
     const mukca_dataset *data[2] = {r->train, r->test};
     mukca_effect effects[2][MUKCA_MAX_EFFECTS];
+    double theta[MUKCA_MAX_THETA];
     mukca_model models[2];
+    const mukca_model nominal = {.chain = r->fitted, .theta = theta};
     mukca_status status = join(r, error);
+    if (status == MUKCA_OK)
+        status = mukca_frames_start(theta, r->fitted, r->train, r->free_base, r->free_tool, error);
     if (status != MUKCA_OK) return status;
     r->scores = MUKCA_TAKE(&r->pool, mukca_report_score, r->data.n_placements + 2);
     if (!r->scores) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
@@ -207,9 +215,9 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
                                   .theta = r->offsets->theta,
                                   .effects = effects[k],
                                   .n_effects = r->offsets->n_effects};
-        if (data[k]->n_rows > 0) status = score(r, data[k], &models[k], error);
+        if (data[k]->n_rows > 0) status = score(r, data[k], &nominal, &models[k], error);
     }
-    if (status == MUKCA_OK) status = predict(r, models, error);
+    if (status == MUKCA_OK) status = predict(r, &nominal, models, error);
     if (status == MUKCA_OK) status = cross_train(r, error);
     return status;
 }

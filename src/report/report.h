@@ -40,6 +40,7 @@ typedef struct {
     const mukca_chain *chain;          /* the arm */
     const mukca_chain *fitted;         /* of `offsets`: the arm, with a pose log's frames */
     const mukca_offsets *offsets;      /* calibrated parameters, and effects of a given table */
+    bool free_base, free_tool;         /* frames of pose logs that were fitted */
     const mukca_fit *fit;              /* NULL: the offsets come from a table */
     const char *solver;                /* of `fit` */
     const mukca_dataset *train, *test; /* `test` may be empty */
