@@ -81,6 +81,9 @@ static void print_identifiability(cli_call *call, const mukca_fit *fit)
     mukca_text alone = MUKCA_TEXT(text[0]), together = MUKCA_TEXT(text[1]);
     cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.", rank, n,
                        rank < n ? "; the others stay near nominal by regularisation" : "");
+    if (fit->n_part > 0)
+        cli_answer_wrapped(call, "Standard errors: computed from %d samples, scaled to all.",
+                           fit->n_part);
     list_alone(&alone, fit);
     list_together(&together, fit);
     print_list(call, "not identifiable", &alone);

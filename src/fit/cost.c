@@ -22,9 +22,11 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     const int m = cost->observations.n_residuals;
     cost->theta = MUKCA_CARVE(&arena, double, all);
     cost->nominal = MUKCA_CARVE(&arena, double, n);
-    cost->r = MUKCA_CARVE(&arena, double, m);
-    cost->J = MUKCA_CARVE(&arena, double, m *n);
-    cost->weight = MUKCA_CARVE(&arena, double, m);
+    if (!options->part) {
+        cost->r = MUKCA_CARVE(&arena, double, m);
+        cost->J = MUKCA_CARVE(&arena, double, m *n);
+        cost->weight = MUKCA_CARVE(&arena, double, m);
+    }
     cost->scratch = MUKCA_CARVE(&arena, double, 3 * n * n + 6 * n);
     cost->held = MUKCA_CARVE(&arena, double, n *n);
     cost->held_at = MUKCA_CARVE(&arena, double, n);
@@ -32,6 +34,7 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
 
     mukca_observe_setup(&cost->observations, block, chain, data, fixed, n);
     cost->chain = chain;
+    cost->part = options->part ? options->part : cost;
     cost->parameters = parameters;
     cost->gradient = options->gradient;
     cost->n = n;
@@ -40,7 +43,7 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     cost->lambda *= cost->observations.n_groups;
     memcpy(cost->theta, options->theta ? options->theta : nominal, (size_t)all * sizeof *nominal);
     mukca_parameters_pack(cost->nominal, parameters, nominal);
-    mukca_observe_weights(cost->weight, &cost->observations, cost->pair_weight);
+    if (!options->part) mukca_observe_weights(cost->weight, &cost->observations, cost->pair_weight);
     return arena.used;
 }
 
@@ -79,7 +82,7 @@ double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost
     cost->evaluations++;
     mukca_parameters_unpack(cost->theta, cost->parameters, x);
     mukca_observe_predict(o, cost->theta);
-    value.inconsistency = mukca_observe_squares(&value.distortion, o);
+    value.inconsistency = mukca_observe_squares(&value.distortion, o, true);
     value.distortion *= cost->pair_weight;
     if (gradient)
         mukca_observe_gradient(gradient, o, cost->theta, cost->parameters, cost->gradient,
@@ -103,14 +106,15 @@ double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost
 
 void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_only)
 {
-    const int n = cost->n, m = cost->observations.n_residuals;
-    mukca_parameters_unpack(cost->theta, cost->parameters, x);
-    mukca_observe_residuals(cost->r, cost->J, &cost->observations, cost->theta, cost->parameters,
+    mukca_cost *part = cost->part;
+    const int n = cost->n, m = part->observations.n_residuals;
+    mukca_parameters_unpack(part->theta, cost->parameters, x);
+    mukca_observe_residuals(part->r, part->J, &part->observations, part->theta, cost->parameters,
                             cost->gradient);
     for (int i = 0; i < m; i++)
-        for (int c = 0; c < n; c++) cost->J[i * n + c] *= cost->weight[i];
+        for (int c = 0; c < n; c++) part->J[i * n + c] *= part->weight[i];
     memset(H, 0, (size_t)(n * n) * sizeof *H);
-    mukca_dense_syrk(H, n, cost->J, m, n);
+    mukca_dense_syrk(H, n, part->J, m, n);
     for (int i = 0; i < n && !data_only; i++)
         if (cost->parameters->regularised[i]) H[i * n + i] += cost->lambda;
     for (int d = 0; d < cost->n_held && !data_only; d++) {

@@ -12,6 +12,8 @@
 
 #define MUKCA_LAMBDA 1e-4
 
+typedef struct mukca_cost mukca_cost;
+
 /* Zeroed means the defaults. */
 typedef struct {
     double lambda;           /* 0: MUKCA_LAMBDA; negative: no regularisation */
@@ -19,15 +21,18 @@ typedef struct {
     bool no_distortion;      /* no distances between sockets */
     mukca_gradient gradient; /* how an element's derivative is taken */
     const double *theta;     /* [6 * n_elements] values of frozen parameters; NULL: nominal */
+    mukca_cost *part;        /* of samples that stand for all (part.h): Hessian and precision are
+                                theirs, and no Jacobian of all samples is held; NULL: none */
 } mukca_cost_options;
 
 typedef struct {
     double total, inconsistency, distortion, regularisation; /* m^2 */
 } mukca_cost_value;
 
-typedef struct {
+struct mukca_cost {
     const mukca_chain *chain;
     const mukca_parameters *parameters;
+    mukca_cost *part; /* with r, J and weight below; itself, unless the options had another */
     mukca_observations observations;
     mukca_gradient gradient;
     double lambda;      /* times the number of placements */
@@ -43,10 +48,10 @@ typedef struct {
     double *J;          /* [n_residuals][n] scratch */
     double *weight;     /* [n_residuals] square roots */
     double *scratch;    /* [3][n][n] and [6][n] for solvers */
-} mukca_cost;
+};
 
 /* Carve from `memory`, or with memory = NULL count the bytes.  `options` may be NULL; chain and
- * parameters must outlive the cost. */
+ * parameters must outlive the cost, and it must stay where it is. */
 size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain,
                         const mukca_parameters *parameters, const mukca_dataset *data,
                         const mukca_cost_options *options);
@@ -61,7 +66,7 @@ double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost
                            const double *x);
 
 /* Half the Gauss-Newton Hessian, H[n][n] = J'WJ + lambda I on what is regularised or held; with
- * `data_only` without lambda.  Leaves the weighted Jacobian in cost->J. */
+ * `data_only` without lambda.  Leaves the weighted Jacobian in cost->part->J. */
 void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_only);
 
 #endif

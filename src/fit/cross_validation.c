@@ -6,25 +6,28 @@
 #include <string.h>
 
 #include "fit/frames.h"
+#include "fit/part.h"
 
 enum {
     BLOCKS = 5,      /* of consecutive samples, which resemble each other; as in diagnose */
     MOST_FOLDS = 10, /* placements are put together beyond that */
-    /* Of more samples than some 10 000 every k-th of each socket is fitted and predicted: their
-     * mean error is known to 1 %, and no geometry has so many parameters that the fit would suffer.
-     */
+    /* Of more samples than this a part is fitted and predicted: their mean error is known to 1 %,
+     * and no geometry has so many parameters that the fit would suffer. */
     MOST_SAMPLES = 10000
 };
 
 /* fold[n_rows]: placements; of a single placement, and of measured poses, blocks of each socket
- * in the order of recording; -1: the sample is not used.  Returns their number. */
-static int assign(int *fold, bool *placements, const mukca_dataset *data)
+ * in the order of recording; -1: the sample is not used.  Returns their number; keep[n_rows] is
+ * scratch. */
+static int assign(int *fold, bool *placements, const mukca_dataset *data, unsigned char *keep)
 {
     int *count = calloc(2 * ((size_t)data->n_sockets + 1), sizeof *count), *seen;
-    if (!count) return -1;
+    if (!count || mukca_part_mark(keep, data, MOST_SAMPLES) < 0) {
+        free(count);
+        return -1;
+    }
     const int folds = data->n_placements < MOST_FOLDS ? data->n_placements : MOST_FOLDS;
     bool used[MOST_FOLDS + BLOCKS] = {false};
-    const int every = (data->n_rows + MOST_SAMPLES - 1) / MOST_SAMPLES;
     int n = 0, index[MOST_FOLDS + BLOCKS];
     seen = count + data->n_sockets + 1;
     *placements = data->n_placements > 1;
@@ -32,7 +35,7 @@ static int assign(int *fold, bool *placements, const mukca_dataset *data)
     for (int i = 0; i < data->n_rows; i++) {
         const int s = data->socket[i] + 1, before = seen[s]++;
         fold[i] = -1;
-        if (before % every != 0 && count[s] > MOST_SAMPLES / (2 * MOST_FOLDS)) continue;
+        if (!keep[i]) continue;
         if (s > 0 && *placements)
             fold[i] =
                 (int)((long long)folds * mukca_dataset_placement(data, i) / data->n_placements);
@@ -99,7 +102,7 @@ mukca_status mukca_fit_cross_validate(mukca_cross_validation *result, const mukc
     int *fold = malloc(room * sizeof *fold);
     unsigned char *keep = malloc(room);
     *result = (mukca_cross_validation){.nominal = NAN, .mean = NAN};
-    const int folds = fold && keep ? assign(fold, &result->placements, data) : -1;
+    const int folds = fold && keep ? assign(fold, &result->placements, data, keep) : -1;
     if (folds < 0) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     inner.solver = NULL;
     inner.limits.progress = NULL;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "fit/frames.h"
+#include "fit/part.h"
 
 static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, double *work,
                             mukca_error *error)
@@ -22,14 +23,70 @@ static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, d
     return mukca_identify(&fit->identification, fit->null_space, cost, x, work, error);
 }
 
+/* The cost of the data and, of a long recording, of the part that its Hessian is of. */
+typedef struct {
+    mukca_cost cost, part;
+    mukca_dataset samples; /* of the part; empty where it is all */
+    void *memory[2];
+} workspace;
+
+static void *set_up(mukca_cost *cost, const mukca_fit *fit, const mukca_dataset *data,
+                    const mukca_cost_options *options)
+{
+    void *memory =
+        malloc(mukca_cost_setup(cost, NULL, &fit->chain, &fit->parameters, data, options));
+    if (memory) mukca_cost_setup(cost, memory, &fit->chain, &fit->parameters, data, options);
+    return memory;
+}
+
+static mukca_status take_workspace(workspace *w, mukca_fit *fit, const mukca_dataset *data,
+                                   mukca_cost_options options, mukca_error *error)
+{
+    const size_t n = (size_t)fit->parameters.n;
+    bool room = true;
+    options.theta = fit->theta;
+    if (data->n_rows > MUKCA_FIT_PART) {
+        const mukca_status status = mukca_part_take(&w->samples, data, MUKCA_FIT_PART, error);
+        if (status != MUKCA_OK) return status;
+        w->memory[0] = set_up(&w->part, fit, &w->samples, &options);
+        options.part = &w->part;
+        room = w->memory[0] != NULL;
+        fit->n_part = w->samples.n_rows;
+    }
+    if (room) w->memory[1] = set_up(&w->cost, fit, data, &options);
+    fit->memory = malloc((n * n + MUKCA_IDENTIFY_WORK(n)) * sizeof *fit->memory);
+    if (w->memory[1] && fit->memory) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows, %d parameters", data->n_rows,
+                      fit->parameters.n);
+}
+
+static mukca_status minimise(mukca_fit *fit, mukca_cost *cost, const mukca_fit_options *options,
+                             mukca_error *error)
+{
+    double nominal[MUKCA_MAX_FREE], x[MUKCA_MAX_FREE];
+    const mukca_solver *solver = options->solver ? options->solver : &mukca_solver_gauss_newton;
+    mukca_chain_theta(nominal, &fit->chain);
+    mukca_parameters_pack(x, &fit->parameters, nominal);
+    mukca_cost_evaluate(&fit->nominal, NULL, cost, x);
+    mukca_parameters_pack(x, &fit->parameters, fit->theta);
+    mukca_cost_hold(cost, x);
+    if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
+    const mukca_status status = solver->run(x, &fit->outcome, cost, &options->limits, error);
+    if (status != MUKCA_OK) return status;
+    if (fit->outcome.stop == MUKCA_STOP_STOPPED)
+        return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
+    mukca_parameters_unpack(fit->theta, &fit->parameters, x);
+    if (options->parameters_only) return MUKCA_OK;
+    fit->null_space = fit->memory;
+    return analyse(fit, cost, x, fit->memory + fit->parameters.n * fit->parameters.n, error);
+}
+
 mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca_dataset *data,
                            const mukca_fit_options *options, mukca_error *error)
 {
     const mukca_fit_options none = {0};
-    mukca_cost cost;
-    double nominal[MUKCA_MAX_FREE], x[MUKCA_MAX_FREE];
+    workspace w = {.memory = {NULL}};
     mukca_status status;
-    void *workspace = NULL;
     if (!options) options = &none;
     memset(fit, 0, sizeof *fit);
     if (data->n_rows < 1) return mukca_fail(error, MUKCA_INPUT, "there are no rows to fit");
@@ -41,38 +98,10 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
         status = mukca_frames_start(fit->theta, &fit->chain, data, options->free_base,
                                     options->free_tool, error);
     if (status != MUKCA_OK) return status;
-
-    const size_t n = (size_t)fit->parameters.n;
-    mukca_cost_options cost_options = options->cost;
-    cost_options.theta = fit->theta;
-    const size_t bytes =
-        mukca_cost_setup(&cost, NULL, &fit->chain, &fit->parameters, data, &cost_options);
-    workspace = malloc(bytes);
-    fit->memory = malloc((n * n + MUKCA_IDENTIFY_WORK(n)) * sizeof *fit->memory);
-    if (!workspace || !fit->memory) {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows, %d parameters",
-                            data->n_rows, fit->parameters.n);
-        goto out;
-    }
-    fit->null_space = fit->memory;
-    mukca_cost_setup(&cost, workspace, &fit->chain, &fit->parameters, data, &cost_options);
-    mukca_chain_theta(nominal, &fit->chain);
-    mukca_parameters_pack(x, &fit->parameters, nominal);
-    mukca_cost_evaluate(&fit->nominal, NULL, &cost, x);
-    mukca_parameters_pack(x, &fit->parameters, fit->theta);
-    mukca_cost_hold(&cost, x);
-    if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
-    const mukca_solver *solver = options->solver ? options->solver : &mukca_solver_gauss_newton;
-    status = solver->run(x, &fit->outcome, &cost, &options->limits, error);
-    if (status != MUKCA_OK) goto out;
-    if (fit->outcome.stop == MUKCA_STOP_STOPPED) {
-        status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
-        goto out;
-    }
-    mukca_parameters_unpack(fit->theta, &fit->parameters, x);
-    if (!options->parameters_only) status = analyse(fit, &cost, x, fit->memory + n * n, error);
-out:
-    free(workspace);
+    status = take_workspace(&w, fit, data, options->cost, error);
+    if (status == MUKCA_OK) status = minimise(fit, &w.cost, options, error);
+    for (int i = 0; i < 2; i++) free(w.memory[i]);
+    mukca_dataset_free(&w.samples);
     if (status != MUKCA_OK) mukca_fit_free(fit);
     return status;
 }

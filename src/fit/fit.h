@@ -16,6 +16,11 @@ typedef struct {
     bool parameters_only; /* theta alone: neither convergence nor identifiability */
 } mukca_fit_options;
 
+/* Of more samples than this, Hessian, rank and standard errors are computed from so many (part.h):
+ * a standard error from N samples is known to some sqrt(2 / N), here 1 %, and the Hessian leads the
+ * solver to the minimum of all samples, however rough it is. */
+enum { MUKCA_FIT_PART = 20000 };
+
 typedef struct {
     mukca_chain chain; /* that was fitted: with base_frame, tool_frame where asked for */
     mukca_parameters parameters;
@@ -25,6 +30,7 @@ typedef struct {
     bool converged; /* our own verdict, at the point returned */
     double to_gain; /* decrease of the cost that one more step promises, over the cost */
     int n_measured; /* scalar measurements that parameters can use */
+    int n_part;     /* samples that the standard errors are computed from; 0: all */
     mukca_identification identification;
     double *null_space; /* [n - rank][n] as mukca_identify gives it; NULL without a fit */
     double *memory;     /* owned */

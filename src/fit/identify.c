@@ -6,50 +6,65 @@
 
 #include "math/dense.h"
 
-/* B[n][n] = covariance of J'W r for unit noise of every coordinate: each row acts on its own
- * residual and, through its socket's mean, on the distances.  Spoils cost->J (weighted Jacobian).
+/* How much of the samples of a socket, or of the poses (-1), is in the part. */
+static double share_in_part(const mukca_cost *cost, int socket)
+{
+    const mukca_observations *all = &cost->observations, *part = &cost->part->observations;
+    if (cost->part == cost) return 1;
+    if (socket >= 0) return part->count[socket] / all->count[socket];
+    double poses = part->n_rows, of = all->n_rows;
+    for (int s = 0; s < all->n_sockets; s++) poses -= part->count[s], of -= all->count[s];
+    return poses / of;
+}
+
+/* B[n][n] = covariance of J'W r for unit noise of every coordinate of all samples: each row acts on
+ * its own residual and, through its socket's mean, on the distances.  Spoils the weighted Jacobian.
  */
 static void score_covariance(double *B, mukca_cost *cost)
 {
-    mukca_observations *o = &cost->observations;
+    mukca_cost *part = cost->part;
+    mukca_observations *o = &part->observations;
     const int n = cost->n, rows = o->n_rows, first_pair = o->n_residuals - o->n_pairs;
-    for (int i = 0; i < first_pair; i++)
-        for (int c = 0; c < n; c++) cost->J[i * n + c] *= cost->weight[i];
+    for (int i = 0; i < first_pair; i++) {
+        const double f = part->weight[i] * sqrt(share_in_part(cost, o->socket[i / 3 % rows]));
+        for (int c = 0; c < n; c++) part->J[i * n + c] *= f;
+    }
     for (int i = 0; i < rows; i++)
         for (int p = 0; p < o->n_pairs; p++) {
             const int s = o->socket[i];
             const int sign = (o->pair[2 * p] == s) - (o->pair[2 * p + 1] == s);
             if (s < 0 || sign == 0) continue;
+            const double share = sqrt(share_in_part(cost, s));
             for (int a = 0; a < 3; a++) {
                 const double f =
-                    sign * cost->pair_weight * o->pair_direction[3 * p + a] / o->count[s];
+                    share * sign * cost->pair_weight * o->pair_direction[3 * p + a] / o->count[s];
                 for (int c = 0; c < n; c++)
-                    cost->J[(3 * i + a) * n + c] += f * cost->J[(first_pair + p) * n + c];
+                    part->J[(3 * i + a) * n + c] += f * part->J[(first_pair + p) * n + c];
             }
         }
     memset(B, 0, (size_t)(n * n) * sizeof *B);
-    mukca_dense_syrk(B, n, cost->J, first_pair, n);
+    mukca_dense_syrk(B, n, part->J, first_pair, n);
 }
 
 enum { BLOCK = 32 }; /* rows that are absorbed at a time */
 
-/* R[n + 3][n + 3]: triangular factor of the weighted Jacobian in cost->J, and next to it of how
+/* R[n + 3][n + 3]: triangular factor of the weighted Jacobian in part->J, and next to it of how
  * turning the whole arm about x, y, z changes the residuals. */
-static void factorise(double *R, double *block, const mukca_cost *cost)
+static void factorise(double *R, double *block, const mukca_cost *part)
 {
-    const mukca_observations *o = &cost->observations;
-    const int n = cost->n, wide = n + 3, m = o->n_residuals;
+    const mukca_observations *o = &part->observations;
+    const int n = part->n, wide = n + 3, m = o->n_residuals;
     memset(R, 0, (size_t)(wide * wide) * sizeof *R);
     for (int start = 0; start < m; start += BLOCK) {
         const int rows = m - start < BLOCK ? m - start : BLOCK;
         for (int i = 0; i < rows; i++) {
             const int row = start + i, first = row - row % 3, axis = row % 3;
             double *to = block + i * wide;
-            memcpy(to, cost->J + row * n, (size_t)n * sizeof *to);
+            memcpy(to, part->J + row * n, (size_t)n * sizeof *to);
             memset(to + n, 0, 3 * sizeof *to);
             if (row >= 3 * o->n_rows) continue; /* a distance */
-            to[n + (axis + 1) % 3] = cost->weight[row] * cost->r[first + (axis + 2) % 3];
-            to[n + (axis + 2) % 3] = -cost->weight[row] * cost->r[first + (axis + 1) % 3];
+            to[n + (axis + 1) % 3] = part->weight[row] * part->r[first + (axis + 2) % 3];
+            to[n + (axis + 2) % 3] = -part->weight[row] * part->r[first + (axis + 1) % 3];
         }
         mukca_dense_qr_absorb(R, NULL, block, rows, wide, 0);
     }
@@ -116,13 +131,14 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     const int n = cost->n;
     mukca_observations *o = &cost->observations;
     double *B = work, *R = B + n * n, *V = R + (n + 3) * (n + 3), *s = V + n * n;
-    double log_product = 0, squares = 0;
+    double log_product = 0, distances;
     memset(id, 0, sizeof *id);
     mukca_cost_normal(R, cost, x, true);
+    if (cost->part != cost) mukca_observe_predict(o, cost->part->theta);
     const int pairs = cost->pair_weight > 0 ? o->n_pairs : 0;
-    for (int i = 0; i < o->n_residuals - o->n_pairs + pairs; i++)
-        squares += cost->weight[i] > 0 ? cost->r[i] * cost->r[i] : 0;
-    factorise(R, s, cost);
+    double squares = mukca_observe_squares(&distances, o, false);
+    if (pairs) squares += distances;
+    factorise(R, s, cost->part);
     score_covariance(B, cost); /* spoils the Jacobian */
     if (!o->target && !o->fixed_mean)
         project_out_turning(R, n); /* measured poses and fixed means identify it */

@@ -14,17 +14,16 @@ static bool has_orientation(const mukca_dataset *data, int row)
     return data->socket[row] < 0 && data->quaternion && isfinite(data->quaternion[4 * row]);
 }
 
-static int rows_of_socket(const mukca_dataset *data, int socket)
+static bool socket_used(const mukca_dataset *data, int socket)
 {
-    int n = 0;
-    for (int i = 0; i < data->n_rows; i++) n += data->socket[i] == socket;
-    return n;
+    int i = 0;
+    while (i < data->n_rows && data->socket[i] != socket) i++;
+    return i < data->n_rows;
 }
 
 static bool pair_usable(const mukca_dataset *data, int pair)
 {
-    return rows_of_socket(data, data->distances[pair].a) > 0 &&
-           rows_of_socket(data, data->distances[pair].b) > 0;
+    return socket_used(data, data->distances[pair].a) && socket_used(data, data->distances[pair].b);
 }
 
 static int rows_of_placement(const mukca_observations *o, const mukca_dataset *data, int placement)
@@ -38,10 +37,10 @@ static int rows_of_placement(const mukca_observations *o, const mukca_dataset *d
 static void load_counts(mukca_observations *o, const mukca_dataset *data)
 {
     o->n_measured = o->n_pairs;
-    for (int s = 0; s < o->n_sockets; s++) {
-        o->count[s] = rows_of_socket(data, s);
+    for (int i = 0; i < o->n_rows; i++)
+        if (data->socket[i] >= 0) o->count[data->socket[i]]++;
+    for (int s = 0; s < o->n_sockets; s++)
         if (o->count[s] > 0) o->n_measured -= 3;
-    }
     for (int p = 0; p < data->n_placements; p++) o->n_groups += rows_of_placement(o, data, p) > 0;
     for (int p = 0, to = 0; p < data->n_distances; p++) {
         if (!pair_usable(data, p)) continue;
@@ -54,20 +53,23 @@ static void load_counts(mukca_observations *o, const mukca_dataset *data)
 static void load_rows(mukca_observations *o, const mukca_dataset *data)
 {
     int poses = 0;
+    double *shares = o->mean; /* of the sockets; scratch */
+    for (int s = 0; s < o->n_sockets; s++)
+        shares[s] = 1.0 / rows_of_placement(o, data, data->sockets[s].placement);
     for (int i = 0; i < o->n_rows; i++) poses += has_position(data, i) || has_orientation(data, i);
     o->n_groups += poses > 0;
     for (int i = 0; i < o->n_rows; i++) {
-        const int placement = mukca_dataset_placement(data, i);
-        const int rows = placement < 0 ? poses : rows_of_placement(o, data, placement);
-        const bool position = placement >= 0 || has_position(data, i);
+        const int socket = data->socket[i];
+        const double share = socket < 0 ? 1.0 / poses : shares[socket];
+        const bool position = socket >= 0 || has_position(data, i);
         const bool orientation = has_orientation(data, i);
-        o->socket[i] = data->socket[i];
+        o->socket[i] = socket;
         o->n_measured += 3 * (position + orientation);
-        if (position) o->share[i] = 1.0 / rows;
+        if (position) o->share[i] = share;
         if (has_position(data, i))
             memcpy(o->target + 3 * i, data->position + 3 * i, 3 * sizeof *o->target);
         if (!orientation) continue;
-        o->turn_share[i] = 1.0 / rows;
+        o->turn_share[i] = share;
         mukca_rotation_from_quaternion(o->aim + 9 * i, data->quaternion + 4 * i);
     }
 }
@@ -87,7 +89,7 @@ size_t mukca_observe_setup(mukca_observations *o, void *memory, const mukca_chai
     o->n_residuals = (o->oriented ? 6 : 3) * n + o->n_pairs;
 
     mukca_sweep_carve(&o->sweep, &arena, chain, n);
-    const int padded = o->sweep.padded;
+    const int padded = n + MUKCA_SWEEP_PADDING;
     o->socket = MUKCA_CARVE(&arena, int, n);
     o->share = MUKCA_CARVE(&arena, double, n);
     o->count = MUKCA_CARVE(&arena, double, sockets);
@@ -98,7 +100,6 @@ size_t mukca_observe_setup(mukca_observations *o, void *memory, const mukca_chai
     o->pair_residual = MUKCA_CARVE(&arena, double, o->n_pairs);
     o->pair_direction = MUKCA_CARVE(&arena, double, 3 * o->n_pairs);
     o->residual = MUKCA_CARVE(&arena, double, 3 * padded);
-    o->adjoint = MUKCA_CARVE(&arena, double, 3 * padded);
     if (posed) o->target = MUKCA_CARVE(&arena, double, 3 * n);
     if (o->oriented) {
         o->turn_share = MUKCA_CARVE(&arena, double, n);
@@ -132,57 +133,88 @@ static void predict_pairs(mukca_observations *o)
     }
 }
 
+/* Of the open window. */
 static void predict_orientations(mukca_observations *o)
 {
-    const int padded = o->sweep.padded;
+    const mukca_sweep *s = &o->sweep;
+    double *residual = mukca_observe_window(o->turn_residual, s);
     mukca_sweep_orientations(&o->sweep);
-    for (int i = 0; i < o->n_rows; i++) {
+    for (int i = 0; i < s->rows; i++) {
         double R[9], off[9], w[3] = {0, 0, 0};
-        for (int c = 0; c < 9; c++) R[c] = o->sweep.Q[c * padded + i];
+        for (int c = 0; c < 9; c++) R[c] = s->Q[c * s->padded + i];
         for (int r = 0; r < 3; r++) /* predicted times measured transposed */
             for (int c = 0; c < 3; c++)
-                off[3 * r + c] = mukca_dot3(R + 3 * r, o->aim + 9 * i + 3 * c);
-        if (o->turn_share[i] > 0) mukca_rotation_log(w, off);
-        for (int a = 0; a < 3; a++)
-            o->turn_residual[a * padded + i] = MUKCA_METRES_PER_RADIAN * w[a];
+                off[3 * r + c] = mukca_dot3(R + 3 * r, o->aim + 9 * (s->from + i) + 3 * c);
+        if (o->turn_share[s->from + i] > 0) mukca_rotation_log(w, off);
+        for (int a = 0; a < 3; a++) residual[a * s->padded + i] = MUKCA_METRES_PER_RADIAN * w[a];
+    }
+}
+
+/* Predictions of the open window to the residuals' place, and to the sums of the sockets. */
+static void predict_positions(mukca_observations *o)
+{
+    const mukca_sweep *s = &o->sweep;
+    const int *socket = o->socket + s->from, padded = s->padded;
+    mukca_sweep_forward(&o->sweep);
+    memcpy(mukca_observe_window(o->residual, s), s->x, 3 * (size_t)padded * sizeof *s->x);
+    for (int i = 0; i < s->rows; i++)
+        if (socket[i] >= 0)
+            for (int a = 0; a < 3; a++) o->mean[3 * socket[i] + a] += s->x[a * padded + i];
+}
+
+/* Predictions of the open window to residuals. */
+static void subtract(mukca_observations *o)
+{
+    const mukca_sweep *s = &o->sweep;
+    const double *centre = o->fixed_mean ? o->fixed_mean : o->mean;
+    double *residual = mukca_observe_window(o->residual, s);
+    for (int i = 0; i < s->rows; i++) {
+        const int row = s->from + i;
+        const double *about =
+            o->socket[row] >= 0 ? centre + 3 * o->socket[row] : o->target + 3L * row;
+        for (int a = 0; a < 3; a++) {
+            double *r = residual + a * s->padded + i;
+            *r = o->share[row] > 0 ? *r - about[a] : 0;
+        }
     }
 }
 
 void mukca_observe_predict(mukca_observations *o, const double *theta)
 {
-    const int padded = o->sweep.padded;
-    const double *x = o->sweep.x;
-    mukca_sweep_origins(&o->sweep, theta);
-    mukca_sweep_forward(&o->sweep);
+    mukca_sweep *sweep = &o->sweep;
+    mukca_sweep_origins(sweep, theta);
     memset(o->mean, 0, 3 * (size_t)o->n_sockets * sizeof *o->mean);
-    for (int i = 0; i < o->n_rows; i++)
-        if (o->socket[i] >= 0)
-            for (int a = 0; a < 3; a++) o->mean[3 * o->socket[i] + a] += x[a * padded + i];
+    for (int v = 0; v < sweep->n_windows; v++) {
+        mukca_sweep_open(sweep, v);
+        predict_positions(o);
+        if (o->oriented) predict_orientations(o);
+    }
     for (int s = 0; s < o->n_sockets; s++)
         for (int a = 0; a < 3 && o->count[s] > 0; a++) o->mean[3 * s + a] /= o->count[s];
-    const double *centre = o->fixed_mean ? o->fixed_mean : o->mean;
-    for (int i = 0; i < o->n_rows; i++) {
-        const double *about = o->socket[i] >= 0 ? centre + 3 * o->socket[i] : o->target + 3 * i;
-        for (int a = 0; a < 3; a++)
-            o->residual[a * padded + i] = o->share[i] > 0 ? x[a * padded + i] - about[a] : 0;
+    for (int v = 0; v < sweep->n_windows; v++) {
+        mukca_sweep_open(sweep, v);
+        subtract(o);
     }
     predict_pairs(o);
-    if (o->oriented) predict_orientations(o);
 }
 
-double mukca_observe_squares(double *pairs, const mukca_observations *o)
+double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted)
 {
-    const int padded = o->sweep.padded;
+    mukca_sweep *s = &o->sweep;
     double sum = 0;
-    for (int i = 0; i < o->n_rows; i++) {
-        double row = 0, turn = 0;
-        for (int a = 0; a < 3; a++) {
-            row += o->residual[a * padded + i] * o->residual[a * padded + i];
-            if (o->oriented)
-                turn += o->turn_residual[a * padded + i] * o->turn_residual[a * padded + i];
+    for (int v = 0; v < s->n_windows; v++) {
+        mukca_sweep_open(s, v);
+        const double *residual = mukca_observe_window(o->residual, s);
+        const double *turned = o->oriented ? mukca_observe_window(o->turn_residual, s) : NULL;
+        for (int i = 0; i < s->rows; i++) {
+            double row = 0, turn = 0;
+            for (int a = 0; a < 3; a++) {
+                row += residual[a * s->padded + i] * residual[a * s->padded + i];
+                if (turned) turn += turned[a * s->padded + i] * turned[a * s->padded + i];
+            }
+            sum += weighted ? o->share[s->from + i] * row : row;
+            if (turned) sum += weighted ? o->turn_share[s->from + i] * turn : turn;
         }
-        sum += o->share[i] * row;
-        if (o->oriented) sum += o->turn_share[i] * turn;
     }
     if (pairs) {
         *pairs = 0;
@@ -202,29 +234,49 @@ static void pair_adjoint(double add[3], const mukca_observations *o, int s, doub
     }
 }
 
-/* Adjoints of the positions, summed by element. */
-static void position_adjoint(mukca_adjoint *adjoint, mukca_observations *o, double pair_weight)
+/* Adjoints of the positions in the open window, summed by element; socket[n_sockets][3] is what
+ * the pairs add. */
+static void add_positions(mukca_adjoint *adjoint, mukca_observations *o, const double *socket)
 {
-    const int padded = o->sweep.padded;
-    memset(o->adjoint, 0, 3 * (size_t)padded * sizeof *o->adjoint);
-    for (int s = 0; s < o->n_sockets; s++) /* the Jacobian's scratch is free here */
-        pair_adjoint(o->mean_rows + 3 * s, o, s, pair_weight);
-    for (int i = 0; i < o->n_rows; i++)
+    mukca_sweep *s = &o->sweep;
+    const double *residual = mukca_observe_window(o->residual, s);
+    double *h = s->x; /* the predictions are residuals by now */
+    memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
+    for (int i = 0; i < s->rows; i++) {
+        const int row = s->from + i, at = o->socket[row];
         for (int a = 0; a < 3; a++)
-            o->adjoint[a * padded + i] =
-                2 * o->share[i] * o->residual[a * padded + i] +
-                (o->socket[i] >= 0 ? o->mean_rows[3 * o->socket[i] + a] : 0);
-    mukca_sweep_backward(adjoint, o->adjoint, &o->sweep);
+            h[a * s->padded + i] = 2 * o->share[row] * residual[a * s->padded + i] +
+                                   (at >= 0 ? socket[3 * at + a] : 0);
+    }
+    mukca_sweep_backward(adjoint, h, s);
 }
 
-static void orientation_adjoint(mukca_adjoint *adjoint, mukca_observations *o)
+static void add_orientations(mukca_adjoint *adjoint, mukca_observations *o)
 {
-    const int padded = o->sweep.padded;
-    for (int i = 0; i < o->n_rows; i++)
+    mukca_sweep *s = &o->sweep;
+    const double *residual = mukca_observe_window(o->turn_residual, s);
+    double *h = s->x;
+    memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
+    for (int i = 0; i < s->rows; i++)
         for (int a = 0; a < 3; a++)
-            o->adjoint[a * padded + i] =
-                2 * o->turn_share[i] * MUKCA_METRES_PER_RADIAN * o->turn_residual[a * padded + i];
-    mukca_sweep_backward(adjoint, o->adjoint, &o->sweep);
+            h[a * s->padded + i] = 2 * o->turn_share[s->from + i] * MUKCA_METRES_PER_RADIAN *
+                                   residual[a * s->padded + i];
+    mukca_sweep_backward(adjoint, h, s);
+}
+
+static void sum_adjoints(mukca_adjoint *position, mukca_adjoint *orientation, mukca_observations *o,
+                         double pair_weight)
+{
+    double *socket = o->mean_rows; /* the Jacobian's scratch is free here */
+    for (int s = 0; s < o->n_sockets; s++) pair_adjoint(socket + 3 * s, o, s, pair_weight);
+    memset(position, 0, sizeof *position);
+    memset(orientation, 0, sizeof *orientation);
+    for (int v = 0; v < o->sweep.n_windows; v++) {
+        mukca_sweep_open(&o->sweep, v);
+        if (o->sweep.n_windows > 1) mukca_sweep_forward(&o->sweep); /* else it is still there */
+        add_positions(position, o, socket);
+        if (o->oriented) add_orientations(orientation, o);
+    }
 }
 
 void mukca_observe_gradient(double *gradient, mukca_observations *o, const double *theta,
@@ -232,8 +284,7 @@ void mukca_observe_gradient(double *gradient, mukca_observations *o, const doubl
                             double pair_weight)
 {
     mukca_adjoint position, orientation;
-    position_adjoint(&position, o, pair_weight);
-    if (o->oriented) orientation_adjoint(&orientation, o);
+    sum_adjoints(&position, &orientation, o, pair_weight);
     for (int i = 0, element = -1; i < parameters->n; i++) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
         const int parameter = parameters->index[i] % MUKCA_PARAMETERS;

@@ -36,9 +36,8 @@ typedef struct {
     double *pair_distance;  /* [n_pairs] known, m */
     double *pair_residual;  /* [n_pairs] */
     double *pair_direction; /* [n_pairs][3] unit, from b to a */
-    double *residual;       /* [3][padded] */
-    double *turn_residual;  /* [3][padded], NULL unless oriented */
-    double *adjoint;        /* [3][padded] scratch */
+    double *residual;       /* [windows][3][padded] */
+    double *turn_residual;  /* [windows][3][padded], NULL unless oriented */
     double *mean_rows;      /* [n_sockets][3][max_free] scratch */
 } mukca_observations;
 
@@ -48,11 +47,18 @@ typedef struct {
 size_t mukca_observe_setup(mukca_observations *observations, void *memory, const mukca_chain *chain,
                            const mukca_dataset *data, const double *fixed, int max_free);
 
+/* Those of the sweep's open window, [3][padded]. */
+static inline double *mukca_observe_window(double *residual, const mukca_sweep *sweep)
+{
+    return residual + 3L * sweep->from;
+}
+
 /* Residuals at theta[6 * n_elements], kept inside. */
 void mukca_observe_predict(mukca_observations *observations, const double *theta);
 
-/* Sum of the weighted squares: of the rows, and of the pairs (NULL: not wanted), m^2. */
-double mukca_observe_squares(double *pairs, const mukca_observations *observations);
+/* Sum of the squares, m^2: of the rows, weighted or each once, and of the pairs (NULL: not wanted).
+ */
+double mukca_observe_squares(double *pairs, mukca_observations *observations, bool weighted);
 
 /* gradient[n] of that sum by the free parameters, pairs counted `pair_weight` times; theta must be
  * the one of the last prediction. */

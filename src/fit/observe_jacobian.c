@@ -24,12 +24,36 @@ static void turn_rows_of(double *J, int n, const double w[3])
     }
 }
 
+/* Subtract the socket's mean and turn rotations to rotation vectors; rows of one sample. */
+static void finish_rows(double *J, double *JO, const mukca_observations *o, int n, int row)
+{
+    const double *mean = o->mean_rows + 3L * o->socket[row] * n;
+    if (o->socket[row] >= 0 && !o->fixed_mean)
+        for (int c = 0; c < 3 * n; c++) J[c] -= mean[c];
+    if (!(o->share[row] > 0)) memset(J, 0, 3 * (size_t)n * sizeof *J);
+    if (!JO) return;
+    const mukca_sweep *s = &o->sweep;
+    const double *turned = mukca_observe_window(o->turn_residual, s) + row - s->from;
+    double w[3];
+    for (int a = 0; a < 3; a++) w[a] = turned[a * s->padded] / MUKCA_METRES_PER_RADIAN;
+    if (o->turn_share[row] > 0)
+        turn_rows_of(JO, n, w);
+    else
+        memset(JO, 0, 3 * (size_t)n * sizeof *JO);
+}
+
 static void jacobian_of(double *J, mukca_observations *o, const double *theta,
                         const mukca_parameters *parameters, mukca_gradient kind)
 {
-    const int n = parameters->n, padded = o->sweep.padded;
+    const long n = parameters->n;
+    mukca_sweep *sweep = &o->sweep;
     double *JO = o->oriented ? J + 3 * o->n_rows * n : NULL;
-    mukca_sweep_jacobian(J, JO, &o->sweep, theta, parameters, kind);
+    for (int v = 0; v < sweep->n_windows; v++) {
+        mukca_sweep_open(sweep, v);
+        if (sweep->n_windows > 1) mukca_sweep_forward(sweep); /* else it is still there */
+        const long at = 3 * sweep->from * n;
+        mukca_sweep_jacobian(J + at, JO ? JO + at : NULL, sweep, theta, parameters, kind);
+    }
     memset(o->mean_rows, 0, 3 * (size_t)(o->n_sockets * n) * sizeof *o->mean_rows);
     for (int i = 0; i < o->n_rows; i++) {
         if (o->socket[i] < 0) continue;
@@ -39,21 +63,10 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
     for (int s = 0; s < o->n_sockets; s++)
         for (int c = 0; c < 3 * n && o->count[s] > 0; c++)
             o->mean_rows[3 * s * n + c] /= o->count[s];
-    for (int i = 0; i < o->n_rows; i++) {
-        double *rows = J + 3 * i * n;
-        if (o->socket[i] >= 0 && !o->fixed_mean) {
-            const double *mean = o->mean_rows + 3 * o->socket[i] * n;
-            for (int c = 0; c < 3 * n; c++) rows[c] -= mean[c];
-        }
-        if (!(o->share[i] > 0)) memset(rows, 0, 3 * (size_t)n * sizeof *rows);
-        if (!JO) continue;
-        double w[3];
-        for (int a = 0; a < 3; a++)
-            w[a] = o->turn_residual[a * padded + i] / MUKCA_METRES_PER_RADIAN;
-        if (o->turn_share[i] > 0)
-            turn_rows_of(JO + 3 * i * n, n, w);
-        else
-            memset(JO + 3 * i * n, 0, 3 * (size_t)n * sizeof *JO);
+    for (int v = 0; v < sweep->n_windows; v++) {
+        mukca_sweep_open(sweep, v);
+        for (int i = sweep->from; i < sweep->from + sweep->rows; i++)
+            finish_rows(J + 3 * i * n, JO ? JO + 3 * i * n : NULL, o, parameters->n, i);
     }
     double *row = J + (o->oriented ? 6 : 3) * o->n_rows * n;
     for (int p = 0; p < o->n_pairs; p++, row += n) {
@@ -69,13 +82,18 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
 void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const double *theta,
                              const mukca_parameters *parameters, mukca_gradient kind)
 {
-    const int padded = o->sweep.padded, n = o->n_rows;
+    const int n = o->n_rows;
+    mukca_sweep *s = &o->sweep;
     mukca_observe_predict(o, theta);
-    for (int i = 0; i < n; i++)
-        for (int a = 0; a < 3; a++) {
-            r[3 * i + a] = o->residual[a * padded + i];
-            if (o->oriented) r[3 * n + 3 * i + a] = o->turn_residual[a * padded + i];
-        }
+    for (int v = 0; v < s->n_windows; v++) {
+        mukca_sweep_open(s, v);
+        const double *residual = mukca_observe_window(o->residual, s);
+        for (int i = 0; i < s->rows; i++)
+            for (int a = 0; a < 3; a++) r[3 * (s->from + i) + a] = residual[a * s->padded + i];
+        residual = o->oriented ? mukca_observe_window(o->turn_residual, s) : NULL;
+        for (int i = 0; i < s->rows && residual; i++)
+            for (int a = 0; a < 3; a++) r[3 * (n + s->from + i) + a] = residual[a * s->padded + i];
+    }
     memcpy(r + (o->oriented ? 6 : 3) * n, o->pair_residual,
            (size_t)o->n_pairs * sizeof *o->pair_residual);
     if (J) jacobian_of(J, o, theta, parameters, kind);

@@ -20,11 +20,12 @@ void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain
 {
     const int n = chain->n_elements, joints = chain->n_joints;
     const int padded = (rows + LANES - 1) / LANES * LANES;
+    const int widest = padded < MUKCA_SWEEP_WINDOW ? padded : MUKCA_SWEEP_WINDOW;
     memset(sweep, 0, sizeof *sweep);
     sweep->n_elements = n;
     sweep->n_joints = joints;
     sweep->n_rows = rows;
-    sweep->padded = padded;
+    sweep->n_windows = (rows + MUKCA_SWEEP_WINDOW - 1) / MUKCA_SWEEP_WINDOW;
     memcpy(sweep->align[0], identity, sizeof identity);
     for (int k = 0; k < n; k++) {
         const mukca_element *e = &chain->element[k];
@@ -32,19 +33,26 @@ void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain
         sweep->joint[k] = e->joint;
         align_axis(sweep->align[k + 1], e->type == MUKCA_FIXED ? identity + 6 : e->axis);
     }
-    sweep->sine = MUKCA_CARVE(arena, double, joints *padded);
-    sweep->cosine = MUKCA_CARVE(arena, double, joints *padded);
-    sweep->x = MUKCA_CARVE(arena, double, 3 * padded);
-    sweep->w = MUKCA_CARVE(arena, double, n * 3 * padded);
-    sweep->Q = MUKCA_CARVE(arena, double, 9 * padded);
-    if (rows > MUKCA_SWEEP_WINDOW)
-        sweep->window =
-            MUKCA_CARVE(arena, double, (2 * joints + 3 + 3 * n + 9) * MUKCA_SWEEP_WINDOW);
+    sweep->turns = MUKCA_CARVE(arena, double, 2L * joints * padded);
+    sweep->x = MUKCA_CARVE(arena, double, 3 * widest);
+    sweep->w = MUKCA_CARVE(arena, double, n * 3 * widest);
+    sweep->Q = MUKCA_CARVE(arena, double, 9 * widest);
 }
 
-void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q)
+void mukca_sweep_open(mukca_sweep *sweep, int window)
 {
-    const int padded = sweep->padded, last = sweep->n_rows - 1;
+    sweep->from = window * MUKCA_SWEEP_WINDOW;
+    const int left = sweep->n_rows - sweep->from;
+    sweep->rows = left < MUKCA_SWEEP_WINDOW ? left : MUKCA_SWEEP_WINDOW;
+    sweep->padded = (sweep->rows + LANES - 1) / LANES * LANES;
+    sweep->sine = sweep->turns + 2L * sweep->n_joints * sweep->from;
+    sweep->cosine = sweep->sine + sweep->n_joints * sweep->padded;
+}
+
+/* Joint angles of the open window, q[rows][n_joints]. */
+static void load_window(mukca_sweep *sweep, const mukca_chain *chain, const double *q)
+{
+    const int padded = sweep->padded, last = sweep->rows - 1;
     for (int j = 0; j < sweep->n_joints; j++) {
         double *angle = sweep->x, *sine = sweep->sine + j * padded;
         for (int i = 0; i < padded; i++) /* padding repeats the last row */
@@ -53,6 +61,14 @@ void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double
             mukca_sincos(sine, sweep->cosine + j * padded, angle, padded);
         else
             memcpy(sine, angle, (size_t)padded * sizeof *sine);
+    }
+}
+
+void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q)
+{
+    for (int v = 0; v < sweep->n_windows; v++) {
+        mukca_sweep_open(sweep, v);
+        load_window(sweep, chain, q + (long)sweep->from * sweep->n_joints);
     }
 }
 
@@ -107,12 +123,14 @@ MUKCA_CLONES void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_
 {
     const int padded = sweep->padded;
     for (int k = 0; k < sweep->n_elements; k++) {
-        double sum[3], outer[9], half[9], Rt[9], At[9];
+        double sum[3], outer[9], moved[3], half[9], Rt[9], At[9];
         sum_rows(sum, outer, h, sweep->w + 3 * k * padded, padded);
-        mukca_mat3_vec(adjoint->sum[k], sweep->align[k], sum);
+        mukca_mat3_vec(moved, sweep->align[k], sum);
         transpose(At, sweep->align[k + 1]);
         mukca_mat3_mul(half, sweep->align[k], outer);
-        mukca_mat3_mul(adjoint->outer[k], half, At);
+        mukca_mat3_mul(outer, half, At);
+        for (int i = 0; i < 3; i++) adjoint->sum[k][i] += moved[i];
+        for (int i = 0; i < 9; i++) adjoint->outer[k][i] += outer[i];
         transpose(Rt, sweep->R[k]);
         map_rows(h, Rt, NULL, h, padded);
         if (mukca_joint_turns(sweep->type[k])) turn_rows(h, sweep, k, -1);

@@ -1,6 +1,8 @@
 /* Sweeps over many samples at once: predictions, adjoint gradient, Jacobian (docs/method.md, 2).
  *
- * All arrays run along the samples (structure of arrays, padded to a multiple of 8).  Each joint
+ * Samples are swept in windows, one open at a time: what a sweep keeps of a window stays in the
+ * cache, and memory does not grow by it.  All arrays run along the samples of the open window
+ * (structure of arrays, padded to a multiple of 8).  Each joint
  * frame is first turned so that its axis is z: with A_k e_z = axis_k,
  * u_k = (A_{k-1}' R_k A_k) Rz(q) u_{k+1} + A_{k-1}' p_k is the tip in element k's parent frame.
  * Sines and cosines of the joint angles are constants of a fit and are computed once.
@@ -13,26 +15,31 @@
 
 typedef enum { MUKCA_GRADIENT_FD, MUKCA_GRADIENT_ANALYTIC } mukca_gradient;
 
-typedef struct {
-    int n_elements, n_joints, n_rows, padded;
-    int type[MUKCA_MAX_ELEMENTS], joint[MUKCA_MAX_ELEMENTS];
-    double align[MUKCA_MAX_ELEMENTS + 1][9]; /* A_{k-1} at k; align[0] = I */
-    double *sine, *cosine;                   /* [n_joints][padded]; prismatic: sine holds q */
-    double R[MUKCA_MAX_ELEMENTS][9], p[MUKCA_MAX_ELEMENTS][3]; /* aligned origins in use */
-    double *x;                                                 /* [3][padded] predicted tip */
-    double *w;      /* [n_elements][3][padded] tip in the frame behind the origin of each element */
-    double *Q;      /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
-    double *window; /* of the Jacobian of many samples: room for a sweep of MUKCA_SWEEP_WINDOW */
-} mukca_sweep;
+/* Samples of a window: their 1 MB of a Jacobian of 48 columns stays in the cache. */
+enum { MUKCA_SWEEP_WINDOW = 1024, MUKCA_SWEEP_PADDING = 7 /* at most, of the last one */ };
 
-/* Samples whose rows of a Jacobian are filled together: 1 MB of 48 columns stay in the cache. */
-enum { MUKCA_SWEEP_WINDOW = 1024 };
+typedef struct {
+    int n_elements, n_joints, n_rows, n_windows;
+    int type[MUKCA_MAX_ELEMENTS], joint[MUKCA_MAX_ELEMENTS];
+    double align[MUKCA_MAX_ELEMENTS + 1][9];                   /* A_{k-1} at k; align[0] = I */
+    double R[MUKCA_MAX_ELEMENTS][9], p[MUKCA_MAX_ELEMENTS][3]; /* aligned origins in use */
+    double *turns; /* [n_windows][2][n_joints][padded] sines and cosines of all samples */
+    /* of the open window: */
+    int from, rows, padded; /* its samples are from, from + 1, ..., from + rows - 1 */
+    double *sine, *cosine;  /* [n_joints][padded]; prismatic: sine holds q */
+    double *x;              /* [3][padded] predicted tip, until mukca_sweep_jacobian */
+    double *w; /* [n_elements][3][padded] tip in the frame behind the origin of each element */
+    double *Q; /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
+} mukca_sweep;
 
 /* Carve the arrays for `rows` samples. */
 void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows);
 
-/* Joint angles q[n_rows][n_joints]. */
+/* Joint angles q[n_rows][n_joints]; opens the last window. */
 void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q);
+
+/* Open a window, 0 <= window < n_windows: the functions below are about its samples. */
+void mukca_sweep_open(mukca_sweep *sweep, int window);
 
 /* Origins from theta[6 * n_elements]. */
 void mukca_sweep_origins(mukca_sweep *sweep, const double *theta);
@@ -51,7 +58,7 @@ typedef struct {
 } mukca_adjoint;
 
 /* Propagate the adjoint h[3][padded] of the predictions from base to tip (destroyed; zero in the
- * padding). */
+ * padding), and add to the sums.  Needs mukca_sweep_forward. */
 void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep);
 
 /* dR[3][9]: derivatives of an element's rotation by roll, pitch, yaw: analytic, or by central
@@ -61,9 +68,9 @@ void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_
 /* Angular velocity of a rotation R with derivative dR: the antisymmetric part of dR R'. */
 void mukca_sweep_spin(double omega[3], const double dR[9], const double R[9]);
 
-/* Derivatives of the tip's position by the n free parameters at theta, J[3 * n_rows][n], and of its
- * orientation (as a rotation vector in base coordinates), JO[3 * n_rows][n] or NULL.
- * Needs mukca_sweep_forward; overwrites Q. */
+/* Derivatives of the tip's position by the n free parameters at theta, J[3 * rows][n], and of its
+ * orientation (as a rotation vector in base coordinates), JO[3 * rows][n] or NULL.
+ * Needs mukca_sweep_forward; overwrites x and Q. */
 void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep, const double *theta,
                           const mukca_parameters *parameters, mukca_gradient gradient);
 

@@ -45,7 +45,7 @@ void mukca_sweep_spin(double omega[3], const double dR[9], const double R[9])
 MUKCA_INLINE void column_rows(double *J, int ld, int column, const double *v, bool each,
                               const mukca_sweep *sweep)
 {
-    const int padded = sweep->padded, rows = sweep->n_rows, stride = each ? padded : 1;
+    const int padded = sweep->padded, rows = sweep->rows, stride = each ? padded : 1;
     const double *Q = sweep->Q;
     for (int start = 0; start < rows; start += LANES) {
         double out[3][LANES];
@@ -62,8 +62,9 @@ MUKCA_INLINE void column_rows(double *J, int ld, int column, const double *v, bo
     }
 }
 
-MUKCA_INLINE void fill_window(double *J, double *JO, mukca_sweep *sweep, const double *theta,
-                              const mukca_parameters *parameters, mukca_gradient gradient)
+MUKCA_CLONES void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep,
+                                       const double *theta, const mukca_parameters *parameters,
+                                       mukca_gradient gradient)
 {
     const int n = parameters->n, padded = sweep->padded;
     const short *index = parameters->index;
@@ -90,48 +91,4 @@ MUKCA_INLINE void fill_window(double *J, double *JO, mukca_sweep *sweep, const d
         }
         frames_times(sweep->Q, sweep->R[k], sweep, k);
     }
-}
-
-/* A sweep of the samples from `from` on, as many as there is room for. */
-static void open_window(mukca_sweep *window, const mukca_sweep *sweep, int from)
-{
-    const int left = sweep->n_rows - from, n = sweep->n_elements, joints = sweep->n_joints;
-    const int count = left < MUKCA_SWEEP_WINDOW ? left : MUKCA_SWEEP_WINDOW;
-    const int padded = (count + LANES - 1) / LANES * LANES;
-    const struct {
-        const double *from;
-        double **to;
-        int rows;
-    } list[] = {{sweep->sine, &window->sine, joints},
-                {sweep->cosine, &window->cosine, joints},
-                {sweep->w, &window->w, 3 * n},
-                {NULL, &window->x, 3},
-                {NULL, &window->Q, 9}};
-    double *room = sweep->window;
-    *window = *sweep;
-    window->n_rows = count;
-    window->padded = padded;
-    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
-        *list[i].to = room;
-        for (int r = 0; r < list[i].rows && list[i].from; r++)
-            memcpy(room + r * padded, list[i].from + (long)r * sweep->padded + from,
-                   (size_t)padded * sizeof *room);
-        room += list[i].rows * MUKCA_SWEEP_WINDOW;
-    }
-}
-
-MUKCA_CLONES void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep,
-                                       const double *theta, const mukca_parameters *parameters,
-                                       mukca_gradient gradient)
-{
-    const long width = 3L * parameters->n;
-    mukca_sweep window;
-    if (!sweep->window) fill_window(J, JO, sweep, theta, parameters, gradient);
-    for (int from = 0; from < sweep->n_rows && sweep->window; from += MUKCA_SWEEP_WINDOW) {
-        open_window(&window, sweep, from);
-        fill_window(J + from * width, JO ? JO + from * width : NULL, &window, theta, parameters,
-                    gradient);
-    }
-    if (!sweep->window) /* the predictions, whose place was scratch */
-        map_rows(sweep->x, sweep->R[0], sweep->p[0], sweep->w, sweep->padded);
 }

@@ -39,38 +39,51 @@ static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k
            agree(a->temperature, i, b->temperature, k, 1) && agree(a->payload, i, b->payload, k, 1);
 }
 
-/* FNV-1a of the joint angles. */
-static size_t hash(const mukca_dataset *data, int row)
+/* Of the joint angles: a word at a time, multiplied by an odd number near 2^64 / golden ratio. */
+static uint64_t hash(const mukca_dataset *data, int row)
 {
-    const size_t n = (size_t)data->n_joints * sizeof *data->q;
-    const unsigned char *bytes = (const unsigned char *)(data->q + (size_t)(row * data->n_joints));
-    uint64_t h = 0xcbf29ce484222325u;
-    for (size_t i = 0; i < n; i++) h = (h ^ bytes[i]) * 0x100000001b3u;
-    return (size_t)(h ^ h >> 32);
+    const double *q = data->q + (size_t)row * (size_t)data->n_joints;
+    uint64_t h = 0, word;
+    for (int j = 0; j < data->n_joints; j++) {
+        memcpy(&word, q + j, sizeof word);
+        h = (h ^ word) * 0x9e3779b97f4a7c15u;
+        h ^= h >> 32;
+    }
+    return h;
+}
+
+/* A row in the list of those whose hashes end alike. */
+typedef struct {
+    int next; /* -1: the last */
+    uint32_t hash;
+} entry;
+
+static void list(int *first, entry *entries, uint64_t h, size_t size, int row)
+{
+    int *head = &first[h & (size - 1)];
+    entries[row] = (entry){*head, (uint32_t)(h >> 32)};
+    *head = row;
 }
 
 /* original[n_rows]: the row of `of` (NULL: an earlier one of `data`) that each row repeats, or -1.
- * first[size], size a power of two, and next[rows of `of`] list the rows of each hash. */
+ * first[size], size a power of two, and entries[rows of `of`] list the rows of each hash. */
 static void find(int *original, const mukca_dataset *data, const mukca_dataset *of, int *first,
-                 int *next, size_t size)
+                 entry *entries, size_t size)
 {
     const mukca_dataset *source = of ? of : data;
     for (size_t h = 0; h < size; h++) first[h] = -1;
-    for (int k = 0; of && k < of->n_rows; k++) {
-        int *head = &first[hash(of, k) & (size - 1)];
-        next[k] = *head;
-        *head = k;
-    }
+    for (int k = 0; of && k < of->n_rows; k++) list(first, entries, hash(of, k), size, k);
     for (int i = 0; i < data->n_rows; i++) {
-        int *head = &first[hash(data, i) & (size - 1)], compared = 0;
+        const uint64_t h = hash(data, i);
+        int compared = 0;
         original[i] = -1;
-        for (int k = *head; k >= 0 && original[i] < 0 && compared < MOST_COMPARED; k = next[k]) {
+        for (int k = first[h & (size - 1)]; k >= 0 && original[i] < 0 && compared < MOST_COMPARED;
+             k = entries[k].next) {
+            if (entries[k].hash != (uint32_t)(h >> 32)) continue;
             if (repeats(data, i, source, k)) original[i] = k;
             compared++;
         }
-        if (of || original[i] >= 0) continue;
-        next[i] = *head;
-        *head = i;
+        if (!of && original[i] < 0) list(first, entries, h, size, i);
     }
 }
 
@@ -165,15 +178,16 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
     size_t size = 64;
     while (size < (size_t)listed) size *= 2;
     const size_t names = 2 * (size_t)data->n_sockets + (size_t)data->n_placements;
-    int *original = malloc(((size_t)n + (size_t)listed + size + names + 1) * sizeof *original);
+    int *original = malloc(((size_t)n + size + names + 1) * sizeof *original);
+    entry *entries = malloc(((size_t)listed + 1) * sizeof *entries);
     unsigned char *keep = malloc((size_t)n + 1);
     mukca_status status = MUKCA_OK;
-    if (!original || !keep) {
+    if (!original || !entries || !keep) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n);
         goto out;
     }
-    int *next = original + n, *first = next + listed, *map = first + size, copies = 0;
-    find(original, data, of, first, next, size);
+    int *first = original + n, *map = first + size, copies = 0;
+    find(original, data, of, first, entries, size);
     for (int i = 0; i < n; i++) keep[i] = original[i] < 0;
     if (!of) keep_dead(keep, data, map);
     for (int i = 0; i < n; i++) {
@@ -185,6 +199,7 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
     status = mukca_dataset_keep(data, keep, error);
 out:
     free(original);
+    free(entries);
     free(keep);
     return status;
 }

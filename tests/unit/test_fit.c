@@ -5,6 +5,7 @@
 #include "close.h"
 #include "fit/fit.h"
 #include "fit/nlopt_adapter.h"
+#include "fit/part.h"
 #include "math/random.h"
 
 enum { JOINTS = 6 };
@@ -292,11 +293,119 @@ static void test_null_space(void **state)
     mukca_dataset_free(&data);
 }
 
+static void set_up(mukca_cost *cost, void **memory, const mukca_chain *chain,
+                   const mukca_parameters *parameters, const mukca_dataset *data,
+                   const mukca_cost_options *options)
+{
+    *memory = malloc(mukca_cost_setup(cost, NULL, chain, parameters, data, options));
+    assert_non_null(*memory);
+    mukca_cost_setup(cost, *memory, chain, parameters, data, options);
+}
+
+/* Standard errors over noise from a part of the samples are those of all of them. */
+static void compare_precision(const mukca_chain *chain, const mukca_dataset *data, int most)
+{
+    mukca_parameters p;
+    mukca_dataset samples;
+    mukca_cost all, part, bounded;
+    mukca_identification id[2];
+    void *memory[3];
+    double work[MUKCA_IDENTIFY_WORK(MUKCA_MAX_FREE)];
+    assert_int_equal(mukca_parameters_select(&p, chain, NULL, NULL), MUKCA_OK);
+    assert_int_equal(mukca_part_take(&samples, data, most, NULL), MUKCA_OK);
+    assert_true(samples.n_rows <= most && samples.n_rows > most / 3);
+    set_up(&all, &memory[0], chain, &p, data, NULL);
+    set_up(&part, &memory[1], chain, &p, &samples, NULL);
+    set_up(&bounded, &memory[2], chain, &p, data, &(mukca_cost_options){.part = &part});
+    assert_int_equal(mukca_identify(&id[0], NULL, &all, all.nominal, work, NULL), MUKCA_OK);
+    assert_int_equal(mukca_identify(&id[1], NULL, &bounded, all.nominal, work, NULL), MUKCA_OK);
+    assert_int_equal(id[0].rank, id[1].rank);
+    assert_close(id[0].noise, id[1].noise, 1e-12 * id[0].noise);
+    for (int i = 0; i < p.n; i++) {
+        assert_int_equal(id[0].identifiable[i], id[1].identifiable[i]);
+        if (id[0].identifiable[i])
+            assert_close(id[1].sigma[i] / id[0].sigma[i], 1, 5 / sqrt(2.0 * most));
+    }
+    for (int i = 0; i < 3; i++) free(memory[i]);
+    mukca_dataset_free(&samples);
+}
+
+static void test_part(void **state)
+{
+    (void)state;
+    enum { SOCKETS = 4, ROWS = 9000 };
+    static const double share[SOCKETS] = {0.65, 0.95, 0.98, 1}; /* uneven, mixed; two placements */
+    mukca_random random;
+    mukca_chain chain;
+    mukca_dataset data;
+    double truth[MUKCA_MAX_FREE];
+    const mukca_frame tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    make_arm(&chain);
+    mukca_random_seed(&random, 35);
+    mukca_chain_theta(truth, &chain);
+    track(&data, &chain, truth, &tracker, ROWS, true, 1e-4, &random);
+    compare_precision(&chain, &data, ROWS / 3);
+    mukca_dataset_free(&data);
+
+    assert_int_equal(mukca_dataset_create(&data, ROWS, JOINTS, SOCKETS, 2, NULL), MUKCA_OK);
+    for (int s = 0; s < SOCKETS; s++) data.sockets[s].placement = s / 2;
+    for (int i = 0; i < ROWS; i++) {
+        const double u = mukca_random_uniform(&random);
+        while (u > share[data.socket[i] < 0 ? data.socket[i] = 0 : data.socket[i]])
+            data.socket[i]++;
+        for (int j = 0; j < JOINTS; j++)
+            data.q[i * JOINTS + j] = 2.5 * (2 * mukca_random_uniform(&random) - 1);
+    }
+    data.n_distances = 2;
+    data.distances = calloc(2, sizeof *data.distances);
+    assert_non_null(data.distances);
+    data.distances[0] = (mukca_distance){0, 1, 0.05};
+    data.distances[1] = (mukca_distance){2, 3, 0.05};
+    compare_precision(&chain, &data, ROWS / 3);
+    mukca_dataset_free(&data);
+}
+
+/* The solver finds the minimum of all samples of a long recording, not that of the part. */
+static void test_long(void **state)
+{
+    (void)state;
+    mukca_random random;
+    mukca_chain chain;
+    mukca_dataset data;
+    mukca_parameters p;
+    mukca_cost cost;
+    mukca_fit fit[2];
+    void *memory;
+    double truth[MUKCA_MAX_FREE], x[2][MUKCA_MAX_FREE], g[MUKCA_MAX_FREE];
+    const mukca_frame tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    make_arm(&chain);
+    mukca_random_seed(&random, 36);
+    mukca_chain_theta(truth, &chain);
+    for (int i = 0; i < 6 * chain.n_elements; i++) truth[i] += 1e-3 * mukca_random_normal(&random);
+    track(&data, &chain, truth, &tracker, MUKCA_FIT_PART + 1000, false, 1e-4, &random);
+    assert_int_equal(mukca_parameters_select(&p, &chain, NULL, NULL), MUKCA_OK);
+    set_up(&cost, &memory, &chain, &p, &data, NULL);
+    for (int s = 0; s < 2; s++) { /* slsqp, lbfgs */
+        const mukca_fit_options options = {.solver = mukca_solver_table[s]};
+        assert_int_equal(mukca_fit_run(&fit[s], &chain, &data, &options, NULL), MUKCA_OK);
+        assert_true(fit[s].converged && fit[s].n_part > 0 && fit[s].n_part <= MUKCA_FIT_PART);
+        mukca_parameters_pack(x[s], &p, fit[s].theta);
+        const double value = mukca_cost_evaluate(NULL, g, &cost, x[s]);
+        mukca_cost_normal(cost.scratch, &cost, x[s], false);
+        mukca_solver_factorise(cost.scratch, p.n);
+        assert_true(mukca_solver_decrement(cost.scratch, g, x[s], p.n) <= 1e-8 * value);
+        mukca_fit_free(&fit[s]);
+    }
+    free(memory);
+    mukca_dataset_free(&data);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_selection),
-                                       cmocka_unit_test(test_poses), cmocka_unit_test(test_solvers),
-                                       cmocka_unit_test(test_stops),
-                                       cmocka_unit_test(test_null_space)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_selection),  cmocka_unit_test(test_poses),
+        cmocka_unit_test(test_solvers),    cmocka_unit_test(test_stops),
+        cmocka_unit_test(test_null_space), cmocka_unit_test(test_part),
+        cmocka_unit_test(test_long)};
     return cmocka_run_group_tests_name("fit", tests, NULL, NULL);
 }

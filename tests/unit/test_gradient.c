@@ -280,9 +280,13 @@ static const double *tip_jacobian(void **memory, const mukca_chain *chain, const
     mukca_sweep_carve(&sweep, &arena, chain, rows);
     mukca_sweep_load(&sweep, chain, q);
     mukca_sweep_origins(&sweep, theta);
-    mukca_sweep_forward(&sweep);
     double *J = (double *)(void *)((char *)*memory + room);
-    mukca_sweep_jacobian(J, J + one, &sweep, theta, &parameters, MUKCA_GRADIENT_ANALYTIC);
+    for (int v = 0; v < sweep.n_windows; v++) {
+        mukca_sweep_open(&sweep, v);
+        mukca_sweep_forward(&sweep);
+        double *at = J + 3 * sweep.from * parameters.n;
+        mukca_sweep_jacobian(at, at + one, &sweep, theta, &parameters, MUKCA_GRADIENT_ANALYTIC);
+    }
     return J;
 }
 
