@@ -184,10 +184,11 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     mukca_normal_equations *normal = &evidence->normal[index];
     const int size = linear->n_columns + 1, ld = linear->stride, *at = linear->at;
     bool same = normal->n + 1 == size && memcmp(normal->at, at, sizeof *at * (size_t)size) == 0;
-    if (unknowns->weight || normal->version != linear->version) {
+    if (unknowns->weight || normal->version != linear->version || normal->stride != ld) {
         same = false;
         lay_out(normal, recording, unknowns->weight);
         normal->done = 0;
+        normal->stride = ld;
         normal->version = unknowns->weight ? 0 : linear->version;
     }
     extend(normal, recording, linear, evidence->marginal);

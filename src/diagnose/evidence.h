@@ -25,7 +25,7 @@ typedef struct {
     double *mean_weight;    /* [n_samples] A'o / o'o: weights of a socket's mean */
     double *ones;           /* [n_groups] o'o */
     /* of all columns that the linearisation holds, `stride` apart */
-    int done;             /* columns that the rest is formed from */
+    int done, stride;     /* columns that the rest is formed from, and their stride */
     double *weighted;     /* [n_samples][dim][stride] W times the columns */
     double *all_gram;     /* [stride][stride] */
     double *all_distance; /* [n_pairs][stride] */

@@ -6,6 +6,8 @@
 
 #include "math/dense.h"
 
+enum { ROOM = 32 }; /* for columns of other causes: most searches need no more */
+
 bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
                                 const mukca_recording *recording, const mukca_unknowns *unknowns)
 {
@@ -291,6 +293,22 @@ static void fill_y(mukca_linearisation *linear, const mukca_recording *recording
         linear->pair_columns[p * ld + at[n]] = recording->pairs[p].distance;
 }
 
+/* Room behind the columns held for so many others; a stride that has too little grows. */
+static bool reserve(mukca_linearisation *linear, const mukca_recording *recording, int columns)
+{
+    const int old = linear->stride, held = linear->n_held;
+    if (held + columns <= old) return true;
+    if (held + columns > linear->most) return false;
+    linear->stride = held + columns + ROOM < linear->most ? held + columns + ROOM : linear->most;
+    double *const of[] = {linear->columns, linear->pair_columns};
+    const int rows[] = {recording->n_samples * recording->dim, recording->n_pairs};
+    for (int k = 0; k < 2; k++)
+        for (int i = rows[k] - 1; i > 0; i--) /* the last one first: they move to the back */
+            memmove(of[k] + (size_t)i * (size_t)linear->stride, of[k] + (size_t)i * (size_t)old,
+                    sizeof *of[k] * (size_t)held);
+    return true;
+}
+
 /* Hold the columns of a cause from column `at` on. */
 static void hold(mukca_linearisation *linear, const mukca_recording *recording,
                  const mukca_candidate *h, int at)
@@ -311,7 +329,8 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
     const int n = mukca_unknowns_column(u, u->n_causes), n_joints = recording->chain->n_joints;
     linear->n_columns = n;
     linear->n_held = n + 1;
-    linear->stride = spare ? mukca_unknowns_capacity(u) + 1 : n + 1;
+    linear->most = spare ? mukca_unknowns_capacity(u) + 1 : n + 1;
+    linear->stride = spare ? n + 1 + ROOM : n + 1;
     linear->n_causes = 0;
     linear->version++;
     for (int i = 0; i <= n; i++) linear->at[i] = i;
@@ -351,7 +370,7 @@ bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_recordi
         int k = 0;
         while (k < linear->n_causes && !mukca_candidate_same(&linear->cause[k], h)) k++;
         if (k == linear->n_causes) {
-            if (k == MUKCA_MOST_HELD || linear->n_held + h->terms > linear->stride) return false;
+            if (k == MUKCA_MOST_HELD || !reserve(linear, recording, h->terms)) return false;
             hold(linear, recording, h, linear->n_held);
             linear->n_held += h->terms;
         }
@@ -365,7 +384,7 @@ bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_recordi
 bool mukca_linearisation_refresh(mukca_linearisation *linear, const mukca_recording *recording,
                                  mukca_unknowns *u)
 {
-    if (linear->n_held == linear->stride) return false;
+    if (!reserve(linear, recording, 1)) return false;
     mukca_unknowns_fold_frames(u);
     mukca_unknowns_set_geometry(u, recording->chain);
     predict(linear, recording, u);

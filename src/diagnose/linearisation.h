@@ -14,6 +14,7 @@ typedef struct {
     int n_columns;      /* in use, without y */
     int *at;            /* [n_columns + 1] where these and y are among the columns held */
     int stride, n_held; /* of a row of the columns held; their number, y among them */
+    int most;           /* that the stride can grow to */
     int n_causes, at_cause[MUKCA_MOST_HELD]; /* causes whose columns are held, and where */
     mukca_candidate *cause;                  /* [MUKCA_MOST_HELD] */
     unsigned version;  /* counts the updates: what is formed from the columns is kept by it */

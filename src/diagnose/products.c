@@ -25,17 +25,41 @@ bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mu
     return !pool->failed;
 }
 
-bool mukca_products_create(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
-                           int columns, int block)
+/* All but `cross`. */
+static bool take(mukca_products *x, mukca_pool *pool, const mukca_regression *m, int columns,
+                 int block)
 {
-    const int size = mukca_unknowns_capacity(&m->unknowns) + 1;
     *x = (mukca_products){
         .columns = columns,
         .block = block,
-        .cross = MUKCA_TAKE(pool, double, (size_t)size *(size_t)columns),
         .gram = MUKCA_TAKE(pool, double, columns *block),
         .along = MUKCA_TAKE(pool, double, (m->recording.data->n_distances + 1) * columns)};
     return !pool->failed;
+}
+
+/* More rows of `cross`. */
+static bool grow(mukca_products *x, mukca_pool *pool, int rows)
+{
+    double *cross = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)x->columns);
+    if (!cross) return false;
+    if (x->rows) memcpy(cross, x->cross, sizeof *cross * (size_t)x->rows * (size_t)x->columns);
+    x->cross = cross;
+    x->rows = rows;
+    return true;
+}
+
+bool mukca_products_create(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
+                           int columns, int block)
+{
+    return take(x, pool, m, columns, block) &&
+           grow(x, pool, mukca_unknowns_capacity(&m->unknowns) + 1);
+}
+
+bool mukca_products_reserve(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
+                            int columns)
+{
+    if (!x->columns && !take(x, pool, m, columns, columns)) return false;
+    return x->rows >= m->linear.n_held || grow(x, pool, m->linear.stride);
 }
 
 /* Columns of one or more items side by side in E, `width` of them. */

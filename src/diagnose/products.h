@@ -14,7 +14,8 @@ typedef struct {
     unsigned version;   /* of the linearisation; 0: nothing formed */
     int done;           /* columns held that `cross` has */
     int columns, block; /* of E; they are candidates of `block` columns each */
-    double *cross;      /* [capacity + 1][columns] X'W E with the columns held */
+    int rows;           /* columns held that `cross` has room for */
+    double *cross;      /* [rows][columns] X'W E with the columns held */
     double *gram;       /* [columns / block][block][block] E'W E */
     double *along;      /* [n_pairs][columns] what E does to the distances */
 } mukca_products;
@@ -42,6 +43,11 @@ bool mukca_products_scratch(mukca_product_scratch *scratch, mukca_pool *pool,
                             const mukca_regression *m);
 bool mukca_products_create(mukca_products *products, mukca_pool *pool, const mukca_regression *m,
                            int columns, int block);
+
+/* Room for the products of a candidate with the columns that are held; what is formed stays.
+ * `products` may be all 0.  False: no memory. */
+bool mukca_products_reserve(mukca_products *products, mukca_pool *pool, const mukca_regression *m,
+                            int columns);
 
 /* Form what the items lack.  Items of one joint should be neighbours. */
 void mukca_products_update(const mukca_product_item *item, int n, const mukca_regression *m,

@@ -20,9 +20,7 @@ const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index)
 static mukca_products *products_of(mukca_scan *scan, int rho, int index, int columns)
 {
     mukca_products *x = &scan->products[rho][index];
-    if (!x->columns && !mukca_products_create(x, &scan->pool, scan->projector.m, columns, columns))
-        return NULL;
-    return x;
+    return mukca_products_reserve(x, &scan->pool, scan->projector.m, columns) ? x : NULL;
 }
 
 /* The best orders of a joint join the candidates. */

@@ -119,7 +119,8 @@ mukca_status mukca_search_run(mukca_competition *contest, mukca_error *error)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
     mukca_regression_freeze(contest->m);
     const mukca_status status = search_all(contest, error);
+    /* on the columns of the search, whose products are there */
+    if (contest->m->unknowns.n_causes) mukca_competition_leave_waiting(contest);
     mukca_regression_fit(contest->m, 3, MUKCA_FIT_ALL);
-    mukca_competition_leave_waiting(contest);
     return status;
 }

@@ -311,7 +311,19 @@ static void harmonics(void **state)
         }
 }
 
-/* Scores of all candidates in one batch, after another cause joined the columns held, are those of
+/* Hold columns of other causes until the columns held need a wider stride. */
+static void widen_columns(mukca_regression *m, const mukca_product_item *item, int n)
+{
+    const int stride = m->linear.stride;
+    for (int i = 0; i < n && m->linear.stride == stride; i++) {
+        assert_true(mukca_unknowns_add(&m->unknowns, item[i].candidate));
+        mukca_regression_return(m);
+        mukca_unknowns_drop(&m->unknowns, 0);
+    }
+    assert_true(m->linear.stride > stride);
+}
+
+/* Scores of all candidates in one batch, after other causes joined the columns held, are those of
  * their columns one by one. */
 static void held_products(void **state)
 {
@@ -321,7 +333,7 @@ static void held_products(void **state)
     enum { MOST = 60 };
     const mukca_candidate *cause =
         find(f, MUKCA_CANDIDATE_EFFECT, MUKCA_EFFECT_JOINT_COMPLIANCE, 1);
-    mukca_products x[MOST];
+    mukca_products x[MOST] = {0};
     mukca_product_item item[MOST];
     mukca_scored scored[MOST];
     double value[MOST], information[MOST];
@@ -330,7 +342,6 @@ static void held_products(void **state)
         const mukca_candidate *h = &f->all.list[i];
         const int joint = mukca_candidate_turns_joint(h) ? h->joint : -1;
         if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE) continue;
-        assert_true(mukca_products_create(&x[n], &f->pool, m, h->terms, h->terms));
         item[n] = (mukca_product_item){h, joint, &x[n]};
         scored[n] = (mukca_scored){&x[n], h, &value[n], &information[n]};
         n++;
@@ -339,11 +350,16 @@ static void held_products(void **state)
     mukca_regression_freeze(m);
     const unsigned version = m->linear.version;
     for (int with = 0; with < 2; with++) {
-        if (with) assert_true(mukca_unknowns_add(&m->unknowns, cause));
+        if (with) {
+            widen_columns(m, item, n);
+            assert_true(mukca_unknowns_add(&m->unknowns, cause));
+        }
         mukca_regression_refit(m);
         mukca_regression_collect_own(m);
         mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
         mukca_projector_aim(p, mukca_regression_collect_own(m), m->unknowns.sigma);
+        for (int i = 0; i < n; i++)
+            assert_true(mukca_products_reserve(&x[i], &f->pool, m, item[i].candidate->terms));
         mukca_products_update(item, with ? n : n / 2, m, p->normal, &p->scratch);
         mukca_projector_score(p, scored, with ? n : n / 2);
         for (int i = 0; i < (with ? n : n / 2); i += 5)
