@@ -58,7 +58,7 @@ bool mukca_products_create(mukca_products *x, mukca_pool *pool, const mukca_regr
 bool mukca_products_reserve(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
                             int columns)
 {
-    if (!x->columns && !take(x, pool, m, columns, columns)) return false;
+    if (pool->failed || (!x->columns && !take(x, pool, m, columns, columns))) return false;
     return x->rows >= m->linear.n_held || grow(x, pool, m->linear.stride);
 }
 
