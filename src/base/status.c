@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "base/note.h"
+#include "base/utf8.h"
 
 mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *format, ...)
 {
@@ -14,9 +15,11 @@ mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *for
         error->status = status;
         vsnprintf(error->text, sizeof error->text, format, args);
         va_end(args);
-        /* names and cells of others stay in one line, without sequences that control a terminal */
+        /* names and cells of others stay in one line, without sequences that control a terminal,
+         * and one that was cut within a letter stays UTF-8 */
         for (char *c = error->text; *c; c++)
             if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+        mukca_utf8_mend(error->text);
     }
     return status;
 }
@@ -29,5 +32,6 @@ void mukca_note_format(mukca_note_fn *note, void *context, const char *format, .
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    mukca_utf8_mend(text);
     note(context, text);
 }

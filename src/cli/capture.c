@@ -170,28 +170,22 @@ static int count_finished(const mukca_capture *c)
 /* The command that goes on with this session, with the options that name the arm. */
 static void print_next(const session *s)
 {
-    const cli_common *c = s->call->common;
     const capture_options *o = s->options;
-    const struct {
-        const char *option, *value;
-    } arm[] = {{"--urdf", c->urdf},
-               {"--base", c->base},
-               {"--tip", c->tip},
-               {"--inertials", c->inertials},
-               {"--traits", o->live.recorder.traits}};
+    cli_live_words words;
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
     const bool finished = count_finished(&s->recorder.capture) > 0;
     mukca_text_put(&text, "mukca %s", finished ? "calibrate" : "capture");
-    for (size_t i = 0; i < sizeof arm / sizeof *arm; i++)
-        if (arm[i].value) mukca_text_put(&text, " %s %s", arm[i].option, arm[i].value);
+    cli_live_arguments(&words, s->call->common, &o->live);
+    for (int i = 0; words.word[i]; i++) mukca_text_put(&text, " %s", words.word[i]);
     if (finished)
         mukca_text_put(&text, " %s -o offsets.tsv", s->recorder.session.path);
     else
-        mukca_text_put(&text, " -o %s --resume%s%s%s", s->recorder.session.path,
-                       o->live.recorder.lines ? " --stdin" : "",
-                       o->live.recorder.still ? " --still" : "",
-                       o->live.recorder.triggers ? " --trigger" : "");
+        mukca_text_put(
+            &text, " -o %s --resume%s%s%s%s%s", s->recorder.session.path,
+            o->live.recorder.map ? " --map " : "", o->live.recorder.map ? o->live.recorder.map : "",
+            o->live.recorder.lines ? " --stdin" : "", o->live.recorder.still ? " --still" : "",
+            o->live.recorder.triggers ? " --trigger" : "");
     cli_answer(s->call, "Next    %s\n", line);
     if (!finished)
         cli_answer_wrapped(s->call, "        no placement has two sockets with two samples yet");

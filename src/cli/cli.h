@@ -120,16 +120,17 @@ typedef struct {
 #define CLI_ACCEPT_OPTION                                                  \
     CLI_OPTION(cli_common, accept_failed, "accept-failed", CLI_FLAG, NULL, \
                "use the offsets table even though its calibration did not pass")
+#define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */
 #define CLI_DISTANCE_OPTION \
     CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)")
 #define CLI_DISTANCE_OPTIONS                       \
     CLI_DISTANCE_OPTION,                           \
         CLI_COMMON(distances, 0, CLI_TEXT, "FILE", \
                    "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)")
-#define CLI_PAYLOAD_OPTION                                                                     \
-    CLI_COMMON(                                                                                \
-        payload, 0, CLI_TEXT, "KG[,KG...]",                                                    \
-        "mass at the tip beyond the model, of all DATA or of each in order (of --test, too), " \
+#define CLI_PAYLOAD_OPTION                                                                         \
+    CLI_COMMON(                                                                                    \
+        payload, 0, CLI_TEXT, "KG[,KG...]",                                                        \
+        "mass at the tip beyond the model, of all DATA or of each in order, then of each --test, " \
         "where the file has no payload_kg")
 #define CLI_ANGLES_OPTION                                                                     \
     CLI_CHOICE_OPTION(cli_common, angles, "angles", "STREAM", cli_angles,                     \

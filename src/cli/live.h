@@ -59,6 +59,15 @@ typedef struct {
         CLI_OPTION(type, live.recorder.prefix, "prefix", CLI_TEXT, "NAME",                         \
                    "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")
 
+/* Words for the command line of another command, the last NULL. */
+typedef struct {
+    const char *word[24];
+    char distance[32], gravity[96];
+} cli_live_words;
+
+/* The options that name the arm and the tool: whoever reads the session needs the same. */
+void cli_live_arguments(cli_live_words *words, const cli_common *common, const cli_live *live);
+
 /* What the recorder needs from the other options. */
 static inline void cli_live_complete(cli_live *live, const cli_common *common)
 {

@@ -16,8 +16,6 @@
 
 /* Larger values are in mm/s^2 or wrong; no arm works at 100 g. */
 static const double most_gravity = 1e3; /* m/s^2 */
-/* The strongest arms carry 2.3 t. */
-static const double most_payload = 5e3; /* kg */
 
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukca_chain *chain,
                               const char *path)
@@ -74,28 +72,30 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     return status;
 }
 
-/* The masses of --payload, one of each path, into payload[n_paths]. */
-static mukca_status read_payload(double *payload, cli_call *call, int n_paths)
+/* The masses of --payload, one of each path of `paths`, into payload[paths->n]. */
+static mukca_status read_payload(double *payload, cli_call *call, const cli_list *paths)
 {
     const char *text = call->common->payload;
+    const int n_data = call->arguments.n, all = n_data + call->common->test.n;
+    const int first = paths == &call->common->test ? n_data : 0;
     int n = 0;
     for (const char *next = text; next; n++) {
         char number[64];
         const size_t length = strcspn(next, ",");
         double kg;
         snprintf(number, sizeof number, "%.*s", (int)(length < 63 ? length : 63), next);
-        if (!mukca_number_parse(&kg, number) || !(kg >= 0 && kg <= most_payload))
+        if (!mukca_number_parse(&kg, number) || !(kg >= 0 && kg <= MUKCA_ROWS_MOST_PAYLOAD))
             return mukca_fail(&call->error, MUKCA_USAGE, "--payload: '%s' is no mass in kg",
                               number);
-        if (n < n_paths) payload[n] = kg;
+        if (n >= first && n - first < paths->n) payload[n - first] = kg;
+        for (int i = 0; n == 0 && i < paths->n; i++) payload[i] = kg;
         next = next[length] == ',' ? next + length + 1 : NULL;
     }
-    for (int i = 1; n == 1 && i < n_paths; i++) payload[i] = payload[0];
-    if (n == 1 || n == n_paths) return MUKCA_OK;
+    if (n == 1 || n == all) return MUKCA_OK;
     return mukca_fail(&call->error, MUKCA_USAGE,
                       "--payload %.60s: %d masses for %d recordings; give one for all, or one of "
-                      "each",
-                      text, n, n_paths);
+                      "each%s",
+                      text, n, all, call->common->test.n ? ", those of --test last" : "");
 }
 
 mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
@@ -140,7 +140,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     if (c->payload && !payload)
         status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     else if (payload)
-        status = read_payload(payload, call, paths->n);
+        status = read_payload(payload, call, paths);
     options.payload = payload;
     if (status == MUKCA_OK)
         status =

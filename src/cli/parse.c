@@ -10,9 +10,6 @@
 #include "base/suggest.h"
 #include "base/text.h"
 
-/* Between the sockets of the published artefact, m. */
-static const double usual_distance = 0.05;
-
 const char *const cli_angles[] = {"reading", "command", NULL};
 const char *const cli_maps[] = {"name", "order", NULL};
 
@@ -260,7 +257,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
     if (!call->options) return out_of_memory(call);
     if (call->command->defaults)
         memcpy(call->options, call->command->defaults, call->command->options_size);
-    call->common->distance = usual_distance;
+    call->common->distance = CLI_USUAL_DISTANCE;
     bool plain = false;
     for (int i = 0; i < argc;) {
         const char *word = argv[i];

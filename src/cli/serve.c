@@ -1,5 +1,6 @@
 /* `mukca serve`: capture, calibrate and diagnose as a daemon, driven over LCM. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "cli/live.h"
 #include "record/server.h"
@@ -15,26 +16,6 @@ typedef struct {
 
 /* Arms are built to some 10 mm: a larger change is a damaged or another arm, or wrong samples. */
 static const serve_options defaults = {.most_change = 10e-3};
-
-/* The model's options for the server's jobs; numbers are written to the texts. */
-static void list_arguments(const char **arguments, char distance[32], char gravity[96],
-                           const cli_common *c, const char *traits)
-{
-    const double *g = c->gravity;
-    snprintf(distance, 32, "%.17g", c->distance);
-    snprintf(gravity, 96, "%.17g,%.17g,%.17g", g[0], g[1], g[2]);
-    const char *const options[][2] = {
-        {"--urdf", c->urdf},
-        {"--base", c->base},
-        {"--tip", c->tip},
-        {"--inertials", c->inertials},
-        {"--distances", c->distances},
-        {"--traits", traits},
-        {"--distance", distance},
-        {"--gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? gravity : NULL}};
-    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
-        for (int k = 0; k < 2 && options[i][1]; k++) *arguments++ = options[i][k];
-}
 
 static void report(void *call, const char *line)
 {
@@ -56,7 +37,7 @@ static mukca_status run(cli_call *call)
     serve_options *o = call->options;
     mukca_server *s = call->work;
     cli_model *model = &call->session->model;
-    char distance[32], gravity[96];
+    cli_live_words words;
     mukca_server_options options = {.folder = o->state ? o->state : getenv("STATE_DIRECTORY"),
                                     .publish_pose = o->publish_pose,
                                     .most_change = o->most_change,
@@ -69,7 +50,8 @@ static mukca_status run(cli_call *call)
     o->live.recorder.triggers = true;
     cli_live_complete(&o->live, call->common);
     options.recorder = o->live.recorder;
-    list_arguments(options.arguments, distance, gravity, call->common, o->live.recorder.traits);
+    cli_live_arguments(&words, call->common, &o->live);
+    memcpy(options.arguments, words.word, sizeof words.word);
     mukca_status status = cli_load_model(call, model);
     if (status == MUKCA_OK)
         status = mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks,

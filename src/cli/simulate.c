@@ -48,7 +48,7 @@ static const cli_option options[] = {
                      "measurement noise of the efforts, N m; implies --effort"),
     CLI_OPTION(own, command, "command", CLI_FLAG, NULL,
                "add commanded angles; with readback_lag the readings lag behind them"),
-    CLI_RANGE_OPTION(own, payload, "payload", CLI_NUMBER, "KG", 0, 5e3,
+    CLI_RANGE_OPTION(own, payload, "payload", CLI_NUMBER, "KG", 0, MUKCA_ROWS_MOST_PAYLOAD,
                      "mass at the tip beyond the model (default: none)"),
     CLI_OPTION(own, interval, "interval", CLI_POSITIVE, "S",
                "mean time between samples, s (default: 5)"),

@@ -225,7 +225,7 @@ static mukca_status read_rows(mukca_dataset_builder *b, session *s)
 {
     mukca_row row;
     bool more;
-    int unmeasured = 0;
+    int measured = 0, unmeasured = 0; /* by each target of each row */
     const mukca_table *t = &s->rows.table;
     const char *shown = mukca_file_shown(t->path);
     for (;;) {
@@ -244,14 +244,16 @@ static mukca_status read_rows(mukca_dataset_builder *b, session *s)
         if (status == MUKCA_OK && row.socket) status = find_socket(&socket, b, s, &row);
         if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, t->row);
         if (status != MUKCA_OK) return status;
+        measured++;
     }
     if (t->row == 0)
         return mukca_fail(b->error, MUKCA_INPUT, "%s: has a header but no rows", shown);
-    if (unmeasured == t->row)
+    if (measured == 0)
         return mukca_fail(b->error, MUKCA_INPUT, "%s: no row has a measured position", shown);
     if (unmeasured)
-        mukca_note_format(b->note, b->context, "%s: %d of %d rows ignored: no measured position",
-                          shown, unmeasured, t->row);
+        mukca_note_format(b->note, b->context, "%s: %d of %d %s ignored: no measured position",
+                          shown, unmeasured, measured + unmeasured,
+                          s->rows.column.n_measured > 1 ? "measurements" : "rows");
     return MUKCA_OK;
 }
 

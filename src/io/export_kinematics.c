@@ -122,8 +122,9 @@ static mukca_status write_kinematics(FILE *stream, const mukca_export_input *inp
     write_hash(stream, input, k, fitted);
     if (k->layout == &mukca_kinematics_layouts[0] && !k->hash[0])
         mukca_note_format(input->note, input->context,
-                          "without the factory file (--kinematics) the hash is missing that UR's "
-                          "driver compares with the robot's");
+                          "%s the hash is missing that UR's driver compares with the robot's",
+                          input->kinematics ? "the factory file has no `hash:`;"
+                                            : "without the factory file (--kinematics)");
     note_others(input, written);
     return MUKCA_OK;
 }

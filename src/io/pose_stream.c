@@ -25,9 +25,12 @@ static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
 static mukca_status check_target(mukca_pose_stream *s, const mukca_row *row, mukca_error *error)
 {
     const char *name = row->target ? row->target : "";
+    if (strlen(name) >= sizeof s->target)
+        return mukca_table_fail(error, &s->rows.table, s->rows.column.target,
+                                "'%.20s...' is longer than 63 characters", name);
     if (!s->named) snprintf(s->target, sizeof s->target, "%s", name);
     s->named = true;
-    if (strncmp(s->target, name, sizeof s->target - 1) == 0) return MUKCA_OK;
+    if (strcmp(s->target, name) == 0) return MUKCA_OK;
     return mukca_table_fail(error, &s->rows.table, s->rows.column.target,
                             "a second target, '%.40s': mukca diagnose -o fits several", name);
 }
@@ -45,7 +48,7 @@ static mukca_status parse(mukca_pose_stream *s, mukca_pose_row *row, bool *more,
         if (!s->open) status = open_file(s, error);
         if (status == MUKCA_OK) status = mukca_rows_next(&s->rows, &read, &found, error);
         if (status != MUKCA_OK) return status;
-        if (found) status = check_target(s, &read, error);
+        if (found && isfinite(read.position[0])) status = check_target(s, &read, error);
         if (status != MUKCA_OK) return status;
         if (!found) {
             mukca_rows_close(&s->rows);

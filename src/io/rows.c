@@ -237,6 +237,8 @@ mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca
         status = read_list(optional[i].values, rows, optional[i].columns, optional[i].n, error);
         if (status != MUKCA_OK) return status;
     }
+    if (row->payload < 0 || row->payload > MUKCA_ROWS_MOST_PAYLOAD)
+        return mukca_table_fail(error, t, c->payload, "%g is no mass in kg", row->payload);
     scale(row->command, rows);
     scale(row->velocity, rows);
     return read_pose(row, rows, 0, error);

@@ -82,6 +82,9 @@ void mukca_rows_close(mukca_rows *rows); /* harmless on a zeroed one */
 /* Find the columns by the header, or by their order (part of mukca_rows_open). */
 mukca_status mukca_rows_map(mukca_rows *rows, mukca_error *error);
 
+/* kg: the strongest arms carry 2.3 t. */
+#define MUKCA_ROWS_MOST_PAYLOAD 5e3
+
 /* Refuse a measured length that looks like millimetres. */
 mukca_status mukca_rows_check_length(const mukca_table *table, int column, double metres,
                                      mukca_error *error);

@@ -44,7 +44,7 @@ bool mukca_report_placements(mukca_plot *plot, const mukca_report *r, int index)
         snprintf(name, sizeof name, "%s%s", r->scores[i].placement,
                  r->scores[i].test ? " (test)" : "");
         fputs(i ? ", " : "", s);
-        mukca_plot_quote(s, name);
+        mukca_plot_tic(s, name);
         fprintf(s, " %d", n - i);
     }
     fprintf(s,
@@ -171,7 +171,7 @@ bool mukca_report_offsets(mukca_plot *plot, const mukca_report *r, int index)
     for (int k = 0; k < r->fitted->n_elements; k++) {
         if (first[k] == 0) continue;
         fputs("set xtics add (", s);
-        mukca_plot_quote(s, r->fitted->element[k].name);
+        mukca_plot_tic(s, r->fitted->element[k].name);
         fprintf(s, " %d)\n", first[k]);
     }
     fprintf(s,

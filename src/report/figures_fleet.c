@@ -36,7 +36,7 @@ static int put_arms(FILE *s, const mukca_fleet_page *p, int k)
         char text[NAME + 1];
         snprintf(text, sizeof text, "%.*s", (int)mukca_utf8_fit(name, NAME), name);
         fputs(i ? ", " : "", s);
-        mukca_plot_quote(s, text);
+        mukca_plot_tic(s, text);
         fprintf(s, " %d", i + 1);
     }
     fputs(")\n", s);

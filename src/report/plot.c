@@ -51,22 +51,27 @@ void mukca_plot_begin(mukca_plot *plot, const char *id, const char *title, int w
         plot->script);
 }
 
-void mukca_plot_quote(FILE *script, const char *text)
+/* Nothing is special within single quotes but the quote, and `more`. */
+static void quote(FILE *script, const char *text, char more)
 {
-    /* Nothing is special within single quotes but the quote. */
     fputc('\'', script);
     for (; *text; text++) {
-        if (*text == '\'') fputc('\'', script);
+        if (*text == '\'' || *text == more) fputc(*text, script);
         if ((unsigned char)*text >= ' ') fputc(*text, script);
     }
     fputc('\'', script);
+}
+
+void mukca_plot_tic(FILE *script, const char *text)
+{
+    quote(script, text, '%'); /* the text of a tic is a format */
 }
 
 void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ...)
 {
     va_list values;
     fputs("set label ", plot->script);
-    mukca_plot_quote(plot->script, text);
+    quote(plot->script, text, '\'');
     fputc(' ', plot->script);
     va_start(values, format);
     vfprintf(plot->script, format, values);

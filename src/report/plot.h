@@ -36,8 +36,9 @@ void mukca_plot_free(mukca_plot *plot);
 /* Name the figure and set the style that all figures share. */
 void mukca_plot_begin(mukca_plot *plot, const char *id, const char *title, int width, int height);
 
-/* A gnuplot string constant of `text`, quoted so that nothing in it is interpreted. */
-void mukca_plot_quote(FILE *script, const char *text);
+/* A gnuplot string constant that shows `text` as the name of a tic; nothing in it is interpreted.
+ */
+void mukca_plot_tic(FILE *script, const char *text);
 
 /* Place of a label: just above the horizontal line of data at an integer y, at the left edge. */
 #define MUKCA_PLOT_ABOVE "at graph 0, first %d left offset 0.5, 0.75"

@@ -92,9 +92,13 @@ def its_fleet(client, state):
         f.write("# geometry: %(geometry)s\n# masses: %(masses)s\n# arms: 7\n" % model)
         f.write("effect\tjoint\tterm\tmean\tspread\tarms\tlog_bayes_factor\tprobability\terror\n"
                 "joint_compliance\tjoint_4\t\t5e-5\t1e-5\t7\t9\t0.99\t1e-6\n")
-    p = serve(state, "--traits", traits)
+    factory = os.path.join(state, "factory.yaml")
+    subprocess.run([MUKCA, "export", "-q", "--urdf", URDF, "-f", "kinematics", "-o", factory], check=True)
+    p = serve(state, "--traits", traits, "--kinematics", factory)
     client.wait_stream()
     answer = client.command("calibrate")
+    with open(os.path.join(state, "results", "first.offsets.tsv")) as f:
+        check("serve --kinematics: calibrate has it", "\n# kinematics_sha256: " in f.read(), say_code(answer))
     used = answer and answer.json and json.loads(answer.json)["traits"]
     check("serve --traits: calibrate has them", used and used["arms"] == 7, say_code(answer))
     check("and it says so", any("mean elasticity of 7 arms" in line for line in p.said), p.said)

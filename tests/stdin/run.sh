@@ -44,6 +44,11 @@ next=$(next_of)
 ok "next: calibrate, with the options that name the arm" grep -q -- '--tip ball_link' <<<"$next"
 $mukca ${next#mukca } --force -o "$dir/offsets.tsv" >"$dir/answer" 2>"$dir/said"
 ok "and it works: the unfinished placement is not used" grep -q "placement 'placement_2', socket .*; the placement is not used" "$dir/said"
+"$mukca" export --urdf data/demo/arm.urdf -f kinematics -o "$dir/factory.yaml" 2>"$dir/said"
+capture --stdin --still -o "$dir/more.tsv" --force --kinematics "$dir/factory.yaml" --gravity 0,0,9.8 --distance 0.0501 \
+    <"$dir/empty.csv" >"$dir/answer" 2>"$dir/said"
+ok "the factory file, gravity and distance among them" grep -q -- \
+    "--kinematics $dir/factory.yaml --gravity 0,0,9.8 --distance 0.0501 " <<<"$(next_of)"
 head -n 100 "$dir/empty.csv" | capture --stdin --still -o "$dir/half.tsv" >"$dir/answer" 2>"$dir/said"
 ok "one socket: the next command goes on recording" grep -q 'mukca capture --urdf data/demo/arm.urdf -o .*half.tsv --resume --stdin --still$' "$dir/answer"
 next=$(next_of)

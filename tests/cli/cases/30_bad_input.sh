@@ -136,6 +136,20 @@ done
 awk 'NR < 30' seen.tsv >bad.tsv
 tail -n 3 blind.tsv >>bad.tsv
 accept 'bad.tsv: 3 of 31 rows ignored: no measured position' diagnose $a bad.tsv --free-base
+# as many targets out of sight as rows, in turn: all others were seen
+awk -F'\t' -v OFS='\t' '{ x = $(NF - 6); y = $(NF - 5); z = $(NF - 4); NF -= 7
+    if (NR == 1) print $0, "x_m.A\ty_m.A\tz_m.A\tx_m.B\ty_m.B\tz_m.B"
+    else if (NR % 2) print $0, x, y, z, "nan\tnan\tnan"; else print $0, "nan\tnan\tnan", x, y, z }' seen.tsv >turns.tsv
+accept 'turns.tsv: 40 of 80 measurements ignored: no measured position' evaluate $a turns.tsv
+long=$(printf 'é%.0s' $(seq 40))
+awk -v OFS='\t' -v name="$long" '{ print $0, NR == 1 ? "target" : name NR % 2 }' seen.tsv >bad.tsv
+refuse 3 "bad.tsv:2: column 'target': 'é*[?]*...' is longer than 63" recalibrate $a bad.tsv
+expect "a name that is cut stays UTF-8" iconv -f UTF-8 -t UTF-16 "$scratch/err"
+awk -v OFS='\t' '{ print $0, NR == 1 ? "payload_kg" : NR == 4 ? -1 : 2 }' session.tsv >bad.tsv
+refuse 3 "bad.tsv:4: column 'payload_kg': -1 is no mass in kg" diagnose $a bad.tsv
+refuse 2 '--payload 1,2,3: 3 masses for 2 recordings; .*, those of --test last' evaluate $a good --test session.tsv --payload 1,2,3
+run evaluate $a good --test session.tsv --payload 1,2
+expect "a mass for the data and one for the test" test $code -eq 0
 
 # folders
 mkdir bad
