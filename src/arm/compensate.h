@@ -46,6 +46,9 @@ typedef struct {
 void mukca_compensator_start(mukca_compensator *compensator, const mukca_corrected *arm,
                              bool position_only, double tolerance);
 
+/* The arm stands at q[n_joints], from where poses are reached. */
+void mukca_compensator_place(mukca_compensator *compensator, const double *q);
+
 /* q[n_joints]: the targets in, the corrected targets out; least change.  `reading` (may be NULL)
  * gives time, payload, placement and row number; its angles and commands are not used.  The move is
  * that from the last corrected targets.  Where the pose cannot be reached, q is the best found. */

@@ -1,5 +1,5 @@
 /* mukca compensate: joint targets or poses in, corrected joint targets out. */
-#include "arm/compensate.h"
+#include "cli/compensate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,18 +8,8 @@
 #include "base/file.h"
 #include "base/note.h"
 #include "base/number.h"
-#include "cli/cli.h"
-#include "io/language.h"
 #include "io/output.h"
 #include "io/rows.h"
-#include "recalibrate/errors.h"
-
-typedef struct {
-    cli_common common;
-    bool poses, position_only;
-    int from, format; /* index into formats; -1: as `from` */
-    double tolerance;
-} compensate_options;
 
 static const compensate_options defaults = {.format = -1};
 
@@ -58,67 +48,7 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-typedef struct {
-    mukca_moments before, after;
-    long count[MUKCA_REACH_COUNT], rows;
-    long other; /* targets of a program of the kind that was not asked for */
-} tally;
-
-/* One run: where the targets go, and what has been counted. */
-typedef struct {
-    cli_call *call;
-    FILE *stream;
-    const mukca_corrected *arm;
-    const mukca_language *from, *to; /* NULL: tables */
-    mukca_compensator compensator;
-    tally tally;
-    bool headed; /* the table's header is written */
-} job;
-
-static void print_header(job *b, bool timed)
-{
-    const mukca_chain *chain = &b->arm->chain;
-    if (b->to || b->headed) return;
-    b->headed = true;
-    if (timed) fputs("time_s\t", b->stream);
-    for (int j = 0; j < chain->n_joints; j++)
-        fprintf(b->stream, "%s\t", mukca_chain_joint_name(chain, j));
-    fputs("error_before_m\terror_m\terror_rad\tstatus\n", b->stream);
-}
-
-static void count(job *b, const mukca_compensation *c, const char *path, int line)
-{
-    tally *t = &b->tally;
-    t->rows++;
-    t->count[c->reach]++;
-    mukca_moments_add(&t->before, c->position_before);
-    mukca_moments_add(&t->after, c->position_error);
-    if (b->to && c->reach != MUKCA_REACH_OK) /* a table has the status in a column */
-        mukca_note_format(cli_note, b->call, "%s:%d: %s", mukca_file_shown(path), line,
-                          mukca_reach_sentence[c->reach]);
-}
-
-/* A corrected target as a row of the table or a line of a program. */
-static void put(job *b, const double *q, const mukca_compensation *c)
-{
-    if (b->to) {
-        mukca_language_print(b->stream, b->to, &b->arm->chain, q, true);
-        fputc('\n', b->stream);
-        return;
-    }
-    for (int j = 0; j < b->arm->chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
-    fprintf(b->stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
-            c->rotation_error, mukca_reach_text[c->reach]);
-}
-
-/* Begin a path: the targets of one file. */
-static void start(job *b, bool oriented)
-{
-    const compensate_options *o = b->call->options;
-    mukca_compensator_start(&b->compensator, b->arm, o->position_only || !oriented, o->tolerance);
-}
-
-static mukca_status from_joints(job *b, const char *path)
+static mukca_status from_joints(compensate_job *b, const char *path)
 {
     cli_call *call = b->call;
     mukca_rows rows;
@@ -128,8 +58,8 @@ static mukca_status from_joints(job *b, const char *path)
     if (status == MUKCA_OK)
         status = mukca_rows_open(&rows, path, &b->arm->chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
-    start(b, true);
-    print_header(b, rows.column.time >= 0);
+    compensate_start(b, true);
+    compensate_print_header(b, rows.column.time >= 0);
     while (!ferror(b->stream)) {
         bool more;
         status = mukca_rows_next(&rows, &row, &more, &call->error);
@@ -139,8 +69,8 @@ static mukca_status from_joints(job *b, const char *path)
         const mukca_row_reading reading = mukca_row_read(&row, &rows);
         mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
         if (!b->to && rows.column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
-        put(b, row.q, &c);
-        count(b, &c, path, rows.table.line);
+        compensate_put(b, row.q, &c);
+        compensate_count(b, &c, path, rows.table.line);
     }
     mukca_rows_close(&rows);
     return status;
@@ -217,14 +147,14 @@ static mukca_status read_pose(mukca_frame *target, const pose_table *p, mukca_er
     return MUKCA_OK;
 }
 
-static mukca_status from_poses(job *b, const char *path)
+static mukca_status from_poses(compensate_job *b, const char *path)
 {
     cli_call *call = b->call;
     pose_table poses = {0};
     double q[MUKCA_MAX_JOINTS] = {0};
     mukca_status status = open_poses(&poses, path, call);
-    if (status == MUKCA_OK) print_header(b, false);
-    start(b, poses.first != 0);
+    if (status == MUKCA_OK) compensate_print_header(b, false);
+    compensate_start(b, poses.first != 0);
     while (status == MUKCA_OK && !ferror(b->stream)) {
         bool more;
         mukca_frame target;
@@ -236,111 +166,14 @@ static mukca_status from_poses(job *b, const char *path)
         const mukca_row_reading reading = {
             .time = (double)NAN, .placement = -1, .number = poses.table.row};
         mukca_compensation c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
-        put(b, q, &c);
-        count(b, &c, path, poses.table.line);
+        compensate_put(b, q, &c);
+        compensate_count(b, &c, path, poses.table.line);
     }
     mukca_table_close(&poses.table);
     return status;
 }
 
-/* Poses of the line (with --poses: joint targets); they stay as they are. */
-static long count_other(const job *b, const char *line)
-{
-    const compensate_options *o = b->call->options;
-    mukca_program_target t;
-    long n = 0;
-    for (size_t at = 0; mukca_language_find(&t, b->from, &b->arm->chain, !o->poses, line, at);
-         at = t.end)
-        n++;
-    return n;
-}
-
-/* What is left in a program, and the moves that its poses need now.  Joint targets come first: a
- * second run would correct those that were poses once more. */
-static void note_program(const job *b, const char *path)
-{
-    const compensate_options *o = b->call->options;
-    const char *move = mukca_language_joint_move(b->to);
-    if (b->tally.other > 0)
-        mukca_note_format(cli_note, b->call, "%s: %s not corrected: %ld; %s",
-                          mukca_file_shown(path), o->poses ? "joint targets" : "poses",
-                          b->tally.other,
-                          o->poses ? "correct these first, without --poses"
-                                   : "correct these next, in the result, with --poses");
-    if (o->poses && b->from == b->to && move)
-        mukca_note_format(cli_note, b->call,
-                          "%s: the poses are joint targets now; move to them by %s",
-                          mukca_file_shown(path), move);
-}
-
-/* Correct the targets of one line. */
-static mukca_status correct_line(job *b, double *q, const char *line, const char *path, int number)
-{
-    const compensate_options *o = b->call->options;
-    const mukca_chain *chain = &b->arm->chain;
-    const bool in_place = b->from == b->to;
-    mukca_program_target t;
-    size_t at = 0;
-    while (mukca_language_find(&t, b->from, chain, o->poses, line, at)) {
-        const mukca_row_reading reading = {
-            .time = (double)NAN, .placement = -1, .number = (int)b->tally.rows + 1};
-        for (int j = 0; j < chain->n_joints && !o->poses; j++)
-            if (fabs(t.q[j]) > 4 * M_PI) /* as in tables: no joint turns twice */
-                return mukca_fail(&b->call->error, MUKCA_INPUT,
-                                  "%s:%d: joint '%s' is %g rad, more than two turns; check --from",
-                                  mukca_file_shown(path), number, mukca_chain_joint_name(chain, j),
-                                  t.q[j]);
-        if (!o->poses) memcpy(q, t.q, sizeof t.q);
-        const mukca_compensation c =
-            o->poses ? mukca_compensate_pose(q, &b->compensator, &t.pose, &reading)
-                     : mukca_compensate_joints(q, &b->compensator, &reading);
-        if (in_place) fwrite(line + at, 1, t.begin - at, b->stream);
-        if (in_place && o->poses)
-            mukca_language_print(b->stream, b->to, chain, q, false);
-        else if (in_place)
-            mukca_language_replace(b->stream, b->to, chain, &t, line, q);
-        else
-            put(b, q, &c);
-        count(b, &c, path, number);
-        at = t.end;
-    }
-    if (in_place) fputs(line + at, b->stream);
-    return MUKCA_OK;
-}
-
-static mukca_status from_program(job *b, const char *path)
-{
-    cli_call *call = b->call;
-    char *text;
-    double q[MUKCA_MAX_JOINTS] = {0};
-    const long before = b->tally.rows;
-    int number = 0;
-    b->tally.other = 0;
-    mukca_status status = mukca_file_read(&text, path, &call->error);
-    if (status != MUKCA_OK) return status;
-    start(b, true);
-    print_header(b, false);
-    for (char *line = text; status == MUKCA_OK && *line && !ferror(b->stream);) {
-        char *end = line + strcspn(line, "\n");
-        const bool ended = *end == '\n';
-        *end = '\0';
-        if (cli_interrupted()) status = MUKCA_INTERRUPTED;
-        b->tally.other += count_other(b, line);
-        if (status == MUKCA_OK) status = correct_line(b, q, line, path, ++number);
-        if (ended && b->from == b->to) fputc('\n', b->stream);
-        line = end + ended;
-    }
-    free(text);
-    if (status == MUKCA_OK && b->tally.rows > before) note_program(b, path);
-    if (status != MUKCA_OK || b->tally.rows > before) return status;
-    const compensate_options *o = call->options;
-    return mukca_fail(&call->error, MUKCA_INPUT,
-                      "%s: no %s of %d axes is a target in %s; check --from, --tip and --poses",
-                      mukca_file_shown(path), o->poses ? "pose for an arm" : "list",
-                      b->arm->chain.n_joints, formats[o->from]);
-}
-
-static void print_tally(cli_call *call, const tally *t, bool poses)
+static void print_tally(cli_call *call, const compensate_tally *t, bool poses)
 {
     if (t->rows == 0) return;
     if (poses)
@@ -356,7 +189,7 @@ static void print_tally(cli_call *call, const tally *t, bool poses)
                        mukca_reach_text[r], mukca_reach_sentence[r]);
 }
 
-static json_t *as_json(const cli_call *call, const tally *t)
+static json_t *as_json(const cli_call *call, const compensate_tally *t)
 {
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
@@ -376,10 +209,10 @@ static mukca_status run(cli_call *call)
     mukca_corrected *arm = call->work;
     mukca_output output = {0};
     const int to = o->format < 0 ? o->from : o->format;
-    job b = {.call = call,
-             .arm = arm,
-             .from = o->from ? mukca_languages[o->from - 1] : NULL,
-             .to = to ? mukca_languages[to - 1] : NULL};
+    compensate_job b = {.call = call,
+                        .arm = arm,
+                        .from = o->from ? mukca_languages[o->from - 1] : NULL,
+                        .to = to ? mukca_languages[to - 1] : NULL};
     mukca_status status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
     if (status != MUKCA_OK) return status;
@@ -395,7 +228,7 @@ static mukca_status run(cli_call *call)
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     b.stream = output.stream;
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = b.from     ? from_program(&b, input.items[i])
+        status = b.from     ? compensate_program(&b, input.items[i])
                  : o->poses ? from_poses(&b, input.items[i])
                             : from_joints(&b, input.items[i]);
     status = mukca_output_finish(&output, status, &call->error);
@@ -422,8 +255,11 @@ const cli_command cli_command_compensate = {
         "--from and --format read and write programs; joints from the seventh on are external "
         "axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
         "In URScript, targets are the arguments of movej, movel, movep and servoj, and values of "
-        "variables whose names end in _q. A pose becomes a joint target: in RAPID "
-        "for MoveAbsJ, in KRL for PTP. Correct joint targets first, without --poses, then poses.",
+        "variables whose names end in _q or _p. Correct joint targets first, without --poses, then "
+        "poses in the result. A pose stays a pose, of the same move: the one that the "
+        "controller's nominal model takes to the corrected joint targets. The posture is that near "
+        "the joint targets and poses before it. In another language, or a table, poses become "
+        "joint targets. KRL's components that are left out are those of the last move.",
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",

@@ -19,8 +19,7 @@ struct mukca_language {
     const char *empty[2];            /* values of axes that the arm lacks; NULL: left out */
     const char *line[2];             /* around a target that is a line of its own */
     const char *const *after;        /* texts that a target must follow; NULL: any */
-    const char *pose;
-    const char *joint_move; /* the moves that take a joint target; NULL: those of poses as well */
+    const char *pose; /* NULL: X, Y, Z, A, B, C in any order, some of them left out */
     turn_kind turn;
     double angle, length; /* rad and m of its units */
     int decimals;         /* 0.02 urad, 1 nm */
@@ -31,7 +30,8 @@ struct mukca_language {
 
 /* Other lists of six numbers in URScript are forces or speeds; waypoints NAME_q are written by the
  * teach pendant. */
-static const char *const moves[] = {"movej(", "movel(", "movep(", "servoj(", "_q=", "_q =", NULL};
+static const char *const moves[] = {
+    "movej(", "movel(", "movep(", "servoj(", "_q=", "_q =", "_p=", "_p =", NULL};
 
 static const mukca_language rapid = {.open = "[[",
                                      .next = "],[",
@@ -39,7 +39,6 @@ static const mukca_language rapid = {.open = "[[",
                                      .empty = {"0", "9E9"},
                                      .line = {"", ""},
                                      .pose = "[[#,#,#],[#,#,#,#],[#,#,#,#],[#,#,#,#,#,#]]",
-                                     .joint_move = "MoveAbsJ, and declare them as jointtarget",
                                      .turn = QUATERNION,
                                      .angle = DEGREE,
                                      .length = 1e-3,
@@ -51,8 +50,6 @@ static const mukca_language krl = {.open = "{*",
                                    .close = "*}",
                                    .label = {'A', 'E'},
                                    .line = {"", ""},
-                                   .pose = "{*X #,Y #,Z #,A #,B #,C #*}",
-                                   .joint_move = "PTP, and declare them as E6AXIS",
                                    .turn = ZYX,
                                    .angle = DEGREE,
                                    .length = 1e-3,
@@ -101,18 +98,21 @@ typedef struct {
 } numbers;
 
 /* Match a number at line[at]; returns its end, 0: none. */
-static size_t match_number(numbers *found, const char *line, size_t at)
+static size_t match_number(double *value, const char *line, size_t at)
 {
     char text[64];
     const size_t length = strspn(line + at, "+-0123456789.eE");
-    if (length == 0 || length >= sizeof text || found->n == NUMBERS) return 0;
+    if (length == 0 || length >= sizeof text) return 0;
     const bool plus = line[at] == '+';
     memcpy(text, line + at + plus, length - plus);
     text[length - plus] = '\0';
-    if (!mukca_number_parse(&found->value[found->n], text)) return 0;
-    found->span[found->n][0] = at;
-    found->span[found->n++][1] = at + length;
-    return at + length;
+    return mukca_number_parse(value, text) ? at + length : 0;
+}
+
+static size_t skip_blanks(const char *line, size_t at)
+{
+    while (isblank((unsigned char)line[at])) at++;
+    return at;
 }
 
 /* Match the pattern at line[at]; returns the end of the match, 0: none. */
@@ -134,10 +134,13 @@ static size_t match(numbers *found, const char *pattern, const char *line, size_
         }
         const bool in_word =
             p > pattern && isalnum((unsigned char)*p) && isalnum((unsigned char)p[-1]);
-        while (!in_word && isblank((unsigned char)line[at])) at++;
+        if (!in_word) at = skip_blanks(line, at);
         if (*p == '#') {
-            at = match_number(found, line, at);
-            if (at == 0) return 0;
+            const size_t end =
+                found->n < NUMBERS ? match_number(&found->value[found->n], line, at) : 0;
+            if (end == 0) return 0;
+            found->span[found->n][0] = at;
+            found->span[found->n++][1] = at = end;
         } else if (line[at++] != *p) {
             return 0;
         }
@@ -179,30 +182,132 @@ static bool take_pose(mukca_frame *pose, const mukca_language *l, const double *
     return true;
 }
 
-bool mukca_language_find(mukca_program_target *t, const mukca_language *l, const mukca_chain *chain,
-                         bool pose, const char *line, size_t from)
+/* The word at line[at] in capitals, cut to word[16]; returns its end. */
+static size_t read_word(char word[16], const char *line, size_t at)
 {
-    char pattern[PATTERN];
-    joint_pattern(pattern, l, chain);
-    for (size_t at = from; line[at] && line[at] != l->comment; at++) {
-        numbers found = {0};
-        const char *const wanted = pose ? l->pose : pattern;
-        if (line[at] != *wanted || !follows(l, line, at)) continue;
-        t->end = match(&found, wanted, line, at);
-        if (t->end == 0 || (pose && !take_pose(&t->pose, l, found.value))) continue;
-        t->begin = at;
-        for (int j = 0; j < chain->n_joints && !pose; j++) {
-            t->q[j] = found.value[j] * (is_linear(chain, j) ? l->length : l->angle);
-            memcpy(t->number[j], found.span[j], sizeof t->number[j]);
-        }
-        return true;
-    }
-    return false;
+    size_t n = 0;
+    for (; isalnum((unsigned char)line[at]) || line[at] == '_'; at++)
+        if (n < 15) word[n++] = (char)toupper((unsigned char)line[at]);
+    word[n] = '\0';
+    return at;
 }
 
-const char *mukca_language_joint_move(const mukca_language *language)
+/* The number of a target that a component of KRL is: X Y Z A B C, or A1 ... A6 E1 ...; -1: none. */
+static int component(const mukca_program_reader *r, const char *key)
 {
-    return language ? language->joint_move : NULL;
+    static const char poses[] = "XYZABC";
+    const char *letter = *key ? strchr(poses, *key) : NULL;
+    double number;
+    if (r->pose) return letter && !key[1] ? (int)(letter - poses) : -1;
+    if ((*key != 'A' && *key != 'E') || !mukca_number_parse(&number, key + 1)) return -1;
+    if (!(number >= 1 && number <= ROBOT_AXES)) return -1;
+    const int axis = (int)number - 1 + (*key == 'E' ? ROBOT_AXES : 0);
+    return axis < r->chain->n_joints ? axis : -1;
+}
+
+/* Match {TYPE: KEY value, ...}; returns the end, 0: none, or no component of a target. */
+static size_t match_components(mukca_program_target *t, const mukca_program_reader *r, size_t at)
+{
+    const char *line = r->line;
+    char key[16];
+    bool any = false;
+    size_t end = read_word(key, line, skip_blanks(line, at + 1));
+    end = skip_blanks(line, end);
+    if (line[end] == ':') at = end;
+    do {
+        double value;
+        at = skip_blanks(line, read_word(key, line, skip_blanks(line, at + 1)));
+        end = match_number(&value, line, at);
+        const int k = component(r, key);
+        if (k >= 0 && (end == 0 || t->number[k][1])) return 0;
+        if (k >= 0) t->number[k][0] = at, t->number[k][1] = end, t->value[k] = value;
+        any |= k >= 0;
+        at = end ? end : at + strcspn(line + at, ",{}");
+        at = skip_blanks(line, at);
+    } while (line[at] == ',');
+    return any && line[at] == '}' ? at + 1 : 0;
+}
+
+/* Frames of tools, bases and loads, and what is added to another position, are no targets. */
+static bool is_target(const mukca_program_reader *r, size_t begin, size_t end)
+{
+    const char *data = strstr(r->line, "_DATA["), *system = strchr(r->line, '$');
+    size_t before = begin;
+    while (before > 0 && isblank((unsigned char)r->line[before - 1])) before--;
+    return !r->relative && (before == 0 || r->line[before - 1] != ':') &&
+           r->line[skip_blanks(r->line, end)] != ':' && !(data && data < r->line + begin) &&
+           !(system && system < r->line + begin);
+}
+
+/* Fill in the components that the target lacks. */
+static void carry_over(mukca_program_target *t, mukca_program_reader *r)
+{
+    const int n = r->pose ? ROBOT_AXES : r->chain->n_joints;
+    for (int k = 0; k < n; k++) {
+        if (t->number[k][1]) continue;
+        t->partial = true;
+        t->value[k] = r->last[k];
+    }
+    t->incomplete = t->partial && !(r->moves && r->known);
+    if (!r->moves) return;
+    r->known = !t->incomplete;
+    memcpy(r->last, t->value, sizeof r->last);
+}
+
+/* Match a target at line[at]. */
+static bool match_target(mukca_program_target *t, mukca_program_reader *r, const char *pattern,
+                         size_t at)
+{
+    const mukca_language *l = r->language;
+    *t = (mukca_program_target){.begin = at};
+    if (l->label[0]) {
+        t->end = match_components(t, r, at);
+        if (t->end == 0 || !is_target(r, at, t->end)) return false;
+        carry_over(t, r);
+        return true;
+    }
+    numbers found = {0};
+    t->end = match(&found, pattern, r->line, at);
+    const int n = r->pose ? MUKCA_POSE_NUMBERS : r->chain->n_joints;
+    memcpy(t->value, found.value, (size_t)n * sizeof *t->value);
+    memcpy(t->number, found.span, (size_t)n * sizeof *t->number);
+    return t->end > 0;
+}
+
+void mukca_program_line(mukca_program_reader *r, const char *line)
+{
+    static const char *const words[] = {"PTP", "LIN", "CIRC", "SPTP", "SLIN", "SPL", "SCIRC", NULL};
+    char word[16];
+    r->line = line;
+    r->at = 0;
+    r->moves = r->relative = r->found = false;
+    if (!r->language->label[0]) return;
+    read_word(word, line, skip_blanks(line, 0));
+    char *suffix = strstr(word, "_REL");
+    r->relative = suffix != NULL;
+    if (suffix) *suffix = '\0';
+    for (const char *const *w = words; *w; w++) r->moves |= strcmp(*w, word) == 0;
+}
+
+bool mukca_program_next(mukca_program_target *t, mukca_program_reader *r)
+{
+    const mukca_language *l = r->language;
+    const char *line = r->line;
+    char joints[PATTERN];
+    joint_pattern(joints, l, r->chain);
+    const char *const pattern = r->pose && l->pose ? l->pose : joints;
+    for (size_t at = r->at; line[at] && line[at] != l->comment; at++) {
+        if (line[at] != *pattern || !follows(l, line, at)) continue;
+        if (!match_target(t, r, pattern, at)) continue;
+        if (!t->incomplete && r->pose && !take_pose(&t->pose, l, t->value)) continue;
+        for (int j = 0; j < r->chain->n_joints && !r->pose; j++)
+            t->q[j] = t->value[j] * (is_linear(r->chain, j) ? l->length : l->angle);
+        r->at = t->end;
+        r->found = true;
+        return true;
+    }
+    if (!r->found) r->known = r->known && !r->moves; /* it moved to somewhere else */
+    return false;
 }
 
 static void print_value(FILE *stream, const mukca_language *l, const mukca_chain *chain, int j,
@@ -231,14 +336,64 @@ void mukca_language_print(FILE *stream, const mukca_language *l, const mukca_cha
     if (alone) fputs(l->line[1], stream);
 }
 
-void mukca_language_replace(FILE *stream, const mukca_language *l, const mukca_chain *chain,
-                            const mukca_program_target *t, const char *line, const double *q)
+/* Print the target's text with the numbers value[n], behind it those that it lacks. */
+static void replace(FILE *stream, const mukca_program_reader *r, const mukca_program_target *t,
+                    const double *value, int n)
 {
+    const mukca_language *l = r->language;
     size_t at = t->begin;
-    for (int j = 0; j < chain->n_joints; j++) {
-        fwrite(line + at, 1, t->number[j][0] - at, stream);
-        print_value(stream, l, chain, j, q[j]);
-        at = t->number[j][1];
+    for (;;) { /* in the order of the text */
+        int next = -1;
+        for (int k = 0; k < n; k++)
+            if (t->number[k][1] > at && (next < 0 || t->number[k][0] < t->number[next][0]))
+                next = k;
+        if (next < 0) break;
+        fwrite(r->line + at, 1, t->number[next][0] - at, stream);
+        const bool quaternion = r->pose && l->turn == QUATERNION && next >= 3;
+        fprintf(stream, "%.*f", quaternion ? 9 : l->decimals, value[next]); /* 1 nrad */
+        at = t->number[next][1];
     }
-    fwrite(line + at, 1, t->end - at, stream);
+    if (t->partial) fwrite(r->line + at, 1, t->end - 1 - at, stream);
+    for (int k = 0; k < n && t->partial; k++) {
+        if (t->number[k][1]) continue;
+        if (r->pose)
+            fprintf(stream, ",%c", "XYZABC"[k]);
+        else
+            fprintf(stream, ",%c%d", l->label[k >= ROBOT_AXES], k % ROBOT_AXES + 1);
+        fprintf(stream, " %.*f", l->decimals, value[k]);
+    }
+    if (t->partial) at = t->end - 1;
+    fwrite(r->line + at, 1, t->end - at, stream);
+}
+
+void mukca_language_replace(FILE *stream, const mukca_program_reader *r,
+                            const mukca_program_target *t, const double *q)
+{
+    double value[MUKCA_MAX_JOINTS];
+    for (int j = 0; j < r->chain->n_joints; j++)
+        value[j] = q[j] / (is_linear(r->chain, j) ? r->language->length : r->language->angle);
+    replace(stream, r, t, value, r->chain->n_joints);
+}
+
+void mukca_language_replace_pose(FILE *stream, const mukca_program_reader *r,
+                                 const mukca_program_target *t, const mukca_frame *pose)
+{
+    const mukca_language *l = r->language;
+    double value[MUKCA_POSE_NUMBERS] = {0}, *turn = value + 3;
+    for (int i = 0; i < 3; i++) value[i] = pose->p[i] / l->length;
+    if (l->turn == QUATERNION) {
+        mukca_rotation_to_quaternion(turn, pose->R);
+        double same = 0;
+        for (int i = 0; i < 4; i++) same += turn[i] * t->value[3 + i];
+        for (int i = 0; i < 4 && same < 0; i++) turn[i] = -turn[i];
+    } else if (l->turn == ZYX) {
+        double near[3], rpy[3];
+        for (int i = 0; i < 3; i++) near[i] = t->value[5 - i] * l->angle;
+        mukca_rotation_to_rpy(rpy, pose->R, near);
+        for (int i = 0; i < 3; i++) turn[i] = rpy[2 - i] / l->angle;
+    } else {
+        mukca_rotation_log(turn, pose->R);
+        for (int i = 0; i < 3; i++) turn[i] /= l->angle;
+    }
+    replace(stream, r, t, value, l->turn == QUATERNION ? 7 : 6);
 }

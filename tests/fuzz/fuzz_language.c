@@ -17,15 +17,20 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
         chain.n_joints = n;
         for (int l = 0; l < 3; l++)
             for (int pose = 0; pose < 2; pose++) {
+                mukca_program_reader reader = {
+                    .language = mukca_languages[l], .chain = &chain, .pose = pose};
                 mukca_program_target t;
                 size_t at = 0;
-                while (mukca_language_find(&t, mukca_languages[l], &chain, pose, line, at)) {
+                mukca_program_line(&reader, line);
+                while (mukca_program_next(&t, &reader)) {
                     if (t.begin < at || t.end <= t.begin || t.end > strlen(line)) abort();
                     at = t.end;
                     FILE *stream = open_memstream(&printed, &length);
                     if (!stream) break;
-                    if (!pose)
-                        mukca_language_replace(stream, mukca_languages[l], &chain, &t, line, t.q);
+                    if (pose && !t.incomplete)
+                        mukca_language_replace_pose(stream, &reader, &t, &t.pose);
+                    else if (!t.incomplete)
+                        mukca_language_replace(stream, &reader, &t, t.q);
                     fclose(stream);
                     free(printed);
                 }

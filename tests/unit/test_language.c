@@ -23,7 +23,10 @@ static char *print(int language, const double *q, bool alone)
 
 static bool find(mukca_program_target *t, int language, bool pose, const char *line)
 {
-    return mukca_language_find(t, mukca_languages[language], &chain, pose, line, 0);
+    mukca_program_reader reader = {
+        .language = mukca_languages[language], .chain = &chain, .pose = pose};
+    mukca_program_line(&reader, line);
+    return mukca_program_next(t, &reader) && !t->incomplete;
 }
 
 static void printed_targets_are_found(void **state)
@@ -140,14 +143,120 @@ static void replacing_keeps_the_rest(void **state)
     gen3_chain(&chain);
     chain.n_joints = 6;
     const char *line = "PTP {E6AXIS: A1 1, A2 2,A3 3,A4 4,A5 5,A6 6, E1 1500.5} C_PTP";
-    assert_true(find(&t, KRL, false, line));
+    mukca_program_reader reader = {.language = mukca_languages[KRL], .chain = &chain};
+    mukca_program_line(&reader, line);
+    assert_true(mukca_program_next(&t, &reader));
     FILE *stream = open_memstream(&text, &size);
     assert_non_null(stream);
-    mukca_language_replace(stream, mukca_languages[KRL], &chain, &t, line, q);
+    mukca_language_replace(stream, &reader, &t, q);
     assert_int_equal(fclose(stream), 0);
     assert_string_equal(text,
                         "{E6AXIS: A1 0.000000, A2 0.000000,A3 0.000000,A4 0.000000,"
                         "A5 0.000000,A6 0.000000, E1 1500.5}");
+    free(text);
+}
+
+/* A pose is written where it stood, in the numbers of the language; all else stays. */
+static void poses_are_replaced(void **state)
+{
+    (void)state;
+    static const struct {
+        int language;
+        const char *line, *wanted;
+    } cases[] = {
+        {RAPID, "MoveL [[1,2,3],[-0.5,-0.5,-0.5,-0.5],[0,-1,0,1],[9E9,9E9,9E9,9E9,9E9,9E9]], v1;",
+         "[[400.000000,-100.000000,500.000000],[-0.500000000,-0.500000000,-0.500000000,-0."
+         "500000000],"
+         "[0,-1,0,1],[9E9,9E9,9E9,9E9,9E9,9E9]]"},
+        {KRL, "LIN {FRAME: C 80, X 1,Y 2,Z 3,A 80,B 0,S 2,T 10} C_DIS",
+         "{FRAME: C 90.000000, X 400.000000,Y -100.000000,Z 500.000000,A 90.000000,B 0.000000,"
+         "S 2,T 10}"},
+        {URSCRIPT, "movel(p[0.1,-0.2,0.3,1.2,1.2,1.2], a=1)",
+         "p[0.400000000,-0.100000000,0.500000000,1.209199576,1.209199576,1.209199576]"}};
+    static const mukca_frame pose = {.R = {0, 0, 1, 1, 0, 0, 0, 1, 0}, .p = {0.4, -0.1, 0.5}};
+    gen3_chain(&chain);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        mukca_program_reader reader = {
+            .language = mukca_languages[cases[i].language], .chain = &chain, .pose = true};
+        mukca_program_target t;
+        char *text = NULL;
+        size_t size;
+        mukca_program_line(&reader, cases[i].line);
+        assert_true(mukca_program_next(&t, &reader));
+        FILE *stream = open_memstream(&text, &size);
+        assert_non_null(stream);
+        mukca_language_replace_pose(stream, &reader, &t, &pose);
+        assert_int_equal(fclose(stream), 0);
+        assert_string_equal(text, cases[i].wanted);
+        free(text);
+    }
+}
+
+/* KRL: what a move leaves out is that of the move before, where that is in the program. */
+static void components_are_carried_over(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        int targets;    /* that are found */
+        double x, y, a; /* of a complete one; NaN: incomplete */
+    } lines[] = {{"LIN {X 100}", 1, NAN, 0, 0},
+                 {"PTP {X 1,Y 2,Z 3,A 10,B 20,C 30,S 2,T 10}", 1, 1, 2, 10},
+                 {"lin {x 100, a 40}", 1, 100, 2, 40},
+                 {"LIN {Y 7}", 1, 100, 7, 40},
+                 {"XP2={X 5,Y 6,Z 3,A 10,B 20,C 30}", 1, 5, 6, 10},
+                 {"WAIT SEC 1", 0, 0, 0, 0},
+                 {"LIN {Y 8}", 1, 100, 8, 40},
+                 {"LIN_REL {X 0,Y 0,Z 3,A 0,B 0,C 0}", 0, 0, 0, 0},
+                 {"LIN {Y 8}", 1, NAN, 0, 0},
+                 {"PTP {X 1,Y 2,Z 3,A 10,B 20,C 30}", 1, 1, 2, 10},
+                 {"LIN XP7 C_DIS", 0, 0, 0, 0},
+                 {"LIN {Y 8}", 1, NAN, 0, 0},
+                 {"$BASE={X 1,Y 2,Z 3,A 10,B 20,C 30}", 0, 0, 0, 0},
+                 {"TOOL_DATA[1]={X 1,Y 2,Z 3,A 10,B 20,C 30}", 0, 0, 0, 0},
+                 {"LIN XP1:{X 1,Y 2,Z 3,A 10,B 20,C 30}", 0, 0, 0, 0},
+                 {"LIN {X 1,Y 2,Z 3,A 10,B 20,C 30} : XP1", 0, 0, 0, 0}};
+    gen3_chain(&chain);
+    mukca_program_reader reader = {.language = mukca_languages[KRL], .chain = &chain, .pose = true};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        mukca_program_target t;
+        int found = 0;
+        mukca_program_line(&reader, lines[i].line);
+        for (; mukca_program_next(&t, &reader); found++) {
+            if (t.incomplete != isnan(lines[i].x)) fail_msg("%zu: %s", i, lines[i].line);
+            if (t.incomplete) continue;
+            assert_close(t.pose.p[0], 1e-3 * lines[i].x, 1e-12);
+            assert_close(t.pose.p[1], 1e-3 * lines[i].y, 1e-12);
+            assert_close(atan2(t.pose.R[3], t.pose.R[0]), lines[i].a * M_PI / 180, 1e-12);
+        }
+        if (found != lines[i].targets) fail_msg("%zu: %s", i, lines[i].line);
+    }
+}
+
+/* Written out again, with the components that were carried over. */
+static void partial_targets_are_completed(void **state)
+{
+    (void)state;
+    static const double q[6] = {0.1, 0.2, 0.3, 0.4, 0.5, M_PI};
+    mukca_program_target t;
+    char *text = NULL;
+    size_t size;
+    gen3_chain(&chain);
+    chain.n_joints = 6;
+    mukca_program_reader reader = {.language = mukca_languages[KRL], .chain = &chain};
+    mukca_program_line(&reader, "PTP {A1 1,A2 2,A3 3,A4 4,A5 5,A6 6}");
+    assert_true(mukca_program_next(&t, &reader));
+    mukca_program_line(&reader, "PTP {A6 180,E1 5}");
+    assert_true(mukca_program_next(&t, &reader));
+    assert_false(t.incomplete);
+    assert_close(t.q[4], 5 * M_PI / 180, 1e-12);
+    FILE *stream = open_memstream(&text, &size);
+    assert_non_null(stream);
+    mukca_language_replace(stream, &reader, &t, q);
+    assert_int_equal(fclose(stream), 0);
+    assert_string_equal(text,
+                        "{A6 180.000000,E1 5,A1 5.729578,A2 11.459156,A3 17.188734,A4 "
+                        "22.918312,A5 28.647890}");
     free(text);
 }
 
@@ -158,6 +267,9 @@ int main(void)
                                        cmocka_unit_test(lengths_are_in_millimetres),
                                        cmocka_unit_test(other_text_is_no_target),
                                        cmocka_unit_test(poses),
+                                       cmocka_unit_test(poses_are_replaced),
+                                       cmocka_unit_test(components_are_carried_over),
+                                       cmocka_unit_test(partial_targets_are_completed),
                                        cmocka_unit_test(replacing_keeps_the_rest)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,47 @@
+/* Corrected targets as rows of a table or lines of a program, and their count. */
+#include <stdio.h>
+
+#include "base/file.h"
+#include "base/note.h"
+#include "cli/compensate.h"
+
+void compensate_print_header(compensate_job *b, bool timed)
+{
+    const mukca_chain *chain = &b->arm->chain;
+    if (b->to || b->headed) return;
+    b->headed = true;
+    if (timed) fputs("time_s\t", b->stream);
+    for (int j = 0; j < chain->n_joints; j++)
+        fprintf(b->stream, "%s\t", mukca_chain_joint_name(chain, j));
+    fputs("error_before_m\terror_m\terror_rad\tstatus\n", b->stream);
+}
+
+void compensate_count(compensate_job *b, const mukca_compensation *c, const char *path, int line)
+{
+    compensate_tally *t = &b->tally;
+    t->rows++;
+    t->count[c->reach]++;
+    mukca_moments_add(&t->before, c->position_before);
+    mukca_moments_add(&t->after, c->position_error);
+    if (b->to && c->reach != MUKCA_REACH_OK) /* a table has the status in a column */
+        mukca_note_format(cli_note, b->call, "%s:%d: %s", mukca_file_shown(path), line,
+                          mukca_reach_sentence[c->reach]);
+}
+
+void compensate_put(compensate_job *b, const double *q, const mukca_compensation *c)
+{
+    if (b->to) {
+        mukca_language_print(b->stream, b->to, &b->arm->chain, q, true);
+        fputc('\n', b->stream);
+        return;
+    }
+    for (int j = 0; j < b->arm->chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
+    fprintf(b->stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
+            c->rotation_error, mukca_reach_text[c->reach]);
+}
+
+void compensate_start(compensate_job *b, bool oriented)
+{
+    const compensate_options *o = b->call->options;
+    mukca_compensator_start(&b->compensator, b->arm, o->position_only || !oriented, o->tolerance);
+}
