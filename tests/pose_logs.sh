@@ -86,4 +86,32 @@ sed 's/<style.*//; s/<[^>]*>/ /g' "$dir/page.html" 2>/dev/null | tr -d '\0' >"$d
 for text in calibrate.txt one.txt page.txt; do
     ok "$text: no ball, socket or placement" sh -c "! sed 's/ball_[a-z]*//g' '$dir/$text' | grep -nwE 'balls?|sockets?|placements?' >&2"
 done
+
+# ---- no header: the quaternion's order is asked for, and judged by the arm
+grep -v '^#' "$dir/all.csv" | cut -d, -f2- >"$dir/named.csv"
+tail -n +2 "$dir/named.csv" >"$dir/first.csv"
+awk -F, -v OFS=, '{ w = $11; $11 = $12; $12 = $13; $13 = $14; $14 = w } { print }' "$dir/first.csv" >"$dir/last.csv"
+run evaluate "$dir/named.csv" -q >"$dir/wanted"
+run evaluate "$dir/last.csv" >"$dir/said" 2>&1
+ok "both orders are offered" grep -q 'with --map order, or --map order-w-last for qx qy qz qw$' "$dir/said"
+for form in first:order last:order-w-last; do
+    run evaluate "$dir/${form%:*}.csv" --map "${form#*:}" >"$dir/scores" 2>"$dir/said"
+    ok "--map ${form#*:} reads the poses" sh -c "grep -v '^heron7' '$dir/scores' | cut -f 3- | head -n 2 >'$dir/a'
+        cut -f 3- '$dir/wanted' | head -n 2 | cmp - '$dir/a'"
+    ok "--map ${form#*:} says what was taken, once" test "$(grep -c "${form%:*}.csv: read as 7 joints, x y z, q" "$dir/said")" = 1
+done
+run evaluate "$dir/last.csv" --map order >"$dir/said" 2>&1
+ok "the other order is noticed: w last" grep -q 'last.csv:[0-9]*: column 11: the orientations agree with the arm only as qx qy qz qw or inverse: give --map order-w-last' "$dir/said"
+run evaluate "$dir/first.csv" --map order-w-last >"$dir/said" 2>&1
+ok "the other order is noticed: w first" grep -q 'first.csv:[0-9]*: column 14: .* only as qw qx qy qz or inverse: give --map order, or give --inverse-poses' "$dir/said"
+run evaluate "$dir/named.csv" --inverse-poses >"$dir/said" 2>&1
+ok "poses the other way round are noticed" grep -q "correct the columns' names, or omit --inverse-poses" "$dir/said"
+
+# ---- units
+head -n 1 "$dir/named.csv" | sed 's/_m//g' >"$dir/plain.csv"
+cat "$dir/first.csv" >>"$dir/plain.csv"
+for command in evaluate recalibrate; do
+    run $command "$dir/plain.csv" >"$dir/said" 2>&1
+    ok "$command: x, y, z need a unit" grep -q 'columns x, y, z without a unit; give --units' "$dir/said"
+done
 exit $failed

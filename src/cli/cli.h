@@ -144,8 +144,8 @@ typedef struct {
     CLI_UNITS_OPTION,                                                                            \
         CLI_CHOICE_OPTION(cli_common, map, "map", "MAP", cli_maps,                               \
                           "name: the first line of a table names its columns; order: it has no " \
-                          "such line, the joints come in the chain's order, then the pose "      \
-                          "(default: name)"),                                                    \
+                          "such line, the joints come in the chain's order, then the pose, its " \
+                          "quaternion with w first; order-w-last: with w last (default: name)"), \
         CLI_OPTION(cli_common, inverse_poses, "inverse-poses", CLI_FLAG, NULL,                   \
                    "the measured poses are those of the fixed frame in the target's, as a "      \
                    "camera on the arm sees a fixed board")

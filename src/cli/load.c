@@ -105,8 +105,10 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
         double angle, length;
     } units[] = {{"rad", 1, 0}, {"deg", M_PI / 180, 0}, {"m", 0, 1}, {"mm", 0, 1e-3}};
     const cli_common *c = call->common;
-    *format = (mukca_rows_format){
-        .units = c->units, .by_order = c->map == 1, .inverse = c->inverse_poses};
+    *format = (mukca_rows_format){.units = c->units,
+                                  .by_order = c->map > 0,
+                                  .w_last = c->map == 2,
+                                  .inverse = c->inverse_poses};
     for (const char *next = c->units; next;) {
         const size_t length = strcspn(next, ",");
         size_t k = 0;

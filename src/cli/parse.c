@@ -11,7 +11,7 @@
 #include "base/text.h"
 
 const char *const cli_angles[] = {"reading", "command", NULL};
-const char *const cli_maps[] = {"name", "order", NULL};
+const char *const cli_maps[] = {"name", "order", "order-w-last", NULL};
 
 const cli_option cli_common_options[] = {CLI_MODEL_OPTIONS, CLI_OFFSETS_OPTION,   CLI_ACCEPT_OPTION,
                                          CLI_TEST_OPTION,   CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,

@@ -199,14 +199,13 @@ static mukca_status check_columns(const mukca_dataset_builder *b, const mukca_ro
 {
     const mukca_row_columns *c = &rows->column;
     if (c->socket >= 0 || (c->n_measured > 0 && c->placement < 0)) return MUKCA_OK;
-    return mukca_table_fail(b->error, &rows->table, -1,
-                            c->placement >= 0
-                                ? "no column 'socket'; add the label of each row's socket"
-                            : mukca_table_find(&rows->table, "x") >= 0
-                                ? "columns x, y, z without a unit; give --units, as in rad,m or "
-                                  "deg,mm, or call them x_m, y_m, z_m"
-                                : "neither a session nor a pose log; the header needs columns "
-                                  "socket, or x_m, y_m, z_m");
+    if (c->placement >= 0)
+        return mukca_table_fail(b->error, &rows->table, -1,
+                                "no column 'socket'; add the label of each row's socket");
+    return mukca_rows_fail_measured(rows,
+                                    "neither a session nor a pose log; the header needs "
+                                    "columns socket, or x_m, y_m, z_m",
+                                    b->error);
 }
 
 /* As many as the diagnosis has frames for. */

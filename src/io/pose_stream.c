@@ -10,6 +10,7 @@ static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
 {
     const mukca_rows_options options = {.kind = MUKCA_HEADER,
                                         .format = s->format,
+                                        .any_order = true, /* mukca_pose_check finds it */
                                         .note = s->noted ? NULL : s->note,
                                         .context = s->context};
     const mukca_status status =
@@ -17,8 +18,10 @@ static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
     if (status != MUKCA_OK) return status;
     s->open = true;
     if (s->rows.column.n_measured > 0) return MUKCA_OK;
-    return mukca_table_fail(error, &s->rows.table, -1,
-                            "no columns x_m, y_m, z_m; a pose log needs measured positions");
+    return mukca_rows_fail_measured(&s->rows,
+                                    "no columns x_m, y_m, z_m; a pose log needs measured "
+                                    "positions",
+                                    error);
 }
 
 /* All rows are of one target. */

@@ -162,8 +162,25 @@ static void invert_pose(mukca_row *row)
     for (int i = 0; i < 3; i++) row->position[i] = -p[i], row->quaternion[1 + i] *= -1;
 }
 
-static mukca_status read_pose(mukca_row *row, const mukca_rows *rows, int target,
-                              mukca_error *error)
+/* Is the quaternion's order that of the file? */
+static mukca_status check_order(mukca_rows *rows, const mukca_row *row, int column,
+                                mukca_error *error)
+{
+    const mukca_rows_format *f = &rows->options.format;
+    if (!mukca_quaternion_check_wrong(&rows->quaternions, rows->chain, row->q, row->quaternion,
+                                      f->w_last, f->inverse))
+        return MUKCA_OK;
+    return mukca_table_fail(
+        error, &rows->table, column,
+        "the orientations agree with the arm only as %s or inverse: %s, or %s --inverse-poses",
+        f->w_last ? "qw qx qy qz" : "qx qy qz qw",
+        !f->by_order ? "correct the columns' names"
+        : f->w_last  ? "give --map order"
+                     : "give --map order-w-last",
+        f->inverse ? "omit" : "give");
+}
+
+static mukca_status read_pose(mukca_row *row, mukca_rows *rows, int target, mukca_error *error)
 {
     const mukca_measured_columns *m = &rows->column.measured[target];
     const mukca_table *t = &rows->table;
@@ -190,6 +207,9 @@ static mukca_status read_pose(mukca_row *row, const mukca_rows *rows, int target
     if (turned && !mukca_rows_normalise(row->quaternion))
         return mukca_table_fail(error, t, m->quaternion[0],
                                 "the quaternion's length is not 1 (order: qw qx qy qz)");
+    if (turned && target == 0 && m->matrix[0] < 0 && !rows->options.any_order)
+        status = check_order(rows, row, m->quaternion[0], error);
+    if (status != MUKCA_OK) return status;
     if (!rows->options.format.inverse || isnan(row->position[0])) return MUKCA_OK;
     if (!turned) return mukca_table_fail(error, t, -1, "--inverse-poses needs orientations");
     invert_pose(row);
@@ -212,7 +232,7 @@ mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca
     rows->measured = 1;
     mukca_status status = mukca_table_next(&rows->table, more, error);
     if (status != MUKCA_OK || !*more) return status;
-    if (!t->header && t->row == 1) status = mukca_rows_map(rows, error);
+    if (c->joint[0] < 0) status = mukca_rows_map(rows, error);
     if (status != MUKCA_OK) return status;
     row->placement = c->placement < 0 ? NULL : t->cell[c->placement];
     row->socket = c->socket < 0 ? NULL : t->cell[c->socket];

@@ -5,6 +5,7 @@
 #ifndef MUKCA_IO_ROWS_H
 #define MUKCA_IO_ROWS_H
 
+#include "io/quaternion_check.h"
 #include "io/table.h"
 #include "mukca/row_state.h"
 
@@ -15,6 +16,7 @@ typedef struct {
     /* A table without header may hold poses: the joints in the chain's order, then x y z, then
      * nothing, qw qx qy qz, or instead of all of them the 16 numbers of a matrix. */
     bool by_order;
+    bool w_last; /* in such a table: qx qy qz qw */
     bool
         inverse; /* poses of the measuring frame in the target's, as a camera on the arm has them */
 } mukca_rows_format;
@@ -22,6 +24,7 @@ typedef struct {
 typedef struct {
     mukca_table_kind kind;
     mukca_rows_format format;
+    bool any_order;      /* quaternions with w last are the caller's matter */
     mukca_note_fn *note; /* may be NULL */
     void *context;
 } mukca_rows_options;
@@ -52,7 +55,8 @@ typedef struct {
     bool has_command;              /* for one joint at least */
     bool by_command;               /* no angles but the commanded ones */
     bool warned[MUKCA_MAX_JOINTS]; /* beyond its limits */
-    int measured;                  /* targets of the current line that have been returned */
+    mukca_quaternion_check quaternions;
+    int measured; /* targets of the current line that have been returned */
 } mukca_rows;
 
 /* One row; what the file lacks is NaN, texts are NULL.  Texts are valid until the next row. */
@@ -81,6 +85,10 @@ void mukca_rows_close(mukca_rows *rows); /* harmless on a zeroed one */
 
 /* Find the columns by the header, or by their order (part of mukca_rows_open). */
 mukca_status mukca_rows_map(mukca_rows *rows, mukca_error *error);
+
+/* Fail since no measured positions were found: those without a unit, or `otherwise`. */
+mukca_status mukca_rows_fail_measured(const mukca_rows *rows, const char *otherwise,
+                                      mukca_error *error);
 
 /* kg: the strongest arms carry 2.3 t. */
 #define MUKCA_ROWS_MOST_PAYLOAD 5e3

@@ -173,6 +173,16 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
     return MUKCA_OK;
 }
 
+mukca_status mukca_rows_fail_measured(const mukca_rows *rows, const char *otherwise,
+                                      mukca_error *error)
+{
+    return mukca_table_fail(error, &rows->table, -1, "%s",
+                            mukca_table_find(&rows->table, "x") < 0
+                                ? otherwise
+                                : "columns x, y, z without a unit; give --units, as in rad,m or "
+                                  "deg,mm, or call them x_m, y_m, z_m");
+}
+
 /* A table without header: the joints, then the pose, in the order that its width says. */
 static mukca_status map_order(mukca_rows *rows, mukca_error *error)
 {
@@ -186,11 +196,12 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
         return mukca_table_fail(
             error, t, -1,
             "has no header; %d columns may be %d joints and %s: name them in the first line, or "
-            "confirm that order with --map order",
+            "confirm that order with --map order%s",
             t->n_columns, n,
             more == 3   ? "x y z"
             : more == 7 ? "x y z qw qx qy qz"
-                        : "a 4x4 matrix row by row");
+                        : "a 4x4 matrix row by row",
+            more == 7 ? ", or --map order-w-last for qx qy qz qw" : "");
     if (o->format.by_order && !poses)
         return mukca_table_fail(error, t, -1,
                                 "%d columns; --map order reads %d joints and then 3 (x y z), 7 "
@@ -207,8 +218,16 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
     mukca_measured_columns *m = &c->measured[c->n_measured++];
     m->target[0] = '\0';
     m->length = o->format.length;
+    const int turn = o->format.w_last ? 2 : 3; /* the column of qw, or of qx, is number 3 */
     for (int i = 0; i < more; i++)
-        *(more == 16 ? &m->matrix[i] : i < 3 ? &m->position[i] : &m->quaternion[i - 3]) = n + i;
+        *(more == 16 ? &m->matrix[i]
+          : i < 3    ? &m->position[i]
+                     : &m->quaternion[(i - turn) % 4]) = n + i;
+    if (more == 7)
+        mukca_note_format(o->note, o->context, "%s: read as %d joints, x y z, %s",
+                          mukca_file_shown(t->path), n,
+                          o->format.w_last ? "qx qy qz qw (w first: --map order)"
+                                           : "qw qx qy qz (w last: --map order-w-last)");
     return MUKCA_OK;
 }
 

@@ -103,7 +103,7 @@ static mukca_status check_units(preview *p, mukca_error *error)
     if (nominal > 0.01 && measured > 200 * nominal && measured < 5000 * nominal)
         return mukca_fail(error, MUKCA_INPUT,
                           "the positions move %.0f times as far as the arm does: they look like "
-                          "millimetres; the columns x_m y_m z_m must be metres",
+                          "millimetres (read so with --units mm)",
                           measured / nominal);
     if (nominal > 0.01 && measured < 0.001 * nominal)
         return mukca_fail(error, MUKCA_INPUT,
@@ -112,8 +112,8 @@ static mukca_status check_units(preview *p, mukca_error *error)
     predict(p, last, M_PI / 180);
     if (radians > 0.005 && step_median(p, false) < 0.2 * radians)
         return mukca_fail(error, MUKCA_INPUT,
-                          "the joint angles fit the poses when read as degrees; they must be "
-                          "radians (multiply by pi / 180)");
+                          "the joint angles fit the poses when read as degrees (read so with "
+                          "--units deg)");
     return MUKCA_OK;
 }
 

@@ -397,13 +397,13 @@ static void test_bad_input(void **state)
     for (int i = 0; i < train.n; i++)
         for (int a = 0; a < 3; a++) train.row[i].position[a] *= 1000;
     assert_int_equal(check_train(&check, &error), MUKCA_INPUT);
-    assert_non_null(strstr(error.text, "millimetres"));
+    assert_non_null(strstr(error.text, "--units mm"));
 
     record(&train, MUKCA_RECIPE_RASTER);
     for (int i = 0; i < train.n; i++)
         for (int j = 0; j < 7; j++) train.row[i].q[j] *= 180 / 3.14159265358979;
     assert_int_equal(check_train(&check, &error), MUKCA_INPUT);
-    assert_non_null(strstr(error.text, "degrees"));
+    assert_non_null(strstr(error.text, "--units deg"));
 
     record(&train, MUKCA_RECIPE_RASTER);
     for (int i = 0; i < train.n; i++) /* poses of other rows */
