@@ -136,6 +136,7 @@ static mukca_status measure_each(measurement *s, int *least, mukca_error *error)
     mukca_regression *m = s->b->m;
     const mukca_diagnose_options *o = s->options;
     const int n = s->findings->n_causes;
+    unsigned version = m->linear.version;
     *least = -1;
     mukca_unknowns_assign(&s->all, &m->unknowns);
     for (int i = 0; i < n; i++) {
@@ -147,11 +148,13 @@ static mukca_status measure_each(measurement *s, int *least, mukca_error *error)
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         mukca_shrink *shrink = &s->v->cause[i];
         mukca_unknowns_drop(&m->unknowns, c);
-        mukca_regression_fit(m, 4, MUKCA_FIT_UNKNOWNS);
+        mukca_regression_revise(m);
         mukca_folds_run(s->b->error, s->b, by_socket);
         mukca_folds_compare(shrink, s->b, s->b->error, s->full[by_socket]);
         mukca_unknowns_assign(&m->unknowns, &s->all);
-        mukca_regression_linearise(m);
+        if (m->linear.version != version)
+            mukca_regression_linearise(m), version = m->linear.version;
+        mukca_regression_return(m);
         if (is_suspected(shrink, &s->findings->causes[i]) &&
             (*least < 0 || shrink->shrink_percent < s->v->cause[*least].shrink_percent))
             *least = i;

@@ -17,12 +17,11 @@ enum { POSE_FOLDS = 5, DRAWS = 400, BLOCK = 16 };
 void mukca_folds_create(mukca_folds *b)
 {
     mukca_regression *m = b->m;
-    const int rows = m->recording.data->n_rows, pairs = m->recording.data->n_distances + 1;
+    const int rows = m->recording.data->n_rows;
     const int size = mukca_unknowns_capacity(&m->unknowns) + 1;
     b->fold = MUKCA_TAKE(&m->pool, int, rows);
     b->gram = MUKCA_TAKE(&m->pool, double, size *size);
     b->white = MUKCA_TAKE(&m->pool, double, (6 * BLOCK + 3) * size);
-    b->distance = MUKCA_TAKE(&m->pool, double, pairs *size);
     b->position = MUKCA_TAKE(&m->pool, double, 3 * rows);
     b->error = MUKCA_TAKE(&m->pool, double, rows);
     b->all = MUKCA_TAKE(&m->pool, unsigned char, rows);
@@ -118,15 +117,16 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
         mean[p] = mean_of(error, recording->data->n_rows, recording->placement, p);
 }
 
-/* b->gram += the part that the samples of fold f of a group have in the normal equations: the
- * product of their whitened rows, without the socket's mean. */
+/* b->gram += the part that the samples of fold f of a group have in the normal equations of all
+ * columns held: the product of their whitened rows, without the socket's mean. */
 static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int g, int f)
 {
     const mukca_recording *r = &b->m->recording;
     const mukca_group *group = &r->groups[g];
-    const int size = normal->n + 1, d = r->dim;
+    const mukca_linearisation *linear = &b->m->linear;
+    const int size = linear->stride, d = r->dim;
     const size_t step = (size_t)d * (size_t)size;
-    const double *X = b->m->linear.columns + (size_t)group->start * step,
+    const double *X = linear->columns + (size_t)group->start * step,
                  root = sqrt(1 - normal->rho * normal->rho), part = sqrt(r->share);
     double *mean = b->white + 6 * BLOCK * size;
     int count = 0;
@@ -154,21 +154,22 @@ static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int 
     }
 }
 
-/* Take the samples of fold f, and the distances of its sockets, out of the normal equations:
- * b->gram is what was subtracted.  Returns the degrees of freedom of these samples. */
+/* Take the samples of fold f, and the distances of its sockets, out of the normal equations.
+ * Returns the degrees of freedom of these samples. */
 static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
-    const int size = normal->n + 1, d = r->dim;
+    const int size = normal->n + 1, d = r->dim, held = b->m->linear.stride, *at = b->m->linear.at;
     int freedom = 0;
-    memset(b->gram, 0, sizeof *b->gram * (size_t)(size * size));
+    memset(b->gram, 0, sizeof *b->gram * (size_t)(held * held));
     for (int g = 0; g < r->n_groups; g++) add_group(b, normal, g, f);
-    for (int i = 0; i < size * size; i++) normal->gram[i] -= b->gram[i];
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++) normal->gram[i * size + j] -= b->gram[at[i] * held + at[j]];
     for (int p = 0; p < r->n_pairs; p++) {
         const int a = r->order[r->groups[r->pairs[p].a].start];
         const int c = r->order[r->groups[r->pairs[p].b].start];
         if (b->fold[a] == f || b->fold[c] == f)
-            memset(normal->distance + p * size, 0, sizeof *b->distance * (size_t)size);
+            memset(normal->distance + p * size, 0, sizeof *normal->distance * (size_t)size);
     }
     for (int g = 0; g < r->n_groups; g++) /* a socket's mean takes those of one sample */
         for (int i = r->groups[g].socket < 0 ? 0 : 1; i < r->groups[g].count; i++)
@@ -180,22 +181,19 @@ static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
  *
  * With Gaussians, -2 log p(fold | rest) has the quadratic part Q(all) - Q(rest): the fold's squared
  * misfit with noise and with what the rest leaves open, all correlations of its rows included. */
-static void cross_predict(mukca_folds *b, mukca_normal_equations *normal)
+static void cross_predict(mukca_folds *b)
 {
     mukca_regression *m = b->m;
     const mukca_recording *r = &m->recording;
     mukca_unknowns *unknowns = &m->unknowns, fitted;
     mukca_evidence *evidence = &m->evidence;
-    const int size = m->linear.n_columns + 1;
-    const size_t distances = sizeof *b->distance * (size_t)(r->n_pairs * size);
     for (int i = 0; i < 3 * r->data->n_rows; i++) b->position[i] = NAN; /* not predicted */
     if (!mukca_unknowns_clone(&fitted, &m->pool, unknowns)) return;
-    memcpy(b->distance, normal->distance, distances);
-    mukca_unknowns_prior(evidence->prior, unknowns);
     b->surprise = 0, b->freedom = 0;
-    const bool whole = mukca_evidence_evaluate(evidence, normal, unknowns->sigma, NULL) > -HUGE_VAL;
+    const bool whole = mukca_regression_factor(m) > -HUGE_VAL;
     const double quadratic = evidence->quadratic;
     for (int f = 0; f < b->n_folds; f++) {
+        mukca_normal_equations *normal = mukca_regression_collect_own(m);
         const int freedom = take_out(b, normal, f);
         if (mukca_evidence_evaluate(evidence, normal, unknowns->sigma, evidence->mean) >
             -HUGE_VAL) {
@@ -208,16 +206,14 @@ static void cross_predict(mukca_folds *b, mukca_normal_equations *normal)
                     mukca_unknowns_predict_measured(b->position + 3 * row, unknowns, r, row);
         }
         mukca_unknowns_assign(unknowns, &fitted);
-        for (int i = 0; i < size * size; i++) normal->gram[i] += b->gram[i];
-        memcpy(normal->distance, b->distance, distances);
+        normal->n = 0; /* to be collected again, with the fold */
     }
-    normal->n = 0; /* what was put back is rounded: it must be collected again */
 }
 
 void mukca_folds_run(double *error, mukca_folds *b, bool by_socket)
 {
     b->n_folds = mukca_folds_assign(b->fold, b->m, by_socket);
-    cross_predict(b, mukca_regression_collect_own(b->m));
+    cross_predict(b);
     mukca_folds_errors(error, b->m, b->position, b->m->recording.keep, true);
 }
 

@@ -11,7 +11,6 @@ typedef struct {
     int *fold;          /* [n_rows] */
     double *gram;       /* of one fold */
     double *white;      /* scratch: whitened rows of a few samples, and the mean of a socket */
-    double *distance;   /* copy of all distances while those of a fold are zero */
     double *position;   /* [n_rows][3] predictions of the rows by the fits without their fold;
                            NaN: a row of no fold (fewer poses than folds) */
     double *error;      /* [n_rows], NaN: not measured */

@@ -10,6 +10,7 @@
 
 enum {
     EIGHT = 8,               /* right sides that are solved for at once */
+    FEW = 3,                 /* columns of most blocks: a call would cost more than the work */
     STRIDE = MUKCA_BATCH + 8 /* of a row of T: a power of two would share few lines of the cache */
 };
 
@@ -25,6 +26,7 @@ bool mukca_projector_create(mukca_projector *p, mukca_pool *pool, mukca_regressi
                            .distance = MUKCA_TAKE(pool, double, pairs *(n + 1)),
                            .along = MUKCA_TAKE(pool, double, pairs *STRIDE),
                            .T = MUKCA_TAKE(pool, double, (n + 1) * STRIDE),
+                           .near = MUKCA_TAKE(pool, double, FEW *STRIDE),
                            .u = MUKCA_TAKE(pool, double, rows),
                            .Zt = MUKCA_TAKE(pool, double, rows *n)};
     return mukca_products_create(&p->own, pool, m, MUKCA_MAX_COLUMNS, MUKCA_MAX_COLUMNS) &&
@@ -107,11 +109,10 @@ static double log_admitted(const double *L, const double *x, const mukca_candida
     return mukca_stats_log_normal_cdf((largest - amplitude) / sqrt(variance * noise));
 }
 
-/* L L' = A[n][n] in place and x := L^-1 x; *log_diagonal gets the sum of log L[i][i].  Most blocks
- * have three columns at most, where a call would cost more than the work.  False: not positive. */
+/* L L' = A[n][n] in place and x := L^-1 x; *log_diagonal gets the sum of log L[i][i].  False: not
+ * positive. */
 static bool factor_block(double *A, double *x, double *log_diagonal, int n)
 {
-    enum { FEW = 3 };
     double product = 1;
     if (n > FEW) {
         if (mukca_dense_cholesky(A, n)) return false;
@@ -215,7 +216,10 @@ static void take_block(double *G, double *g, const batch *b, const mukca_project
     double lost[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS];
     memset(lost, 0, sizeof *lost * (size_t)(k * k));
     for (int a = 0; a < k; a++) g[a] = p->T[p->n * STRIDE + at + a];
-    mukca_dense_syrk(lost, k, p->T + at, p->n, STRIDE);
+    if (k > FEW) mukca_dense_syrk(lost, k, p->T + at, p->n, STRIDE);
+    for (int a = 0; a < k && k <= FEW; a++)
+        for (int c = 0; c <= a; c++)
+            lost[a * k + c] = lost[c * k + a] = p->near[(a - c) * STRIDE + at + c];
     for (int a = 0; a < k; a++)
         for (int c = 0; c < k; c++) {
             double sum = p->precision * x->gram[(first + a) * k + c] - lost[a * k + c];
@@ -224,6 +228,26 @@ static void take_block(double *G, double *g, const batch *b, const mukca_project
                        x->along[q * x->columns + first + c];
             G[a * k + c] = sum;
         }
+}
+
+/* What g loses, and near[d][k]: products of columns k and k + d of T, which are all that blocks of
+ * FEW columns need. */
+MUKCA_CLONES static void project(double *near, double *g, const double *T, const double *z, int n,
+                                 int width)
+{
+    for (int k = 0; k < width; k += 4) {
+        four lost = {0}, s[FEW] = {{0}};
+        const double *row = T + k;
+        for (int t = 0; t < n; t++, row += STRIDE) {
+            const four x = LOAD4(row);
+            lost += z[t] * x;
+            s[0] += x * x;
+            s[1] += x * LOAD4(row + 1);
+            s[2] += x * LOAD4(row + 2);
+        }
+        STORE4(g + k, LOAD4(g + k) - lost);
+        for (int d = 0; d < FEW; d++) STORE4(near + d * STRIDE + k, s[d]);
+    }
 }
 
 /* Add the distances, solve, and project g, for the whole batch. */
@@ -237,9 +261,7 @@ static void solve(const batch *b, mukca_projector *p)
     mukca_dense_xty(p->T, (mukca_columns){p->distance, n + 1, n + 1},
                     (mukca_columns){p->along, STRIDE, STRIDE}, p->normal->n_pairs);
     mukca_dense_forward8(p->T, width, STRIDE, p->m->evidence.factor, n);
-    double *g = p->T + n * STRIDE;
-    for (int t = 0; t < n; t++)
-        for (int k = 0; k < width; k++) g[k] -= p->T[t * STRIDE + k] * p->z[t];
+    project(p->near, p->T + n * STRIDE, p->T, p->z, n, width);
 }
 
 static void finish(batch *b, mukca_projector *p)

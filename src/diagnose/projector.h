@@ -21,6 +21,7 @@ typedef struct {
     double *factor;     /* [n + 1] precision * D, and the precision */
     double *distance;   /* [n_pairs][n + 1] distance rows times D over their variance */
     double *T, *along;  /* [n + 1][], [n_pairs][]: scratch of MUKCA_BATCH columns */
+    double *near;       /* scratch: products of columns of T that are neighbours */
     mukca_products own; /* of the columns that mukca_projector_project() gets */
     bool have_rows;     /* mukca_projector_rows() was called since it was aimed */
     double *u;          /* [rows] W y - Zt z */

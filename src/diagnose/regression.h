@@ -63,6 +63,10 @@ bool mukca_regression_solve(mukca_regression *m);
  * for the result. */
 void mukca_regression_refit(mukca_regression *m);
 
+/* Fit the unknowns alone after causes were dropped: to the columns that are there where these hold
+ * for the result, else as MUKCA_FIT_UNKNOWNS. */
+void mukca_regression_revise(mukca_regression *m);
+
 /* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  Ends linearised. */
 void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom);
 
