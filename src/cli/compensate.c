@@ -201,6 +201,17 @@ static json_t *as_json(const cli_call *call, const compensate_tally *t)
                      counts, "elapsed_s", cli_elapsed(call));
 }
 
+/* A target of the language has an axis for each joint. */
+static mukca_status check_axes(cli_call *call, int format)
+{
+    const int n = call->session->model.chain.n_joints;
+    const int most = format ? mukca_language_axes(mukca_languages[format - 1]) : n;
+    if (n <= most) return MUKCA_OK;
+    return mukca_fail(&call->error, MUKCA_INPUT,
+                      "a target in %s has at most %d axes, and the chain has %d; check --tip",
+                      formats[format], most, n);
+}
+
 static mukca_status run(cli_call *call)
 {
     const compensate_options *o = call->options;
@@ -220,6 +231,9 @@ static mukca_status run(cli_call *call)
     arm->geometry = model->geometry;
     arm->n_effects = model->offsets.n_effects;
     memcpy(arm->effects, model->offsets.effects, sizeof arm->effects);
+    status = check_axes(call, o->from);
+    if (status == MUKCA_OK) status = check_axes(call, to);
+    if (status != MUKCA_OK) return status;
     if (!c->offsets)
         cli_note(call, "no --offsets: targets are those of the nominal model; no correction");
     const bool json_only = c->json && strcmp(c->json, "-") == 0 && !c->output;
@@ -259,7 +273,8 @@ const cli_command cli_command_compensate = {
         "poses in the result. A pose stays a pose, of the same move: the one that the "
         "controller's nominal model takes to the corrected joint targets. The posture is that near "
         "the joint targets and poses before it. In another language, or a table, poses become "
-        "joint targets. KRL's components that are left out are those of the last move.",
+        "joint targets. KRL's components that are left out are those of the last move. A pose out "
+        "of reach stays as it is.",
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",

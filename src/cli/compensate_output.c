@@ -18,14 +18,16 @@ void compensate_print_header(compensate_job *b, bool timed)
 
 void compensate_count(compensate_job *b, const mukca_compensation *c, const char *path, int line)
 {
+    const compensate_options *o = b->call->options;
     compensate_tally *t = &b->tally;
     t->rows++;
     t->count[c->reach]++;
     mukca_moments_add(&t->before, c->position_before);
     mukca_moments_add(&t->after, c->position_error);
     if (b->to && c->reach != MUKCA_REACH_OK) /* a table has the status in a column */
-        mukca_note_format(cli_note, b->call, "%s:%d: %s", mukca_file_shown(path), line,
-                          mukca_reach_sentence[c->reach]);
+        mukca_note_format(cli_note, b->call, "%s:%d: %s%s", mukca_file_shown(path), line,
+                          mukca_reach_sentence[c->reach],
+                          o->poses && b->from == b->to ? "; the pose stays as it is" : "");
 }
 
 void compensate_put(compensate_job *b, const double *q, const mukca_compensation *c)

@@ -90,7 +90,10 @@ static mukca_status correct_line(compensate_job *b, mukca_program_reader *r, con
                     : mukca_compensate_joints(q, &b->compensator, &reading);
         if (in_place) {
             fwrite(line + at, 1, t.begin - at, b->stream);
-            put_in_place(b, r, &t, q);
+            if (r->pose && c.reach != MUKCA_REACH_OK) /* as it was: a robot would go elsewhere */
+                fwrite(line + t.begin, 1, t.end - t.begin, b->stream);
+            else
+                put_in_place(b, r, &t, q);
         } else {
             compensate_put(b, q, &c);
         }

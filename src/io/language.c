@@ -7,7 +7,7 @@
 #include "base/number.h"
 #include "io/rows.h"
 
-enum { ROBOT_AXES = 6, PATTERN = 256, NUMBERS = 24 };
+enum { ROBOT_AXES = 6, MOST_AXES = 12, PATTERN = 256, NUMBERS = 24 };
 
 typedef enum { QUATERNION, ZYX, VECTOR } turn_kind;
 
@@ -77,7 +77,7 @@ const mukca_language *const mukca_languages[] = {
 /* The text of a joint target with # for each axis. */
 static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const mukca_chain *chain)
 {
-    const int n = l->empty[0] ? 2 * ROBOT_AXES : chain->n_joints;
+    const int n = l->empty[0] ? MOST_AXES : chain->n_joints;
     int used = snprintf(pattern, PATTERN, "%s", l->open);
     for (int axis = 0; axis < n; axis++) {
         const bool external = axis >= ROBOT_AXES;
@@ -308,6 +308,11 @@ bool mukca_program_next(mukca_program_target *t, mukca_program_reader *r)
     }
     if (!r->found) r->known = r->known && !r->moves; /* it moved to somewhere else */
     return false;
+}
+
+int mukca_language_axes(const mukca_language *language)
+{
+    return language->empty[0] || language->label[0] ? MOST_AXES : MUKCA_MAX_JOINTS;
 }
 
 static void print_value(FILE *stream, const mukca_language *l, const mukca_chain *chain, int j,

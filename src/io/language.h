@@ -49,6 +49,9 @@ void mukca_program_line(mukca_program_reader *reader, const char *line);
  * last move, as on the controller. */
 bool mukca_program_next(mukca_program_target *target, mukca_program_reader *reader);
 
+/* The most joints that a joint target has room for. */
+int mukca_language_axes(const mukca_language *language);
+
 /* Print q[n_joints] as a joint target; `alone`: as a whole line of a program, without its end. */
 void mukca_language_print(FILE *stream, const mukca_language *language, const mukca_chain *chain,
                           const double *q, bool alone);

@@ -44,7 +44,19 @@ echo 'movej([10,20,30,40,50,60,70])' >degrees.script
 refuse 3 "degrees.script:1: joint 'joint_2' is 20 rad, more than two turns; check --from" \
     compensate $arm --from urscript degrees.script -o new.script
 echo '[[4000,0,0],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]' >far.mod
-accept "far.mod:1: the arm does not get there" compensate $arm --from rapid --poses far.mod
+accept "far.mod:1: the arm does not get there.*; the pose stays as it is" compensate $arm --from rapid --poses far.mod
+expect "and nothing goes elsewhere" cmp "$scratch/out" far.mod
+{
+    echo '<robot name="long"><link name="l0"/>'
+    for i in $(seq 14); do
+        echo "<link name=\"l$i\"/><joint name=\"j$i\" type=\"revolute\"><parent link=\"l$((i - 1))\"/><child link=\"l$i\"/>
+<origin xyz=\"0.1 0 0\"/><axis xyz=\"0 0 1\"/><limit lower=\"-3\" upper=\"3\" effort=\"9\" velocity=\"2\"/></joint>"
+    done
+    echo '</robot>'
+} >long.urdf
+echo 'MoveAbsJ [[1,2,3,4,5,6],[7,8,9,10,11,12]], v100, fine, tool0;' >long.mod
+refuse 3 'a target in rapid has at most 12 axes, and the chain has 14; check --tip' compensate --urdf long.urdf --from rapid long.mod
+refuse 3 'a target in krl has at most 12 axes' compensate --urdf long.urdf --format krl long.mod
 accept 'path.mod: poses not corrected: 1; correct these next, in the result, with --poses' compensate $arm --from rapid path.mod
 accept 'path.mod: joint targets not corrected: 2; correct these as well, without --poses' \
     compensate $arm --from rapid --poses path.mod
