@@ -10,6 +10,7 @@
 #define MUKCA_CHAIN_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "mukca/rotation.h"
 #include "mukca/status.h"
@@ -65,6 +66,7 @@ typedef struct {
     char urdf_sha256[65];       /* lower-case hex; empty where not from a file */
     char kinematics_sha256[65]; /* of the factory file that replaced origins; empty: none */
     char kinematics_hash[MUKCA_NAME_SIZE]; /* UR's mark of the robot in that file; empty: none */
+    uint64_t urdf_geometry; /* hash of the origins before it, which name the model; 0: none */
     int n_elements, n_joints, n_masses;
     mukca_element element[MUKCA_MAX_ELEMENTS];
     int joint_element[MUKCA_MAX_JOINTS]; /* element of each actuated joint */

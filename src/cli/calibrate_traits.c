@@ -110,7 +110,13 @@ void calibrate_add_traits(mukca_offsets *to, const calibrate_result *r)
 
 void calibrate_print_traits(cli_call *call, const calibrate_result *r)
 {
+    mukca_effect elastic[MUKCA_FLEET_TERMS];
     if (!r->traits) return;
+    if (mukca_traits_effects(elastic, NULL, r->traits) == 0) {
+        cli_answer_wrapped(call, "Fleet: the traits of %d arms hold no elastic coefficient.",
+                           r->traits->n_arms);
+        return;
+    }
     cli_answer_wrapped(
         call,
         r->traits_share == 1  ? "Fleet: the elastic means of %d arms are in the table; the data "

@@ -70,6 +70,11 @@ void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_dia
         mukca_text_put(&list, "%s%d at %s", n_orders++ ? ", " : "", e->variant.order,
                        mukca_chain_joint_name(chain, e->joint));
     }
+    if (a->traits->n == 0) {
+        cli_answer_keyed(call, "Fleet", "the traits table of %d arms is empty: they share nothing",
+                         a->traits->n_arms);
+        return;
+    }
     if (!a->adopted) {
         cli_answer_keyed(call, "Fleet",
                          a->log_evidence < CONTRADICTION

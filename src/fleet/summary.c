@@ -52,6 +52,8 @@ void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain)
         model->masses = hash_numbers(model->masses, chain->mass[i].com, 3, 1e-6);
     }
     model->masses = hash_numbers(model->masses, chain->gravity, 3, 1e-3);
+    /* arms of one model have factory files of their own */
+    if (chain->urdf_geometry) model->geometry = chain->urdf_geometry;
 }
 
 const char *mukca_fleet_model_differs(const mukca_fleet_model *a, const mukca_fleet_model *b)

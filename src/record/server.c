@@ -268,7 +268,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     if (status != MUKCA_OK) return status;
     mukca_error problem; /* it serves without a model, too */
     if (mukca_server_load_model(s, &problem))
-        mukca_recorder_report(&s->recorder, "%s", problem.text);
+        mukca_recorder_report(&s->recorder, "no table is in use: %s", problem.text);
     if (mukca_lcm_link_replays(s->recorder.link))
         status = mukca_recorder_connect(&s->recorder, -1, error);
     return status ? status : mukca_recorder_start_log(&s->recorder, error);

@@ -91,8 +91,9 @@ static mukca_status move(const mukca_server *s, const char *name, mukca_error *e
     if (!place) return MUKCA_OK;
     mukca_server_path(to, s, place, name, "");
     if (link(from, to) && (errno != EEXIST || stat(to, &new) || new.st_ino != old.st_ino))
-        return mukca_fail(error, mukca_output_status(errno), "%.150s: cannot be moved to %s/: %s",
-                          from, place, strerror(errno));
+        return mukca_fail(error, mukca_output_status(errno), "%.150s: cannot be moved to %s/: %s%s",
+                          from, place, strerror(errno),
+                          errno == EEXIST ? "; remove one of the two" : "");
     if (!mukca_output_sync_folder(to) || unlink(from)) return fail(from, error);
     return MUKCA_OK;
 }

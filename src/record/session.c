@@ -41,8 +41,9 @@ static mukca_status read_traits(mukca_recorder *r, mukca_error *error)
     if (status != MUKCA_OK) return status;
     mukca_recorder_report(
         r,
-        "samples are judged with the mean elasticity of %d arms (%d coefficients) "
-        "and recorded as read",
+        c->n_effects ? "samples are judged with the mean elasticity of %d arms (coefficients: %d) "
+                       "and recorded as read"
+                     : "the traits of %d arms hold no elastic coefficient",
         c->n_arms, c->n_effects);
     return MUKCA_OK;
 }

@@ -68,6 +68,10 @@ grep -v "^#" live_traits.tsv >live.rows
 expect "the session is the same" sh -c 'grep -v "^#" live.tsv | cmp - live.rows'
 expect "the consistency errors are smaller" awk '/"spread_m"/ { s[FILENAME] += $2 }
     END { exit !(s["live_traits.json"] > 0 && s["live_traits.json"] < 0.9 * s["live.json"]) }' live.json live_traits.json
+# a fleet may share nothing
+awk -F '\t' '/^#/ || $1 == "effect"' all.traits.tsv >empty.traits.tsv
+answer "Fleet: the traits of 3 arms hold no elastic coefficient" calibrate $a seven/train.tsv --traits empty.traits.tsv
+answer "^Fleet   the traits table of 3 arms is empty" diagnose $a seven/train.tsv --traits empty.traits.tsv
 # traits that the samples contradict are said, and no longer used
 for traits in wrong soft; do
     "$MUKCA" capture $a --stdin --traits $traits.traits.tsv -o live_$traits.tsv --json live_$traits.json <nine.lines >live.out 2>live_$traits.err
