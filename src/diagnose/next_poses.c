@@ -64,6 +64,7 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
                                         .noise = d->sigma_m,
                                         .effects = effects,
                                         .n_effects = 2,
+                                        .poses_only = true,
                                         .stop = stop};
     const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &d->geometry, data);
     const mukca_plan_task task = {

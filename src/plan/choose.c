@@ -101,7 +101,8 @@ mukca_status mukca_planner_create(mukca_planner *p, const mukca_planner_room *ro
     p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
     p->chosen = MUKCA_TAKE(&s->pool, int, room->rows + room->sockets);
     mukca_plan_rules_set(&p->rules, s->at.chain, &s->at.geometry, options, p->data);
-    mukca_plan_look_elsewhere(s, &p->rules, options->seed);
+    if (!options->poses_only || s->n_effects == 0)
+        mukca_plan_look_elsewhere(s, &p->rules, options->seed);
     if (s->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
     take_recorded(p);
     mukca_random_seed(&p->random, options->seed);
@@ -199,9 +200,9 @@ static void take(mukca_planner *p, int pose, int *count)
     p->chosen[p->n_chosen++] = pose;
 }
 
-/* Try a pose near choice i, whose row is forgotten at the moment, and keep it if it is worth more.
- */
-static void shift(mukca_planner *p, int i, double spread)
+/* Try a pose near choice i, whose row is forgotten at the moment, and keep it if it is worth more
+ * than *most, the gain of the present one. */
+static void shift(mukca_planner *p, int i, double spread, double *most)
 {
     mukca_plan_state *s = &p->state;
     mukca_plan_pose *pose = &p->poses[p->chosen[i]], trial = *pose;
@@ -211,9 +212,11 @@ static void shift(mukca_planner *p, int i, double spread)
         too_near(p, &trial, i) || !is_new(p, trial.q))
         return;
     mukca_plan_design(trial.H, s, trial.q, socket->place, NULL);
-    if (mukca_plan_gain(s, trial.H, trial.socket) > mukca_plan_gain(s, pose->H, pose->socket)) {
+    const double gain = mukca_plan_gain(s, trial.H, trial.socket);
+    if (gain > *most) {
         p->spare = pose->H;
         *pose = trial;
+        *most = gain;
     }
 }
 
@@ -256,7 +259,8 @@ void mukca_plan_exchange(mukca_planner *p)
             if (best >= 0 && !too_near(p, &p->poses[best], i)) p->chosen[i] = best;
             pose = &p->poses[p->chosen[i]];
             pose->used = true;
-            for (int t = 0; t < SHIFTS; t++) shift(p, i, spread / (1 + pass));
+            double most = mukca_plan_gain(&p->state, pose->H, pose->socket);
+            for (int t = 0; t < SHIFTS; t++) shift(p, i, spread / (1 + pass), &most);
             mukca_plan_state_row(&p->state, pose->H, pose->socket, 1);
         }
     }

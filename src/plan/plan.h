@@ -38,9 +38,10 @@ typedef struct {
     double separation; /* least difference to other poses in some joint, rad; 0: 0.2 */
     double margin;     /* kept from the joint limits, rad or m; 0: 0.02 */
     double payload;    /* kg at the tip beyond the model, of the proposed postures */
-    const mukca_effect *effects;                  /* causes in question; NULL: plan for accuracy */
-    int n_effects;                                /* at least 2 unless 0 */
-    bool (*stop)(void *context);                  /* asked now and then; may be NULL */
+    const mukca_effect *effects; /* causes in question; NULL: plan for accuracy */
+    int n_effects;               /* at least 2 unless 0 */
+    bool poses_only;             /* for causes: expected errors are not wanted (0) */
+    bool (*stop)(void *context); /* asked now and then; may be NULL */
     void (*progress)(void *context, double done); /* share, 0 .. 1; may be NULL */
     void *context;
 } mukca_plan_options;
