@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "math/dense.h"
+#include "math/four.h"
 #include "math/stats.h"
 
 /* Prior standard deviation of a socket's position on the table, m: it is placed by eye. */
@@ -103,17 +104,14 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
 }
 
 /* G = C [H, -I at the socket]' for rows [0, n) of C, and S = sign [H, -I] G + noise^2 (3 x 3). */
-static void project(double S[9], mukca_plan_state *s, int n, const double *H, int socket, int sign)
+MUKCA_CLONES static void project(double S[9], mukca_plan_state *s, int n, const double *H,
+                                 int socket, int sign)
 {
     const int k = s->n_known, mean = k + 3 * socket;
     for (int r = 0; r < s->n; r++) {
         if (r >= n && (r < mean || r >= mean + 3)) continue;
         const double *row = s->C + r * s->n;
-        for (int i = 0; i < 3; i++) {
-            double sum = -row[mean + i];
-            for (int c = 0; c < k; c++) sum += row[c] * H[i * k + c];
-            s->G[3 * r + i] = sum;
-        }
+        for (int i = 0; i < 3; i++) s->G[3 * r + i] = dot4(row, H + i * k, k) - row[mean + i];
     }
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
