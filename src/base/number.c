@@ -34,7 +34,7 @@ static double divide(uint64_t m, int k)
     left = (uint64_t)(quotient >> drop);
     const wide cut = quotient & (((wide)1 << drop) - 1), half = (wide)1 << (drop - 1);
     if (cut > half || (cut == half && (rest || (left & 1)))) left++;
-    return ldexp((double)left, drop - lead - 63);
+    return scalbn((double)left, drop - lead - 63);
 }
 #endif
 
@@ -122,7 +122,7 @@ static double quotient(big *a, big *b)
     uint64_t left = kept > 0 ? mantissa >> drop : 0;
     const uint64_t cut = kept > 0 ? mantissa & (2 * half - 1) : mantissa;
     if (cut > half || (cut == half && (a->n > 0 || (left & 1)))) left++;
-    return ldexp((double)left, top - 63 + drop);
+    return scalbn((double)left, top - 63 + drop);
 }
 
 /* The digits at `text`, with a point among them, times 10^exponent; infinite where too large. */

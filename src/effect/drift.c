@@ -7,7 +7,7 @@
 static void drift_basis(double basis[][3], const mukca_basis_input *in)
 {
     const double constant = in->effect->variant.time_constant, time = in->state->time;
-    basis[0][0] = constant > 0 ? 1 - exp(-time / constant) : 1e-3 * time;
+    basis[0][0] = constant > 0 ? -expm1(-time / constant) : 1e-3 * time;
 }
 
 /* A session takes 10 to 60 minutes; gears and castings warm up with constants of 5 to 50 minutes.
