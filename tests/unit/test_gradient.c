@@ -10,6 +10,10 @@
 
 enum { JOINTS = 6, ELEMENTS = 9 };
 
+/* The reference's long double has hardware on x86; in software, as on arm64, a third of the cases
+ * is enough. */
+enum { STEP = LDBL_MANT_DIG > 64 ? 3 : 1 };
+
 /* An arm of every joint type, with arbitrary axes, fixed joints in between and a fixed tip. */
 static void make_arm(mukca_chain *chain, mukca_random *random, bool upright)
 {
@@ -187,7 +191,7 @@ static void test_options(void **state)
         make_arm(&chain, &random, upright);
         make_data(&data, &random, NULL, 17, 0);
         off_nominal(theta, &chain, &random);
-        for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        for (size_t i = 0; i < sizeof options / sizeof *options; i += STEP)
             check_point(&chain, &data, theta, NULL, options[i]);
         mukca_dataset_free(&data);
     }
@@ -212,7 +216,7 @@ static void test_masks(void **state)
     make_arm(&chain, &random, false);
     make_data(&data, &random, NULL, 12, 7);
     off_nominal(theta, &chain, &random);
-    for (size_t i = 0; i < sizeof masks / sizeof *masks; i++)
+    for (size_t i = 0; i < sizeof masks / sizeof *masks; i += STEP)
         check_point(&chain, &data, theta, &masks[i], (mukca_cost_options){0});
     mukca_dataset_free(&data);
 }
@@ -223,7 +227,7 @@ static void test_angles(void **state)
     static const double special[4] = {0, 1e-12, M_PI - 1e-9, -M_PI_2};
     mukca_random random;
     mukca_random_seed(&random, 3);
-    for (int trial = 0; trial < 6; trial++) {
+    for (int trial = 0; trial < 6; trial += STEP) {
         mukca_chain chain;
         mukca_dataset data;
         double theta[MUKCA_MAX_FREE];
@@ -246,7 +250,7 @@ static void test_poses_and_frames(void **state)
     (void)state;
     mukca_random random;
     mukca_random_seed(&random, 4);
-    for (int trial = 0; trial < 4; trial++) {
+    for (int trial = 0; trial < 4; trial += STEP) {
         mukca_chain chain;
         mukca_dataset data;
         mukca_error error;
