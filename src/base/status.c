@@ -26,7 +26,7 @@ mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *for
 
 void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
 {
-    char text[256];
+    char text[512];
     va_list args;
     if (!note) return;
     va_start(args, format);

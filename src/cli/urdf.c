@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/utf8.h"
 #include "cli/cli.h"
 #include "io/dh_table.h"
 #include "io/output.h"
@@ -30,10 +31,12 @@ static const urdf_options defaults = {.convention = -1};
 static void name_robot(mukca_chain *chain, const char *path)
 {
     const char *slash = strrchr(path, '/');
-    snprintf(chain->robot, sizeof chain->robot, "%.40s", slash ? slash + 1 : path);
+    const char *file = slash ? slash + 1 : path;
+    snprintf(chain->robot, sizeof chain->robot, "%.*s", (int)mukca_utf8_fit(file, 40), file);
     char *dot = strchr(chain->robot, '.');
     if (dot && dot > chain->robot) *dot = '\0';
-    if (strcmp(path, "-") == 0) snprintf(chain->robot, sizeof chain->robot, "arm");
+    if (!chain->robot[0] || strcmp(path, "-") == 0)
+        snprintf(chain->robot, sizeof chain->robot, "arm");
 }
 
 static mukca_status load(cli_call *call, mukca_chain *chain)

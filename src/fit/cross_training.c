@@ -60,7 +60,7 @@ static mukca_status train_on(run *r, int a, int b, bool all, mukca_error *error)
     for (int p = 0; p < n; p++) {
         const size_t used = strlen(result.name);
         if (r->train[p])
-            snprintf(result.name + used, sizeof result.name - used, "%s%.60s", used ? "+" : "",
+            snprintf(result.name + used, sizeof result.name - used, "%s%s", used ? "+" : "",
                      r->data->placements[p].name);
         result.placements += r->train[p];
     }

@@ -6,8 +6,8 @@
 
 /* One fit to some of the placements. */
 typedef struct {
-    char name[128]; /* of these placements, + between; "all" */
-    int placements; /* how many of them */
+    char name[2 * MUKCA_NAME_SIZE]; /* of these placements, + between; "all" */
+    int placements;                 /* how many of them */
     int n;
     const mukca_score *scores;  /* [n] of every placement with samples */
     const unsigned char *train; /* [n_placements] 1: fitted to */

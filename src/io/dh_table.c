@@ -17,6 +17,10 @@ static const char *const names[COLUMNS][2] = {
 /* rad; a turn and a half.  A table in degrees has larger angles. */
 static const double largest_angle = 9.5;
 
+/* m; no arm reaches so far, and a table in mm has larger lengths.  d has no limit: nearly parallel
+ * axes meet their common normal anywhere. */
+static const double largest_a = 50;
+
 static mukca_status read_header(int column[COLUMNS], const mukca_table *table, mukca_error *error)
 {
     for (int c = 0; c < table->n_columns; c++) {
@@ -99,7 +103,9 @@ static mukca_status read_row(mukca_dh_row *row, const mukca_dh *dh, const reader
         const bool own = strcmp(table->header[c], names[i][0]) != 0;
         const bool angle = i == ALPHA || i == THETA || (i > THETA && mukca_joint_turns(row->type));
         const double unit = own ? 1 : angle ? r->angle : r->length;
-        const double most = angle && i <= THETA ? largest_angle : MUKCA_NUMBER_LARGEST;
+        const double most = i == A                ? largest_a
+                            : angle && i <= THETA ? largest_angle
+                                                  : MUKCA_NUMBER_LARGEST;
         status = read_number(number[i], table, c, unit, most, error);
     }
     if (status != MUKCA_OK || row->lower < row->upper) return status;

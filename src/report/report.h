@@ -22,8 +22,8 @@ typedef struct {
 
 /* One calibration of the comparison "trained on some placements, tested on the others". */
 typedef struct {
-    char trained[128];      /* its placements, as in mukca_cross_training */
-    double mean, low, high; /* MAE over the other placements, m */
+    char trained[2 * MUKCA_NAME_SIZE]; /* its placements, as in mukca_cross_training */
+    double mean, low, high;            /* MAE over the other placements, m */
 } mukca_report_bar;
 
 typedef struct {

@@ -27,12 +27,22 @@ expect "urdf --dh reads degrees and millimetres" awk '
     NR > 1 { for (i = 1; i <= 7; i++) { d = $i - $(i + 7); if (!(d * d <= 1e-18)) exit 1 } }
     END { if (NR != 51) exit 1 }' both.tsv
 
+# a file's name that is no UTF-8, or long
+for odd in "x$(printf 'é%.0s' $(seq 40))" "$(printf '\374n')"; do
+    printf 'joint\ta\talpha\td\ttheta\nj1\t0.1\t0\t0.2\t0\n' >"$odd.tsv"
+    "$MUKCA" urdf -q --dh "$odd.tsv" -o odd.urdf --force
+    run export --urdf odd.urdf -f dh
+    expect "a robot called after its file, whatever that is called" test $code -eq 0
+done
+
 # bad tables: one line each
 table() { printf "joint\ta\talpha\td\ttheta$1\n$2" >bad.tsv; }
 table '' 'j1\t0\t1.5\t0.2\t0\nj1\t0\t0\t0\t0\n'
 refuse 3 "bad.tsv:3: column 'joint': joint 'j1' has a row already" urdf --dh bad.tsv
 table '' 'j1\t0\t90\t0.2\t0\n'
 refuse 3 "bad.tsv:2: column 'alpha': 90 is out of range; lengths are in m, angles in rad, or see --units" urdf --dh bad.tsv
+table '' 'j1\t-425\t0\t162.5\t0\n'
+refuse 3 "bad.tsv:2: column 'a': -425 is out of range; lengths are in m" urdf --dh bad.tsv --units deg
 table '' 'j1\t0\tx\t0.2\t0\n'
 refuse 3 "bad.tsv:2: column 'alpha'" urdf --dh bad.tsv
 table '\ttype' 'j1\t0\t0\t0.2\t0\tball\n'
