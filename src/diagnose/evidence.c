@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/clones.h"
 #include "math/dense.h"
 
 const double mukca_evidence_rho[MUKCA_RHOS] = {0.0, 0.25, 0.5};
@@ -95,8 +96,8 @@ static void lay_out(mukca_normal_equations *normal, const mukca_recording *r, co
 
 /* Coordinate c of a socket's samples: their mean out of the weighted columns, and into the
  * distances. */
-static void centre(const mukca_weighing *x, const mukca_normal_equations *normal,
-                   const mukca_recording *r, const mukca_linearisation *linear, int g, int c)
+MUKCA_INLINE void centre(const mukca_weighing *x, const mukca_normal_equations *normal,
+                         const mukca_recording *r, const mukca_linearisation *linear, int g, int c)
 {
     enum { BLOCK = 64 };
     const mukca_group *group = &r->groups[g];
@@ -126,8 +127,9 @@ static void centre(const mukca_weighing *x, const mukca_normal_equations *normal
     }
 }
 
-void mukca_evidence_weigh(const mukca_weighing *x, const mukca_normal_equations *normal,
-                          const mukca_recording *r, const mukca_linearisation *linear)
+MUKCA_CLONES void mukca_evidence_weigh(const mukca_weighing *x,
+                                       const mukca_normal_equations *normal,
+                                       const mukca_recording *r, const mukca_linearisation *linear)
 {
     const size_t ld = (size_t)x->ld, step = (size_t)r->dim * ld;
     for (int g = 0; g < r->n_groups; g++) {

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/clones.h"
 #include "math/dense.h"
 
 bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mukca_regression *m)
@@ -126,7 +127,7 @@ static void finish_columns(const job *j)
 }
 
 /* W along the levers of the joint, and W X along them from column `start` held on. */
-static void aim_levers(const job *j, int start)
+MUKCA_CLONES static void aim_levers(const job *j, int start)
 {
     const mukca_regression *m = j->m;
     const mukca_recording *r = &m->recording;
@@ -149,7 +150,7 @@ static void aim_levers(const job *j, int start)
 }
 
 /* What the functions E[n_samples][width] of the joint do to the means of the sockets. */
-static void find_means(const job *j, int width)
+MUKCA_CLONES static void find_means(const job *j, int width)
 {
     const mukca_regression *m = j->m;
     const mukca_recording *r = &m->recording;
@@ -170,7 +171,7 @@ static void find_means(const job *j, int width)
 }
 
 /* Functions that turn the joint: the levers reduce the rows of a sample to one. */
-static void finish_functions(const job *j, int aimed)
+MUKCA_CLONES static void finish_functions(const job *j, int aimed)
 {
     const mukca_regression *m = j->m;
     const mukca_recording *r = &m->recording;

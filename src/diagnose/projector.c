@@ -192,7 +192,7 @@ typedef struct {
 } batch;
 
 /* What the samples have in the right sides of an entry, and what it does to the distances. */
-static void fill(const batch *b, const mukca_projector *p, int e)
+MUKCA_CLONES static void fill(const batch *b, const mukca_projector *p, int e)
 {
     const mukca_products *x = b->entry[e].item->products;
     const int n = p->n, first = b->entry[e].first, count = b->entry[e].count, at = b->entry[e].at,
@@ -371,8 +371,8 @@ static void project_fault(double *T, double *g, mukca_projector *p, const mukca_
 }
 
 /* The same from the rows. */
-static void sum_rows(double *T, double *g, const mukca_projector *p, const mukca_candidate *h,
-                     const fault_span *span)
+MUKCA_CLONES static void sum_rows(double *T, double *g, const mukca_projector *p,
+                                  const mukca_candidate *h, const fault_span *span)
 {
     const mukca_recording *r = &p->m->recording;
     memset(T, 0, sizeof *T * (size_t)(3 * p->n));
