@@ -268,7 +268,7 @@ const cli_command cli_command_compensate = {
         "status says why.\n\n"
         "--from and --format read and write programs; joints from the seventh on are external "
         "axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
-        "In URScript, targets are the arguments of movej, movel, movep and servoj, and values of "
+        "In URScript, targets are the arguments of movej, movel, movep, movec and servoj, and values of "
         "variables whose names end in _q or _p. Correct joint targets first, without --poses, then "
         "poses in the result. A pose stays a pose, of the same move: the one that the "
         "controller's nominal model takes to the corrected joint targets. The posture is that near "

@@ -30,8 +30,8 @@ struct mukca_language {
 
 /* Other lists of six numbers in URScript are forces or speeds; waypoints NAME_q are written by the
  * teach pendant. */
-static const char *const moves[] = {
-    "movej(", "movel(", "movep(", "servoj(", "_q=", "_q =", "_p=", "_p =", NULL};
+static const char *const moves[] = {"movej(", "movel(", "movep(", "movec(", "servoj(",
+                                    "_q=",    "_q =",   "_p=",    "_p =",   NULL};
 
 static const mukca_language rapid = {.open = "[[",
                                      .next = "],[",
@@ -158,6 +158,12 @@ static bool follows(const mukca_language *l, const char *line, size_t at)
         if (at >= length && strncmp(line + at - length, *text, length) == 0) return true;
     }
     return false;
+}
+
+/* Is line[at] the second argument of a move, as of movec, directly behind the first? */
+static bool is_second(const mukca_program_reader *r, size_t at)
+{
+    return r->found && r->line[r->at] == ',' && strspn(r->line + r->at, ", \t") == at - r->at;
 }
 
 static bool is_linear(const mukca_chain *chain, int joint)
@@ -297,7 +303,7 @@ bool mukca_program_next(mukca_program_target *t, mukca_program_reader *r)
     joint_pattern(joints, l, r->chain);
     const char *const pattern = r->pose && l->pose ? l->pose : joints;
     for (size_t at = r->at; line[at] && line[at] != l->comment; at++) {
-        if (line[at] != *pattern || !follows(l, line, at)) continue;
+        if (line[at] != *pattern || !(follows(l, line, at) || is_second(r, at))) continue;
         if (!match_target(t, r, pattern, at)) continue;
         if (!t->incomplete && r->pose && !take_pose(&t->pose, l, t->value)) continue;
         for (int j = 0; j < r->chain->n_joints && !r->pose; j++)

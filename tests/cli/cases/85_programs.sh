@@ -104,6 +104,11 @@ for each in rapid:mod:MoveL krl:src:LIN urscript:script:movel; do
     expect "$language: without the correction it does not" sh -c "paste meant.tsv reached.tsv | awk '
         NR > 1 && !((\$1 - \$8) ^ 2 + (\$2 - \$9) ^ 2 > 1e-8) { exit 1 }'"
 done
+poses() { grep -o 'p\[[^]]*\]' "$1"; }
+sed '2s/l(/c(/; 2s/\(.*\), a=1)/\1,/; 3s/movel(//' line.script | sed '2{N;s/\n/ /;}' >arc.script
+"$MUKCA" compensate $ur --offsets ur.tsv --from urscript --poses -q line.script >corrected
+"$MUKCA" compensate $ur --offsets ur.tsv --from urscript --poses -q arc.script >arc
+expect "both poses of movec" test "$(grep -c movec arc) $(poses arc)" = "1 $(poses corrected)"
 "$MUKCA" compensate $ur --offsets ur.tsv --from krl --poses -q line.src >corrected
 expect "the base's frame is no target" grep -qxF '$BASE={X 0,Y 0,Z 0,A 0,B 0,C 0}' corrected
 expect "what a KRL move leaves out is written" grep -qE '^LIN \{Y [0-9.]+,A [0-9.]+,X -[0-9.]+,Z [0-9.]+,B -?[0-9.]+,C -?[0-9.]+\}$' corrected
