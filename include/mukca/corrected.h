@@ -57,7 +57,8 @@ mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, 
                                       mukca_error *error);
 
 /* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state`: what some
- * effects need in addition to q (last move, time since the start, command); NULL: none. */
+ * effects need in addition to q (last move, time since the start, command); NULL: none.  With
+ * effects, angles beyond 2^20 rad give NaN. */
 void mukca_corrected_position(double position[3], const mukca_corrected *model, const double *q,
                               const mukca_joint_state *state);
 

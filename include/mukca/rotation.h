@@ -25,7 +25,8 @@ void mukca_rotation_from_rpy_derivative(double dR[3][9], const double rpy[3]);
  * `near` (may be NULL) picks the equivalent triple closest to it. */
 void mukca_rotation_to_rpy(double rpy[3], const double R[9], const double near[3]);
 
-/* R = exp([w]x): rotation by |w| rad about w; exact to rounding also for |w| -> 0. */
+/* R = exp([w]x): rotation by |w| rad about w; exact to rounding also for |w| -> 0;
+ * NaN beyond 2^20 rad. */
 void mukca_rotation_exp(double R[9], const double w[3]);
 
 /* Rotation vector of R, |w| in [0, pi]; accurate near 0 and near pi. */

@@ -47,48 +47,62 @@ mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, siz
     return mukca_corrected_parse_any(model, text, size, false, error);
 }
 
-/* What the effects do at q, and NULL where there are none. */
-static const mukca_displacement *displace(mukca_displacement *d, const mukca_corrected *model,
-                                          const double *q, const mukca_joint_state *state)
+/* The arm at rest at q. */
+static void find_rest(mukca_equilibrium *at, mukca_effect_slopes *slopes,
+                      const mukca_corrected *model, const double *q, const mukca_joint_state *state)
 {
-    if (model->n_effects == 0) return NULL;
-    mukca_effects_displacement(d, model->effects, model->n_effects, &model->chain, &model->geometry,
-                               q, state);
-    return d;
+    mukca_effect_task task = {.effects = model->effects,
+                              .n_effects = model->n_effects,
+                              .chain = &model->chain,
+                              .geometry = &model->geometry,
+                              .state.placement = -1};
+    if (state) task.state = *state;
+    task.state.q = q;
+    mukca_equilibrium_find(at, slopes, &task);
 }
 
 void mukca_corrected_position(double position[3], const mukca_corrected *model, const double *q,
                               const mukca_joint_state *state)
 {
-    mukca_displacement d;
-    mukca_fk_position(position, &model->geometry, q, displace(&d, model, q, state));
+    mukca_frame tip;
+    mukca_corrected_pose(&tip, model, q, state);
+    memcpy(position, tip.p, sizeof tip.p);
+}
+
+/* With effects; apart, so that an arm without them needs no stack for it. */
+static __attribute__((noinline)) void find_pose(mukca_frame *tip, const mukca_corrected *model,
+                                                const double *q, const mukca_joint_state *state)
+{
+    mukca_equilibrium at;
+    find_rest(&at, NULL, model, q, state);
+    *tip = at.tip;
 }
 
 void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model, const double *q,
                           const mukca_joint_state *state)
 {
-    mukca_displacement d;
-    mukca_fk_pose(T_base_tip, &model->geometry, q, displace(&d, model, q, state));
+    if (model->n_effects > 0)
+        find_pose(T_base_tip, model, q, state);
+    else
+        mukca_fk_pose(T_base_tip, &model->geometry, q, NULL);
+}
+
+static __attribute__((noinline)) void find_jacobian(double *J, mukca_frame *tip,
+                                                    const mukca_corrected *model, const double *q,
+                                                    const mukca_joint_state *state)
+{
+    mukca_equilibrium at;
+    mukca_effect_slopes slopes;
+    find_rest(&at, &slopes, model, q, state);
+    mukca_corrected_differentiate(J, &at, &slopes);
+    if (tip) *tip = at.tip;
 }
 
 void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,
                               const double *q, const mukca_joint_state *state)
 {
-    mukca_displacement d;
-    mukca_effect_slopes slopes = {.base = 0};
-    mukca_joint_state at = {.placement = -1};
-    if (!displace(&d, model, q, state)) {
+    if (model->n_effects > 0)
+        find_jacobian(J, T_base_tip, model, q, state);
+    else
         mukca_fk_jacobian(J, T_base_tip, &model->geometry, q, NULL);
-        return;
-    }
-    if (state) at = *state;
-    at.q = q;
-    mukca_effects_slopes_by_angle(&slopes, model->effects, model->n_effects, &model->chain, &at);
-    const mukca_corrected_point point = {.model = model,
-                                         .q = q,
-                                         .displacement = &d,
-                                         .slopes = &slopes,
-                                         .loaded = !at.torque,
-                                         .payload_kg = at.payload_kg};
-    mukca_corrected_differentiate(J, T_base_tip, &point);
 }

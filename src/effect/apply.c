@@ -1,30 +1,30 @@
-/* What effects do to a configuration of the arm, at the equilibrium under its load. */
-#include <math.h>
+/* What effects do to a configuration of the arm, each by itself. */
 #include <string.h>
 
-#include "mukca/effect.h"
-#include "mukca/gravity.h"
+#include "effect/catalogue.h"
+#include "effect/equilibrium.h"
+#include "math/sincos.h"
 
-void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *effect,
-                        const mukca_chain *chain, const mukca_joint_state *state)
+const double *mukca_effect_axis(const mukca_effect *effect, const mukca_chain *chain)
 {
-    const int j = effect->joint;
-    double basis[MUKCA_MAX_TERMS][3], direction[MUKCA_MAX_JOINTS];
+    return effect->joint < 0 ? NULL : chain->element[chain->joint_element[effect->joint]].axis;
+}
+
+void mukca_effect_add(mukca_displacement *displacement, const mukca_effect *effect,
+                      const double basis[][3])
+{
     double *into = displacement->tip;
     switch (mukca_effect_table[effect->kind]->site) {
         case MUKCA_SITE_ANGLES:
-            mukca_effect_direction(direction, chain->n_joints, effect, state);
-            for (int i = 0; i < chain->n_joints; i++)
-                displacement->q[i] += effect->coefficient[0] * direction[i];
-            return;
         case MUKCA_SITE_SOCKET:
         case MUKCA_SITE_DISTANCE:
             return;
         case MUKCA_SITE_ANGLE:
-            into = &displacement->q[j];
-            break;
+            for (int t = 0; t < effect->terms; t++)
+                displacement->q[effect->joint] += effect->coefficient[t] * basis[t][0];
+            return;
         case MUKCA_SITE_ROTATION:
-            into = displacement->rotation[j];
+            into = displacement->rotation[effect->joint];
             displacement->any_rotation = true;
             break;
         case MUKCA_SITE_BASE:
@@ -34,59 +34,91 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
         case MUKCA_SITE_TIP:
             break;
     }
-    const double *axis = j >= 0 ? chain->element[chain->joint_element[j]].axis : NULL;
-    const int width = mukca_effect_table[effect->kind]->site == MUKCA_SITE_ANGLE ? 1 : 3;
-    mukca_effect_basis(basis, effect, axis, state);
     for (int t = 0; t < effect->terms; t++)
-        for (int i = 0; i < width; i++) into[i] += effect->coefficient[t] * basis[t][i];
+        for (int i = 0; i < 3; i++) into[i] += effect->coefficient[t] * basis[t][i];
 }
 
-/* Whether two displacements' angles and rotations differ by less than `limit`. */
-static bool is_close(const mukca_displacement *a, const mukca_displacement *b, int n_joints,
-                     double limit)
+static void add_direction(mukca_displacement *displacement, const mukca_effect *effect,
+                          const mukca_chain *chain, const mukca_joint_state *state)
 {
-    bool close = true;
-    for (int j = 0; j < n_joints; j++) {
-        close &= !(fabs(a->q[j] - b->q[j]) >= limit);
-        for (int i = 0; i < 3; i++)
-            close &= !(fabs(a->rotation[j][i] - b->rotation[j][i]) >= limit);
+    double direction[MUKCA_MAX_JOINTS];
+    mukca_effect_direction(direction, chain->n_joints, effect, state);
+    for (int i = 0; i < chain->n_joints; i++)
+        displacement->q[i] += effect->coefficient[0] * direction[i];
+}
+
+void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *effect,
+                        const mukca_chain *chain, const mukca_joint_state *state)
+{
+    double basis[MUKCA_MAX_TERMS][3];
+    if (mukca_effect_catalogue[effect->kind]->direction) {
+        add_direction(displacement, effect, chain, state);
+        return;
     }
-    for (int i = 0; i < 3; i++) close &= !(fabs(a->base[i] - b->base[i]) >= limit);
-    return close;
+    mukca_effect_basis(basis, effect, mukca_effect_axis(effect, chain), state);
+    mukca_effect_add(displacement, effect, (const double(*)[3])basis);
 }
 
-static bool is_loaded(const mukca_effect *effect)
+/* Displacement and slopes of one effect; its waves are set. */
+static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
+                         const mukca_effect_task *task, const mukca_basis_input *in)
 {
-    return (mukca_effect_table[effect->kind]->needs & MUKCA_NEEDS_MASSES) != 0;
-}
-
-void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
-                                int n, const mukca_chain *chain, const mukca_geometry *geometry,
-                                const double *q, const mukca_joint_state *state)
-{
-    enum { ROUNDS = 8 };
-    mukca_joint_state full = {.placement = -1};
-    mukca_gravity_load load;
-    bool loaded = false;
-    if (state) full = *state;
-    full.q = q;
-    for (int i = 0; i < n && !full.torque; i++) loaded |= is_loaded(&effects[i]);
-    if (loaded) {
-        mukca_chain_moments(&load, chain, geometry, q, NULL, full.payload_kg);
-        full.torque = load.torque;
-        full.moment = (const double(*)[3])load.moment;
-        full.base_moment = load.base;
+    const mukca_effect *e = in->effect;
+    const mukca_effect_ops *ops = mukca_effect_catalogue[e->kind];
+    double basis[MUKCA_MAX_TERMS][3] = {{0}}, slope[MUKCA_MAX_TERMS][3] = {{0}};
+    if (ops->direction) add_direction(d, e, task->chain, in->state);
+    if (ops->basis) {
+        ops->basis(basis, in);
+        mukca_effect_add(d, e, (const double(*)[3])basis);
     }
-    mukca_displacement before = {0}, unloaded = {0}; /* what does not depend on the load */
-    for (int i = 0; i < n; i++)
-        if (!is_loaded(&effects[i])) mukca_effect_apply(&unloaded, &effects[i], chain, &full);
-    for (int round = 0; round < ROUNDS; round++) {
-        *displacement = unloaded;
-        for (int i = 0; i < n; i++)
-            if (is_loaded(&effects[i])) mukca_effect_apply(displacement, &effects[i], chain, &full);
-        if (!loaded || is_close(displacement, &before, chain->n_joints, 1e-12)) return;
-        /* Once more under the load of the arm where it has come to: the equilibrium. */
-        before = *displacement;
-        mukca_chain_moments_displaced(&load, chain, geometry, q, displacement, full.payload_kg);
+    if (!slopes || !ops->by_angle) return;
+    const int by = ops->by_angle(slope, in, (const double(*)[3])basis);
+    for (int j = 0; j < task->chain->n_joints && ops->direction; j++)
+        slopes->angle[j][j] += e->coefficient[0] * slope[0][0];
+    if (ops->direction) return;
+    const bool turns = ops->info.site == MUKCA_SITE_ROTATION;
+    double *into = turns ? slopes->rotation[e->joint] : &slopes->angle[e->joint][e->joint + by];
+    for (int t = 0; t < e->terms; t++)
+        for (int i = 0; i < (turns ? 3 : 1); i++) into[i] += e->coefficient[t] * slope[t][i];
+}
+
+void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
+                            const mukca_effect_task *task)
+{
+    enum { TOGETHER = 2 }; /* periodic effects, two angles each: all lanes of a call */
+    mukca_basis_input in[TOGETHER];
+    double angle[2 * TOGETHER] = {0}, sine[2 * TOGETHER], cosine[2 * TOGETHER];
+    int n = 0;
+    const size_t joints = (size_t)task->chain->n_joints;
+    memset(displacement->q, 0, joints * sizeof *displacement->q);
+    memset(displacement->rotation, 0, joints * sizeof *displacement->rotation);
+    memset(displacement->base, 0, sizeof displacement->base);
+    memset(displacement->tip, 0, sizeof displacement->tip);
+    displacement->any_rotation = false;
+    if (slopes) {
+        memset(slopes->angle, 0, joints * sizeof *slopes->angle);
+        memset(slopes->rotation, 0, joints * sizeof *slopes->rotation);
+        for (size_t j = 0; j < joints; j++) slopes->angle[j][j] = 1;
+    }
+    for (int i = 0; i <= task->n_effects; i++) {
+        const mukca_effect *e = task->effects + i;
+        const bool last = i == task->n_effects;
+        if (!last && mukca_effect_table[e->kind]->needs & MUKCA_NEEDS_MASSES) continue;
+        if (!last) {
+            in[n] = (mukca_basis_input){.effect = e,
+                                        .axis = mukca_effect_axis(e, task->chain),
+                                        .state = &task->state,
+                                        .sine = sine + 2 * n,
+                                        .cosine = cosine + 2 * n};
+            if (!mukca_effect_has((int)e->kind, MUKCA_TRAIT_PERIODIC)) {
+                add_unloaded(displacement, slopes, task, &in[n]);
+                continue;
+            }
+            mukca_effect_wave(angle + 2 * n++, e, &task->state);
+        }
+        if (n < TOGETHER && !last) continue;
+        if (n > 0) mukca_sincos(sine, cosine, angle, 2 * n);
+        for (int k = 0; k < n; k++) add_unloaded(displacement, slopes, task, &in[k]);
+        n = 0;
     }
 }

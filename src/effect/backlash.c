@@ -12,9 +12,9 @@ static void backlash_basis(double basis[][3], const mukca_basis_input *in)
         basis[0][0] = -0.5 * tanh(in->state->torque[effect->joint] / effect->variant.torque_scale);
 }
 
-static double backlash_by_load(const mukca_effect *effect, const mukca_joint_state *state)
+static double backlash_by_load(const mukca_effect *effect, const double basis[3])
 {
-    const double side = tanh(state->torque[effect->joint] / effect->variant.torque_scale);
+    const double side = 2 * basis[0];
     return -0.5 * (1 - side * side) / effect->variant.torque_scale;
 }
 

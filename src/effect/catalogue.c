@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "math/sincos.h"
+
 const mukca_effect_ops *const mukca_effect_catalogue[MUKCA_EFFECT_COUNT] = {
 #define ROW(kind, name) &mukca_##name##_effect,
     MUKCA_EFFECT_LIST(ROW)
@@ -58,12 +60,25 @@ int mukca_effect_terms(const mukca_effect *effect)
     return terms;
 }
 
+void mukca_effect_wave(double angle[2], const mukca_effect *effect, const mukca_joint_state *state)
+{
+    const int order = effect->variant.order ? effect->variant.order : 1;
+    angle[1] = state->q[effect->joint];
+    angle[0] = order * angle[1];
+}
+
 void mukca_effect_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
                         const double axis[3], const mukca_joint_state *state)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
-    const mukca_basis_input in = {.effect = effect, .axis = axis, .state = state};
+    double angle[2], sine[4], cosine[4];
+    const mukca_basis_input in = {
+        .effect = effect, .axis = axis, .state = state, .sine = sine, .cosine = cosine};
     memset(basis, 0, MUKCA_MAX_TERMS * sizeof *basis);
+    if (ops->info.traits & MUKCA_TRAIT_PERIODIC) {
+        mukca_effect_wave(angle, effect, state);
+        mukca_sincos(sine, cosine, angle, 2);
+    }
     if (ops->basis) ops->basis(basis, &in);
 }
 

@@ -44,7 +44,11 @@ typedef struct {
     const mukca_effect *effect;
     const double *axis; /* [3] of its joint, NULL where it has none */
     const mukca_joint_state *state;
+    const double *sine, *cosine; /* [2] of a periodic one's angles: mukca_effect_wave */
 } mukca_basis_input;
+
+/* angle[2]: the effect's order times its joint's angle (no order: once), and that angle. */
+void mukca_effect_wave(double angle[2], const mukca_effect *effect, const mukca_joint_state *state);
 
 /* Members that do not apply are NULL. */
 typedef struct {
@@ -54,9 +58,9 @@ typedef struct {
     /* Derivative of basis[terms], given, by a joint's angle; returns which joint's: 0 its own (the
      * only one for rotations), -1 and 1 the neighbours.  NULL: it depends on none. */
     int (*by_angle)(double slope[][3], const mukca_basis_input *in, const double basis[][3]);
-    /* Needs masses: derivative of basis[0] by the joint's torque, by the moment across its axis
-     * (rotations), by the base's moment.  NULL: it depends on none. */
-    double (*by_load)(const mukca_effect *effect, const mukca_joint_state *state);
+    /* Needs masses: derivative of basis[0], given, by the joint's torque, by the moment across its
+     * axis (rotations), by the base's moment. */
+    double (*by_load)(const mukca_effect *effect, const double basis[3]);
     /* site ANGLES, instead of basis: direction[n_joints], zeroed before */
     void (*direction)(double *direction, int n_joints, const mukca_effect *effect,
                       const mukca_joint_state *state);
@@ -95,7 +99,7 @@ bool mukca_effect_read_integer(int *value, const char *text, int lowest, int hig
 
 /* A spring at a joint: basis minus its torque; by_load of any spring: -1. */
 void mukca_effect_spring_basis(double basis[][3], const mukca_basis_input *in);
-double mukca_effect_spring_slope(const mukca_effect *effect, const mukca_joint_state *state);
+double mukca_effect_spring_slope(const mukca_effect *effect, const double basis[3]);
 
 /* Candidates that several effects share: one where the joint moved, one per placement. */
 bool mukca_survey_moved(mukca_effect *effect, const mukca_effect_survey *survey, int i);

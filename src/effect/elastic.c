@@ -1,10 +1,10 @@
 /* Elastic effects: springs that gravity's moment deflects. */
 #include "effect/catalogue.h"
 
-double mukca_effect_spring_slope(const mukca_effect *effect, const mukca_joint_state *state)
+double mukca_effect_spring_slope(const mukca_effect *effect, const double basis[3])
 {
     (void)effect;
-    (void)state;
+    (void)basis;
     return -1;
 }
 

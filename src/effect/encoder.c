@@ -101,11 +101,10 @@ const mukca_effect_ops mukca_joint_coupling_effect = {
     .untested = "no neighbour of it moved: record postures that turn them",
 };
 
-/* sin and cos of the order times the joint's angle */
-static void wave(double basis[][3], const mukca_basis_input *in, int order)
+/* sin and cos of the order times the joint's angle; eccentricity has order 1 */
+static void wave_basis(double basis[][3], const mukca_basis_input *in)
 {
-    const double angle = order * in->state->q[in->effect->joint];
-    basis[0][0] = sin(angle), basis[1][0] = cos(angle);
+    basis[0][0] = in->sine[0], basis[1][0] = in->cosine[0];
 }
 
 static int wave_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
@@ -113,11 +112,6 @@ static int wave_by_angle(double slope[][3], const mukca_basis_input *in, const d
     const int order = in->effect->variant.order > 1 ? in->effect->variant.order : 1;
     slope[0][0] = order * basis[1][0], slope[1][0] = -order * basis[0][0];
     return 0;
-}
-
-static void eccentricity_basis(double basis[][3], const mukca_basis_input *in)
-{
-    wave(basis, in, 1);
 }
 
 const mukca_effect_ops mukca_encoder_eccentricity_effect = {
@@ -129,16 +123,11 @@ const mukca_effect_ops mukca_encoder_eccentricity_effect = {
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "the encoder disk is off centre: an error once per turn",
              .remedy = "calibrate the encoder in the controller, or compensate it"},
-    .basis = eccentricity_basis,
+    .basis = wave_basis,
     .by_angle = wave_by_angle,
     .term_name = {"sin", "cos"},
     .candidate = mukca_survey_moved,
 };
-
-static void harmonic_basis(double basis[][3], const mukca_basis_input *in)
-{
-    wave(basis, in, in->effect->variant.order);
-}
 
 static bool read_order(mukca_effect_variant *variant, const char *text)
 {
@@ -181,7 +170,7 @@ const mukca_effect_ops mukca_gear_harmonic_effect = {
              MUKCA_IN_MRAD,
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "gear ripple: an error that repeats `order` times per turn"},
-    .basis = harmonic_basis,
+    .basis = wave_basis,
     .by_angle = wave_by_angle,
     .variant = &order,
     .term_name = {"sin", "cos"},

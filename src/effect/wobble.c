@@ -1,6 +1,4 @@
 /* Axis wobble: the axis of a joint tilts as the joint turns (bearing run-out). */
-#include <math.h>
-
 #include <string.h>
 
 #include "base/print.h"
@@ -25,9 +23,8 @@ enum { VARIANTS = sizeof variants / sizeof *variants };
 static void wobble_basis(double basis[][3], const mukca_basis_input *in)
 {
     const mukca_effect_variant *variant = &in->effect->variant;
-    const double q = in->state->q[in->effect->joint];
-    const double s = sin(variant->order * q), c = cos(variant->order * q);
-    double u[3], v[3], R[9];
+    const double s = in->sine[0], c = in->cosine[0];
+    double u[3], v[3];
     mukca_rotation_transverse(u, v, in->axis);
     if (variant->frame == MUKCA_WOBBLE_CONE) {
         for (int i = 0; i < 3; i++) {
@@ -36,11 +33,10 @@ static void wobble_basis(double basis[][3], const mukca_basis_input *in)
         }
         return;
     }
-    if (variant->frame == MUKCA_WOBBLE_TURNING) {
-        const double u0[3] = {u[0], u[1], u[2]}, v0[3] = {v[0], v[1], v[2]};
-        mukca_rotation_about(R, in->axis, q);
-        mukca_mat3_vec(u, R, u0);
-        mukca_mat3_vec(v, R, v0);
+    for (int i = 0; i < 3 && variant->frame == MUKCA_WOBBLE_TURNING; i++) { /* u x v = axis */
+        const double along = u[i];
+        u[i] = in->cosine[1] * along + in->sine[1] * v[i];
+        v[i] = in->cosine[1] * v[i] - in->sine[1] * along;
     }
     for (int i = 0; i < 3; i++) {
         basis[0][i] = s * u[i], basis[1][i] = c * u[i];

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "math/sincos.h"
+
 void mukca_rotation_from_rpy(double R[9], const double rpy[3])
 {
     const double cr = cos(rpy[0]), sr = sin(rpy[0]);
@@ -35,8 +37,10 @@ void mukca_rotation_exp(double R[9], const double w[3])
         a = 1 - t2 * (1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040 - t2 * (1.0 / 362880))));
         b = 0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720 - t2 * (1.0 / 40320 - t2 * (1.0 / 3628800))));
     } else {
-        const double t = sqrt(t2), half = sin(0.5 * t);
-        a = sin(t) / t, b = 2 * half * half / t2;
+        const double t = sqrt(t2), angle[4] = {t, 0.5 * t};
+        double s[4], c[4];
+        const bool near = mukca_sincos_near(s, c, angle, 2);
+        a = near ? s[0] / t : (double)NAN, b = 2 * s[1] * s[1] / t2;
     }
     const double c = 1 - b * t2;
     R[0] = c + b * w[0] * w[0], R[4] = c + b * w[1] * w[1], R[8] = c + b * w[2] * w[2];

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-MUKCA_CLONES void mukca_sincos(double *s, double *c, const double *x, int n)
+MUKCA_CLONES bool mukca_sincos_near(double *s, double *c, const double *x, int n)
 {
     lane_bits wide = {0};
     int i = 0;
@@ -16,6 +16,12 @@ MUKCA_CLONES void mukca_sincos(double *s, double *c, const double *x, int n)
         sincos_lanes(s + i, c + i, &wide, (const double *)&last);
     }
 #endif
-    for (i = 0; ANY_LANE(wide) && i < n; i++)
+    return !ANY_LANE(wide);
+}
+
+void mukca_sincos(double *s, double *c, const double *x, int n)
+{
+    if (mukca_sincos_near(s, c, x, n)) return;
+    for (int i = 0; i < n; i++)
         if (!(fabs(x[i]) <= MUKCA_SINCOS_LARGEST)) s[i] = sin(x[i]), c[i] = cos(x[i]);
 }

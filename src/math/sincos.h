@@ -18,6 +18,10 @@
  * up to a multiple of 4. */
 void mukca_sincos(double *s, double *c, const double *x, int n);
 
+/* The same without the C library; false: some angle is beyond MUKCA_SINCOS_LARGEST, and its results
+ * mean nothing. */
+bool mukca_sincos_near(double *s, double *c, const double *x, int n);
+
 /* The kernel, for MUKCA_LANES angles of |x| <= MUKCA_SINCOS_LARGEST; others leave bits in `wide`,
  * and their results mean nothing.
  *

@@ -1,20 +1,21 @@
 #!/usr/bin/env python3
 """Deepest stack from each function given, in bytes: frames by gcc's -fstack-usage files (of the C library's
-functions by their pushes), calls by the disassembly.  Usage: stack.py IMAGE FUNCTION... -- FILE.su..."""
+functions by their pushes), calls by the disassembly; a call through a table of functions reaches what the tables
+hold at the offset that was loaded.  Usage: stack.py IMAGE FUNCTION... -- FILE.su..."""
 import re
 import subprocess
 import sys
 
 split = sys.argv.index("--")
 image, wanted = sys.argv[1], sys.argv[2:split]
-frame, calls, indirect, taken, name = {}, {}, set(), set(), None
+frame, calls, indirect, taken, name, loaded = {}, {}, {}, {}, None, {}
 text = subprocess.run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", image], check=True,
                       capture_output=True, text=True).stdout
 for line in text.splitlines():
     start = re.match(r"([0-9a-f]+) <(.+)>:$", line)
     if start:
         name = start[2]
-        frame[name], calls[name] = 0, set()
+        frame[name], calls[name], indirect[name], loaded = 0, set(), set(), {}
         continue
     words = line.split("\t")
     if len(words) < 3 or name is None:
@@ -32,7 +33,18 @@ for line in text.splitlines():
         if to and to[1] != name:
             calls[name].add(to[1])
         elif op.startswith("blx") or (op == "bx" and rest.strip() != "lr"):
-            indirect.add(name)
+            indirect[name].add(loaded.get(rest.split()[0]))
+    load = re.match(r"(r\d+|ip|lr), \[r\d+(?:, #(\d+))?\]", rest) if op in ("ldr", "ldr.w") else None
+    if load:
+        loaded[load[1]] = int(load[2] or 0)
+    elif op.startswith(("bl", "ldrd", "ldm", "pop")):  # a call spoils r0 to r3; ranges are of others
+        spoilt = re.findall(r"r\d+|ip|lr", rest + " r0 r1 r2 r3 ip lr" * op.startswith("bl"))
+        loaded = {k: v for k, v in loaded.items() if k not in spoilt}
+    elif op == "mov":
+        to, of = (word.strip() for word in rest.split(",")[:2])
+        loaded[to] = loaded.get(of)
+    elif not op.startswith(("cmp", "cb", "str", "tst", "b")):
+        loaded.pop(rest.split(",")[0].strip(), None)
 own = {}
 for path in sys.argv[split + 1:]:
     for line in open(path):
@@ -60,15 +72,16 @@ for parts in objects:
         for at in range(begin - start, begin - start + size - 3, 4):
             to = addresses.get(int.from_bytes(raw[at:at + 4], "little")) if at >= 0 else None
             if to and parts[3] != "vectors":
-                taken.add(to)
+                taken.setdefault(at - begin + start, set()).add(to)
 
 
 def deepest(function, path=()):
     if function in path:
         sys.exit("stack.py: recursion: " + " ".join(path + (function,)))
     below = [deepest(to, path + (function,)) for to in sorted(calls.get(function, ()))]
-    if function in indirect:
-        below += [deepest(to, path + (function,)) for to in sorted(taken) if to not in path and to != function]
+    for offset in indirect.get(function, ()):  # of an unknown one: all
+        reached = taken.get(offset) or set().union(*taken.values())
+        below += [deepest(to, path + (function,)) for to in sorted(reached) if to not in path and to != function]
     size, way = max(below, default=(0, ()))
     return frame.get(function, 0) + size, (function,) + way
 

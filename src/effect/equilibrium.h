@@ -1,0 +1,99 @@
+/* The arm at rest under its load, with its effects: a displacement that the loads at the displaced
+ * posture bring about.
+ *
+ * Everything is in base coordinates, at the displaced posture.  A joint's frame turns about its
+ * origin by the effects' rotation, then the joint turns by its angle.  S is the first moment of
+ * what a joint carries about its origin, g gravity: the holding moment is g x S.  As the frame
+ * before the joint turns by W, and what the joint carries moves in it so that S changes by Y, the
+ * moment changes in this frame by (g x W) x S + g x Y.  Effects answer with angles and rotations.
+ */
+#ifndef MUKCA_EFFECT_EQUILIBRIUM_H
+#define MUKCA_EFFECT_EQUILIBRIUM_H
+
+#include "model/turn.h"
+#include "mukca/effect.h"
+
+/* The effects of an arm at a bare posture; state.q is set. */
+typedef struct {
+    const mukca_effect *effects; /* [n_effects] */
+    int n_effects;
+    const mukca_chain *chain;
+    const mukca_geometry *geometry;
+    mukca_joint_state state;
+} mukca_effect_task;
+
+/* Derivatives by the joints' angles, with what all effects together do without load. */
+typedef struct {
+    /* of a joint's angle, with what is added, by the angle of another */
+    double angle[MUKCA_MAX_JOINTS]
+                [(MUKCA_MAX_JOINTS + MUKCA_LANES - 1) / MUKCA_LANES * MUKCA_LANES];
+    double rotation[MUKCA_MAX_JOINTS][3]; /* of the rotation vector, by its own angle */
+} mukca_effect_slopes;
+
+typedef struct {
+    columns frame; /* after the effects' rotation, before it turns; its origin is the joint's */
+    double axis[3];
+    double kg, first[3]; /* carried; S */
+    double moved[3];     /* change of S as it turns or slides: a x S, or kg a */
+    double spring, bend; /* slopes of the angle by the torque, of the rotation by the moment across
+                            the axis, rad/(N m) */
+    bool slides;
+    bool yields, tilts; /* has an effect that depends on the load; a rotation that changes */
+} mukca_joint_posture;
+
+typedef struct {
+    mukca_joint_posture joint[MUKCA_MAX_JOINTS];
+    mukca_displacement displacement;
+    mukca_frame tip;
+    double gravity[3];
+    double first[3]; /* of all that moves, about the base's origin */
+    double spring;   /* of the base */
+    int n_joints, n_yielding;
+    unsigned char yielding[MUKCA_MAX_EFFECTS]; /* indices of the effects that depend on the load */
+    bool loaded; /* there are some, and the load moves with the posture */
+    bool found;  /* mukca_equilibrium_rates has turned the displacement's rotations into base
+                    coordinates */
+} mukca_equilibrium;
+
+/* Rates of the posture, MUKCA_LANES motions at a time. */
+typedef struct {
+    lanes angle[MUKCA_MAX_JOINTS];       /* rad/rad, m/m: with what the effects add */
+    lanes rotation[MUKCA_MAX_JOINTS][3]; /* angular velocity by the effects' rotation */
+    lanes base[3];
+} mukca_posture_rates;
+
+/* Axis of an effect's joint, NULL where it has none. */
+const double *mukca_effect_axis(const mukca_effect *effect, const mukca_chain *chain);
+
+/* displacement += coefficients times basis, where the effect acts; of site ANGLES: nothing. */
+void mukca_effect_add(mukca_displacement *displacement, const mukca_effect *effect,
+                      const double basis[][3]);
+
+/* What the effects do without load; slopes may be NULL. */
+void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
+                            const mukca_effect_task *task);
+
+/* The rest under the load, to 1e-12 rad; slopes as above. */
+void mukca_equilibrium_find(mukca_equilibrium *at, mukca_effect_slopes *slopes,
+                            const mukca_effect_task *task);
+
+/* Prepare for the rates as joints turn: levers of all joints; rotation vectors, of the displacement
+ * and of the slopes, in base coordinates. */
+void mukca_equilibrium_rates(mukca_equilibrium *at, mukca_effect_slopes *slopes);
+
+/* In: rates without load, of rotation vectors.  Out: angular velocities, with the answers to the
+ * changes of the load that they bring about: a fixed point, as each answer changes the load again,
+ * up to changes of `within`.  A round leaves of what is missing the deflection per radian that the
+ * arm turns, 0.05 at most, so that 2e-11 is exact to 1e-12. */
+void mukca_equilibrium_settle(mukca_posture_rates *rates, const mukca_equilibrium *at,
+                              double within);
+
+/* With several lanes part of the function that is compiled for each processor; with one apart: a
+ * small controller has little stack and memory for code. */
+#if MUKCA_LANES > 1
+#define PART MUKCA_INLINE
+#else
+#define PART static __attribute__((noinline))
+#endif
+
+#endif
