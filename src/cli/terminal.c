@@ -109,6 +109,12 @@ static volatile sig_atomic_t interrupted;
 static void on_signal(int number)
 {
     interrupted = number;
+    alarm(1); /* ends a read as well that began after the last look at `interrupted` */
+}
+
+static void on_alarm(int number)
+{
+    (void)number;
 }
 
 void cli_catch_interrupts(void)
@@ -119,6 +125,8 @@ void cli_catch_interrupts(void)
     action.sa_flags = (int)SA_RESETHAND; /* no SA_RESTART: blocking reads return */
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    action.sa_handler = on_alarm;
+    sigaction(SIGALRM, &action, NULL);
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is then a write error, reported in one line */
     signal(SIGXFSZ, SIG_IGN); /* and so is a file beyond the shell's limit */
 }
