@@ -94,8 +94,9 @@ answer "measured efforts oppose the torques" $d turned.tsv
 simulate --poses 3000 --effect joint_scale:joint_2=1e-3 -o log.tsv
 "$MUKCA" $d log.tsv -q -o never.tsv 2>err &
 process=$!
-until grep -qx mukca /proc/$process/comm; do sleep 0.02; done
+until grep -qxE 'mukca|qemu-.*' /proc/$process/comm || ! kill -0 $process; do sleep 0.02; done
 sleep 0.2
+if grep -q qemu /proc/$process/comm; then sleep 3; fi # emulated, it takes longer to begin
 kill -s INT $process
 wait $process
 code=$?
