@@ -245,7 +245,7 @@ mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *ca
     double angles[MUKCA_MAX_JOINTS];
     mukca_capture_correct(angles, capture, q);
     int twin = find_posture(capture, angles, 0.25 * capture->settings.difference);
-    const size_t at = (size_t)(rows->n_rows * rows->n_joints);
+    const size_t at = (size_t)rows->n_rows * (size_t)rows->n_joints;
     memcpy(rows->q + at, angles, (size_t)rows->n_joints * sizeof *angles);
     memcpy(capture->readings + at, q, (size_t)rows->n_joints * sizeof *q);
     rows->socket[rows->n_rows++] = capture->socket;

@@ -171,7 +171,7 @@ static int count_finished(const mukca_capture *c)
 static void print_next(const session *s)
 {
     const capture_options *o = s->options;
-    cli_live_words words;
+    cli_live_words words = {.word = {NULL}};
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
     const bool finished = count_finished(&s->recorder.capture) > 0;

@@ -122,9 +122,10 @@ static mukca_status check_pairs(cli_call *call)
 static bool same_origins(const mukca_chain *a, const mukca_chain *b)
 {
     for (int k = 0; k < a->n_elements && k < b->n_elements; k++)
-        if (memcmp(a->element[k].xyz, b->element[k].xyz, sizeof a->element[k].xyz) != 0 ||
-            memcmp(a->element[k].rpy, b->element[k].rpy, sizeof a->element[k].rpy) != 0)
-            return false;
+        for (int i = 0; i < 3; i++)
+            if (a->element[k].xyz[i] != b->element[k].xyz[i] ||
+                a->element[k].rpy[i] != b->element[k].rpy[i])
+                return false;
     return a->n_elements == b->n_elements;
 }
 

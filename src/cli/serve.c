@@ -37,7 +37,7 @@ static mukca_status run(cli_call *call)
     serve_options *o = call->options;
     mukca_server *s = call->work;
     cli_model *model = &call->session->model;
-    cli_live_words words;
+    cli_live_words words = {.word = {NULL}};
     mukca_server_options options = {.folder = o->state ? o->state : getenv("STATE_DIRECTORY"),
                                     .publish_pose = o->publish_pose,
                                     .most_change = o->most_change,

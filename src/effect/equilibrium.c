@@ -7,6 +7,21 @@
 #include "effect/catalogue.h"
 #include "mukca/gravity.h"
 
+/* A vector of a joint's frame in base coordinates, and back. */
+PART void to_base(double out[3], const columns *F, const double v[3])
+{
+    lanes turned[ROWS];
+    columns_vector(turned, F, v);
+    for (int i = 0; i < 3; i++) out[i] = ((const double *)turned)[i];
+}
+
+static void to_joint(double out[3], const columns *F, const double v[3])
+{
+    const double x = v[0], y = v[1], z = v[2];
+    for (int c = 0; c < 3; c++)
+        out[c] = COLUMN(F, c, 0) * x + COLUMN(F, c, 1) * y + COLUMN(F, c, 2) * z;
+}
+
 /* Frames and moments of masses along the chain, outwards, then what each joint carries, inwards. */
 PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task)
 {
@@ -39,32 +54,15 @@ PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task)
     memset(e->first, 0, sizeof e->first);
     for (int k = g->n_elements - 1; k >= 0; k--) {
         const int j = g->joint[k];
-        lanes axis[ROWS];
         total += kg[k];
         for (int i = 0; i < 3; i++) e->first[i] += first[k][i];
         if (j < 0) continue;
         mukca_joint_posture *joint = &e->joint[j];
-        columns_vector(axis, &joint->frame, g->axis[k]);
-        memcpy(joint->axis, axis, sizeof joint->axis);
+        to_base(joint->axis, &joint->frame, g->axis[k]);
         for (int i = 0; i < 3; i++)
             joint->first[i] = e->first[i] - total * COLUMN(&joint->frame, 3, i);
         joint->kg = total;
     }
-}
-
-/* A vector of the joint's frame in base coordinates, and back. */
-PART void to_base(double out[3], const columns *F, const double v[3])
-{
-    lanes turned[ROWS];
-    columns_vector(turned, F, v);
-    memcpy(out, turned, 3 * sizeof *out);
-}
-
-static void to_joint(double out[3], const columns *F, const double v[3])
-{
-    const double x = v[0], y = v[1], z = v[2];
-    for (int c = 0; c < 3; c++)
-        out[c] = COLUMN(F, c, 0) * x + COLUMN(F, c, 1) * y + COLUMN(F, c, 2) * z;
 }
 
 static void set_lever(mukca_joint_posture *joint)

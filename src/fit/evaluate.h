@@ -28,8 +28,8 @@ typedef struct {
 /* Pose of the tip in each row: tips[n_rows]. */
 void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data);
 
-/* Move the tips to their targets, where these have names: the mean place of each in the tip's frame,
- * by the measured positions.  False: no memory. */
+/* Move the tips to their targets, where these have names: the mean place of each in the tip's
+ * frame, by the measured positions.  False: no memory. */
 bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data);
 
 /* Room for the scores of a dataset. */
