@@ -295,15 +295,16 @@ PART double step(mukca_equilibrium *e, const mukca_effect_task *task,
 {
     mukca_displacement *d = &e->displacement;
     mukca_posture_rates r; /* what was, then the difference, then the answers */
+    const int n = e->n_joints;
     double size = 0;
     for (int i = 0; i < 3; i++) r.base[i] = ALL(d->base[i]);
-    for (int j = 0; j < e->n_joints; j++) {
+    for (int j = 0; j < n; j++) {
         r.angle[j] = ALL(d->q[j]);
         for (int i = 0; i < 3; i++) r.rotation[j][i] = ALL(d->rotation[j][i]);
     }
-    copy(d, unloaded, e->n_joints);
+    copy(d, unloaded, n);
     apply_loaded(d, e, task);
-    for (int j = 0; j < e->n_joints; j++) {
+    for (int j = 0; j < n; j++) {
         mukca_joint_posture *at = &e->joint[j];
         double change[3];
         if (!at->yields) continue;
@@ -324,7 +325,7 @@ PART double step(mukca_equilibrium *e, const mukca_effect_task *task,
     }
     if (!(size > rest)) return size;
     settle(&r, e, true, 1e-2 * size);
-    for (int j = 0; j < e->n_joints; j++) {
+    for (int j = 0; j < n; j++) {
         double turned[3];
         if (!e->joint[j].yields) continue;
         d->q[j] += FIRST(r.angle[j]);
