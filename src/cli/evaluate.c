@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/scores.h"
 #include "fit/cross_training.h"
@@ -90,6 +91,7 @@ static mukca_status write_matrix(cli_call *call, FILE *stream, json_t *json)
 
 typedef struct {
     cli_scores data, test;
+    bool read_by_eye; /* standard output is a terminal: no table of all digits */
 } evaluate_work;
 
 static void print(cli_call *call, const evaluate_work *w)
@@ -111,7 +113,9 @@ static void print(cli_call *call, const evaluate_work *w)
     }
     cli_scores_print_header(call, calibrated);
     cli_scores_print(call, &w->data, "data", calibrated);
+    if (w->read_by_eye) cli_scores_print_rows(call, &w->data, &s->data, calibrated);
     if (tested) cli_scores_print(call, &w->test, "test", calibrated);
+    if (tested && w->read_by_eye) cli_scores_print_rows(call, &w->test, &s->test, calibrated);
     if (!calibrated && !o->matrix)
         cli_answer_keyed(call, "Next", "mukca calibrate with these data");
 }
@@ -138,7 +142,8 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
                   "mae_m", cli_json_real(w->data.calibrated_mean.mae), "test_mae_m",
                   w->test.n > 0 ? cli_json_real(w->test.calibrated_mean.mae) : json_null());
     mukca_status status = json ? MUKCA_OK : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK && (!c->json || c->output)) status = cli_output_open(call, &output);
+    if (status == MUKCA_OK && (!c->json || c->output) && !w->read_by_eye)
+        status = cli_output_open(call, &output);
     if (status == MUKCA_OK && o->matrix) {
         json_t *lines = json_array();
         status = write_matrix(call, output.stream, lines);
@@ -195,6 +200,8 @@ static mukca_status run(cli_call *call)
                           "--matrix trains from the nominal model: leave out --offsets");
     call->common->accept_failed = true; /* a table that did not pass is evaluated, too */
     mukca_status status = cli_check_outputs(call);
+    w->read_by_eye = isatty(STDOUT_FILENO) && !o->matrix && !call->common->output &&
+                     !call->common->json && !call->common->quiet;
     if (status == MUKCA_OK) status = load_model(call, model);
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, model, &call->arguments);
     if (status == MUKCA_OK && call->common->test.n)
@@ -221,7 +228,8 @@ const cli_command cli_command_evaluate = {
     .min_arguments = 1,
     .max_arguments = -1,
     .description =
-        "Prints a table with one row per placement and per pose log; targets with names are placed "
+        "Prints the mean errors, and a table with one row per placement and per pose log (on a "
+        "terminal only its consistency errors, mm); targets with names are placed "
         "on the tip by the data first. mae: mean distance of the predicted ball from "
         "the mean of its socket (pose logs: from the measured position). std: root of the mean "
         "square. distance_error: predicted minus given distance of the sockets. Each for the "

@@ -150,20 +150,29 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
     return array;
 }
 
-/* A figure of the three models; `kind`, `set`: "distortion", "train". */
+/* A figure of the models in mm or mrad; of[1], the factory's, may be NULL. */
+static void print_figures(cli_call *call, const char *name, int k, const mukca_score *const of[3],
+                          bool calibrated)
+{
+    const double nominal = figure(of[0], k), after = figure(of[2], k);
+    cli_answer(call, "  %-24s %12.3f", name, 1e3 * nominal);
+    if (of[1]) cli_answer(call, " %12.3f", 1e3 * figure(of[1], k));
+    if (calibrated) cli_answer(call, " %12.3f", 1e3 * after);
+    if (calibrated && nominal > 0) cli_answer(call, " %+11.2f %%", 100 * (after / nominal - 1));
+    cli_answer(call, "\n");
+}
+
+/* A mean over all placements; `kind`, `set`: "distortion", "train". */
 static void print_line(cli_call *call, const cli_scores *scores, int k, const char *kind,
                        const char *set, bool calibrated)
 {
-    static const double factor = 1e3; /* mm, mrad */
-    const double nominal = figure(&scores->nominal_mean, k);
-    const double after = figure(&scores->calibrated_mean, k);
     char name[40];
     snprintf(name, sizeof name, "%s, %s", kind, set);
-    cli_answer(call, "  %-24s %12.3f", name, factor * nominal);
-    if (scores->has_factory) cli_answer(call, " %12.3f", factor * figure(&scores->factory_mean, k));
-    if (calibrated) cli_answer(call, " %12.3f", factor * after);
-    if (calibrated && nominal > 0) cli_answer(call, " %+11.2f %%", 100 * (after / nominal - 1));
-    cli_answer(call, "\n");
+    print_figures(call, name, k,
+                  (const mukca_score *const[]){&scores->nominal_mean,
+                                               scores->has_factory ? &scores->factory_mean : NULL,
+                                               &scores->calibrated_mean},
+                  calibrated);
 }
 
 void cli_scores_print_header(cli_call *call, bool calibrated)
@@ -180,4 +189,19 @@ void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set,
     if (sockets) print_line(call, scores, DISTANCE, "distortion mm", set, calibrated);
     if (isfinite(scores->nominal_mean.rotation_error))
         print_line(call, scores, ROTATION, "rotation mrad", set, calibrated);
+}
+
+void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca_dataset *data,
+                           bool calibrated)
+{
+    char name[CLI_SCORES_NAME], indented[32];
+    for (int i = 0; i < scores->n && scores->n > 1; i++) {
+        snprintf(indented, sizeof indented, "  %.24s",
+                 cli_scores_name(name, &scores->calibrated[i], data));
+        print_figures(call, indented, 0,
+                      (const mukca_score *const[]){&scores->nominal[i],
+                                                   scores->has_factory ? &scores->factory[i] : NULL,
+                                                   &scores->calibrated[i]},
+                      calibrated);
+    }
 }

@@ -44,4 +44,8 @@ const char *cli_scores_name(char name[CLI_SCORES_NAME], const mukca_score *score
 void cli_scores_print_header(cli_call *call, bool calibrated);
 void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set, bool calibrated);
 
+/* Print the mean error of each placement or log, mm, if there are several. */
+void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca_dataset *data,
+                           bool calibrated);
+
 #endif

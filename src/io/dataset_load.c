@@ -198,6 +198,10 @@ static mukca_status find_socket(int *socket, mukca_dataset_builder *b, session *
 static mukca_status check_columns(const mukca_dataset_builder *b, const mukca_rows *rows)
 {
     const mukca_row_columns *c = &rows->column;
+    if (c->socket >= 0 && c->placement < 0)
+        mukca_note_format(rows->options.note, rows->options.context,
+                          "%s: no column 'placement'; all samples count as one placement",
+                          mukca_file_shown(rows->table.path));
     if (c->socket >= 0 || (c->n_measured > 0 && c->placement < 0)) return MUKCA_OK;
     if (c->placement >= 0)
         return mukca_table_fail(b->error, &rows->table, -1,

@@ -180,6 +180,36 @@ static mukca_status check_order(mukca_rows *rows, const mukca_row *row, int colu
         f->inverse ? "omit" : "give");
 }
 
+/* The orientation of the columns `turn`; NaN where the target was not seen. */
+static mukca_status read_turn(mukca_row *row, const mukca_rows *rows,
+                              const mukca_measured_columns *m, mukca_error *error)
+{
+    double v[4], R[9];
+    const int n = m->form == MUKCA_QUATERNION ? 4 : 3;
+    mukca_status status = read_list(v, rows, m->turn, n, error);
+    if (status != MUKCA_OK || count_missing(v, n) == n) return status;
+    if (n == 4) {
+        memcpy(row->quaternion, v, sizeof v);
+        return MUKCA_OK;
+    }
+    if (count_missing(v, 3))
+        return mukca_table_fail(error, &rows->table, m->turn[0],
+                                "an orientation needs all three numbers");
+    for (int i = 0; i < 3; i++) {
+        v[i] *= rows->options.format.angle;
+        if (fabs(v[i]) > most_angle)
+            return mukca_table_fail(error, &rows->table, m->turn[i],
+                                    "is %g; angles are in rad (for degrees: --units deg)",
+                                    v[i] / rows->options.format.angle);
+    }
+    if (m->form == MUKCA_ROTATION_VECTOR)
+        mukca_rotation_exp(R, v);
+    else
+        mukca_rotation_from_rpy(R, m->form == MUKCA_ABC ? (double[]){v[2], v[1], v[0]} : v);
+    mukca_rotation_to_quaternion(row->quaternion, R);
+    return MUKCA_OK;
+}
+
 static mukca_status read_pose(mukca_row *row, mukca_rows *rows, int target, mukca_error *error)
 {
     const mukca_measured_columns *m = &rows->column.measured[target];
@@ -193,7 +223,7 @@ static mukca_status read_pose(mukca_row *row, mukca_rows *rows, int target, mukc
         status = read_matrix(row, rows, m, error);
     } else {
         status = read_list(row->position, rows, m->position, 3, error);
-        if (status == MUKCA_OK) status = read_list(row->quaternion, rows, m->quaternion, 4, error);
+        if (status == MUKCA_OK) status = read_turn(row, rows, m, error);
     }
     for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
         row->position[i] *= m->length;
@@ -205,10 +235,11 @@ static mukca_status read_pose(mukca_row *row, mukca_rows *rows, int target, mukc
         return mukca_table_fail(error, t, -1, "a position needs x_m, y_m and z_m");
     const bool turned = count_missing(row->quaternion, 4) < 4;
     if (turned && !mukca_rows_normalise(row->quaternion))
-        return mukca_table_fail(error, t, m->quaternion[0],
+        return mukca_table_fail(error, t, m->turn[0],
                                 "the quaternion's length is not 1 (order: qw qx qy qz)");
-    if (turned && target == 0 && m->matrix[0] < 0 && !rows->options.any_order)
-        status = check_order(rows, row, m->quaternion[0], error);
+    if (turned && target == 0 && m->matrix[0] < 0 && m->form == MUKCA_QUATERNION &&
+        !rows->options.any_order)
+        status = check_order(rows, row, m->turn[0], error);
     if (status != MUKCA_OK) return status;
     if (!rows->options.format.inverse || isnan(row->position[0])) return MUKCA_OK;
     if (!turned) return mukca_table_fail(error, t, -1, "--inverse-poses needs orientations");

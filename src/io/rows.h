@@ -31,11 +31,21 @@ typedef struct {
 
 enum { MUKCA_ROWS_TARGETS = 16 }; /* measured in one line of a table */
 
+/* How an orientation is written: qw qx qy qz; UR's rotation vector rx ry rz; roll pitch yaw as in
+ * a URDF; KUKA's A B C, the same angles backwards. */
+typedef enum {
+    MUKCA_QUATERNION,
+    MUKCA_ROTATION_VECTOR,
+    MUKCA_ROLL_PITCH_YAW,
+    MUKCA_ABC
+} mukca_turn;
+
 /* Columns of one measured target, -1 where absent; a matrix replaces the others. */
 typedef struct {
-    char target[MUKCA_NAME_SIZE];               /* L of columns x_m.L; "" of x_m */
-    double length;                              /* m per unit of the positions */
-    int position[3], quaternion[4], matrix[16]; /* each all or none; w first; row by row */
+    char target[MUKCA_NAME_SIZE];         /* L of columns x_m.L; "" of x_m */
+    double length;                        /* m per unit of the positions */
+    mukca_turn form;                      /* of the columns `turn`: 4 of a quaternion, else 3 */
+    int position[3], turn[4], matrix[16]; /* each all or none; row by row */
 } mukca_measured_columns;
 
 /* Indices into the table's cells, -1 where a column is absent. */

@@ -12,23 +12,33 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
 {
     const mukca_table *t = &rows->table;
     const char *meant = NULL;
+    char list[64] = "";
     int best = 99;
     for (int c = 0; c < t->n_columns; c++) {
         double value;
         if (mukca_number_parse(&value, t->header[c]))
             return mukca_table_fail(
-                error, t, -1, "no column for joint '%s'; the first line must be a header of names",
+                error, t, -1,
+                "no column for joint '%s'; the first line must be a header of names: those of the "
+                "joints, and placement and socket, or x_m y_m z_m",
                 joint);
+        const bool longer = strncmp(joint, t->header[c], strlen(joint)) == 0; /* a unit behind it */
         if (mukca_chain_find_joint(rows->chain, t->header[c]) < 0 &&
-            mukca_suggest_better(&best, joint, t->header[c]))
+            (mukca_suggest_better(&best, joint, t->header[c]) || (longer && !meant)))
             meant = t->header[c];
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", c ? ", " : "", t->header[c]);
     }
     if (meant)
-        return mukca_table_fail(error, t, -1,
-                                "no column for joint '%s' of the chain; did you mean '%.40s'?",
-                                joint, meant);
-    return mukca_table_fail(error, t, -1,
-                            "no column for joint '%s' of the chain; check --urdf and --tip", joint);
+        return mukca_table_fail(
+            error, t, -1, "no column for joint '%s' of the chain; rename column '%.40s' to '%s'%s",
+            joint, meant, joint,
+            strstr(meant, "deg") ? " and give --units deg" : ", or check --urdf and --tip");
+    return mukca_table_fail(
+        error, t, -1,
+        "no column for joint '%s' of the chain (columns: %s%s); name the columns "
+        "as the URDF names the joints, or check --urdf and --tip",
+        joint, list, strlen(list) + 1 == sizeof list ? "..." : "");
 }
 
 /* Columns of the header that are read; the others get a note. */
@@ -101,16 +111,35 @@ static const struct {
 } forms[] = {{{"x_m", "y_m", "z_m"}, 3, 0},
              {{"x_mm", "y_mm", "z_mm"}, 3, 1e-3},
              {{"x", "y", "z"}, 3, 0},
+             {{"X", "Y", "Z"}, 3, 0},
              {{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23",
                "m30", "m31", "m32", "m33"},
               16,
               0}};
-enum { FORMS = sizeof forms / sizeof *forms, PLAIN = 2 };
+enum { FORMS = sizeof forms / sizeof *forms, PLAIN = 2, CAPITAL = 3 };
+
+/* The columns of an orientation, in the order of mukca_turn. */
+static const group turns[] = {{4, (const char *const[]){"qw", "qx", "qy", "qz"}, NULL},
+                              {3, (const char *const[]){"rx", "ry", "rz"}, NULL},
+                              {3, (const char *const[]){"roll", "pitch", "yaw"}, NULL},
+                              {3, (const char *const[]){"A", "B", "C"}, NULL}};
+
+/* The first form of an orientation that the header has; A is one next to KUKA's X only. */
+static mukca_status find_turn(mukca_measured_columns *m, header *h, int form, const char *suffix,
+                              mukca_error *error)
+{
+    for (int k = 0; k < (form == CAPITAL ? 4 : 3) && m->turn[0] < 0; k++) {
+        const group g = {turns[k].n, turns[k].names, suffix};
+        m->form = (mukca_turn)k;
+        const mukca_status status = find_group(m->turn, &g, h, error);
+        if (status != MUKCA_OK) return status;
+    }
+    return MUKCA_OK;
+}
 
 /* Columns of the target whose first one is `column`, if it is of that form. */
 static mukca_status find_measured(header *h, int column, int form, mukca_error *error)
 {
-    static const char *const quaternion[] = {"qw", "qx", "qy", "qz"};
     mukca_rows *rows = h->rows;
     mukca_row_columns *c = &rows->column;
     const char *name = rows->table.header[column], *first = forms[form].names[0];
@@ -128,8 +157,7 @@ static mukca_status find_measured(header *h, int column, int form, mukca_error *
     const bool matrix = forms[form].n == 16;
     mukca_status status = find_group(matrix ? m->matrix : m->position,
                                      &(group){forms[form].n, forms[form].names, suffix}, h, error);
-    if (status == MUKCA_OK && !matrix)
-        status = find_group(m->quaternion, &(group){4, quaternion, suffix}, h, error);
+    if (status == MUKCA_OK && !matrix) status = find_turn(m, h, form, suffix, error);
     return status;
 }
 
@@ -157,7 +185,7 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
     }
     for (int form = 0; form < FORMS; form++)
         for (int column = 0; column < rows->table.n_columns; column++) {
-            if (form == PLAIN && !format->units) continue; /* x, y, z of what unit? */
+            if ((form == PLAIN || form == CAPITAL) && !format->units) continue; /* what unit? */
             const mukca_status status = find_measured(&h, column, form, error);
             if (status != MUKCA_OK) return status;
         }
@@ -176,11 +204,12 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
 mukca_status mukca_rows_fail_measured(const mukca_rows *rows, const char *otherwise,
                                       mukca_error *error)
 {
-    return mukca_table_fail(error, &rows->table, -1, "%s",
-                            mukca_table_find(&rows->table, "x") < 0
-                                ? otherwise
-                                : "columns x, y, z without a unit; give --units, as in rad,m or "
-                                  "deg,mm, or call them x_m, y_m, z_m");
+    return mukca_table_fail(
+        error, &rows->table, -1, "%s",
+        mukca_table_find(&rows->table, "x") < 0 && mukca_table_find(&rows->table, "X") < 0
+            ? otherwise
+            : "columns x, y, z without a unit; give --units, as in rad,m or "
+              "deg,mm, or call them x_m, y_m, z_m");
 }
 
 /* A table without header: the joints, then the pose, in the order that its width says. */
@@ -209,7 +238,8 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
                                 t->n_columns, n);
     if (o->kind == MUKCA_HEADER && !poses)
         return mukca_table_fail(error, t, -1,
-                                "starts with numbers; the first line must name the columns");
+                                "starts with numbers; the first line must name the columns (or "
+                                "give the folder of hole_0.csv and hole_1.csv)");
     if (more != 0 && !(poses && o->format.by_order))
         return mukca_table_fail(error, t, -1,
                                 "%d columns, but the chain has %d joints; check --urdf and --tip",
@@ -219,10 +249,9 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
     m->target[0] = '\0';
     m->length = o->format.length;
     const int turn = o->format.w_last ? 2 : 3; /* the column of qw, or of qx, is number 3 */
+    m->form = MUKCA_QUATERNION;
     for (int i = 0; i < more; i++)
-        *(more == 16 ? &m->matrix[i]
-          : i < 3    ? &m->position[i]
-                     : &m->quaternion[(i - turn) % 4]) = n + i;
+        *(more == 16 ? &m->matrix[i] : i < 3 ? &m->position[i] : &m->turn[(i - turn) % 4]) = n + i;
     if (more == 7)
         mukca_note_format(o->note, o->context, "%s: read as %d joints, x y z, %s",
                           mukca_file_shown(t->path), n,

@@ -277,8 +277,8 @@ static void bad_sessions_get_one_clear_line(void **state)
         const char *text, *part;
     } cases[] = {
         {"placement\tsocket\tj1\nx\t0\t0\n",
-         "s.tsv:1: no column for joint 'j2' of the chain; check --urdf"},
-        {"placement\tsocket\tj1\tJ_2\n", "did you mean 'J_2'?"},
+         "s.tsv:1: no column for joint 'j2' of the chain (columns: "},
+        {"placement\tsocket\tj1\tJ_2\n", "rename column 'J_2' to 'j2'"},
         {"j1\tj2\n0\t0\n", "neither a session nor a pose log"},
         {"placement\tj1\tj2\n0\t0\t0\n", "no column 'socket'"},
         {"placement socket j1 j2\n0 0 0 0\n", "separated by spaces"},
@@ -341,6 +341,50 @@ static void folders_of_placements_are_read(void **state)
     assert_string_equal(data.placements[0].name, "back");
     assert_string_equal(data.placements[1].name, "high");
     assert_non_null(strstr(notes, "placement 'half': only one socket"));
+}
+
+/* One orientation (scipy's, turns of 40, -25 and 110 degrees about z, y, x) in all forms. */
+static void orientations_are_read(void **state)
+{
+    (void)state;
+    const mukca_rows_format degrees = {.angle = M_PI / 180, .length = 1e-3, .units = true};
+    static const double q[4] = {0.465570306171480, 0.793964931227341, 0.156867611669477,
+                                0.358129209087548};
+    const struct {
+        const char *text;
+        const mukca_rows_format *format;
+    } cases[] = {
+        {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,1.949482722728496,0.385169025327849,0."
+         "879341993784716\n",
+         NULL},
+        {"j1,j2,x_m,y_m,z_m,roll,pitch,yaw\n0,0,1,2,3,1.919862177193763,-0.436332312998583,0."
+         "698131700797732\n",
+         NULL},
+        {"j1,j2,X,Y,Z,A,B,C\n0,0,1000,2000,3000,40,-25,110\n", &degrees},
+        {"j1,j2,x_m.P,y_m.P,z_m.P,rx.P,ry.P,rz.P\n0,0,1,2,3,1.949482722728496,0.385169025327849,0."
+         "879341993784716\n",
+         NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        mukca_dataset_options options = {0};
+        if (cases[i].format) options.format = *cases[i].format;
+        const mukca_status status = load_one(scratch_file("t.csv", cases[i].text), &options);
+        if (status != MUKCA_OK) fail_msg("%zu: %s", i, error.text);
+        double along = 0;
+        for (int c = 0; c < 4; c++) along += q[c] * data.quaternion[c];
+        assert_close(fabs(along), 1, 1e-14);
+        assert_close(data.position[2], 3, 1e-14);
+    }
+    const char *bad[][2] = {
+        {"j1,j2,x_m,y_m,z_m,rx,ry\n0,0,1,2,3,0,0\n", "no column 'rz'; rx to rz belong together"},
+        {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,90,0,0\n", "column 'rx': is 90; angles are in rad"},
+        {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,1,,0\n", "an orientation needs all three numbers"},
+        {"j1,j2,X,Y,Z,A,B,C\n0,0,1,2,3,0,0,0\n", "columns x, y, z without a unit"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        const mukca_dataset_options options = {0};
+        assert_int_equal(load_one(scratch_file("t.csv", bad[i][0]), &options), MUKCA_INPUT);
+        if (!strstr(error.text, bad[i][1])) fail_msg("%s", error.text);
+    }
 }
 
 /* One posture in the ways that people write it; the pose is that of the first text. */
@@ -587,6 +631,7 @@ int main(void)
                                        cmocka_unit_test(bad_sessions_get_one_clear_line),
                                        cmocka_unit_test(unfinished_placements_are_set_aside),
                                        cmocka_unit_test(folders_of_placements_are_read),
+                                       cmocka_unit_test(orientations_are_read),
                                        cmocka_unit_test(tables_of_others_are_read),
                                        cmocka_unit_test(doubtful_data_are_read_with_a_note),
                                        cmocka_unit_test(poses_without_rows_are_counted),

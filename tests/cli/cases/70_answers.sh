@@ -35,3 +35,7 @@ apart "^1 row" compensate $a --offsets offsets.tsv row.tsv
 apart "^report: " report $a "$d"
 run diagnose $a "$d" -q
 expect "-q prints nothing" test "$code $(cat "$scratch/out" "$scratch/err")" = "0 "
+
+script -qec "'$MUKCA' evaluate $a $d" /dev/null >terminal.txt </dev/null
+expect "evaluate on a terminal prints the placements in mm and no table of all digits" \
+    sh -c "grep -q '^    left *7\.030' terminal.txt && ! grep -q mae_nominal_m terminal.txt"
