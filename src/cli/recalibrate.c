@@ -368,7 +368,8 @@ const cli_command cli_command_recalibrate = {
         "Poses that only repeat the nominal model are reported, with exit code 5; a table that is "
         "not "
         "accepted (see calibrate) with exit code 1. If a few "
-        "constants explain the difference, they are named. A lag between angles and poses is "
+        "constants explain the difference, they are named (from at most 20,000 rows). A lag "
+        "between angles and poses is "
         "estimated and corrected.",
     .example =
         "mukca simulate --urdf data/gen3.urdf --recipe sweeps --perturb 1,2 --noise 1e-4 | "

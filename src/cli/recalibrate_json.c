@@ -123,7 +123,8 @@ static json_t *constants_json(const cli_recalibrated *r)
                              mukca_unknown_is_angle(r->constants.unknown[c].kind) ? "rad" : "m"));
     }
     return json_pack(
-        "{s:o, s:o, s:o}", "list", array, "left_median_m",
+        "{s:o, s:I, s:o, s:o}", "list", array, "rows", (json_int_t)r->constants.rows,
+        "left_median_m",
         cli_json_real(r->constants.n
                           ? mukca_histogram_median(&r->constants.errors.position_histogram)
                           : (double)NAN),

@@ -127,6 +127,8 @@ static void print_findings(cli_call *call, const cli_recalibrated *r, const mukc
                        1e3 * r->constants.value[c], 1e3 * r->constants.sigma[c],
                        mukca_unknown_is_angle(r->constants.unknown[c].kind) ? "mrad" : "mm");
     }
+    if (r->constants.rows < r->robust->rows)
+        mukca_text_put(&line, " (from %ld rows)", r->constants.rows);
     cli_answer_wrapped(call, "%s; with these alone %.4f mm (median), %.4f mm (mean) remain", words,
                        1e3 * mukca_histogram_median(&r->constants.errors.position_histogram),
                        1e3 * r->constants.errors.position.mean);

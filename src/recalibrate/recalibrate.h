@@ -82,7 +82,8 @@ void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r
 /* A few constants that explain the difference as well as all of them do. */
 enum { MUKCA_MAX_CONSTANTS = 4 };
 typedef struct {
-    int n; /* 0: no few do */
+    int n;     /* 0: no few do */
+    long rows; /* that determine them; `errors` are of all rows */
     mukca_unknown unknown[MUKCA_MAX_CONSTANTS];
     bool along_axis[MUKCA_MAX_CONSTANTS]; /* a SHIFT along the joint's own axis ("d") */
     double value[MUKCA_MAX_CONSTANTS], sigma[MUKCA_MAX_CONSTANTS];

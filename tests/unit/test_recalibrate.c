@@ -244,6 +244,20 @@ static void test_constants(void **state)
         assert_int_equal(constants.along_axis[c], d3);
         assert_close(constants.value[c], d3 ? -2e-4 : 3e-4, 5e-6);
     }
+    assert_int_equal(constants.rows, train.n);
+    /* Of a long log, many times the same, they come from some of the rows. */
+    enum { TIMES = 60 };
+    mukca_pose_log logs[TIMES];
+    for (int i = 0; i < TIMES; i++) logs[i] = log;
+    const mukca_recalibrate_task task = {&nominal, logs, TIMES, &options};
+    const double value = constants.value[0];
+    assert_true(TIMES * train.n > 20000);
+    assert_int_equal(mukca_recalibrate(&result, &task, &error), MUKCA_OK);
+    assert_int_equal(mukca_recalibrate_constants(&constants, &result, &task, &error), MUKCA_OK);
+    assert_int_equal(constants.n, 2);
+    assert_in_range(constants.rows, 10000, 20000);
+    assert_close(constants.value[0], value, 5e-6);
+    assert_int_equal(constants.errors.position.n, TIMES * train.n);
     /* Offsets everywhere are not a few constants. */
     build_truth(1);
     record(&train, MUKCA_RECIPE_SWEEPS);
