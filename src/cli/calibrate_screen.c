@@ -223,11 +223,17 @@ void calibrate_print(cli_call *call, const calibrate_result *r)
     cli_answer(call, "%s: %s%s%s\n", r->fit->chain.robot, train,
                r->test_scores.n > 0 ? "; test: " : "", r->test_scores.n > 0 ? test : "");
     print_verdict(call, r);
+    mukca_frame T;
+    const bool foreign =
+        !r->offsets->acceptance.accepted && r->train_scores.nominal_mean.mae > far_off;
+    if (foreign)
+        cli_print_mismatch(call, r->train, calibrate_frame(&T, r, true),
+                           calibrate_frame(&T, r, false));
     cli_scores_print_header(call, true);
     cli_scores_print(call, &r->train_scores, "train", true);
     if (r->test_scores.n > 0) cli_scores_print(call, &r->test_scores, "test", true);
-    print_frames(call, r);
-    print_identifiability(call, r->fit);
+    if (!foreign) print_frames(call, r);
+    if (!foreign) print_identifiability(call, r->fit);
     print_warnings(call, r);
     print_next(call, r);
 }

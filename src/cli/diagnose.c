@@ -1,5 +1,6 @@
 /* mukca diagnose: identify and quantify the causes of the remaining error. */
 #include "cli/diagnose.h"
+#include "cli/scores.h"
 #include "cli/traits.h"
 #include "io/summary.h"
 #include "io/traits.h"
@@ -240,6 +241,8 @@ static mukca_status run(cli_call *call)
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &result);
+    if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)
+        cli_print_mismatch(call, &s->data, o->free_base, o->free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
     if (result.saved && !w->offsets.acceptance.accepted) {
         cli_answer_wrapped(call, "Do not use the offsets table: %s.", w->offsets.acceptance.reason);

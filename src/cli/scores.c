@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "base/utf8.h"
+#include "fit/mismatch.h"
 
 /* Parameters of the URDF in those of a chain that may have elements in addition (frames of pose
  * logs). */
@@ -204,4 +206,33 @@ void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca
                                                    &scores->calibrated[i]},
                       calibrated);
     }
+}
+
+void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_base, bool free_tool)
+{
+    const mukca_chain *chain = &call->session->model.chain;
+    mukca_mismatch m;
+    mukca_error error; /* a hint: without memory there is none */
+    char text[400] = "";
+    mukca_text what = MUKCA_TEXT(text);
+    if (mukca_mismatch_find(&m, chain, data, free_base, free_tool, &error) != MUKCA_OK || !m.found)
+        return;
+    for (int j = 0; j < chain->n_joints; j++)
+        if (m.reversed >> j & 1)
+            mukca_text_put(&what, "%s%s", what.used ? ", " : "with the opposite sign of ",
+                           mukca_chain_joint_name(chain, j));
+    if (m.exchanged[0] >= 0)
+        mukca_text_put(&what, "with the columns of %s and %s exchanged",
+                       mukca_chain_joint_name(chain, m.exchanged[0]),
+                       mukca_chain_joint_name(chain, m.exchanged[1]));
+    if (m.shifted >= 0)
+        mukca_text_put(&what, "with %+.0f degrees added to %s", m.shift * 180 / M_PI,
+                       mukca_chain_joint_name(chain, m.shifted));
+    cli_answer_wrapped(call,
+                       "The data would agree with the nominal model to %.3g mm instead of %.3g mm "
+                       "%s: check these columns%s and the URDF.",
+                       1e3 * m.after_m, 1e3 * m.before_m, text,
+                       m.reversed && data->n_sockets == 0
+                           ? ", the order of x, y and z (an exchange mirrors the arm)"
+                           : "");
 }

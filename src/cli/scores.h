@@ -48,4 +48,8 @@ void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set,
 void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca_dataset *data,
                            bool calibrated);
 
+/* Data that do not fit the arm: print which mix-up of joint columns would explain it, if one does.
+ */
+void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_base, bool free_tool);
+
 #endif

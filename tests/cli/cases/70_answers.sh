@@ -39,3 +39,20 @@ expect "-q prints nothing" test "$code $(cat "$scratch/out" "$scratch/err")" = "
 script -qec "'$MUKCA' evaluate $a $d" /dev/null >terminal.txt </dev/null
 expect "evaluate on a terminal prints the placements in mm and no table of all digits" \
     sh -c "grep -q '^    left *7\.030' terminal.txt && ! grep -q mae_nominal_m terminal.txt"
+
+# columns that are not the URDF's
+mixed() { # NAME PROGRAM: the demo's session, changed by awk; columns 4 to 10 are the joints
+    awk -F '\t' -v OFS='\t' "/^#/ || /^placement/ {print; next} {$2; print}" "$d" >"$1.tsv"
+}
+mixed sign '$7 = -$7; $9 = -$9'
+mixed exchange 'x = $5; $5 = $6; $6 = x'
+mixed zero '$5 += 1.5707963267948966'
+mixed cycle 'x = $4; $4 = $5; $5 = $6; $6 = x'
+doubt "sign of joint_4, joint_6" calibrate $a sign.tsv
+answer "joint_2 and joint_3 exchanged" diagnose $a exchange.tsv
+run evaluate $a zero.tsv
+expect "evaluate names the joint whose zero is a quarter turn off" \
+    grep -q -e "-90 degrees added to joint_2" "$scratch/err"
+run diagnose $a cycle.tsv
+expect "no hint where no single mix-up explains the data" \
+    sh -c "grep -q 'do not fit this arm' '$scratch/out' && ! grep -q 'would agree' '$scratch/out'"

@@ -1,0 +1,131 @@
+/* Data that do not fit the arm: the mix-up of joint columns that would explain it. */
+#include "fit/mismatch.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fit/align.h"
+
+/* The largest errors of origins in practice are 1 cm at the tip, those of a wrong column 10 cm and
+ * more: below this share of the error a change is no coincidence. */
+static const double explained = 0.2;
+/* A change that is less simple must be better by this factor: reversing a joint that hardly moves
+ * the ball changes the error by less. */
+static const double simpler = 0.5;
+/* All patterns of reversed joints are tried up to this number of joints, else one joint only. */
+enum { MOST_PATTERNS = 8, MOST_SAMPLES = 500 };
+
+typedef struct {
+    const mukca_chain *chain;
+    mukca_dataset *data;
+    const double *q; /* as recorded */
+    bool free_base, free_tool;
+    bool failed; /* no memory */
+} search;
+
+/* Mean error of the nominal model, m. */
+static double measure(search *s)
+{
+    if (s->data->n_sockets == 0 && (s->free_base || s->free_tool)) {
+        mukca_geometry geometry;
+        mukca_alignment alignment;
+        mukca_geometry_set(&geometry, s->chain, NULL);
+        s->failed |=
+            !mukca_align(&alignment, &geometry, s->data,
+                         &(mukca_align_options){.tracker = s->free_base, .target = s->free_tool});
+        return alignment.median_m;
+    }
+    mukca_score mean, *scores = calloc(mukca_evaluate_room(s->data), sizeof *scores);
+    s->failed |=
+        !scores || mukca_evaluate(scores, &mean, &(mukca_model){.chain = s->chain}, s->data) < 0;
+    free(scores);
+    return s->failed ? (double)NAN : mean.mae;
+}
+
+/* Keep the change if it is worth it. */
+static void try(mukca_mismatch *best, search *s, const mukca_mismatch *change)
+{
+    const mukca_dataset *d = s->data;
+    for (int r = 0; r < d->n_rows; r++) {
+        const double *from = s->q + r * d->n_joints;
+        double *q = d->q + r * d->n_joints;
+        for (int j = 0; j < d->n_joints; j++)
+            q[j] = (change->reversed >> j & 1 ? -1 : 1) * from[j] +
+                   (j == change->shifted ? change->shift : 0);
+        if (change->exchanged[0] < 0) continue;
+        q[change->exchanged[0]] = from[change->exchanged[1]];
+        q[change->exchanged[1]] = from[change->exchanged[0]];
+    }
+    const double after = measure(s);
+    if (!(after < (best->found ? simpler * best->after_m : explained * best->before_m))) return;
+    const double before = best->before_m;
+    *best = *change;
+    best->found = true;
+    best->before_m = before;
+    best->after_m = after;
+}
+
+static bool is_reversed(unsigned pattern)
+{
+    return pattern && !(pattern & (pattern - 1));
+}
+
+/* All changes, the simple ones first. */
+static void try_all(mukca_mismatch *best, search *s)
+{
+    const mukca_mismatch none = {.exchanged = {-1, -1}, .shifted = -1};
+    const int n = s->chain->n_joints;
+    mukca_mismatch change = none;
+    for (int j = 0; j < n; j++, change = none) {
+        change.reversed = 1u << j;
+        try(best, s, &change);
+    }
+    for (int a = 0; a < n; a++)
+        for (int b = a + 1; b < n; b++, change = none) {
+            change.exchanged[0] = a, change.exchanged[1] = b;
+            try(best, s, &change);
+        }
+    for (int j = 0; j < n; j++)
+        for (int quarter = -1; quarter <= 2; quarter++, change = none) {
+            const int element = s->chain->joint_element[j];
+            if (!quarter || s->chain->element[element].type == MUKCA_PRISMATIC) continue;
+            change.shifted = j, change.shift = quarter * M_PI / 2;
+            try(best, s, &change);
+        }
+    for (unsigned pattern = 1; n <= MOST_PATTERNS && pattern < 1u << n; pattern++) {
+        change.reversed = pattern;
+        if (!is_reversed(pattern)) try(best, s, &change);
+    }
+}
+
+mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *chain,
+                                 const mukca_dataset *data, bool free_base, bool free_tool,
+                                 mukca_error *error)
+{
+    mukca_dataset part = {0};
+    unsigned char *keep = calloc((size_t)data->n_rows + 1, 1);
+    const int step = 1 + (data->n_rows - 1) / MOST_SAMPLES;
+    *mismatch = (mukca_mismatch){.exchanged = {-1, -1}, .shifted = -1};
+    for (int r = 0; keep && r < data->n_rows; r += step) keep[r] = 1;
+    mukca_status status = keep ? mukca_dataset_subset(&part, data, keep, error)
+                               : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    free(keep);
+    if (status != MUKCA_OK) return status;
+    const size_t size = (size_t)part.n_rows * (size_t)part.n_joints * sizeof *part.q;
+    double *q = malloc(size + 1);
+    search s = {.chain = chain,
+                .data = &part,
+                .q = q,
+                .free_base = free_base,
+                .free_tool = free_tool,
+                .failed = !q};
+    if (q) {
+        memcpy(q, part.q, size);
+        mismatch->before_m = measure(&s);
+        try_all(mismatch, &s);
+    }
+    free(q);
+    mukca_dataset_free(&part);
+    return s.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+}
