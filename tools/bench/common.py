@@ -26,8 +26,8 @@ def output(*command):
 
 
 def python_with(*modules, packages=None):
-    """A Python that has the modules, from build/venv where need be; None where that fails."""
-    test = ["-c", "import " + ", ".join(modules)]
+    """A Python that has the modules and packages, from build/venv where need be; None where that fails."""
+    test = ["-c", f"import {', '.join(modules)}, importlib.metadata as m; [m.version(p) for p in {packages or []}]"]
     venv = os.path.join(BUILD, "venv")
     for python in (sys.executable, os.path.join(venv, "bin", "python3")):
         if os.path.exists(python) and subprocess.run([python, *test], capture_output=True).returncode == 0:

@@ -2,6 +2,7 @@
 import array
 import os
 import random
+import shutil
 import subprocess
 
 from common import BUILD, HERE, MUKCA, REPEATS, goal, output, python_with
@@ -32,25 +33,36 @@ def casadi_library(folder):
     return [library]
 
 
-def pinocchio(folder, rows, repeats):
-    """Lines of the Pinocchio program; none where it cannot be built."""
-    python = python_with("pinocchio", packages=["pin", "cmeel-eigen"])
+def pinocchio_program(name, level, packages, *libraries):
+    """Path of a program built against Pinocchio from PyPI, which compiles for a minute or two; None where it is not to be had."""
+    python = python_with("pinocchio", packages=["pin", "cmeel-eigen", *packages])
     if not python:
-        print("  SKIPPED Pinocchio: it cannot be installed")
-        return ""
+        print(f"  SKIPPED {name}: {', '.join(['pin', *packages])} cannot be installed")
+        return None
     module = output(python, "-c", "import pinocchio as p, os; print(os.path.abspath(p.__file__))")
     prefix = module.strip().rpartition("/lib/python")[0]
-    program = os.path.join(folder, "pinocchio_fk")
-    lib = os.path.join(prefix, "lib")
+    source, program, lib = os.path.join(HERE, name + ".cc"), os.path.join(BUILD, "bench", name), os.path.join(prefix, "lib")
+    if os.path.exists(program) and os.path.getmtime(program) > os.path.getmtime(source):
+        return program
     done = subprocess.run(
-        [*CXX, "-std=c++17", "-O3", "-DNDEBUG", "-w", *PINOCCHIO_DEFINES, "-isystem", os.path.join(prefix, "include"),
-         "-isystem", os.path.join(prefix, "include/eigen3"), "-o", program,
-         os.path.join(HERE, "pinocchio_fk.cc"), f"-L{lib}", f"-Wl,-rpath,{lib}",
-         "-lpinocchio_parsers", "-lpinocchio_default", "-lurdfdom_model"], capture_output=True, text=True)
+        [*CXX, "-std=c++17", level, "-DNDEBUG", "-w", *PINOCCHIO_DEFINES, "-isystem", os.path.join(prefix, "include"),
+         "-isystem", os.path.join(prefix, "include/eigen3"), "-o", program, source, f"-L{lib}", f"-Wl,-rpath,{lib}",
+         "-lpinocchio_parsers", "-lpinocchio_default", "-lurdfdom_model", *libraries], capture_output=True, text=True)
     if done.returncode != 0:
-        print("  SKIPPED Pinocchio: its headers do not compile here:", done.stderr.strip()[:200])
-        return ""
-    return output(program, URDF, TIP, repeats, rows)
+        print(f"  SKIPPED {name}: its headers do not compile here:", done.stderr.strip()[:200])
+        return None
+    return program
+
+
+def pinocchio(folder, rows, repeats):
+    """Lines of the Pinocchio programs, of the library and of the C that it generates; none where they cannot be built."""
+    library = pinocchio_program("pinocchio_fk", "-O3", [])
+    # it only calls what gcc makes of the generated C, with -O3
+    generator = pinocchio_program("pinocchio_codegen", "-O1", ["cmeel-cppad", "cmeel-cppadcodegen"], "-ldl")
+    lines = output(library, URDF, TIP, repeats, rows) if library else ""
+    if generator:
+        lines += output(generator, URDF, TIP, repeats, rows, folder, shutil.which(CC[-1]))
+    return lines
 
 
 def kdl(folder, rows, repeats):
@@ -78,10 +90,12 @@ LINES = (
     ("position, one by one", "position", 1),
     ("  CasADi's generated C, parameters folded into the code", "casadi_position", None),
     ("  Pinocchio, forwardKinematics and the tip's frame", "pinocchio_position", None),
+    ("  C that Pinocchio generates with CppADCodeGen", "pinocchio_generated_position", None),
     ("  KDL, JntToCart", "kdl_position", None),
     ("pose", "pose", None),
     ("pose and geometric Jacobian", "geometric_jacobian", 1.5),
     ("  Pinocchio, computeFrameJacobian", "pinocchio_jacobian", None),
+    ("  C that Pinocchio generates: Jacobian alone", "pinocchio_generated_jacobian", None),
     ("  KDL, JntToCart and JntToJac", "kdl_jacobian", None),
     (f"position and Jacobian by {6 * (JOINTS + 1)} parameters", "jacobian", None),
     ("  CasADi's generated C", "casadi_jacobian", None),
