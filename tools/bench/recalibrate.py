@@ -8,7 +8,7 @@ from common import BUILD, HERE, MUKCA, goal, output, process, python_with
 URDF = "data/gen3.urdf"
 BENCH = os.path.join(BUILD, "bench", "bench_recalibrate")
 ROWS = int(os.environ.get("BENCH_ROWS", "1000000"))
-RUNS = 3
+RUNS = 5
 
 
 def line(words, seconds, mib, ratios=None, least=None):
