@@ -152,9 +152,7 @@ static mukca_status measure_each(measurement *s, int *least, mukca_error *error)
         mukca_folds_run(s->b->error, s->b, by_socket);
         mukca_folds_compare(shrink, s->b, s->b->error, s->full[by_socket]);
         mukca_unknowns_assign(&m->unknowns, &s->all);
-        if (m->linear.version != version)
-            mukca_regression_linearise(m), version = m->linear.version;
-        mukca_regression_return(m);
+        if (m->linear.version != version) mukca_regression_freeze(m), version = m->linear.version;
         if (is_suspected(shrink, &s->findings->causes[i]) &&
             (*least < 0 || shrink->shrink_percent < s->v->cause[*least].shrink_percent))
             *least = i;
@@ -167,6 +165,7 @@ static mukca_status measure_causes(measurement *s, mukca_error *error)
     mukca_regression *m = s->b->m;
     for (;;) {
         int least;
+        mukca_regression_freeze(m);
         measure_explained(s);
         const mukca_status status = measure_each(s, &least, error);
         if (status != MUKCA_OK || least < 0) return status;
@@ -209,6 +208,7 @@ mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, m
     mukca_unknowns_assign(&m->unknowns, &explained);
     memcpy(m->recording.keep, kept, (size_t)rows);
     mukca_recording_regroup(&m->recording);
+    const mukca_status status = v->folds < 2 ? MUKCA_OK : measure_causes(&s, error);
     mukca_regression_linearise(m);
-    return v->folds < 2 ? MUKCA_OK : measure_causes(&s, error);
+    return status;
 }

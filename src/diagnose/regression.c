@@ -193,7 +193,12 @@ void mukca_regression_refit(mukca_regression *m)
 
 void mukca_regression_revise(mukca_regression *m)
 {
-    /* a thousandth of what decides anything: held-out errors change behind their printed digits */
-    if (!mukca_regression_solve(m) || !holds(m, 0.001))
-        mukca_regression_fit(m, 4, MUKCA_FIT_UNKNOWNS);
+    for (int pass = 0; pass < 3; pass++) {
+        if (!mukca_regression_solve(m)) break;
+        /* a thousandth of what decides anything: held-out errors change behind their printed digits
+         */
+        if (holds(m, 0.001)) return;
+        if (!mukca_linearisation_refresh(&m->linear, &m->recording, &m->unknowns)) break;
+    }
+    mukca_regression_fit(m, 4, MUKCA_FIT_UNKNOWNS);
 }
