@@ -1,7 +1,6 @@
 /* Products X'X and X'Y, and the Cholesky factorisation with its triangular solves. */
 #include <math.h>
 #include <stdbool.h>
-#include <string.h>
 
 #include "math/dense.h"
 #include "math/four.h"
@@ -36,59 +35,72 @@ MUKCA_INLINE void gram4x8(double *C, int ldc, mukca_columns a, mukca_columns b, 
     ADD8(C + 3 * (long)ldc, s30, s31);
 }
 
+/* C[4][4] += A' B. */
+MUKCA_INLINE void gram4x4(double *C, int ldc, mukca_columns a, mukca_columns b, int m)
+{
+    four s[4] = {{0}};
+    for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld)
+        for (int i = 0; i < 4; i++) s[i] += a.x[i] * LOAD4(b.x);
+    for (long i = 0; i < 4; i++) STORE4(C + i * ldc, LOAD4(C + i * ldc) + s[i]);
+}
+
+/* c[8 entries, `step` apart] += a' B for one column a[m] and B[m][8]. */
+MUKCA_INLINE void gram1x8(double *c, long step, mukca_columns a, mukca_columns b, int m)
+{
+    four s0 = {0}, s1 = {0};
+    for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld) {
+        s0 += a.x[0] * LOAD4(b.x);
+        s1 += a.x[0] * LOAD4(b.x + 4);
+    }
+    for (int i = 0; i < 4; i++) c[i * step] += s0[i];
+    for (int i = 0; i < 4; i++) c[(4 + i) * step] += s1[i];
+}
+
+/* The same for four columns a[m][4], `step` apart in c, too. */
+MUKCA_INLINE void gram4x8_turned(double *c, long step, mukca_columns a, mukca_columns b, int m)
+{
+    double block[32] = {0};
+    gram4x8(block, 8, a, b, m);
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 8; j++) c[j * step + i] += block[8 * i + j];
+}
+
+MUKCA_INLINE double gram1x1(mukca_columns a, mukca_columns b, int m)
+{
+    double s = 0;
+    for (long r = 0; r < m; r++) s += a.x[r * a.ld] * b.x[r * b.ld];
+    return s;
+}
+
 MUKCA_INLINE mukca_columns from(mukca_columns X, int column)
 {
     return (mukca_columns){X.x + column, X.n - column, X.ld};
-}
-
-/* `width` columns of a strip, of which the last ones may be missing: those of a copy are 0. */
-MUKCA_INLINE mukca_columns block_of(double *copy, mukca_columns X, int column, int width, int m)
-{
-    const mukca_columns there = from(X, column);
-    if (there.n >= width) return there;
-    memset(copy, 0, sizeof *copy * (size_t)(width * m));
-    for (long r = 0; r < m; r++)
-        for (int c = 0; c < there.n; c++) copy[r * width + c] = there.x[r * X.ld + c];
-    return (mukca_columns){copy, there.n, width};
-}
-
-/* C += a' b for a block that may lack columns. */
-MUKCA_INLINE void gram_block(double *C, int ldc, mukca_columns a, mukca_columns b, int m)
-{
-    if (a.n >= 4 && b.n >= 8) {
-        gram4x8(C, ldc, a, b, m);
-        return;
-    }
-    double block[32] = {0};
-    gram4x8(block, 8, a, b, m);
-    for (long i = 0; i < a.n && i < 4; i++)
-        for (int j = 0; j < b.n && j < 8; j++) C[i * ldc + j] += block[8 * i + j];
-}
-
-/* So few products that filling a block up would cost more. */
-enum { FEW = 4 };
-
-MUKCA_INLINE void gram_few(double *C, mukca_columns X, mukca_columns Y, int m)
-{
-    for (int i = 0; i < X.n; i++)
-        for (int j = 0; j < Y.n; j++) {
-            double s = 0;
-            for (long r = 0; r < m; r++) s += X.x[r * X.ld + i] * Y.x[r * Y.ld + j];
-            C[i * Y.n + j] += s;
-        }
 }
 
 /* C[X.n][Y.n] += X' Y of one strip of rows.  With `upper` only blocks that touch the upper triangle
  * (X and Y the same). */
 MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m, bool upper)
 {
-    double last_of_x[4 * STRIP], last_of_y[8 * STRIP];
-    const int n = X.n, k = Y.n, n4 = n & ~3;
-    const mukca_columns last = block_of(last_of_x, X, n4, 4, m);
-    for (int j = 0; j < k; j += 8) {
-        const mukca_columns b = block_of(last_of_y, Y, j, 8, m);
-        for (int i = 0; i < n && (!upper || i < j + 8); i += 4)
-            gram_block(C + (long)i * k + j, k, i < n4 ? from(X, i) : last, b, m);
+    const int n = X.n, k = Y.n, n4 = n & ~3, k8 = k & ~7, n8 = n & ~7;
+    for (int i = 0; i < n4; i += 4)
+        for (int j = upper ? i & ~7 : 0; j < k8; j += 8)
+            gram4x8(C + (long)i * k + j, k, from(X, i), from(Y, j), m);
+    for (int i = n4; i < n; i++)
+        for (int j = upper ? i & ~7 : 0; j < k8; j += 8)
+            gram1x8(C + (long)i * k + j, 1, from(X, i), from(Y, j), m);
+    int j4 = k8;
+    if (k - k8 >= 4) {
+        for (int i = 0; i < n8; i += 8)
+            gram4x8_turned(C + (long)i * k + k8, k, from(Y, k8), from(X, i), m);
+        if (n - n8 >= 4) gram4x4(C + (long)n8 * k + k8, k, from(X, n8), from(Y, k8), m);
+        for (int i = n - n8 >= 4 ? n8 + 4 : n8; i < n; i++)
+            for (int j = k8; j < k8 + 4; j++)
+                C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
+        j4 += 4;
+    }
+    for (int j = j4; j < k; j++) {
+        for (int i = 0; i < n8; i += 8) gram1x8(C + (long)i * k + j, k, from(Y, j), from(X, i), m);
+        for (int i = n8; i < n; i++) C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
     }
 }
 
@@ -96,11 +108,7 @@ MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m,
 MUKCA_INLINE void gram(double *C, mukca_columns X, mukca_columns Y, int m, bool upper)
 {
     for (int r = 0; r < m; r += STRIP) {
-        const int rows = m - r < STRIP ? m - r : STRIP;
-        if (X.n * Y.n <= FEW)
-            gram_few(C, X, Y, rows);
-        else
-            gram_strip(C, X, Y, rows, upper);
+        gram_strip(C, X, Y, m - r < STRIP ? m - r : STRIP, upper);
         X.x += (long)STRIP * X.ld;
         Y.x += (long)STRIP * Y.ld;
     }
