@@ -27,6 +27,7 @@ bool mukca_projector_create(mukca_projector *p, mukca_pool *pool, mukca_regressi
                            .along = MUKCA_TAKE(pool, double, pairs *STRIDE),
                            .T = MUKCA_TAKE(pool, double, (n + 1) * STRIDE),
                            .near = MUKCA_TAKE(pool, double, FEW *STRIDE),
+                           .step.T = MUKCA_TAKE(pool, double, 3 * n),
                            .u = MUKCA_TAKE(pool, double, rows),
                            .Zt = MUKCA_TAKE(pool, double, rows *n)};
     return mukca_products_create(&p->own, pool, m, MUKCA_MAX_COLUMNS, MUKCA_MAX_COLUMNS) &&
@@ -432,26 +433,65 @@ MUKCA_CLONES static void sum_rows(double *T, double *g, const mukca_projector *p
     }
 }
 
+/* What a step of the group from sample `from` on has in the rows.  Steps of a group come one after
+ * the other, so that only the samples between this one and the last one leave the sums. */
+MUKCA_CLONES static void sum_step(mukca_projector *p, int group, int from)
+{
+    const mukca_recording *r = &p->m->recording;
+    const int end = r->groups[group].start + r->groups[group].count, d = r->dim, n = p->n;
+    const bool follows = p->step.group == group && p->step.from <= from;
+    const double sign = follows ? -1 : 1;
+    double *T = p->step.T, *g = p->step.g;
+    if (!follows) {
+        memset(T, 0, sizeof *T * (size_t)(3 * n));
+        p->step.square = p->step.mean = g[0] = g[1] = g[2] = 0;
+    }
+    const int first = follows ? p->step.from : from, last = follows ? from : end;
+    for (int i = first; i < last; i++) {
+        const double *z = p->Zt + (size_t)(i * d) * (size_t)n, *u = p->u + i * d;
+        for (int k = 0; k < 3 * n; k++) T[k] -= sign * z[k];
+        for (int c = 0; c < 3; c++) g[c] -= sign * u[c];
+        p->step.square +=
+            sign * (p->normal->diagonal[i] + (i + 1 < end ? 2 * p->normal->off[i + 1] : 0));
+        p->step.mean += sign * p->normal->mean_weight[i];
+    }
+    p->step.group = group, p->step.from = from;
+}
+
+/* Weighted square of the shares of a fault's samples; span->mean gets their mean. */
+static double sum_shares(fault_span *span, const mukca_projector *p, const mukca_candidate *h)
+{
+    const mukca_recording *r = &p->m->recording;
+    double square = 0, last = 0;
+    for (int i = span->from; i < span->to; i++) {
+        const double share = mukca_candidate_fault_share(h, r, r->order[i]);
+        square += share * (p->normal->diagonal[i] * share +
+                           (i > span->from ? 2 * p->normal->off[i] * last : 0));
+        last = share;
+        if (r->groups[h->fault.group].socket >= 0) span->mean += p->normal->mean_weight[i] * share;
+    }
+    return square;
+}
+
 /* Faults of one socket or row: columns -share(row) * identity. */
 double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, double *information)
 {
     const mukca_recording *r = &p->m->recording;
-    const mukca_group *group = &r->groups[h->fault.group];
     const int n = p->n;
-    double *T = p->T + (n + 1) * EIGHT, G[9], g[3] = {0}, square = 0, last = 0;
+    double *T = p->T + (n + 1) * EIGHT, G[9], g[3] = {0}, square;
     fault_span span;
     find_samples(&span, r, h);
-    for (int i = span.from; i < span.to; i++) {
-        const double share = mukca_candidate_fault_share(h, r, r->order[i]);
-        square += share * (p->normal->diagonal[i] * share +
-                           (i > span.from ? 2 * p->normal->off[i] * last : 0));
-        last = share;
-        if (group->socket >= 0) span.mean += p->normal->mean_weight[i] * share;
+    if (p->have_rows && h->kind == MUKCA_CANDIDATE_STEP) {
+        sum_step(p, h->fault.group, span.from);
+        T = p->step.T, square = p->step.square, span.mean = p->step.mean;
+        memcpy(g, p->step.g, sizeof g);
+    } else {
+        square = sum_shares(&span, p, h);
+        if (p->have_rows)
+            sum_rows(T, g, p, h, &span);
+        else
+            project_fault(T, g, p, h, &span);
     }
-    if (p->have_rows)
-        sum_rows(T, g, p, h, &span);
-    else
-        project_fault(T, g, p, h, &span);
     const double own =
         p->precision * (square - p->normal->ones[h->fault.group] * span.mean * span.mean);
     for (int a = 0; a < 3; a++)
@@ -475,6 +515,7 @@ void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *norma
     p->n = n;
     p->rows = m->recording.n_samples * m->recording.dim;
     p->have_rows = false;
+    p->step.group = -1;
     p->precision = 1 / (sigma * sigma);
     mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL);
     memcpy(p->z, m->evidence.work, sizeof *p->z * (size_t)n);

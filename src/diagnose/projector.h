@@ -26,6 +26,10 @@ typedef struct {
     bool have_rows;     /* mukca_projector_rows() was called since it was aimed */
     double *u;          /* [rows] W y - Zt z */
     double *Zt;         /* [rows][n] W X D L'^-1 */
+    struct {            /* sums over the samples of the last step of a socket: */
+        int group, from;
+        double square, mean, g[3], *T; /* weighted square and mean of its shares, g, T[3][n] */
+    } step;
 } mukca_projector;
 
 /* Memory comes from `pool`.  False: no memory. */
