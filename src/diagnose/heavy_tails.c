@@ -9,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "math/four.h"
+
 /* Degrees of freedom recommended where they are not known (Lange, Little and Taylor 1989). */
 #define STUDENT_NU 4.0
 #define PI 3.14159265358979323846
@@ -16,16 +18,19 @@
 static const double memories[] = {0, 0.25, 0.5, 0.7, 0.85};
 enum { USUAL_MEMORIES = 3, MEMORIES = sizeof memories / sizeof *memories };
 
-/* Residuals r[n_samples][3] of the fitted model, m. */
-static void residuals(double *r, const mukca_regression *m)
+/* Residuals r[n_samples][3] of the fitted model, m.  The columns held that are not in use take no
+ * part: `take` is scratch, [n_held]. */
+MUKCA_CLONES static void residuals(double *r, double *take, const mukca_regression *m)
 {
-    const int n = m->linear.n_columns, d = m->recording.dim, *at = m->linear.at;
+    const mukca_linearisation *linear = &m->linear;
+    const int n = linear->n_columns, held = linear->n_held, d = m->recording.dim;
+    memset(take, 0, sizeof *take * (size_t)held);
+    for (int k = 0; k < n; k++) take[linear->at[k]] = -m->evidence.mean[k];
+    take[linear->at[n]] = 1;
     for (int i = 0; i < m->recording.n_samples; i++)
-        for (int c = 0; c < 3; c++) {
-            const double *x = m->linear.columns + (size_t)(i * d + c) * (size_t)m->linear.stride;
-            r[3 * i + c] = x[at[n]];
-            for (int k = 0; k < n; k++) r[3 * i + c] -= x[at[k]] * m->evidence.mean[k];
-        }
+        for (int c = 0; c < 3; c++)
+            r[3 * i + c] =
+                dot4(linear->columns + (size_t)(i * d + c) * (size_t)linear->stride, take, held);
 }
 
 /* square[]: squared innovations of a first-order series about their mean in each socket, each
@@ -91,7 +96,7 @@ static void explain(double value[2], double *square, const double *r,
 static void explain_causes(double value[2], mukca_regression *m, double *scratch)
 {
     mukca_regression_solve(m);
-    residuals(scratch, m);
+    residuals(scratch, m->linear.change, m);
     explain(value, scratch + 3 * (size_t)m->recording.data->n_rows, scratch, &m->recording);
 }
 

@@ -473,6 +473,14 @@ static double sum_shares(fault_span *span, const mukca_projector *p, const mukca
     return square;
 }
 
+/* G[3][3] := own - T T'. */
+MUKCA_CLONES static void leave(double G[9], double own, const double *T, int n)
+{
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b <= a; b++)
+            G[3 * a + b] = G[3 * b + a] = (a == b ? own : 0) - dot4(T + a * n, T + b * n, n);
+}
+
 /* Faults of one socket or row: columns -share(row) * identity. */
 double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, double *information)
 {
@@ -494,9 +502,7 @@ double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, doubl
     }
     const double own =
         p->precision * (square - p->normal->ones[h->fault.group] * span.mean * span.mean);
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b <= a; b++)
-            G[3 * a + b] = G[3 * b + a] = (a == b ? own : 0) - dot4(T + a * n, T + b * n, n);
+    leave(G, own, T, n);
     for (int q = 0; q < r->n_pairs; q++) {
         const double *direction = p->m->linear.direction[q],
                      w = p->inverse[q] * span.mean * span.mean;
