@@ -36,7 +36,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
             .at = MUKCA_TAKE(pool, int, size),
             .reduced_prior = MUKCA_TAKE(pool, double, size),
             .T = MUKCA_TAKE(pool, double, 4 * size),
-            .B = MUKCA_TAKE(pool, double, size *(pairs < size ? pairs : size))};
+            .B = MUKCA_TAKE(pool, double, size *size)};
     evidence->work = MUKCA_TAKE(pool, double, size);
     evidence->factor = MUKCA_TAKE(pool, double, size *size);
     evidence->marginal = MUKCA_TAKE(pool, double, 4 * size * size);

@@ -32,8 +32,9 @@ typedef struct {
     int *at;              /* [n + 1] which of them `gram` is of */
     /* their reduction to tridiagonal form, for noise.c */
     bool reduced;
+    int units;             /* from this column on B has the unit vectors of the columns */
     double *reduced_prior; /* [n] priors that it was made with */
-    double *T, *B;         /* [4][n]: diagonal, off-diagonal, scratch; [n][1 + n_pairs] */
+    double *T, *B; /* [4][n]: diagonal, off-diagonal, scratch; [n][1 + n_pairs + n - units] */
 } mukca_normal_equations;
 
 typedef struct {

@@ -13,12 +13,14 @@
 
 /* The evidence along the noise.  With K = 1 + D G D / sigma^2 = Q (1 + T / sigma^2) Q' and the
  * distances predicted from the samples, it takes T, Q'D X'W y and Q'D d for each distance row d;
- * each value is linear in n. */
+ * each value is linear in n.  Columns are left out by the Schur complement of their block of K^-1,
+ * which takes rows of Q: one reduction serves for each cause in turn. */
 typedef struct {
     mukca_evidence *evidence;
     const mukca_normal_equations *normal;
+    mukca_left_out out;
     bool reduced;    /* T and B are there; else each value needs a factorisation */
-    double *scratch; /* [n][1 + n_pairs], [1 + n_pairs][1 + n_pairs] and that of its factor */
+    double *scratch; /* [n][k], [k][k] and two factors, k = 1 + n_pairs + out.count */
 } along_noise;
 
 /* Rounding changes T by 1e-16 of its norm, which is at most its trace; beside the 1 that is 1 %. */
@@ -27,46 +29,89 @@ typedef struct {
 /* T and B of these normal equations and priors, where they are not there yet.  False:
  * factorisations do better (free frames of a pose log, many distances).  `least` is the least noise
  * that will be asked for. */
-static bool reduce(mukca_normal_equations *normal, mukca_evidence *evidence, double least)
+static bool reduce(mukca_normal_equations *normal, mukca_evidence *evidence,
+                   const mukca_left_out *out, double least)
 {
     const double *prior = evidence->prior;
-    const int n = normal->n, size = n + 1, k = 1 + normal->n_pairs;
+    const int n = normal->n, size = n + 1, units = out->count ? out->from : n,
+              k = 1 + normal->n_pairs + n - units;
     const size_t bytes = sizeof *prior * (size_t)n;
     double *A = evidence->factor, trace = 0;
     for (int i = 0; i < n; i++) trace += prior[i] * normal->gram[i * size + i] * prior[i];
     if (k > n || !(trace < MOST_TRACE * least * least)) return false;
-    if (normal->reduced && memcmp(normal->reduced_prior, prior, bytes) == 0) return true;
+    if (normal->reduced && normal->units <= units &&
+        memcmp(normal->reduced_prior, prior, bytes) == 0)
+        return true;
     memcpy(normal->reduced_prior, prior, bytes);
     normal->reduced = true;
+    normal->units = units;
     for (int i = 0; i < n; i++) {
+        double *B = normal->B + (size_t)i * (size_t)k;
         for (int j = 0; j < n; j++) A[i * n + j] = prior[i] * normal->gram[i * size + j] * prior[j];
-        normal->B[i * k] = prior[i] * normal->gram[n * size + i];
-        for (int p = 1; p < k; p++)
-            normal->B[i * k + p] = prior[i] * normal->distance[(p - 1) * size + i];
+        B[0] = prior[i] * normal->gram[n * size + i];
+        for (int p = 0; p < normal->n_pairs; p++)
+            B[1 + p] = prior[i] * normal->distance[p * size + i];
+        for (int u = units; u < n; u++) B[1 + normal->n_pairs + u - units] = u == i;
     }
     mukca_dense_tridiagonalise(A, n, normal->T, normal->B, k);
     return true;
 }
 
 /* Rows of Y := L^-1 B / sqrt(C), where L C L' = 1 + T / sigma^2: its Gram matrix is
- * B'(1 + T / sigma^2)^-1 B.  Returns log |C|, NaN where it is not positive. */
-static double eliminate(double *Y, const mukca_normal_equations *normal, double precision)
+ * B'(1 + T / sigma^2)^-1 B.  Of B those columns that matter.  Returns log |C|, NaN where it is not
+ * positive. */
+static double eliminate(double *Y, const along_noise *a, double precision)
 {
-    const int n = normal->n, k = 1 + normal->n_pairs;
+    const mukca_normal_equations *normal = a->normal;
+    const int n = normal->n, shared = 1 + normal->n_pairs, k = shared + a->out.count,
+              ldb = shared + n - normal->units;
+    const int skip = a->out.column - normal->units; /* columns of B before those left out */
     const double *T = normal->T, *B = normal->B;
     double pivot = 1, log_det = 0, product = 1;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++, B += ldb, Y += k) {
         const double beside = i ? precision * T[n + i - 1] : 0, l = i ? beside / pivot : 0,
                      root = sqrt(pivot);
         pivot = 1 + precision * T[i] - beside * l;
         if (!(pivot > 0)) return NAN;
         const double inverse = 1 / sqrt(pivot);
         for (int c = 0; c < k; c++)
-            Y[i * k + c] = (B[i * k + c] - (i ? l * root * Y[(i - 1) * k + c] : 0)) * inverse;
+            Y[c] = (B[c < shared ? c : skip + c] - (i ? l * root * Y[c - k] : 0)) * inverse;
         product *= pivot; /* one logarithm for a few */
         if (product > 1e100 || i + 1 == n) log_det += log(product), product = 1;
     }
     return log_det;
+}
+
+/* Take the last `count` rows and columns of G[k][k] out by their Schur complement.  Returns the log
+ * of the determinant of their block, NaN where it is not positive. */
+static double take_out(double *G, double *scratch, int k, int count)
+{
+    const int rest = k - count;
+    double *V = scratch, *T = V + count * count, log_det = 0;
+    for (int i = 0; i < count; i++) {
+        memcpy(V + i * count, G + (rest + i) * k + rest, sizeof *V * (size_t)count);
+        memcpy(T + i * rest, G + (rest + i) * k, sizeof *T * (size_t)rest);
+    }
+    if (mukca_dense_cholesky(V, count)) return NAN;
+    mukca_dense_forward(T, rest, V, count);
+    for (int i = 0; i < count; i++) {
+        log_det += 2 * log(V[i * count + i]);
+        for (int a = 0; a < rest; a++)
+            for (int b = 0; b < rest; b++) G[a * k + b] -= T[i * rest + a] * T[i * rest + b];
+    }
+    return log_det;
+}
+
+/* The evidence by a factorisation. */
+static double evaluate(const along_noise *a, double sigma)
+{
+    double *prior = a->evidence->prior + a->out.column, kept[MUKCA_MAX_COLUMNS];
+    const size_t bytes = sizeof *prior * (size_t)a->out.count;
+    memcpy(kept, prior, bytes);
+    memset(prior, 0, bytes); /* a prior of width 0 leaves them out */
+    const double value = mukca_evidence_evaluate(a->evidence, a->normal, sigma, NULL);
+    memcpy(prior, kept, bytes);
+    return value;
 }
 
 static double minus_evidence(void *context, double log_sigma)
@@ -75,12 +120,13 @@ static double minus_evidence(void *context, double log_sigma)
     const mukca_normal_equations *normal = a->normal;
     const double sigma = exp(log_sigma), precision = 1 / (sigma * sigma),
                  known = normal->distance_sigma * normal->distance_sigma;
-    const int n = normal->n, size = n + 1, pairs = normal->n_pairs, k = 1 + pairs;
-    if (!a->reduced) return -mukca_evidence_evaluate(a->evidence, normal, sigma, NULL);
-    double *Y = a->scratch, *G = Y + n * k, *S = G + k * k, *r = S + pairs * pairs;
-    double log_det = eliminate(Y, normal, precision);
+    const int n = normal->n, size = n + 1, pairs = normal->n_pairs, k = 1 + pairs + a->out.count;
+    if (!a->reduced) return -evaluate(a, sigma);
+    double *Y = a->scratch, *G = Y + n * k, *S = G + k * k, *r = S + k * k;
+    double log_det = eliminate(Y, a, precision);
     memset(G, 0, sizeof *G * (size_t)(k * k));
     mukca_dense_syrk(G, k, Y, n, k);
+    log_det += take_out(G, S, k, a->out.count);
     double quadratic = precision * (normal->gram[size * size - 1] - precision * G[0]);
     for (int p = 0; p < pairs; p++) { /* what the samples leave of the distances */
         r[p] = normal->distance[p * size + n] - precision * G[1 + p];
@@ -96,12 +142,17 @@ static double minus_evidence(void *context, double log_sigma)
     return 0.5 * (quadratic + log_det) + normal->dof * log_sigma - normal->log_det;
 }
 
-double mukca_noise_choose(mukca_evidence *evidence, mukca_normal_equations *normal, double guess,
-                          double *value)
+double mukca_noise_choose(mukca_evidence *evidence, mukca_normal_equations *normal,
+                          const mukca_left_out *out, double guess, double *value)
 {
     const double tolerance = 0.01; /* a hundredth of sigma: far below what the data know of it */
-    along_noise context = {evidence, normal, reduce(normal, evidence, guess / 2),
-                           evidence->marginal};
+    const mukca_left_out none = {0};
+    if (!out) out = &none;
+    along_noise context = {.evidence = evidence,
+                           .normal = normal,
+                           .out = *out,
+                           .reduced = reduce(normal, evidence, out, guess / 2),
+                           .scratch = evidence->marginal};
     double best, lo = log(guess / 2), hi = log(2 * guess);
     double x = mukca_stats_minimize(&best, minus_evidence, &context, lo, hi, tolerance);
     if (x < lo + 5 * tolerance ||

@@ -67,7 +67,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
         double value;
         if (u->weight && i) break; /* robust weights go with independent samples only */
         mukca_normal_equations *normal = mukca_regression_collect(m, i);
-        const double sigma = mukca_noise_choose(&m->evidence, normal, u->sigma, &value);
+        const double sigma = mukca_noise_choose(&m->evidence, normal, NULL, u->sigma, &value);
         if (value > best) {
             best = value, u->sigma = sigma, u->rho = normal->rho;
             chosen = normal;
@@ -75,7 +75,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     }
     if (freedom == MUKCA_FIT_ALL) {
         mukca_scales_choose(u, &m->evidence, &m->recording, chosen);
-        u->sigma = mukca_noise_choose(&m->evidence, chosen, u->sigma, NULL);
+        u->sigma = mukca_noise_choose(&m->evidence, chosen, NULL, u->sigma, NULL);
     }
     return chosen;
 }

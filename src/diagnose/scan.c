@@ -96,18 +96,25 @@ static bool worth_averaging(double log_bayes, double log_prior, double most)
     return log_bayes + log_prior > -4.0 || log_bayes > fmax(0.25 * most, 4.0);
 }
 
-/* Noise and evidence at each AR(1) coefficient; order[0] is the best one. */
+/* Noise and evidence at each AR(1) coefficient; order[0] is the best one.  Leaves the priors
+ * without the cause. */
 static void weigh_rhos(mukca_regression *m, double *sigma, double *value, int *order, int without)
 {
+    const mukca_unknowns *u = &m->unknowns;
+    const mukca_left_out out = {.column = without < 0 ? 0 : mukca_unknowns_column(u, without),
+                                .count = without < 0 ? 0 : u->cause[without].candidate.terms,
+                                .from = u->n_geometry};
+    mukca_unknowns_prior(m->evidence.prior, u);
+    for (int i = 0; i < MUKCA_RHOS; i++)
+        sigma[i] = mukca_noise_choose(&m->evidence, mukca_regression_collect(m, i), &out, u->sigma,
+                                      &value[i]);
+    leave_out(m, without);
     for (int i = 0; i < MUKCA_RHOS; i++) {
-        mukca_normal_equations *normal = mukca_regression_collect(m, i);
         order[i] = i;
-        sigma[i] = mukca_noise_choose(&m->evidence, normal, m->unknowns.sigma, &value[i]);
         /* the noise is what the full model leaves, not what the missing cause adds */
-        if (without >= 0 && sigma[i] > 1.15 * m->unknowns.sigma) {
-            sigma[i] = 1.15 * m->unknowns.sigma;
-            value[i] = mukca_evidence_evaluate(&m->evidence, normal, sigma[i], NULL);
-        }
+        if (without < 0 || !(sigma[i] > 1.15 * u->sigma)) continue;
+        sigma[i] = 1.15 * u->sigma;
+        value[i] = mukca_evidence_evaluate(&m->evidence, &m->evidence.normal[i], sigma[i], NULL);
     }
     for (int i = 1; i < MUKCA_RHOS; i++)
         if (value[i] > value[order[0]]) order[i] = order[0], order[0] = i;
@@ -158,7 +165,6 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
 {
     double value[MUKCA_RHOS], sigma[MUKCA_RHOS], most = -HUGE_VAL;
     int order[MUKCA_RHOS];
-    leave_out(m, without);
     weigh_rhos(m, sigma, value, order, without);
     scan->rho = order[0], scan->sigma = sigma[order[0]];
 

@@ -36,6 +36,21 @@ MUKCA_INLINE double reflect(double *v, double *left, int n)
     return 1 / (norm * fabs(v[0]));
 }
 
+/* B[m][k] -= beta x x' B. */
+MUKCA_INLINE void reflect_columns(double *B, const double *x, double beta, int m, int k)
+{
+    enum { MOST = 64 };
+    for (int first = 0; first < k; first += MOST) {
+        const int count = k - first < MOST ? k - first : MOST;
+        double sum[MOST] = {0};
+        for (long i = 0; i < m; i++)
+            for (int c = 0; c < count; c++) sum[c] += x[i] * B[i * k + first + c];
+        for (int c = 0; c < count; c++) sum[c] *= beta;
+        for (long i = 0; i < m; i++)
+            for (int c = 0; c < count; c++) B[i * k + first + c] -= sum[c] * x[i];
+    }
+}
+
 /* Golub and Van Loan, Matrix Computations, algorithm 8.3.1.  Each row gets the update of a step and
  * its product with the vector of the next one in one pass; the vectors stay in the upper rows. */
 MUKCA_CLONES void mukca_dense_tridiagonalise(double *A, int n, double *T, double *B, int k)
@@ -59,10 +74,6 @@ MUKCA_CLONES void mukca_dense_tridiagonalise(double *A, int n, double *T, double
         const double own = 0.5 * beta * dot4(x, next, m);
         for (int i = 0; i < m; i++) w[i] = beta > 0 ? next[i] - own * x[i] : 0;
         v = x;
-        for (int c = 0; c < k && beta > 0; c++) {
-            double sum = 0, *b = B + (long)(j + 1) * k + c;
-            for (long i = 0; i < m; i++) sum += x[i] * b[i * k];
-            for (long i = 0; i < m; i++) b[i * k] -= beta * sum * x[i];
-        }
+        if (beta > 0) reflect_columns(B + (long)(j + 1) * k, x, beta, m, k);
     }
 }
