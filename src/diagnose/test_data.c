@@ -23,13 +23,18 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
                                      const mukca_arm_state *geometry_only,
                                      const mukca_dataset *test, mukca_error *error)
 {
-    mukca_regression t; /* of its own, for the states; the prediction takes the fitted unknowns */
+    /* for the states, without columns; the prediction takes the fitted unknowns */
+    mukca_regression t = {.unknowns.n_causes = 0};
     mukca_recording_options options = m->recording.options;
     options.base_per_log = options.tool_per_log = false; /* they take those of the training logs */
     options.mass_factor = m->recording.n_bodies ? m->recording.mass_factor : NULL;
-    mukca_status status = mukca_regression_create(&t, m->recording.chain, test, &options, error);
-    if (status != MUKCA_OK) return status;
+    mukca_status status = MUKCA_OK;
     const int rows = test->n_rows;
+    if (!mukca_recording_create(&t.recording, &t.pool, m->recording.chain, test, &options) ||
+        !mukca_unknowns_create(&t.unknowns, &t.pool, &t.recording)) {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d held-out rows", rows);
+        goto out;
+    }
     double *position = MUKCA_TAKE(&t.pool, double, 3 * rows);
     double *row_error = MUKCA_TAKE(&t.pool, double, rows);
     const mukca_arm_state nominal = mukca_unknowns_nominal_arm(&m->unknowns, m->recording.chain);
@@ -53,6 +58,7 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d held-out rows", rows);
     else
         mukca_folds_by_placement(errors->placement_m, &t.recording, row_error);
+out:
     mukca_regression_free(&t);
     return status;
 }
