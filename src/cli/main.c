@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "base/suggest.h"
 #include "cli/cli.h"
@@ -98,8 +101,19 @@ static void occupy_standard_streams(void)
     if (file >= 0) close(file);
 }
 
+/* Zeroed memory that comes from the kernel costs nothing until it is used.  glibc takes it from
+ * there for large blocks, but no longer once one of that size was freed, unless the limit is set.
+ */
+static void keep_large_blocks_apart(void)
+{
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, 128 * 1024); /* its initial value */
+#endif
+}
+
 int main(int argc, char **argv)
 {
+    keep_large_blocks_apart();
     occupy_standard_streams();
     cli_catch_interrupts();
     cli_json_watch();

@@ -284,7 +284,7 @@ static void fill_effect(const mukca_candidate *h, const mukca_recording *recordi
 }
 
 /* Unit of each term: rms about the mean of what one unit of coefficient turns the joint by. */
-static void set_units(mukca_candidate *h, const mukca_recording *recording)
+static void set_units(double *unit, const mukca_candidate *h, const mukca_recording *recording)
 {
     const int width = h->width_of_term;
     const mukca_effect_site site = mukca_candidate_site(h);
@@ -306,9 +306,9 @@ static void set_units(mukca_candidate *h, const mukca_recording *recording)
         if (site == MUKCA_SITE_ANGLES) square /= width;
         /* what hardly varies is rounding about a constant */
         square = fmax(square, fmax(1e-18, 1e-8 * whole));
-        h->unit[t] = wave ? MUKCA_WAVE_UNIT : sqrt(square);
+        unit[t] = wave ? MUKCA_WAVE_UNIT : sqrt(square);
         if (is_elastic(h) && t > 0)
-            h->unit[t] = h->unit[0] / mukca_recording_mass_spread(recording, t - 1);
+            unit[t] = unit[0] / mukca_recording_mass_spread(recording, t - 1);
     }
 }
 
@@ -390,13 +390,17 @@ void mukca_candidate_fill(const mukca_candidate *h, const mukca_recording *recor
 bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_recording *recording)
 {
     const int rows = recording->data->n_rows;
-    for (int t = 0; t < MUKCA_MAX_COLUMNS; t++) h->unit[t] = 1;
+    static const double metres[3] = {1, 1, 1};
+    h->unit = metres;
     set_shape(h, recording);
     if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE) return true;
+    double *unit = MUKCA_TAKE(pool, double, h->terms);
     h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term));
-    if (!h->basis) return false;
+    if (!unit || !h->basis) return false;
+    for (int t = 0; t < h->terms; t++) unit[t] = 1;
+    h->unit = unit;
     mukca_candidate_fill(h, recording);
     if (h->kind == MUKCA_CANDIDATE_EFFECT || mukca_candidate_is_unlisted(h))
-        set_units(h, recording);
+        set_units(unit, h, recording);
     return true;
 }

@@ -70,7 +70,7 @@ typedef struct {
     };
     int terms, width_of_term; /* a term is 1 angle, 3 of a rotation or shift, n_joints angles */
     float *basis;             /* [n_rows][terms][width_of_term]; NULL: faults and distances */
-    double unit[MUKCA_MAX_COLUMNS]; /* coefficient size that moves the joint by 1 rad rms (m: 1) */
+    const double *unit; /* [terms] coefficient size that moves the joint by 1 rad rms (m: 1) */
     double log_prior;
 } mukca_candidate;
 

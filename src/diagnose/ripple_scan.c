@@ -16,11 +16,12 @@ enum { ORDERS = MUKCA_RIPPLE_ORDERS - 1, LONG_WAVE = 32 };
 
 static mukca_candidate ripple_of(int joint)
 {
+    static const double unit[2] = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT};
     return (mukca_candidate){.kind = MUKCA_CANDIDATE_EFFECT,
                              .joint = joint,
                              .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC},
                              .terms = 2,
-                             .unit = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT}};
+                             .unit = unit};
 }
 
 /* gradient[ORDERS][2], and the squares of the levers with their weights, half of which a wave has

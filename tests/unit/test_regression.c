@@ -230,6 +230,19 @@ static void faults(void **state)
         assert_close(mukca_projector_fault(p, h, NULL), columns, 1e-7 * (1 + fabs(columns)));
     }
     assert_true(n[0] > 20 && n[1] > 5 && n[2] > 20);
+    /* one after the other, forwards and back: what is kept from step to step is of this socket */
+    mukca_projector_rows(p);
+    for (int k = 0; k < 2 * f->all.count; k++) {
+        const int i = k < f->all.count ? k : 2 * f->all.count - 1 - k;
+        const mukca_candidate *h = &f->all.list[i];
+        if (h->kind != MUKCA_CANDIDATE_STEP) continue;
+        const double score = mukca_projector_fault(p, h, NULL);
+        if (i % 11) continue;
+        const double columns = score_columns(p, h);
+        assert_close(score, columns, 1e-7 * (1 + fabs(columns)));
+        n[0]++;
+    }
+    assert_true(n[0] > 60);
 }
 
 /* The evidence at the chosen noise is that of a factorisation, and no other noise has more. */
@@ -241,7 +254,8 @@ static void noise(void **state)
     for (int r = 0; r < MUKCA_RHOS; r++) {
         double value, again;
         mukca_normal_equations *normal = mukca_regression_collect(m, r);
-        const double sigma = mukca_noise_choose(&m->evidence, normal, m->unknowns.sigma, &value);
+        const double sigma =
+            mukca_noise_choose(&m->evidence, normal, NULL, m->unknowns.sigma, &value);
         assert_true(normal->reduced);
         assert_close(mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL), value,
                      1e-8 * fabs(value));
@@ -250,13 +264,38 @@ static void noise(void **state)
                                                 NULL) < value);
         /* what was kept is not of other priors */
         for (int i = 0; i < normal->n; i++) m->evidence.prior[i] *= 0.5;
-        mukca_noise_choose(&m->evidence, normal, m->unknowns.sigma, &again);
+        mukca_noise_choose(&m->evidence, normal, NULL, m->unknowns.sigma, &again);
         for (int i = 0; i < normal->n; i++) m->evidence.prior[i] *= 2;
         assert_true(fabs(again - value) > 1e-3);
         /* far from the guess: by factorisations */
-        assert_close(mukca_noise_choose(&m->evidence, normal, 50 * sigma, NULL), sigma,
+        assert_close(mukca_noise_choose(&m->evidence, normal, NULL, 50 * sigma, NULL), sigma,
                      0.01 * sigma);
     }
+}
+
+/* Noise and evidence without some columns are those with priors of width 0. */
+static void noise_without(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    const mukca_left_out out[] = {{12, 3, 10}, {10, 1, 10}, {17, 6, 10}, {19, 2, 15}};
+    mukca_normal_equations *normal = mukca_regression_collect(m, 1);
+    for (size_t i = 0; i < sizeof out / sizeof *out; i++) {
+        double value, expected;
+        mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+        const double sigma =
+            mukca_noise_choose(&m->evidence, normal, &out[i], m->unknowns.sigma, &value);
+        assert_true(normal->reduced && normal->units <= out[i].from);
+        memset(m->evidence.prior + out[i].column, 0,
+               sizeof *m->evidence.prior * (size_t)out[i].count);
+        assert_close(mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL), value,
+                     1e-7 * fabs(value));
+        assert_close(mukca_noise_choose(&m->evidence, normal, NULL, m->unknowns.sigma, &expected),
+                     sigma, 1e-4 * sigma);
+        assert_close(expected, value, 1e-7 * fabs(value));
+    }
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    assert_true(normal->n > 22);
 }
 
 /* A scan that finds the scores of promising orders alone finds the best ones of all. */
@@ -547,6 +586,7 @@ int main(void)
                                        cmocka_unit_test(projected_evidence),
                                        cmocka_unit_test(faults),
                                        cmocka_unit_test(noise),
+                                       cmocka_unit_test(noise_without),
                                        cmocka_unit_test(harmonics),
                                        cmocka_unit_test(scales),
                                        cmocka_unit_test(held_products),
