@@ -3,15 +3,9 @@
 
 #include <string.h>
 
-/* A value in the lane of joint `j`, in registers: parts of a vector in memory make its reader wait.
- */
-#if MUKCA_LANES > 1
-#define IN_LANE(l, value)                                                            \
-    ((lanes){(l) == 0 ? (value) : 0, (l) == 1 ? (value) : 0, (l) == 2 ? (value) : 0, \
-             (l) == 3 ? (value) : 0})
-#else
-#define IN_LANE(l, value) ((l) == 0 ? (value) : 0)
-#endif
+/* One in the lane of joint l, 0 in the others; l in [-MUKCA_MAX_JOINTS, MUKCA_MAX_JOINTS]. */
+static const double lane_of[2 * MUKCA_MAX_JOINTS + MUKCA_LANES] = {[MUKCA_MAX_JOINTS] = 1};
+#define IN_LANE(l) LOAD_LANES(lane_of + MUKCA_MAX_JOINTS - (l))
 
 /* Rates without load as joints `first`, `first` + 1, ... turn. */
 PART void set_unloaded(mukca_posture_rates *r, const mukca_equilibrium *e,
@@ -19,9 +13,10 @@ PART void set_unloaded(mukca_posture_rates *r, const mukca_equilibrium *e,
 {
     for (int i = 0; i < 3; i++) r->base[i] = (lanes){0};
     for (int j = 0; j < e->n_joints; j++) {
-        r->angle[j] = LOAD_LANES(&slopes->angle[j][first]);
-        for (int i = 0; i < 3 && e->joint[j].tilts; i++)
-            r->rotation[j][i] = IN_LANE(j - first, slopes->rotation[j][i]);
+        const double *by = slopes->angle[j], *rotation = slopes->rotation[j];
+        const lanes own = IN_LANE(j - first);
+        r->angle[j] = by[0] * IN_LANE(j - 1 - first) + by[1] * own + by[2] * IN_LANE(j + 1 - first);
+        for (int i = 0; i < 3 && e->joint[j].tilts; i++) r->rotation[j][i] = rotation[i] * own;
     }
 }
 
@@ -30,20 +25,18 @@ PART void fill_columns(double *J, const mukca_posture_rates *r, const mukca_equi
                        int first)
 {
     const int n = e->n_joints;
-    lanes v[3] = {0}, w[3];
-    for (int i = 0; i < 3; i++) w[i] = r->base[i];
+    lanes v[3] = {0}, w[3] = {r->base[0], r->base[1], r->base[2]};
     for (int j = 0; j < n; j++) {
         const mukca_joint_posture *at = &e->joint[j];
-        lanes turn[3];
-        for (int i = 0; i < 3; i++) {
-            const lanes own = r->angle[j] * at->axis[i];
-            turn[i] = at->tilts ? r->rotation[j][i] : (lanes){0};
-            *(at->slides ? &v[i] : &turn[i]) += own;
-            w[i] += turn[i];
-        }
+        const double *axis = XYZ(at->axis), *p = XYZ(at->frame.column[3]);
+        const lanes angle = r->angle[j];
+        lanes turn[3] = {angle * axis[0], angle * axis[1], angle * axis[2]};
+        for (int i = 0; i < 3 && at->slides; i++) v[i] += turn[i], turn[i] = (lanes){0};
+        for (int i = 0; i < 3 && at->tilts; i++) turn[i] += r->rotation[j][i];
         for (int i = 0; i < 3; i++) {
             const int a = (i + 1) % 3, b = (i + 2) % 3;
-            v[i] += COLUMN(&at->frame, 3, a) * turn[b] - COLUMN(&at->frame, 3, b) * turn[a];
+            w[i] += turn[i];
+            v[i] += p[a] * turn[b] - p[b] * turn[a];
         }
     }
     for (int i = 0; i < 3; i++) {

@@ -74,10 +74,10 @@ static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
     if (!slopes || !ops->by_angle) return;
     const int by = ops->by_angle(slope, in, (const double(*)[3])basis);
     for (int j = 0; j < task->chain->n_joints && ops->direction; j++)
-        slopes->angle[j][j] += e->coefficient[0] * slope[0][0];
+        slopes->angle[j][1] += e->coefficient[0] * slope[0][0];
     if (ops->direction) return;
     const bool turns = ops->info.site == MUKCA_SITE_ROTATION;
-    double *into = turns ? slopes->rotation[e->joint] : &slopes->angle[e->joint][e->joint + by];
+    double *into = turns ? slopes->rotation[e->joint] : &slopes->angle[e->joint][1 + by];
     for (int t = 0; t < e->terms; t++)
         for (int i = 0; i < (turns ? 3 : 1); i++) into[i] += e->coefficient[t] * slope[t][i];
 }
@@ -98,7 +98,7 @@ void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slope
     if (slopes) {
         memset(slopes->angle, 0, joints * sizeof *slopes->angle);
         memset(slopes->rotation, 0, joints * sizeof *slopes->rotation);
-        for (size_t j = 0; j < joints; j++) slopes->angle[j][j] = 1;
+        for (size_t j = 0; j < joints; j++) slopes->angle[j][1] = 1;
     }
     for (int i = 0; i <= task->n_effects; i++) {
         const mukca_effect *e = task->effects + i;

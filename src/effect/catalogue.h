@@ -59,7 +59,8 @@ typedef struct {
      * only one for rotations), -1 and 1 the neighbours.  NULL: it depends on none. */
     int (*by_angle)(double slope[][3], const mukca_basis_input *in, const double basis[][3]);
     /* Needs masses: derivative of basis[0], given, by the joint's torque, by the moment across its
-     * axis (rotations), by the base's moment. */
+     * axis (rotations), by the base's moment.  NULL: MUKCA_TRAIT_ELASTIC, a basis of minus these.
+     */
     double (*by_load)(const mukca_effect *effect, const double basis[3]);
     /* site ANGLES, instead of basis: direction[n_joints], zeroed before */
     void (*direction)(double *direction, int n_joints, const mukca_effect *effect,
@@ -97,9 +98,8 @@ bool mukca_effect_read_number(double *value, const char *text, const char *unit)
 /* A whole number from `lowest` to `highest`, with or without a plus sign. */
 bool mukca_effect_read_integer(int *value, const char *text, int lowest, int highest);
 
-/* A spring at a joint: basis minus its torque; by_load of any spring: -1. */
+/* A spring at a joint: basis minus its torque. */
 void mukca_effect_spring_basis(double basis[][3], const mukca_basis_input *in);
-double mukca_effect_spring_slope(const mukca_effect *effect, const double basis[3]);
 
 /* Candidates that several effects share: one where the joint moved, one per placement. */
 bool mukca_survey_moved(mukca_effect *effect, const mukca_effect_survey *survey, int i);

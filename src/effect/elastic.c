@@ -1,13 +1,6 @@
 /* Elastic effects: springs that gravity's moment deflects. */
 #include "effect/catalogue.h"
 
-double mukca_effect_spring_slope(const mukca_effect *effect, const double basis[3])
-{
-    (void)effect;
-    (void)basis;
-    return -1;
-}
-
 void mukca_effect_spring_basis(double basis[][3], const mukca_basis_input *in)
 {
     if (in->state->torque) basis[0][0] = -in->state->torque[in->effect->joint];
@@ -30,7 +23,6 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
              .traits = MUKCA_TRAIT_ELASTIC,
              .sentence = "the transmission deflects under gravity torque"},
     .basis = mukca_effect_spring_basis,
-    .by_load = mukca_effect_spring_slope,
     .candidate = joint_candidate,
     .untested = "gravity loads it alike in all samples: record postures with other lever arms",
 };
@@ -63,7 +55,6 @@ const mukca_effect_ops mukca_link_bending_effect = {
              .remedy = "compensate it with the offsets table; check the screws between link and "
                        "joint"},
     .basis = link_basis,
-    .by_load = mukca_effect_spring_slope,
     .candidate = link_candidate,
 };
 
@@ -91,6 +82,5 @@ const mukca_effect_ops mukca_base_compliance_effect = {
              .sentence = "the base or its table tilts under the arm's weight",
              .remedy = "stiffen the base or its table, or compensate it"},
     .basis = base_basis,
-    .by_load = mukca_effect_spring_slope,
     .candidate = base_candidate,
 };

@@ -7,12 +7,17 @@
 #include "effect/catalogue.h"
 #include "mukca/gravity.h"
 
+/* The same in all lanes. */
+#define ALL(x) ((x) + (lanes){0})
+
+#define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
+
 /* A vector of a joint's frame in base coordinates, and back. */
 PART void to_base(double out[3], const columns *F, const double v[3])
 {
     lanes turned[ROWS];
     columns_vector(turned, F, v);
-    for (int i = 0; i < 3; i++) out[i] = ((const double *)turned)[i];
+    for (int i = 0; i < 3; i++) out[i] = XYZ(turned)[i];
 }
 
 static void to_joint(double out[3], const columns *F, const double v[3])
@@ -22,12 +27,24 @@ static void to_joint(double out[3], const columns *F, const double v[3])
         out[c] = COLUMN(F, c, 0) * x + COLUMN(F, c, 1) * y + COLUMN(F, c, 2) * z;
 }
 
-/* Frames and moments of masses along the chain, outwards, then what each joint carries, inwards. */
+/* The parts of a joint that carries `kg`. */
+static void set_parts(mukca_joint_posture *joint, double kg, const double gravity[3])
+{
+    const double *axis = XYZ(joint->axis);
+    mukca_cross(joint->into_M, axis, XYZ(joint->first));
+    mukca_cross(joint->into_N, axis, gravity);
+    for (int i = 0; i < 3 && joint->slides; i++)
+        joint->into_M[i] = kg * axis[i], joint->into_N[i] = 0;
+}
+
+/* Frames and first moments of what moves with each joint, outwards, then of what each joint
+ * carries, inwards. */
 PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task)
 {
     const mukca_geometry *g = task->geometry;
     const mukca_displacement *d = &e->displacement;
     double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3], total = 0;
+    lanes sum[ROWS] = {0}, moment[ROWS], *body = e->first; /* about the base's origin */
     joint_angles at;
     columns F;
     mukca_chain_masses(kg, first, task->chain, NULL, task->state.payload_kg);
@@ -41,34 +58,31 @@ PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task)
         columns_enter(&F, g, k);
         if (j >= 0) {
             columns_displace(&F, j, d);
-            e->joint[j].frame = F;
+            for (int c = 0; c < 4; c++)
+                for (int r = 0; r < ROWS; r++) e->joint[j].frame.column[c][r] = F.column[c][r];
+            columns_vector(e->joint[j].axis, &F, g->axis[k]);
             columns_turn(&F, g, k, &at);
+            for (int r = 0; r < ROWS; r++) body[r] = sum[r], sum[r] = ALL(0);
+            body = e->joint[j].first;
         }
-        lanes moment[ROWS];
         columns_vector(moment, &F, first[k]);
-        for (int r = 0; r < ROWS; r++) moment[r] += kg[k] * F.column[3][r];
-        memcpy(first[k], moment, sizeof first[k]);
+        for (int r = 0; r < ROWS; r++) sum[r] += moment[r] + kg[k] * F.column[3][r];
     }
     columns_move(&F, d->tip);
     columns_frame(&e->tip, &F);
-    memset(e->first, 0, sizeof e->first);
+    for (int r = 0; r < ROWS; r++) body[r] = sum[r], sum[r] = ALL(0);
     for (int k = g->n_elements - 1; k >= 0; k--) {
         const int j = g->joint[k];
         total += kg[k];
-        for (int i = 0; i < 3; i++) e->first[i] += first[k][i];
         if (j < 0) continue;
         mukca_joint_posture *joint = &e->joint[j];
-        to_base(joint->axis, &joint->frame, g->axis[k]);
-        for (int i = 0; i < 3; i++)
-            joint->first[i] = e->first[i] - total * COLUMN(&joint->frame, 3, i);
-        joint->kg = total;
+        for (int r = 0; r < ROWS; r++) {
+            sum[r] += joint->first[r];
+            joint->first[r] = sum[r] - total * joint->frame.column[3][r];
+        }
+        set_parts(joint, total, e->gravity);
     }
-}
-
-static void set_lever(mukca_joint_posture *joint)
-{
-    mukca_cross(joint->moved, joint->axis, joint->first);
-    for (int i = 0; i < 3 && joint->slides; i++) joint->moved[i] = joint->kg * joint->axis[i];
+    for (int r = 0; r < ROWS; r++) e->first[r] += sum[r];
 }
 
 void mukca_equilibrium_rates(mukca_equilibrium *e, mukca_effect_slopes *slopes)
@@ -77,22 +91,27 @@ void mukca_equilibrium_rates(mukca_equilibrium *e, mukca_effect_slopes *slopes)
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         double *rate = slopes->rotation[j], *bent = e->displacement.rotation[j];
-        set_lever(at);
         at->tilts |= rate[0] != 0 || rate[1] != 0 || rate[2] != 0;
+        if (!at->tilts) continue;
         to_base(bent, &at->frame, bent);
         to_base(rate, &at->frame, rate);
     }
 }
 
-/* c += sign a x b */
-PART void add_cross(lanes c[3], double sign, const double a[3], const lanes b[3])
+/* c += a x b; c -= a x b */
+PART void add_cross(lanes c[3], const double a[3], const lanes b[3])
 {
-    c[0] += sign * (a[1] * b[2] - a[2] * b[1]);
-    c[1] += sign * (a[2] * b[0] - a[0] * b[2]);
-    c[2] += sign * (a[0] * b[1] - a[1] * b[0]);
+    c[0] += a[1] * b[2] - a[2] * b[1];
+    c[1] += a[2] * b[0] - a[0] * b[2];
+    c[2] += a[0] * b[1] - a[1] * b[0];
 }
 
-#define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
+PART void take_cross(lanes c[3], const double a[3], const lanes b[3])
+{
+    c[0] -= a[1] * b[2] - a[2] * b[1];
+    c[1] -= a[2] * b[0] - a[0] * b[2];
+    c[2] -= a[0] * b[1] - a[1] * b[0];
+}
 
 /* Angular velocity of exp([w]x) as w changes by `rate`, in the coordinates before (side 1) or after
  * (-1) that rotation: the left and right Jacobian of SO(3); the series is exact to 1e-9 up to |w| =
@@ -100,120 +119,114 @@ PART void add_cross(lanes c[3], double sign, const double a[3], const lanes b[3]
 PART void angular_velocity(lanes omega[3], const double w[3], const lanes rate[3], double side)
 {
     const double t2 = mukca_dot3(w, w);
-    const double a = side * (0.5 - t2 / 24 + t2 * t2 / 720),
-                 b = 1.0 / 6 - t2 / 120 + t2 * t2 / 5040;
+    const double a = side * (0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720)));
+    const double b = 1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040));
     const lanes along = b * DOT(w, rate);
-    lanes across[3] = {0};
-    add_cross(across, a, w, rate);
-    for (int i = 0; i < 3; i++) omega[i] = (1 - b * t2) * rate[i] + across[i] + along * w[i];
+    const double aw[3] = {a * w[0], a * w[1], a * w[2]};
+    lanes sum[3];
+    for (int i = 0; i < 3; i++) sum[i] = (1 - b * t2) * rate[i] + along * w[i];
+    add_cross(sum, aw, rate);
+    for (int i = 0; i < 3; i++) omega[i] = sum[i];
 }
 
-/* Answer of a joint's rotation as its frame turns by `turned` and what it carries moves by
- * `carried`. */
-PART void bend_joint(lanes rotation[3], const mukca_equilibrium *e, int j, const lanes turned[3],
-                     const lanes carried[3])
+/* moment[3] := answer of a joint's rotation to N and M. */
+PART void bend_joint(lanes moment[3], const mukca_equilibrium *e, int j, const lanes N[3],
+                     const lanes M[3])
 {
     const mukca_joint_posture *at = &e->joint[j];
-    const double down = mukca_dot3(e->gravity, at->first);
-    const lanes lever = DOT(at->first, turned); /* (g x W) x S = (S g) W - (S W) g */
-    lanes moment[3];
-    for (int i = 0; i < 3; i++) moment[i] = down * turned[i] - lever * e->gravity[i];
-    add_cross(moment, 1, e->gravity, carried);
-    const lanes along = DOT(at->axis, moment);
-    for (int i = 0; i < 3; i++) rotation[i] = at->bend * (moment[i] - along * at->axis[i]);
-    if (e->found) angular_velocity(rotation, e->displacement.rotation[j], rotation, -1);
+    for (int i = 0; i < 3; i++) moment[i] = ALL(0);
+    add_cross(moment, e->gravity, M);
+    add_cross(moment, XYZ(at->first), N);
+    const lanes along = DOT(XYZ(at->axis), moment);
+    for (int i = 0; i < 3; i++) moment[i] = at->bend * (moment[i] - along * XYZ(at->axis)[i]);
+    if (e->found) angular_velocity(moment, e->displacement.rotation[j], moment, -1);
 }
 
-/* The same of its angle: the torque of one that turns changes by a (g x Y) + (g x M) W = g (Y x a +
- * M x W) with M what moves S, and M g is minus the force along the axis of one that slides. */
-PART void twist_joint(lanes *angle, const mukca_equilibrium *e, int j, const lanes turned[3],
-                      const lanes carried[3])
+/* The same of the base; N gets its part. */
+PART void bend_base(lanes moment[3], const mukca_equilibrium *e, const lanes base[3], lanes N[3],
+                    const lanes M[3])
 {
-    const mukca_joint_posture *at = &e->joint[j];
-    lanes v[3] = {0};
-    add_cross(v, at->spring, at->moved, turned);
-    if (!at->slides) add_cross(v, -at->spring, at->axis, carried);
-    *angle = DOT(e->gravity, v);
+    lanes moved[3] = {M[0], M[1], M[2]};
+    take_cross(moved, XYZ(e->first), base);
+    take_cross(N, e->gravity, base);
+    for (int i = 0; i < 3; i++) moment[i] = ALL(0);
+    add_cross(moment, e->gravity, moved);
+    for (int i = 0; i < 3; i++) moment[i] *= e->bend;
+    if (e->found) angular_velocity(moment, e->displacement.base, moment, 1);
 }
 
-/* r := the answers of the joints and the base to the change of the load that r brings about.
- * `some`: r is zero but for what yields to the load. */
-PART void answer(mukca_posture_rates *r, const mukca_equilibrium *e, bool some)
+/* r := answer, rates += answer, squares += its square. */
+PART void put(lanes *r, lanes *rates, lanes *squares, lanes answer)
 {
-    lanes turned[MUKCA_MAX_JOINTS][3], carried[3] = {0}, turn[3];
-    for (int i = 0; i < 3; i++) turn[i] = r->base[i];
-    for (int j = 0; j < e->n_joints; j++) {
-        const mukca_joint_posture *at = &e->joint[j];
-        if (some && !at->yields) continue;
-        for (int i = 0; i < 3 && at->tilts; i++) turn[i] += r->rotation[j][i];
-        for (int i = 0; i < 3; i++) turned[j][i] = turn[i];
-        for (int i = 0; i < 3 && !at->slides; i++) turn[i] += at->axis[i] * r->angle[j];
-    }
-    for (int j = e->n_joints - 1; j >= 0; j--) {
-        const mukca_joint_posture *at = &e->joint[j];
-        lanes own[3];
-        if (some && !at->yields) continue;
-        for (int i = 0; i < 3; i++) carried[i] += at->moved[i] * r->angle[j];
-        twist_joint(&r->angle[j], e, j, turned[j], carried);
-        if (!at->tilts) continue;
-        for (int i = 0; i < 3; i++) own[i] = r->rotation[j][i], r->rotation[j][i] = (lanes){0};
-        if (at->bend != 0) bend_joint(r->rotation[j], e, j, turned[j], carried);
-        add_cross(carried, -1, at->first, own);
-    }
-    if (e->spring == 0) return;
-    const double down = mukca_dot3(e->gravity, e->first);
-    const lanes along = DOT(e->gravity, r->base); /* g x (W x S) = (g S) W - (g W) S */
-    lanes moment[3];
-    for (int i = 0; i < 3; i++) moment[i] = down * r->base[i] - along * e->first[i];
-    add_cross(moment, 1, e->gravity, carried);
-    for (int i = 0; i < 3; i++) r->base[i] = e->spring * moment[i];
-    if (e->found) angular_velocity(r->base, e->displacement.base, r->base, 1);
+    *r = answer;
+    *rates += answer;
+    *squares += answer * answer;
 }
 
-/* rates += r, where something yields.  Returns the sum of squares. */
-PART double add_answer(mukca_posture_rates *rates, const mukca_posture_rates *r,
-                       const mukca_equilibrium *e)
+/* r := the answers of the joints and the base to the change of the load that r brings about; rates
+ * += these answers, squares += their squares.  `some`: r is zero but for what yields to the load.
+ * Outwards: M starts with all joints' parts and loses them, N gathers them. */
+PART void answer(mukca_posture_rates *rates, mukca_posture_rates *r, lanes *squares,
+                 const mukca_equilibrium *e, bool some)
 {
-    lanes squares = {0};
-    for (int i = 0; i < 3; i++) {
-        rates->base[i] += r->base[i];
-        squares += r->base[i] * r->base[i];
-    }
-    for (int j = 0; j < e->n_joints; j++) {
+    const int n = some ? e->n_yielding : e->n_joints;
+    lanes N[3] = {ALL(0), ALL(0), ALL(0)}, M[3] = {ALL(0), ALL(0), ALL(0)}, own[3];
+    for (int i = 0; i < n; i++) {
+        const int j = some ? e->yielding[i] : i;
         const mukca_joint_posture *at = &e->joint[j];
-        if (!at->yields) continue;
-        rates->angle[j] += r->angle[j];
-        squares += r->angle[j] * r->angle[j];
-        for (int i = 0; i < 3 && at->tilts; i++) {
-            rates->rotation[j][i] += r->rotation[j][i];
-            squares += r->rotation[j][i] * r->rotation[j][i];
+        const lanes angle = r->angle[j];
+        for (int a = 0; a < 3; a++) M[a] += at->into_M[a] * angle;
+        if (some ? at->bend != 0 : at->tilts) take_cross(M, XYZ(at->first), r->rotation[j]);
+    }
+    if (e->bend != 0) {
+        bend_base(own, e, r->base, N, M);
+        for (int a = 0; a < 3; a++) put(&r->base[a], &rates->base[a], squares, own[a]);
+    }
+    for (int i = 0; i < n; i++) {
+        const int j = some ? e->yielding[i] : i;
+        const mukca_joint_posture *at = &e->joint[j];
+        const lanes angle = r->angle[j];
+        if (some ? at->bend != 0 : at->tilts) {
+            take_cross(N, e->gravity, r->rotation[j]);
+            add_cross(M, XYZ(at->first), r->rotation[j]);
+        }
+        if (at->bend != 0) {
+            bend_joint(own, e, j, N, M);
+            for (int a = 0; a < 3; a++)
+                put(&r->rotation[j][a], &rates->rotation[j][a], squares, own[a]);
+        }
+        if (some || at->yields)
+            put(&r->angle[j], &rates->angle[j], squares,
+                at->twist * (DOT(at->into_N, M) + DOT(at->into_M, N)));
+        for (int a = 0; a < 3; a++) {
+            M[a] -= at->into_M[a] * angle;
+            N[a] += at->into_N[a] * angle;
         }
     }
-    double of_lane[MUKCA_LANES], sum = 0;
-    memcpy(of_lane, &squares, sizeof of_lane);
-    for (int l = 0; l < MUKCA_LANES; l++) sum += of_lane[l];
-    return sum;
 }
 
-/* `some`: as of answer, and the rates become the answers alone. */
+/* `some`: as of answer. */
 PART void settle(mukca_posture_rates *rates, const mukca_equilibrium *e, bool some, double within)
 {
     enum { ROUNDS = 8 };
+    const int n = some ? e->n_yielding : e->n_joints;
     mukca_posture_rates r;
-    for (int i = 0; i < 3; i++) r.base[i] = rates->base[i];
-    for (int j = 0; j < e->n_joints; j++) {
-        const mukca_joint_posture *at = &e->joint[j];
+    for (int a = 0; a < 3; a++) r.base[a] = rates->base[a];
+    for (int i = 0; i < n; i++) {
+        const int j = some ? e->yielding[i] : i;
         r.angle[j] = rates->angle[j];
-        if (!at->tilts) continue;
+        if (!e->joint[j].tilts) continue;
         if (e->found)
             angular_velocity(rates->rotation[j], e->displacement.rotation[j], rates->rotation[j],
                              -1);
-        for (int i = 0; i < 3; i++) r.rotation[j][i] = rates->rotation[j][i];
+        for (int a = 0; a < 3; a++) r.rotation[j][a] = rates->rotation[j][a];
     }
-    if (some) memset(rates, 0, sizeof *rates);
     for (int round = 0; round < ROUNDS && e->loaded; round++) {
-        answer(&r, e, some || round > 0);
-        if (!(add_answer(rates, &r, e) > within * within)) return;
+        lanes squares = ALL(0);
+        double sum = 0;
+        answer(rates, &r, &squares, e, some || round > 0);
+        for (int l = 0; l < MUKCA_LANES; l++) sum += XYZ(&squares)[l];
+        if (!(sum > within * within)) return;
     }
 }
 
@@ -223,28 +236,37 @@ MUKCA_CLONES void mukca_equilibrium_settle(mukca_posture_rates *rates, const muk
     settle(rates, e, false, within);
 }
 
-static bool is_loaded(const mukca_effect *effect)
-{
-    return (mukca_effect_table[effect->kind]->needs & MUKCA_NEEDS_MASSES) != 0;
-}
-
 /* Load of the joints that yield and of the base. */
 static void find_load(mukca_gravity_load *load, const mukca_equilibrium *e)
 {
-    for (int j = 0; j < e->n_joints; j++) {
+    for (int i = 0; i < e->n_yielding; i++) {
+        const int j = e->yielding[i];
         const mukca_joint_posture *at = &e->joint[j];
         double moment[3];
-        if (!at->yields) continue;
-        mukca_cross(moment, e->gravity, at->first);
+        mukca_cross(moment, e->gravity, XYZ(at->first));
         load->torque[j] =
-            at->slides ? -at->kg * mukca_dot3(at->axis, e->gravity) : mukca_dot3(at->axis, moment);
+            at->slides ? -mukca_dot3(at->into_M, e->gravity) : mukca_dot3(XYZ(at->axis), moment);
         if (at->tilts) to_joint(load->moment[j], &at->frame, moment);
     }
-    mukca_cross(load->base, e->gravity, e->first);
+    mukca_cross(load->base, e->gravity, XYZ(e->first));
+}
+
+/* An effect of the load that is no spring. */
+static void add_other(mukca_displacement *d, mukca_equilibrium *e, const mukca_effect *f,
+                      const double *axis, const mukca_joint_state *state)
+{
+    const mukca_effect_ops *ops = mukca_effect_catalogue[f->kind];
+    double basis[MUKCA_MAX_TERMS][3] = {{0}}, *slope = &e->bend;
+    ops->basis(basis, &(mukca_basis_input){.effect = f, .axis = axis, .state = state});
+    mukca_effect_add(d, f, (const double(*)[3])basis);
+    if (!e->loaded) return;
+    if (ops->info.site == MUKCA_SITE_ANGLE) slope = &e->joint[f->joint].twist;
+    if (ops->info.site == MUKCA_SITE_ROTATION) slope = &e->joint[f->joint].bend;
+    *slope += f->coefficient[0] * ops->by_load(f, basis[0]);
 }
 
 /* What the effects add under the load at the posture, and their slopes by it. */
-static void apply_loaded(mukca_displacement *d, mukca_equilibrium *e, const mukca_effect_task *task)
+static void add_loaded(mukca_displacement *d, mukca_equilibrium *e, const mukca_effect_task *task)
 {
     mukca_gravity_load load;
     mukca_joint_state state = task->state;
@@ -254,20 +276,25 @@ static void apply_loaded(mukca_displacement *d, mukca_equilibrium *e, const mukc
         state.moment = (const double(*)[3])load.moment;
         state.base_moment = load.base;
     }
-    e->spring = 0;
-    for (int j = 0; j < e->n_joints; j++) e->joint[j].spring = e->joint[j].bend = 0;
+    e->bend = e->spring;
+    for (int a = 0; a < 3 && state.base_moment; a++) d->base[a] += e->spring * state.base_moment[a];
+    d->any_rotation |= e->spring != 0;
     for (int i = 0; i < e->n_yielding; i++) {
-        const mukca_effect *f = task->effects + e->yielding[i];
-        const mukca_effect_ops *ops = mukca_effect_catalogue[f->kind];
-        double basis[MUKCA_MAX_TERMS][3] = {{0}}, *slope = &e->spring;
-        ops->basis(basis,
-                   &(mukca_basis_input){
-                       .effect = f, .axis = mukca_effect_axis(f, task->chain), .state = &state});
-        mukca_effect_add(d, f, (const double(*)[3])basis);
-        if (!e->loaded) continue;
-        if (ops->info.site == MUKCA_SITE_ANGLE) slope = &e->joint[f->joint].spring;
-        if (ops->info.site == MUKCA_SITE_ROTATION) slope = &e->joint[f->joint].bend;
-        *slope += f->coefficient[0] * ops->by_load(f, basis[0]);
+        const int j = e->yielding[i];
+        mukca_joint_posture *at = &e->joint[j];
+        at->twist = at->spring;
+        at->bend = at->blade;
+        if (state.torque) d->q[j] += at->spring * state.torque[j];
+        if (at->blade == 0 || !state.moment) continue;
+        d->any_rotation = true;
+        const double *axis = task->geometry->axis[task->chain->joint_element[j]];
+        const double *moment = state.moment[j];
+        const double along = mukca_dot3(moment, axis);
+        for (int a = 0; a < 3; a++) d->rotation[j][a] += at->blade * (moment[a] - along * axis[a]);
+    }
+    for (int i = 0; i < e->n_other; i++) {
+        const mukca_effect *f = task->effects + e->other[i];
+        add_other(d, e, f, mukca_effect_axis(f, task->chain), &state);
     }
 }
 
@@ -284,81 +311,106 @@ static void copy(mukca_displacement *to, const mukca_displacement *from, int n)
 /* rad or m: seven joints and their rotations together keep the tip within 1e-12. */
 static const double rest = 1e-13;
 
-/* The same in all lanes, and what the first one has. */
-#define ALL(x) ((x) + (lanes){0})
+/* What the first lane has. */
 #define FIRST(rate) (*(const double *)(const void *)&(rate))
 
-/* A step of Newton's method: the displacement becomes what the effects add under the load of the
- * posture, with the answers to the difference.  Returns the largest part of it, rad or m. */
+/* A part of what was, in `was`, and of what is now: their difference, and what was. */
+PART void take_difference(lanes *was, double *now, double *size)
+{
+    const double before = FIRST(*was), change = *now - before;
+    if (fabs(change) > *size) *size = fabs(change);
+    *now = before;
+    *was = ALL(change);
+}
+
+/* A step of Newton's method: the displacement changes by the difference from what the effects add
+ * under the load of the posture, with the answers to it.  Returns the largest part of the
+ * difference, rad or m. */
 PART double step(mukca_equilibrium *e, const mukca_effect_task *task,
                  const mukca_displacement *unloaded)
 {
     mukca_displacement *d = &e->displacement;
-    mukca_posture_rates r; /* what was, then the difference, then the answers */
-    const int n = e->n_joints;
+    mukca_posture_rates r; /* what was, then the difference, then with the answers */
     double size = 0;
-    for (int i = 0; i < 3; i++) r.base[i] = ALL(d->base[i]);
-    for (int j = 0; j < n; j++) {
+    for (int a = 0; a < 3; a++) {
+        r.base[a] = ALL(d->base[a]);
+        d->base[a] = unloaded->base[a];
+        d->tip[a] = unloaded->tip[a];
+    }
+    for (int i = 0; i < e->n_yielding; i++) {
+        const int j = e->yielding[i];
         r.angle[j] = ALL(d->q[j]);
-        for (int i = 0; i < 3; i++) r.rotation[j][i] = ALL(d->rotation[j][i]);
-    }
-    copy(d, unloaded, n);
-    apply_loaded(d, e, task);
-    for (int j = 0; j < n; j++) {
-        mukca_joint_posture *at = &e->joint[j];
-        double change[3];
-        if (!at->yields) continue;
-        set_lever(at);
-        r.angle[j] = ALL(d->q[j]) - r.angle[j];
-        size = fmax(size, fabs(FIRST(r.angle[j])));
-        if (!at->tilts) continue;
-        for (int i = 0; i < 3; i++) {
-            change[i] = d->rotation[j][i] - FIRST(r.rotation[j][i]);
-            size = fmax(size, fabs(change[i]));
+        d->q[j] = unloaded->q[j];
+        for (int a = 0; a < 3 && e->joint[j].tilts; a++) {
+            r.rotation[j][a] = ALL(d->rotation[j][a]);
+            d->rotation[j][a] = unloaded->rotation[j][a];
         }
-        to_base(change, &at->frame, change);
-        for (int i = 0; i < 3; i++) r.rotation[j][i] = ALL(change[i]);
     }
-    for (int i = 0; i < 3; i++) {
-        r.base[i] = ALL(d->base[i]) - r.base[i];
-        size = fmax(size, fabs(FIRST(r.base[i])));
+    add_loaded(d, e, task);
+    for (int a = 0; a < 3; a++) take_difference(&r.base[a], &d->base[a], &size);
+    for (int i = 0; i < e->n_yielding; i++) {
+        const int j = e->yielding[i];
+        double change[3];
+        take_difference(&r.angle[j], &d->q[j], &size);
+        if (!e->joint[j].tilts) continue;
+        for (int a = 0; a < 3; a++) {
+            take_difference(&r.rotation[j][a], &d->rotation[j][a], &size);
+            change[a] = FIRST(r.rotation[j][a]);
+        }
+        to_base(change, &e->joint[j].frame, change);
+        for (int a = 0; a < 3; a++) r.rotation[j][a] = ALL(change[a]);
     }
     if (!(size > rest)) return size;
-    settle(&r, e, true, 1e-2 * size);
-    for (int j = 0; j < n; j++) {
+    settle(&r, e, true, size * size + rest);
+    for (int a = 0; a < 3; a++) d->base[a] += FIRST(r.base[a]);
+    for (int i = 0; i < e->n_yielding; i++) {
+        const int j = e->yielding[i];
         double turned[3];
-        if (!e->joint[j].yields) continue;
         d->q[j] += FIRST(r.angle[j]);
         if (!e->joint[j].tilts) continue;
-        for (int i = 0; i < 3; i++) turned[i] = FIRST(r.rotation[j][i]);
+        for (int a = 0; a < 3; a++) turned[a] = FIRST(r.rotation[j][a]);
         to_joint(turned, &e->joint[j].frame, turned);
-        for (int i = 0; i < 3; i++) d->rotation[j][i] += turned[i];
+        for (int a = 0; a < 3; a++) d->rotation[j][a] += turned[a];
     }
-    for (int i = 0; i < 3; i++) d->base[i] += FIRST(r.base[i]);
     return size;
 }
 
+/* Sort the effects that depend on the load by joints, and into springs and others. */
 static void start(mukca_equilibrium *e, const mukca_effect_task *task)
 {
     const mukca_chain *chain = task->chain;
+    bool some = false;
     memcpy(e->gravity, chain->gravity, sizeof e->gravity);
     e->found = false; /* rates are those of rotation vectors: right enough for Newton's method */
     e->n_joints = chain->n_joints;
-    e->n_yielding = 0;
+    e->n_yielding = e->n_other = 0;
+    e->spring = 0;
     for (int j = 0; j < chain->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         at->slides = task->geometry->type[chain->joint_element[j]] == MUKCA_PRISMATIC;
         at->yields = at->tilts = false;
+        at->spring = at->blade = at->bend = 0;
     }
     for (int i = 0; i < task->n_effects; i++) {
         const mukca_effect *f = &task->effects[i];
-        if (!is_loaded(f)) continue;
-        e->yielding[e->n_yielding++] = (unsigned char)i;
-        if (f->joint < 0) continue;
-        e->joint[f->joint].yields = true;
-        e->joint[f->joint].tilts |= mukca_effect_table[f->kind]->site == MUKCA_SITE_ROTATION;
+        const mukca_effect_info *info = mukca_effect_table[f->kind];
+        double *spring = &e->spring;
+        if (!(info->needs & MUKCA_NEEDS_MASSES)) continue;
+        some = true;
+        if (f->joint >= 0) {
+            mukca_joint_posture *at = &e->joint[f->joint];
+            spring = info->site == MUKCA_SITE_ROTATION ? &at->blade : &at->spring;
+            at->yields = true;
+            at->tilts |= info->site == MUKCA_SITE_ROTATION;
+        }
+        if (info->traits & MUKCA_TRAIT_ELASTIC)
+            *spring -= f->coefficient[0];
+        else
+            e->other[e->n_other++] = (unsigned char)i;
     }
-    e->loaded = e->n_yielding > 0 && !task->state.torque;
+    for (int j = 0; j < chain->n_joints; j++)
+        if (e->joint[j].yields) e->yielding[e->n_yielding++] = (unsigned char)j;
+    e->loaded = some && !task->state.torque;
 }
 
 MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slopes *slopes,
@@ -366,13 +418,24 @@ MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slop
 {
     enum { ROUNDS = 8 }; /* usually 2: Newton's method, from 1 mrad off */
     mukca_displacement unloaded;
+    double size = 0, before = 0, first = 0;
     start(e, task);
     mukca_effects_unloaded(&unloaded, slopes, task);
     copy(&e->displacement, &unloaded, e->n_joints);
-    if (!e->loaded) apply_loaded(&e->displacement, e, task); /* under torques that are given */
+    if (!e->loaded) add_loaded(&e->displacement, e, task); /* under torques that are given */
     for (int round = 0;; round++) {
         set_posture(e, task);
-        if (!e->loaded || round == ROUNDS || !(step(e, task, &unloaded) > rest)) return;
+        /* The next step is smaller than this at least as this than the one before.  What the method
+         * leaves out shrinks by the rotations times the deflection per rad: both are some `first`.
+         * Slopes that change with the load are those of the posture of the last step. */
+        if (!e->loaded || round == ROUNDS) return;
+        if (size * size < rest * before && size * first * first < rest &&
+            !(slopes && e->n_other > 0))
+            return;
+        before = size;
+        size = step(e, task, &unloaded);
+        if (!(size > rest)) return;
+        if (round == 0) first = size;
     }
 }
 

@@ -4,8 +4,10 @@
  * Everything is in base coordinates, at the displaced posture.  A joint's frame turns about its
  * origin by the effects' rotation, then the joint turns by its angle.  S is the first moment of
  * what a joint carries about its origin, g gravity: the holding moment is g x S.  As the frame
- * before the joint turns by W, and what the joint carries moves in it so that S changes by Y, the
- * moment changes in this frame by (g x W) x S + g x Y.  Effects answer with angles and rotations.
+ * before the joint turns by W, and what the joint carries moves in it so that S changes by M, the
+ * moment changes in this frame by g x M + S x N with N = W x g.  A joint that turns about its axis
+ * a has a part in N of those further out, a x g per rad, and in M of those further in, a x S.
+ * Effects answer with angles and rotations.
  */
 #ifndef MUKCA_EFFECT_EQUILIBRIUM_H
 #define MUKCA_EFFECT_EQUILIBRIUM_H
@@ -24,19 +26,21 @@ typedef struct {
 
 /* Derivatives by the joints' angles, with what all effects together do without load. */
 typedef struct {
-    /* of a joint's angle, with what is added, by the angle of another */
-    double angle[MUKCA_MAX_JOINTS]
-                [(MUKCA_MAX_JOINTS + MUKCA_LANES - 1) / MUKCA_LANES * MUKCA_LANES];
+    /* of a joint's angle, with what is added, by the angle of the joint before, its own, the next
+     */
+    double angle[MUKCA_MAX_JOINTS][3];
     double rotation[MUKCA_MAX_JOINTS][3]; /* of the rotation vector, by its own angle */
 } mukca_effect_slopes;
 
 typedef struct {
     columns frame; /* after the effects' rotation, before it turns; its origin is the joint's */
-    double axis[3];
-    double kg, first[3]; /* carried; S */
-    double moved[3];     /* change of S as it turns or slides: a x S, or kg a */
-    double spring, bend; /* slopes of the angle by the torque, of the rotation by the moment across
-                            the axis, rad/(N m) */
+    lanes axis[ROWS];
+    lanes first[ROWS];    /* S */
+    double into_M[3];     /* per rad or m: a x S, or kg a of one that slides */
+    double into_N[3];     /* a x g, or 0 */
+    double twist, bend;   /* slopes of the angle by the torque, of the rotation by the moment across
+                             the axis, rad/(N m), */
+    double spring, blade; /* and their parts that do not depend on the load */
     bool slides;
     bool yields, tilts; /* has an effect that depends on the load; a rotation that changes */
 } mukca_joint_posture;
@@ -46,11 +50,13 @@ typedef struct {
     mukca_displacement displacement;
     mukca_frame tip;
     double gravity[3];
-    double first[3]; /* of all that moves, about the base's origin */
-    double spring;   /* of the base */
-    int n_joints, n_yielding;
-    unsigned char yielding[MUKCA_MAX_EFFECTS]; /* indices of the effects that depend on the load */
-    bool loaded; /* there are some, and the load moves with the posture */
+    lanes first[ROWS];   /* of all that moves, about the base's origin */
+    double bend, spring; /* of the base, as above */
+    int n_joints, n_yielding, n_other;
+    unsigned char yielding[MUKCA_MAX_JOINTS]; /* joints, outwards */
+    unsigned char other[MUKCA_MAX_EFFECTS];   /* indices of the effects that depend on the load and
+                                                 are no springs */
+    bool loaded; /* some depend on the load, and it moves with the posture */
     bool found;  /* mukca_equilibrium_rates has turned the displacement's rotations into base
                     coordinates */
 } mukca_equilibrium;

@@ -26,7 +26,6 @@ const mukca_effect_ops mukca_servo_sag_effect = {
              .remedy = "record the readings too; raise the position gain or add gravity "
                        "compensation or integral action, or compensate it"},
     .basis = mukca_effect_spring_basis,
-    .by_load = mukca_effect_spring_slope,
     .candidate = candidate,
     .untested = "gravity loads it alike in all samples: record postures with other lever arms",
 };

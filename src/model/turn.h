@@ -58,8 +58,9 @@ typedef struct {
     lanes column[4][ROWS];
 } columns;
 
-/* Number `i` of column `c`. */
-#define COLUMN(F, c, i) (((const double *)(F)->column[c])[i])
+/* Numbers of a vector; number `i` of column `c`. */
+#define XYZ(vector) ((const double *)(vector))
+#define COLUMN(F, c, i) (XYZ((F)->column[c])[i])
 
 /* F := F R, for the orientation. */
 MUKCA_INLINE void columns_rotate(columns *F, const double R[9])

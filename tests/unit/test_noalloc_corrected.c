@@ -211,6 +211,9 @@ static void jacobian_is_exact(void **state)
             if (j % 3 == 1) arm.chain.element[arm.chain.joint_element[j]].type = MUKCA_PRISMATIC;
         mukca_geometry_set(&arm.geometry, &arm.chain, offsets.theta);
         add_every_effect(&arm);
+        for (int e = 0; e < arm.n_effects && i % 3; e++) /* a stiff arm */
+            if (mukca_effect_table[arm.effects[e].kind]->needs & MUKCA_NEEDS_MASSES)
+                arm.effects[e].coefficient[0] *= 0.1;
         random_angles(q, &random);
         for (int j = 0; j < 7; j++) {
             command[j] = q[j] + 0.01;

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 
+REGISTER = r"(?:r\d+|sl|fp|ip|lr)"
 split = sys.argv.index("--")
 image, wanted = sys.argv[1], sys.argv[2:split]
 frame, calls, indirect, taken, name, loaded = {}, {}, {}, {}, None, {}
@@ -34,11 +35,11 @@ for line in text.splitlines():
             calls[name].add(to[1])
         elif op.startswith("blx") or (op == "bx" and rest.strip() != "lr"):
             indirect[name].add(loaded.get(rest.split()[0]))
-    load = re.match(r"(r\d+|ip|lr), \[r\d+(?:, #(\d+))?\]", rest) if op in ("ldr", "ldr.w") else None
+    load = re.match(rf"({REGISTER}), \[{REGISTER}(?:, #(\d+))?\]", rest) if op in ("ldr", "ldr.w") else None
     if load:
         loaded[load[1]] = int(load[2] or 0)
     elif op.startswith(("bl", "ldrd", "ldm", "pop")):  # a call spoils r0 to r3; ranges are of others
-        spoilt = re.findall(r"r\d+|ip|lr", rest + " r0 r1 r2 r3 ip lr" * op.startswith("bl"))
+        spoilt = re.findall(REGISTER, rest + " r0 r1 r2 r3 ip lr" * op.startswith("bl"))
         loaded = {k: v for k, v in loaded.items() if k not in spoilt}
     elif op == "mov":
         to, of = (word.strip() for word in rest.split(",")[:2])
