@@ -2,6 +2,7 @@
 #include "cli/diagnose.h"
 #include "cli/scores.h"
 #include "cli/traits.h"
+#include "diagnose/mounting.h"
 #include "io/summary.h"
 #include "io/traits.h"
 
@@ -234,6 +235,8 @@ static mukca_status run(cli_call *call)
                                     .next = &w->next,
                                     .saved = call->common->output != NULL};
     status = mukca_diagnose(d, &s->model.chain, &s->data, &diagnose, &call->error);
+    if (status == MUKCA_OK)
+        status = mukca_mounting_compare(d, &s->model.chain, &s->data, &diagnose, &call->error);
     if (status == MUKCA_OK)
         status =
             mukca_next_poses_choose(&w->next, d, &s->model.chain, &s->data, cli_stop, &call->error);

@@ -212,6 +212,10 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_object_set_new(root, "sentence", cli_json_text(words));
     json_object_set_new(root, "suspected", suspected);
     json_object_set_new(root, "unnamed_m", cli_json_real(d->explained_m - d->structure_m));
+    json_object_set_new(root, "gravity",
+                        d->gravity[0] != 0 || d->gravity[1] != 0 || d->gravity[2] != 0
+                            ? cli_json_reals(d->gravity, 3)
+                            : json_null());
     json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
     json_object_set_new(root, "streams", streams_object(&d->streams, r));
     json_object_set_new(root, "logs", logs_object(&d->logs));

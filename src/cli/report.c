@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "cli/diagnose.h"
 #include "cli/fleet.h"
+#include "diagnose/mounting.h"
 #include "fit/accept.h"
 #include "fit/nlopt_adapter.h"
 #include "io/output.h"
@@ -151,8 +152,11 @@ static mukca_status diagnose(cli_call *call)
                                                      .confounding = true,
                                                      .progress = cli_show_progress,
                                                      .progress_context = call};
-    const mukca_status status =
+    mukca_status status =
         mukca_diagnose(&w->diagnosis, &s->model.chain, &s->data, &diagnose_options, &call->error);
+    if (status == MUKCA_OK)
+        status = mukca_mounting_compare(&w->diagnosis, &s->model.chain, &s->data, &diagnose_options,
+                                        &call->error);
     if (status != MUKCA_OK) return status;
     w->page.diagnosed = (mukca_diagnosed){.diagnosis = &w->diagnosis,
                                           .chain = &s->model.chain,

@@ -48,6 +48,7 @@ typedef struct {
     mukca_test_errors test;
     mukca_confounding confounding;
     double sigma_m, rho; /* noise with all that competed */
+    double score;        /* of all that was accepted */
     double structure_m;
     const char *why; /* nothing can be tested */
 } steps;
@@ -105,6 +106,7 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
     mukca_competition competition = {
         .m = m, .all = &all, .scan = &scan, .faults = &s->faults, .options = options};
     status = mukca_search_run(&competition, error);
+    s->score = mukca_regression_score(m);
     s->sigma_m = m->unknowns.sigma;
     s->rho = m->unknowns.rho;
     if (status == MUKCA_OK && s->sigma_m < MOST_SIGMA) {
@@ -201,6 +203,7 @@ static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *
     d->test_placement_mae_m = s->test.placement_m;
     d->n_test_placements = s->test.n_placements;
     d->confounding = s->confounding;
+    d->score = s->score;
     d->efforts_correlation = recording->efforts_correlation;
 }
 

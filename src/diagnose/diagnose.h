@@ -179,6 +179,8 @@ typedef struct {
     double *test_placement_mae_m; /* [test placements] explained */
     int n_test_placements;
     double sigma_m, rho;
+    double score;               /* log posterior of all that was accepted, up to a constant */
+    double gravity[3];          /* one that explains the data far better, m/s^2; 0: none does */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN without */
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */

@@ -179,10 +179,24 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put(text, "; unexplained structure remains");
 }
 
+/* Gravity that explains the data better than that of the model. */
+static void put_gravity(char *text, const double g[3], const double given[3])
+{
+    const bool opposite = g[0] * given[0] + g[1] * given[1] + g[2] * given[2] < 0;
+    put(text,
+        "Springs explain these data better under other gravity: is the arm mounted on a %s? Repeat "
+        "with --gravity %g,%g,%g before you believe what follows.",
+        opposite ? "ceiling, or pulled up by a hose or a balancer" : "wall", g[0], g[1], g[2]);
+}
+
 void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     text[0] = '\0';
+    if (d->gravity[0] != 0 || d->gravity[1] != 0 || d->gravity[2] != 0) {
+        put_gravity(text, d->gravity, r->chain->gravity);
+        return;
+    }
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE || r->chain->n_masses) return;
     for (int i = 0; i < d->n_tested; i++)
         if (d->tested[i].effect == MUKCA_EFFECT_JOINT_COMPLIANCE && d->tested[i].joint < 0 &&
