@@ -27,15 +27,21 @@ static bool all_elastic(const mukca_diagnosis *d)
     return elastic;
 }
 
-/* Turn gravity to the k-th of +x, -x, +y ... of the base frame; false: it points there already. */
-static bool turn(double gravity[3], int k)
+/* Turn gravity to the k-th of +x, -x, +y ... of the base frame, where that may tell something;
+ * false: it does not.  Springs of either sign fit as well under opposite directions: the second is
+ * tried where the first leads, and that opposite to the model's where something is unknown. */
+static bool is_worth_it(double gravity[3], int k, double lead_of_first,
+                        const mukca_diagnosis *given)
 {
     const double size =
         sqrt(gravity[0] * gravity[0] + gravity[1] * gravity[1] + gravity[2] * gravity[2]);
-    const double along = k % 2 ? -size : size;
-    if (!(gravity[k / 2] * along < same_direction * size * size)) return false;
+    const double cosine = (k % 2 ? -1 : 1) * gravity[k / 2] / size;
+    if (!(cosine < same_direction)) return false;
+    if (cosine < -same_direction ? given->verdict != MUKCA_VERDICT_UNKNOWN
+                                 : k % 2 && !(lead_of_first > 0))
+        return false;
     memset(gravity, 0, 3 * sizeof *gravity);
-    gravity[k / 2] = along;
+    gravity[k / 2] = k % 2 ? -size : size;
     return true;
 }
 
@@ -66,7 +72,8 @@ mukca_status mukca_mounting_compare(mukca_diagnosis *d, const mukca_chain *chain
                                     const mukca_dataset *data,
                                     const mukca_diagnose_options *options, mukca_error *error)
 {
-    const mukca_diagnose_options fast = {.disabled = options->disabled,
+    unsigned char others[MUKCA_EFFECT_COUNT];
+    const mukca_diagnose_options fast = {.disabled = others,
                                          .free_base = options->free_base,
                                          .free_tool = options->free_tool,
                                          .mass_spread = options->mass_spread,
@@ -77,21 +84,26 @@ mukca_status mukca_mounting_compare(mukca_diagnosis *d, const mukca_chain *chain
     if (d->verdict == MUKCA_VERDICT_NONE || d->verdict == MUKCA_VERDICT_UNTESTABLE ||
         !chain->n_masses || all_elastic(d))
         return MUKCA_OK; /* nothing to explain, no torques, or no doubt */
+    for (int e = 0; e < MUKCA_EFFECT_COUNT; e++)
+        others[e] = (options->disabled && options->disabled[e]) ||
+                    (!mukca_effect_has(e, MUKCA_TRAIT_ELASTIC) &&
+                     mukca_effect_table[e]->site != MUKCA_SITE_SOCKET);
     mukca_chain *turned = malloc(sizeof *turned);
     mukca_diagnosis *other = malloc(sizeof *other);
     mukca_status status = turned && other ? thin(&part, data, error)
                                           : mukca_fail(error, MUKCA_MEMORY,
                                                        "out of memory for %d rows", data->n_rows);
-    double given = d->score, best = -HUGE_VAL;
+    double given = d->score, best = -HUGE_VAL, forward = -HUGE_VAL;
     for (int k = part.n_rows < data->n_rows ? -1 : 0; k < 6 && status == MUKCA_OK; k++) {
         *turned = *chain;
-        if (k >= 0 && !turn(turned->gravity, k)) continue;
+        if (k >= 0 && !is_worth_it(turned->gravity, k, forward - given, d)) continue;
         status = mukca_diagnose(other, turned, &part, &fast, error);
         if (status != MUKCA_OK) break;
         if (k < 0)
             given = other->score;
         else if (other->score > best && is_notable(other, d, given))
             best = other->score, memcpy(d->gravity, turned->gravity, sizeof d->gravity);
+        forward = k % 2 == 0 ? other->score : -HUGE_VAL;
         mukca_diagnosis_free(other);
     }
     if (best > given + LEAD) {
