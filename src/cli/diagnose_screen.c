@@ -84,7 +84,7 @@ static void print_first(FILE *stream, const mukca_diagnosed *r, const mukca_caus
         put_tie(&text, r, c);
     } else {
         mukca_wording_cause(words, c, r);
-        mukca_text_put(&text, "%s: %s", words, mukca_effect_table[c->effect.kind]->sentence);
+        mukca_text_put(&text, "%s: %s", words, mukca_wording_mechanism(c, r));
     }
     flush(stream, "Cause", &text);
     put_amplitude(&text, c, r->chain);

@@ -25,15 +25,15 @@ static void put_remedies(FILE *out, const mukca_diagnosed *d)
     const mukca_cause *causes = d->diagnosis->causes;
     char text[MUKCA_WORDING];
     for (int i = 0; i < d->diagnosis->n_causes; i++) {
-        const char *remedy = mukca_wording_remedy(&causes[i]);
+        const char *remedy = mukca_wording_remedy(&causes[i], d);
         int first = 0;
-        while (mukca_wording_remedy(&causes[first]) != remedy) first++;
+        while (mukca_wording_remedy(&causes[first], d) != remedy) first++;
         if (first < i) continue;
         fputs("<li>", out);
         mukca_html_sentence(out, remedy);
         fputs(" <small>(", out);
         for (int k = i; k < d->diagnosis->n_causes; k++) {
-            if (mukca_wording_remedy(&causes[k]) != remedy) continue;
+            if (mukca_wording_remedy(&causes[k], d) != remedy) continue;
             fputs(k > i ? "; " : "", out);
             mukca_wording_rivals(text, &causes[k], d);
             mukca_html_escape(out, text);
@@ -168,8 +168,7 @@ void mukca_report_put_causes(FILE *out, const mukca_report *r)
         mukca_wording_amplitude(amplitude, cause, d->chain);
         mukca_wording_probability(probability, cause->probability);
         mukca_html_row(&table, "%s\t%s\t%s\t%s", words, amplitude,
-                       probability + strlen("probability "),
-                       mukca_effect_table[cause->effect.kind]->sentence);
+                       probability + strlen("probability "), mukca_wording_mechanism(cause, d));
     }
     mukca_html_table_end(&table);
     put_ties(out, d);

@@ -102,8 +102,43 @@ void mukca_wording_probability(char text[MUKCA_WORDING], double probability)
         put(text, "probability %.*f %%", probability > 0.99 ? 1 : 0, 100 * probability);
 }
 
-const char *mukca_wording_remedy(const mukca_cause *cause)
+/* Words of a cause that its effect alone does not have. */
+typedef struct {
+    const char *mechanism, *remedy;
+} particular;
+
+/* A tool is one and the same in all placements: where one differs, it moved.  The load on the last
+ * link depends on how the link is tilted and on nothing else, as the seat of a ball does. */
+static const particular *find_particular(const mukca_cause *cause, const mukca_diagnosed *r)
 {
+    static const particular moved =
+                                {"it differs from that of the other placements: the tool moved "
+                                 "between the recordings of "
+                                 "its sockets, or joint zeros slipped",
+                                 "fasten the tool and record this placement again"},
+                            tilted = {
+                                "the ball's position depends on the tilt of the last link: this "
+                                "link or the tool bends, or the ball's neck touches the socket",
+                                "check that the ball's neck is free of the socket in all postures, "
+                                "and the screws of the tool; compensate the error only then"};
+    const mukca_effect *e = &cause->effect;
+    const bool sockets = r->data->n_sockets > 0;
+    if (e->kind == MUKCA_EFFECT_SOCKET_DISTANCE && e->placement >= 0) return &moved;
+    if (e->kind == MUKCA_EFFECT_LINK_BENDING && e->joint == r->chain->n_joints - 1 && sockets)
+        return &tilted;
+    return NULL;
+}
+
+const char *mukca_wording_mechanism(const mukca_cause *cause, const mukca_diagnosed *r)
+{
+    const particular *own = find_particular(cause, r);
+    return own ? own->mechanism : mukca_effect_table[cause->effect.kind]->sentence;
+}
+
+const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed *r)
+{
+    const particular *own = find_particular(cause, r);
+    if (own) return own->remedy;
     const char *text = mukca_effect_table[cause->effect.kind]->remedy;
     return text ? text : "compensate it with the offsets table; inspect the transmission";
 }
@@ -171,8 +206,7 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         else
             mukca_wording_cause(words, first, r);
         put(text, "%s: %s (%s)", causes > 1 ? "Main cause" : "Cause", words,
-            tied ? "indistinguishable in these data"
-                 : mukca_effect_table[first->effect.kind]->sentence);
+            tied ? "indistinguishable in these data" : mukca_wording_mechanism(first, r));
         put_count(text, causes - 1, "further ");
     }
     if (d->unexplained && d->verdict != MUKCA_VERDICT_UNKNOWN)

@@ -42,8 +42,11 @@ void mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
 /* "probability > 99.9 %". */
 void mukca_wording_probability(char text[MUKCA_WORDING], double probability);
 
+/* What a cause is, in words of its mechanism; no full stop. */
+const char *mukca_wording_mechanism(const mukca_cause *cause, const mukca_diagnosed *diagnosed);
+
 /* What to do about a cause; no full stop. */
-const char *mukca_wording_remedy(const mukca_cause *cause);
+const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed *diagnosed);
 
 /* The verdict in one sentence, however many causes there are; no full stop. */
 void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *diagnosed);

@@ -129,3 +129,11 @@ for gravity in 0,-9.80665,0 0,0,9.80665; do
     expect "... and once told, springs are named" sh -c \
         "grep -q '\"gravity\": null' '$scratch/out' && grep -q '\"verdict\": \"named\"' '$scratch/out'"
 done
+
+# what the same name means in one placement of several, and at the last joint
+simulate --seed 4 --placements 4 --rows 20 --perturb 1,2 --noise 1e-4 -o kept.tsv
+simulate --seed 4 --placements 4 --rows 20 --perturb 1,2 --noise 1e-4 --effect socket_distance=1.5e-3 -o wide.tsv
+{ grep -v '^p2' kept.tsv; grep '^p2' wide.tsv; } >moved.tsv
+answer "the tool moved" $d moved.tsv
+simulate --seed 4 --placements 4 --rows 20 --perturb 1,2 --noise 5e-5 --effect link_bending:joint_7=2e-3 -o neck.tsv
+answer "or the ball.s neck" $d neck.tsv
