@@ -59,66 +59,74 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
     mukca_effect_add(displacement, effect, (const double(*)[3])basis);
 }
 
-/* Displacement and slopes of one effect; its waves are set. */
-static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
-                         const mukca_effect_task *task, const mukca_basis_input *in)
+/* Slopes of one effect, given its basis. */
+static void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_ops *ops, int n_joints,
+                       const mukca_basis_input *in, const double basis[][3])
 {
     const mukca_effect *e = in->effect;
+    double slope[MUKCA_MAX_TERMS][3] = {{0}};
+    const int by = ops->by_angle(slope, in, basis);
+    if (ops->direction) {
+        for (int j = 0; j < n_joints; j++) slopes->angle[j][1] += e->coefficient[0] * slope[0][0];
+    } else if (ops->info.site == MUKCA_SITE_ROTATION) {
+        for (int t = 0; t < e->terms; t++)
+            for (int i = 0; i < 3; i++)
+                slopes->rotation[e->joint][i] += e->coefficient[t] * slope[t][i];
+    } else {
+        for (int t = 0; t < e->terms; t++)
+            slopes->angle[e->joint][1 + by] += e->coefficient[t] * slope[t][0];
+    }
+}
+
+/* Displacement and slopes of one effect; sine[2] and cosine[2] of a periodic one's angles. */
+static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
+                         const mukca_effect_task *task, const mukca_effect *e, const double *sine,
+                         const double *cosine)
+{
     const mukca_effect_ops *ops = mukca_effect_catalogue[e->kind];
-    double basis[MUKCA_MAX_TERMS][3] = {{0}}, slope[MUKCA_MAX_TERMS][3] = {{0}};
-    if (ops->direction) add_direction(d, e, task->chain, in->state);
+    const mukca_basis_input in = {.effect = e,
+                                  .axis = mukca_effect_axis(e, task->chain),
+                                  .state = &task->state,
+                                  .sine = sine,
+                                  .cosine = cosine};
+    double basis[MUKCA_MAX_TERMS][3] = {{0}};
+    if (ops->direction) add_direction(d, e, task->chain, &task->state);
     if (ops->basis) {
-        ops->basis(basis, in);
+        ops->basis(basis, &in);
         mukca_effect_add(d, e, (const double(*)[3])basis);
     }
-    if (!slopes || !ops->by_angle) return;
-    const int by = ops->by_angle(slope, in, (const double(*)[3])basis);
-    for (int j = 0; j < task->chain->n_joints && ops->direction; j++)
-        slopes->angle[j][1] += e->coefficient[0] * slope[0][0];
-    if (ops->direction) return;
-    const bool turns = ops->info.site == MUKCA_SITE_ROTATION;
-    double *into = turns ? slopes->rotation[e->joint] : &slopes->angle[e->joint][1 + by];
-    for (int t = 0; t < e->terms; t++)
-        for (int i = 0; i < (turns ? 3 : 1); i++) into[i] += e->coefficient[t] * slope[t][i];
+    if (slopes && ops->by_angle)
+        add_slopes(slopes, ops, task->chain->n_joints, &in, (const double(*)[3])basis);
 }
 
 void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
                             const mukca_effect_task *task)
 {
     enum { TOGETHER = 2 }; /* periodic effects, two angles each: all lanes of a call */
-    mukca_basis_input in[TOGETHER];
+    const mukca_effect *waiting[TOGETHER];
     double angle[2 * TOGETHER] = {0}, sine[2 * TOGETHER], cosine[2 * TOGETHER];
     int n = 0;
-    const size_t joints = (size_t)task->chain->n_joints;
-    memset(displacement->q, 0, joints * sizeof *displacement->q);
-    memset(displacement->rotation, 0, joints * sizeof *displacement->rotation);
-    memset(displacement->base, 0, sizeof displacement->base);
-    memset(displacement->tip, 0, sizeof displacement->tip);
-    displacement->any_rotation = false;
+    memset(displacement, 0, sizeof *displacement);
     if (slopes) {
-        memset(slopes->angle, 0, joints * sizeof *slopes->angle);
-        memset(slopes->rotation, 0, joints * sizeof *slopes->rotation);
-        for (size_t j = 0; j < joints; j++) slopes->angle[j][1] = 1;
+        memset(slopes, 0, sizeof *slopes);
+        for (int j = 0; j < task->chain->n_joints; j++) slopes->angle[j][1] = 1;
     }
     for (int i = 0; i <= task->n_effects; i++) {
         const mukca_effect *e = task->effects + i;
-        const bool last = i == task->n_effects;
-        if (!last && mukca_effect_table[e->kind]->needs & MUKCA_NEEDS_MASSES) continue;
-        if (!last) {
-            in[n] = (mukca_basis_input){.effect = e,
-                                        .axis = mukca_effect_axis(e, task->chain),
-                                        .state = &task->state,
-                                        .sine = sine + 2 * n,
-                                        .cosine = cosine + 2 * n};
-            if (!mukca_effect_has((int)e->kind, MUKCA_TRAIT_PERIODIC)) {
-                add_unloaded(displacement, slopes, task, &in[n]);
+        if (i < task->n_effects) {
+            const mukca_effect_info *info = mukca_effect_table[e->kind];
+            if (info->needs & MUKCA_NEEDS_MASSES) continue;
+            if (!(info->traits & MUKCA_TRAIT_PERIODIC)) {
+                add_unloaded(displacement, slopes, task, e, NULL, NULL);
                 continue;
             }
+            waiting[n] = e;
             mukca_effect_wave(angle + 2 * n++, e, &task->state);
         }
-        if (n < TOGETHER && !last) continue;
-        if (n > 0) mukca_sincos(sine, cosine, angle, 2 * n);
-        for (int k = 0; k < n; k++) add_unloaded(displacement, slopes, task, &in[k]);
+        if (n == 0 || (n < TOGETHER && i < task->n_effects)) continue;
+        mukca_sincos(sine, cosine, angle, 2 * n);
+        for (int k = 0; k < n; k++)
+            add_unloaded(displacement, slopes, task, waiting[k], sine + 2 * k, cosine + 2 * k);
         n = 0;
     }
 }
