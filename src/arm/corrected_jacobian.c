@@ -57,7 +57,7 @@ MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
     mukca_equilibrium_rates(e, slopes);
     for (int first = 0; first < e->n_joints; first += MUKCA_LANES) {
         set_unloaded(&r, e, slopes, first);
-        mukca_equilibrium_settle(&r, e, 2e-11);
+        mukca_equilibrium_settle(&r, e, false, 2e-11);
         fill_columns(J, &r, e, first);
     }
 }

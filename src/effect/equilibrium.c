@@ -7,19 +7,7 @@
 #include "effect/catalogue.h"
 #include "mukca/gravity.h"
 
-/* The same in all lanes. */
-#define ALL(x) ((x) + (lanes){0})
-
-#define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
-
-/* A vector of a joint's frame in base coordinates, and back. */
-PART void to_base(double out[3], const columns *F, const double v[3])
-{
-    lanes turned[ROWS];
-    columns_vector(turned, F, v);
-    for (int i = 0; i < 3; i++) out[i] = XYZ(turned)[i];
-}
-
+/* A vector in base coordinates, in a joint's frame. */
 static void to_joint(double out[3], const columns *F, const double v[3])
 {
     const double x = v[0], y = v[1], z = v[2];
@@ -28,13 +16,14 @@ static void to_joint(double out[3], const columns *F, const double v[3])
 }
 
 /* The parts of a joint that carries `kg`. */
-static void set_parts(mukca_joint_posture *joint, double kg, const double gravity[3])
+PART void set_parts(mukca_joint_posture *joint, double kg, const lanes *gravity)
 {
-    const double *axis = XYZ(joint->axis);
-    mukca_cross(joint->into_M, axis, XYZ(joint->first));
-    mukca_cross(joint->into_N, axis, gravity);
-    for (int i = 0; i < 3 && joint->slides; i++)
-        joint->into_M[i] = kg * axis[i], joint->into_N[i] = 0;
+    columns_cross(joint->into_M, joint->axis, joint->first);
+    columns_cross(joint->into_N, joint->axis, gravity);
+    for (int r = 0; r < ROWS && joint->slides; r++) {
+        joint->into_M[r] = kg * joint->axis[r];
+        joint->into_N[r] = ALL(0);
+    }
 }
 
 /* Frames and first moments of what moves with each joint, outwards, then of what each joint
@@ -85,157 +74,6 @@ PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task)
     for (int r = 0; r < ROWS; r++) e->first[r] += sum[r];
 }
 
-void mukca_equilibrium_rates(mukca_equilibrium *e, mukca_effect_slopes *slopes)
-{
-    e->found = true;
-    for (int j = 0; j < e->n_joints; j++) {
-        mukca_joint_posture *at = &e->joint[j];
-        double *rate = slopes->rotation[j], *bent = e->displacement.rotation[j];
-        at->tilts |= rate[0] != 0 || rate[1] != 0 || rate[2] != 0;
-        if (!at->tilts) continue;
-        to_base(bent, &at->frame, bent);
-        to_base(rate, &at->frame, rate);
-    }
-}
-
-/* c += a x b; c -= a x b */
-PART void add_cross(lanes c[3], const double a[3], const lanes b[3])
-{
-    c[0] += a[1] * b[2] - a[2] * b[1];
-    c[1] += a[2] * b[0] - a[0] * b[2];
-    c[2] += a[0] * b[1] - a[1] * b[0];
-}
-
-PART void take_cross(lanes c[3], const double a[3], const lanes b[3])
-{
-    c[0] -= a[1] * b[2] - a[2] * b[1];
-    c[1] -= a[2] * b[0] - a[0] * b[2];
-    c[2] -= a[0] * b[1] - a[1] * b[0];
-}
-
-/* Angular velocity of exp([w]x) as w changes by `rate`, in the coordinates before (side 1) or after
- * (-1) that rotation: the left and right Jacobian of SO(3); the series is exact to 1e-9 up to |w| =
- * 0.2 rad. */
-PART void angular_velocity(lanes omega[3], const double w[3], const lanes rate[3], double side)
-{
-    const double t2 = mukca_dot3(w, w);
-    const double a = side * (0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720)));
-    const double b = 1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040));
-    const lanes along = b * DOT(w, rate);
-    const double aw[3] = {a * w[0], a * w[1], a * w[2]};
-    lanes sum[3];
-    for (int i = 0; i < 3; i++) sum[i] = (1 - b * t2) * rate[i] + along * w[i];
-    add_cross(sum, aw, rate);
-    for (int i = 0; i < 3; i++) omega[i] = sum[i];
-}
-
-/* moment[3] := answer of a joint's rotation to N and M. */
-PART void bend_joint(lanes moment[3], const mukca_equilibrium *e, int j, const lanes N[3],
-                     const lanes M[3])
-{
-    const mukca_joint_posture *at = &e->joint[j];
-    for (int i = 0; i < 3; i++) moment[i] = ALL(0);
-    add_cross(moment, e->gravity, M);
-    add_cross(moment, XYZ(at->first), N);
-    const lanes along = DOT(XYZ(at->axis), moment);
-    for (int i = 0; i < 3; i++) moment[i] = at->bend * (moment[i] - along * XYZ(at->axis)[i]);
-    if (e->found) angular_velocity(moment, e->displacement.rotation[j], moment, -1);
-}
-
-/* The same of the base; N gets its part. */
-PART void bend_base(lanes moment[3], const mukca_equilibrium *e, const lanes base[3], lanes N[3],
-                    const lanes M[3])
-{
-    lanes moved[3] = {M[0], M[1], M[2]};
-    take_cross(moved, XYZ(e->first), base);
-    take_cross(N, e->gravity, base);
-    for (int i = 0; i < 3; i++) moment[i] = ALL(0);
-    add_cross(moment, e->gravity, moved);
-    for (int i = 0; i < 3; i++) moment[i] *= e->bend;
-    if (e->found) angular_velocity(moment, e->displacement.base, moment, 1);
-}
-
-/* r := answer, rates += answer, squares += its square. */
-PART void put(lanes *r, lanes *rates, lanes *squares, lanes answer)
-{
-    *r = answer;
-    *rates += answer;
-    *squares += answer * answer;
-}
-
-/* r := the answers of the joints and the base to the change of the load that r brings about; rates
- * += these answers, squares += their squares.  `some`: r is zero but for what yields to the load.
- * Outwards: M starts with all joints' parts and loses them, N gathers them. */
-PART void answer(mukca_posture_rates *rates, mukca_posture_rates *r, lanes *squares,
-                 const mukca_equilibrium *e, bool some)
-{
-    const int n = some ? e->n_yielding : e->n_joints;
-    lanes N[3] = {ALL(0), ALL(0), ALL(0)}, M[3] = {ALL(0), ALL(0), ALL(0)}, own[3];
-    for (int i = 0; i < n; i++) {
-        const int j = some ? e->yielding[i] : i;
-        const mukca_joint_posture *at = &e->joint[j];
-        const lanes angle = r->angle[j];
-        for (int a = 0; a < 3; a++) M[a] += at->into_M[a] * angle;
-        if (some ? at->bend != 0 : at->tilts) take_cross(M, XYZ(at->first), r->rotation[j]);
-    }
-    if (e->bend != 0) {
-        bend_base(own, e, r->base, N, M);
-        for (int a = 0; a < 3; a++) put(&r->base[a], &rates->base[a], squares, own[a]);
-    }
-    for (int i = 0; i < n; i++) {
-        const int j = some ? e->yielding[i] : i;
-        const mukca_joint_posture *at = &e->joint[j];
-        const lanes angle = r->angle[j];
-        if (some ? at->bend != 0 : at->tilts) {
-            take_cross(N, e->gravity, r->rotation[j]);
-            add_cross(M, XYZ(at->first), r->rotation[j]);
-        }
-        if (at->bend != 0) {
-            bend_joint(own, e, j, N, M);
-            for (int a = 0; a < 3; a++)
-                put(&r->rotation[j][a], &rates->rotation[j][a], squares, own[a]);
-        }
-        if (some || at->yields)
-            put(&r->angle[j], &rates->angle[j], squares,
-                at->twist * (DOT(at->into_N, M) + DOT(at->into_M, N)));
-        for (int a = 0; a < 3; a++) {
-            M[a] -= at->into_M[a] * angle;
-            N[a] += at->into_N[a] * angle;
-        }
-    }
-}
-
-/* `some`: as of answer. */
-PART void settle(mukca_posture_rates *rates, const mukca_equilibrium *e, bool some, double within)
-{
-    enum { ROUNDS = 8 };
-    const int n = some ? e->n_yielding : e->n_joints;
-    mukca_posture_rates r;
-    for (int a = 0; a < 3; a++) r.base[a] = rates->base[a];
-    for (int i = 0; i < n; i++) {
-        const int j = some ? e->yielding[i] : i;
-        r.angle[j] = rates->angle[j];
-        if (!e->joint[j].tilts) continue;
-        if (e->found)
-            angular_velocity(rates->rotation[j], e->displacement.rotation[j], rates->rotation[j],
-                             -1);
-        for (int a = 0; a < 3; a++) r.rotation[j][a] = rates->rotation[j][a];
-    }
-    for (int round = 0; round < ROUNDS && e->loaded; round++) {
-        lanes squares = ALL(0);
-        double sum = 0;
-        answer(rates, &r, &squares, e, some || round > 0);
-        for (int l = 0; l < MUKCA_LANES; l++) sum += XYZ(&squares)[l];
-        if (!(sum > within * within)) return;
-    }
-}
-
-MUKCA_CLONES void mukca_equilibrium_settle(mukca_posture_rates *rates, const mukca_equilibrium *e,
-                                           double within)
-{
-    settle(rates, e, false, within);
-}
-
 /* Load of the joints that yield and of the base. */
 static void find_load(mukca_gravity_load *load, const mukca_equilibrium *e)
 {
@@ -243,12 +81,12 @@ static void find_load(mukca_gravity_load *load, const mukca_equilibrium *e)
         const int j = e->yielding[i];
         const mukca_joint_posture *at = &e->joint[j];
         double moment[3];
-        mukca_cross(moment, e->gravity, XYZ(at->first));
-        load->torque[j] =
-            at->slides ? -mukca_dot3(at->into_M, e->gravity) : mukca_dot3(XYZ(at->axis), moment);
+        mukca_cross(moment, XYZ(e->gravity), XYZ(at->first));
+        load->torque[j] = at->slides ? -mukca_dot3(XYZ(at->into_M), XYZ(e->gravity))
+                                     : mukca_dot3(XYZ(at->axis), moment);
         if (at->tilts) to_joint(load->moment[j], &at->frame, moment);
     }
-    mukca_cross(load->base, e->gravity, XYZ(e->first));
+    mukca_cross(load->base, XYZ(e->gravity), XYZ(e->first));
 }
 
 /* An effect of the load that is no spring. */
@@ -311,9 +149,6 @@ static void copy(mukca_displacement *to, const mukca_displacement *from, int n)
 /* rad or m: seven joints and their rotations together keep the tip within 1e-12. */
 static const double rest = 1e-13;
 
-/* What the first lane has. */
-#define FIRST(rate) (*(const double *)(const void *)&(rate))
-
 /* A part of what was, in `was`, and of what is now: their difference, and what was. */
 PART void take_difference(lanes *was, double *now, double *size)
 {
@@ -323,56 +158,118 @@ PART void take_difference(lanes *was, double *now, double *size)
     *was = ALL(change);
 }
 
-/* A step of Newton's method: the displacement changes by the difference from what the effects add
- * under the load of the posture, with the answers to it.  Returns the largest part of the
- * difference, rad or m. */
-PART double step(mukca_equilibrium *e, const mukca_effect_task *task,
-                 const mukca_displacement *unloaded)
+/* r := what the effects add under the load of the posture, minus what they did.  Returns its
+ * largest part, rad or m. */
+PART double find_difference(mukca_posture_rates *r, mukca_equilibrium *e,
+                            const mukca_effect_task *task, const mukca_displacement *unloaded)
 {
     mukca_displacement *d = &e->displacement;
-    mukca_posture_rates r; /* what was, then the difference, then with the answers */
     double size = 0;
     for (int a = 0; a < 3; a++) {
-        r.base[a] = ALL(d->base[a]);
+        r->base[a] = ALL(d->base[a]);
         d->base[a] = unloaded->base[a];
         d->tip[a] = unloaded->tip[a];
     }
     for (int i = 0; i < e->n_yielding; i++) {
         const int j = e->yielding[i];
-        r.angle[j] = ALL(d->q[j]);
+        r->angle[j] = ALL(d->q[j]);
         d->q[j] = unloaded->q[j];
         for (int a = 0; a < 3 && e->joint[j].tilts; a++) {
-            r.rotation[j][a] = ALL(d->rotation[j][a]);
+            r->rotation[j][a] = ALL(d->rotation[j][a]);
             d->rotation[j][a] = unloaded->rotation[j][a];
         }
     }
     add_loaded(d, e, task);
-    for (int a = 0; a < 3; a++) take_difference(&r.base[a], &d->base[a], &size);
+    for (int a = 0; a < 3; a++) take_difference(&r->base[a], &d->base[a], &size);
     for (int i = 0; i < e->n_yielding; i++) {
         const int j = e->yielding[i];
         double change[3];
-        take_difference(&r.angle[j], &d->q[j], &size);
+        take_difference(&r->angle[j], &d->q[j], &size);
         if (!e->joint[j].tilts) continue;
         for (int a = 0; a < 3; a++) {
-            take_difference(&r.rotation[j][a], &d->rotation[j][a], &size);
-            change[a] = FIRST(r.rotation[j][a]);
+            take_difference(&r->rotation[j][a], &d->rotation[j][a], &size);
+            change[a] = FIRST(r->rotation[j][a]);
         }
         to_base(change, &e->joint[j].frame, change);
-        for (int a = 0; a < 3; a++) r.rotation[j][a] = ALL(change[a]);
-    }
-    if (!(size > rest)) return size;
-    settle(&r, e, true, size * size + rest);
-    for (int a = 0; a < 3; a++) d->base[a] += FIRST(r.base[a]);
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
-        double turned[3];
-        d->q[j] += FIRST(r.angle[j]);
-        if (!e->joint[j].tilts) continue;
-        for (int a = 0; a < 3; a++) turned[a] = FIRST(r.rotation[j][a]);
-        to_joint(turned, &e->joint[j].frame, turned);
-        for (int a = 0; a < 3; a++) d->rotation[j][a] += turned[a];
+        for (int a = 0; a < 3; a++) r->rotation[j][a] = ALL(change[a]);
     }
     return size;
+}
+
+/* c += a x b */
+static void add_cross(double c[3], const double a[3], const double b[3])
+{
+    double cross[3];
+    mukca_cross(cross, a, b);
+    for (int i = 0; i < 3; i++) c[i] += cross[i];
+}
+
+/* The tip moves by small v + w x p, exact to the squares. */
+static void move_tip(mukca_frame *tip, const double v[3], const double w[3])
+{
+    add_cross(tip->p, w, tip->p);
+    for (int i = 0; i < 3; i++) tip->p[i] += v[i];
+    for (int c = 0; c < 3; c++) {
+        double column[3] = {tip->R[c], tip->R[3 + c], tip->R[6 + c]};
+        add_cross(column, w, column);
+        for (int i = 0; i < 3; i++) tip->R[3 * i + c] = column[i];
+    }
+}
+
+/* The displacement += r, and the tip moves with it.  A rotation vector b that changes by r turns by
+ * r - b x r / 2 after the rotation, r + b x r / 2 before it, exact to squares of b. */
+static void add_rates(mukca_equilibrium *e, const mukca_posture_rates *r)
+{
+    mukca_displacement *d = &e->displacement;
+    double v[3] = {0}, w[3], rate[3], bent[3];
+    for (int a = 0; a < 3; a++) {
+        w[a] = rate[a] = FIRST(r->base[a]);
+        d->base[a] += rate[a];
+        bent[a] = 0.5 * d->base[a];
+    }
+    add_cross(w, bent, rate);
+    for (int i = 0; i < e->n_yielding; i++) {
+        const int j = e->yielding[i];
+        const mukca_joint_posture *at = &e->joint[j];
+        const double *axis = XYZ(at->axis), *p = XYZ(at->frame.column[3]);
+        const double angle = FIRST(r->angle[j]);
+        double turn[3] = {angle * axis[0], angle * axis[1], angle * axis[2]};
+        d->q[j] += angle;
+        for (int a = 0; a < 3 && at->slides; a++) v[a] += turn[a], turn[a] = 0;
+        if (at->tilts) {
+            for (int a = 0; a < 3; a++) rate[a] = FIRST(r->rotation[j][a]), turn[a] += rate[a];
+            to_joint(bent, &at->frame, rate);
+            for (int a = 0; a < 3; a++) bent[a] = -0.5 * (d->rotation[j][a] += bent[a]);
+            to_base(bent, &at->frame, bent);
+            add_cross(turn, bent, rate);
+        }
+        add_cross(v, p, turn);
+        for (int a = 0; a < 3; a++) w[a] += turn[a];
+    }
+    move_tip(&e->tip, v, w);
+}
+
+/* Sizes of the steps so far. */
+typedef struct {
+    double first, before, last;
+} steps;
+
+/* A step of Newton's method: the displacement changes by the difference from what the effects add
+ * under the load of the posture, with the answers to it.  Returns whether that is the rest. */
+PART bool step(mukca_equilibrium *e, const mukca_effect_task *task,
+               const mukca_displacement *unloaded, steps *size)
+{
+    mukca_posture_rates r;
+    size->before = size->last;
+    size->last = find_difference(&r, e, task, unloaded);
+    if (size->before == 0) size->first = size->last;
+    if (!(size->last > rest)) return true;
+    mukca_equilibrium_settle(&r, e, true, size->last * size->last + rest);
+    add_rates(e, &r);
+    /* The next step is smaller than this at least as this than the one before.  What the method
+     * leaves out shrinks by the rotations times the deflection per rad: both are some `first`. */
+    return size->last * size->last < rest * size->before &&
+           size->last * size->first * size->first < rest;
 }
 
 /* Sort the effects that depend on the load by joints, and into springs and others. */
@@ -380,7 +277,8 @@ static void start(mukca_equilibrium *e, const mukca_effect_task *task)
 {
     const mukca_chain *chain = task->chain;
     bool some = false;
-    memcpy(e->gravity, chain->gravity, sizeof e->gravity);
+    memset(e->gravity, 0, sizeof e->gravity);
+    memcpy(e->gravity, chain->gravity, sizeof chain->gravity);
     e->found = false; /* rates are those of rotation vectors: right enough for Newton's method */
     e->n_joints = chain->n_joints;
     e->n_yielding = e->n_other = 0;
@@ -418,25 +316,19 @@ MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slop
 {
     enum { ROUNDS = 8 }; /* usually 2: Newton's method, from 1 mrad off */
     mukca_displacement unloaded;
-    double size = 0, before = 0, first = 0;
+    steps size = {0};
+    bool found = false;
     start(e, task);
     mukca_effects_unloaded(&unloaded, slopes, task);
     copy(&e->displacement, &unloaded, e->n_joints);
     if (!e->loaded) add_loaded(&e->displacement, e, task); /* under torques that are given */
-    for (int round = 0;; round++) {
+    set_posture(e, task);
+    for (int round = 0; round < ROUNDS && e->loaded && !found; round++) {
+        found = step(e, task, &unloaded, &size);
+        if (found && !slopes) return; /* the tip is there */
         set_posture(e, task);
-        /* The next step is smaller than this at least as this than the one before.  What the method
-         * leaves out shrinks by the rotations times the deflection per rad: both are some `first`.
-         * Slopes that change with the load are those of the posture of the last step. */
-        if (!e->loaded || round == ROUNDS) return;
-        if (size * size < rest * before && size * first * first < rest &&
-            !(slopes && e->n_other > 0))
-            return;
-        before = size;
-        size = step(e, task, &unloaded);
-        if (!(size > rest)) return;
-        if (round == 0) first = size;
     }
+    if (e->loaded && e->n_other > 0) add_loaded(&unloaded, e, task); /* slopes by the load */
 }
 
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,

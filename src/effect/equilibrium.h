@@ -36,8 +36,8 @@ typedef struct {
     columns frame; /* after the effects' rotation, before it turns; its origin is the joint's */
     lanes axis[ROWS];
     lanes first[ROWS];    /* S */
-    double into_M[3];     /* per rad or m: a x S, or kg a of one that slides */
-    double into_N[3];     /* a x g, or 0 */
+    lanes into_M[ROWS];   /* per rad or m: a x S, or kg a of one that slides */
+    lanes into_N[ROWS];   /* a x g, or 0 */
     double twist, bend;   /* slopes of the angle by the torque, of the rotation by the moment across
                              the axis, rad/(N m), */
     double spring, blade; /* and their parts that do not depend on the load */
@@ -49,7 +49,7 @@ typedef struct {
     mukca_joint_posture joint[MUKCA_MAX_JOINTS];
     mukca_displacement displacement;
     mukca_frame tip;
-    double gravity[3];
+    lanes gravity[ROWS];
     lanes first[ROWS];   /* of all that moves, about the base's origin */
     double bend, spring; /* of the base, as above */
     int n_joints, n_yielding, n_other;
@@ -83,15 +83,17 @@ void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slope
 void mukca_equilibrium_find(mukca_equilibrium *at, mukca_effect_slopes *slopes,
                             const mukca_effect_task *task);
 
-/* Prepare for the rates as joints turn: levers of all joints; rotation vectors, of the displacement
- * and of the slopes, in base coordinates. */
+/* Prepare for the rates as joints turn: rotation vectors in base coordinates, the slopes' as
+ * angular velocities. */
 void mukca_equilibrium_rates(mukca_equilibrium *at, mukca_effect_slopes *slopes);
 
-/* In: rates without load, of rotation vectors.  Out: angular velocities, with the answers to the
- * changes of the load that they bring about: a fixed point, as each answer changes the load again,
- * up to changes of `within`.  A round leaves of what is missing the deflection per radian that the
- * arm turns, 0.05 at most, so that 2e-11 is exact to 1e-12. */
-void mukca_equilibrium_settle(mukca_posture_rates *rates, const mukca_equilibrium *at,
+/* rates += the answers to the changes of the load that they bring about: a fixed point, as each
+ * answer changes the load again, up to changes of `within`.  A round leaves of what is missing the
+ * deflection per radian that the arm turns, 0.05 at most, so that 2e-11 is exact to 1e-12.
+ * Rotations: angular velocities after mukca_equilibrium_rates, before it rates of rotation vectors,
+ * right enough for Newton's method.  `some`: the rates are zero, and not read, but for what yields
+ * to the load. */
+void mukca_equilibrium_settle(mukca_posture_rates *rates, const mukca_equilibrium *at, bool some,
                               double within);
 
 /* With several lanes part of the function that is compiled for each processor; with one apart: a
@@ -101,5 +103,17 @@ void mukca_equilibrium_settle(mukca_posture_rates *rates, const mukca_equilibriu
 #else
 #define PART static __attribute__((noinline))
 #endif
+
+/* The same in all lanes; what the first one has. */
+#define ALL(x) ((x) + (lanes){0})
+#define FIRST(rate) (*(const double *)(const void *)&(rate))
+
+/* A vector of a joint's frame in base coordinates. */
+MUKCA_INLINE void to_base(double out[3], const columns *F, const double v[3])
+{
+    lanes turned[ROWS];
+    columns_vector(turned, F, v);
+    for (int i = 0; i < 3; i++) out[i] = XYZ(turned)[i];
+}
 
 #endif

@@ -59,7 +59,8 @@ static bool differs(const mukca_frame *tip, const double *J, const double *q,
 {
     static double header_J[6 * JOINTS];
     mukca_frame header_tip;
-    mukca_corrected_jacobian(header_J, &header_tip, &heron7_arm, q, state);
+    mukca_corrected_pose(&header_tip, &heron7_arm, q, state);
+    mukca_corrected_jacobian(header_J, NULL, &heron7_arm, q, state);
     return memcmp(header_J, J, sizeof header_J) != 0 || memcmp(&header_tip, tip, sizeof *tip) != 0;
 }
 
