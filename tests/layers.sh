@@ -59,7 +59,7 @@ foreign=$(nm -g --defined-only "$build/libmukca_core.a" | awk 'NF == 3 && $3 !~ 
 # locale, and no memory of its own, so that threads cannot disturb each other.
 math='atan2 copysign cos expm1 fabs floor fmax fmin hypot scalbn rint round sin sincos sqrt tanh'
 string='memcmp memcpy memmove memset strchr strcmp strcspn strlen strncmp strspn'
-compiler='_GLOBAL_OFFSET_TABLE_ __cpu_indicator_init __cpu_model __stack_chk_fail __(u?div|u?mod)[dt]i[34] __(asan|ubsan|sanitizer|gcov)_.*'
+compiler='_GLOBAL_OFFSET_TABLE_ __cpu_features2 __cpu_indicator_init __cpu_model __stack_chk_fail __(u?div|u?mod)[dt]i[34] __(asan|ubsan|sanitizer|gcov)_.*'
 rt=$build/libmukca_rt.a
 needed=$(nm -g "$rt" | awk 'NF == 3 { have[$3] = 1 } NF == 2 { want[$2] = 1 }
     END { for (name in want) if (!(name in have)) print name }' |

@@ -64,7 +64,8 @@ static void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_ops *ops,
                        const mukca_basis_input *in, const double basis[][3])
 {
     const mukca_effect *e = in->effect;
-    double slope[MUKCA_MAX_TERMS][3] = {{0}};
+    double slope[MUKCA_MAX_TERMS][3];
+    memset(slope, 0, (size_t)e->terms * sizeof *slope);
     const int by = ops->by_angle(slope, in, basis);
     if (ops->direction) {
         for (int j = 0; j < n_joints; j++) slopes->angle[j][1] += e->coefficient[0] * slope[0][0];
@@ -89,7 +90,8 @@ static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
                                   .state = &task->state,
                                   .sine = sine,
                                   .cosine = cosine};
-    double basis[MUKCA_MAX_TERMS][3] = {{0}};
+    double basis[MUKCA_MAX_TERMS][3];
+    memset(basis, 0, (size_t)e->terms * sizeof *basis);
     if (ops->direction) add_direction(d, e, task->chain, &task->state);
     if (ops->basis) {
         ops->basis(basis, &in);
@@ -106,10 +108,16 @@ void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slope
     const mukca_effect *waiting[TOGETHER];
     double angle[2 * TOGETHER] = {0}, sine[2 * TOGETHER], cosine[2 * TOGETHER];
     int n = 0;
-    memset(displacement, 0, sizeof *displacement);
+    const size_t joints = (size_t)task->chain->n_joints;
+    memset(displacement->q, 0, joints * sizeof *displacement->q);
+    memset(displacement->rotation, 0, joints * sizeof *displacement->rotation);
+    memset(displacement->base, 0, sizeof displacement->base);
+    memset(displacement->tip, 0, sizeof displacement->tip);
+    displacement->any_rotation = false;
     if (slopes) {
-        memset(slopes, 0, sizeof *slopes);
-        for (int j = 0; j < task->chain->n_joints; j++) slopes->angle[j][1] = 1;
+        memset(slopes->angle, 0, joints * sizeof *slopes->angle);
+        memset(slopes->rotation, 0, joints * sizeof *slopes->rotation);
+        for (size_t j = 0; j < joints; j++) slopes->angle[j][1] = 1;
     }
     for (int i = 0; i <= task->n_effects; i++) {
         const mukca_effect *e = task->effects + i;

@@ -94,7 +94,8 @@ static void add_other(mukca_displacement *d, mukca_equilibrium *e, const mukca_e
                       const double *axis, const mukca_joint_state *state)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[f->kind];
-    double basis[MUKCA_MAX_TERMS][3] = {{0}}, *slope = &e->bend;
+    double basis[MUKCA_MAX_TERMS][3], *slope = &e->bend;
+    memset(basis, 0, (size_t)f->terms * sizeof *basis);
     ops->basis(basis, &(mukca_basis_input){.effect = f, .axis = axis, .state = state});
     mukca_effect_add(d, f, (const double(*)[3])basis);
     if (!e->loaded) return;
