@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "base/text.h"
 #include "io/kinematics.h"
 #include "io/offsets.h"
 #include "io/output.h"
@@ -254,6 +255,12 @@ void cli_print_wrapped(FILE *stream, int indent, const char *text);
 
 /* "Cause   text": a bold key of 8 columns, the text wrapped after it. */
 void cli_print_keyed(FILE *stream, const char *key, const char *text);
+
+/* Print the text, if there is any: after a key, or (NULL) as lines; and empty it. */
+void cli_print_text(FILE *stream, const char *key, mukca_text *text);
+
+/* "and 3 more; --json lists them all" */
+void cli_print_more(FILE *stream, int n);
 
 /* Words of text[length] alike, from `column` on, with a line feed. */
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length);

@@ -66,3 +66,17 @@ void cli_print_keyed(FILE *stream, const char *key, const char *text)
     fprintf(stream, "%s%-*s%s", cli_bold(stream), KEY, key, cli_plain(stream));
     cli_print_words(stream, KEY, KEY, text, strlen(text));
 }
+
+void cli_print_text(FILE *stream, const char *key, mukca_text *text)
+{
+    if (text->used && key) cli_print_keyed(stream, key, text->at);
+    if (text->used && !key) cli_print_wrapped(stream, 0, text->at);
+    text->at[text->used = 0] = '\0';
+}
+
+void cli_print_more(FILE *stream, int n)
+{
+    char line[80];
+    snprintf(line, sizeof line, "and %d more; --json lists them all", n);
+    cli_print_keyed(stream, "", line);
+}

@@ -5,9 +5,10 @@
 #include <string.h>
 
 #include "base/number.h"
+#include "io/pattern.h"
 #include "io/rows.h"
 
-enum { ROBOT_AXES = 6, MOST_AXES = 12, PATTERN = 256, NUMBERS = 24 };
+enum { ROBOT_AXES = 6, MOST_AXES = 12, PATTERN = 256 };
 
 typedef enum { QUATERNION, ZYX, VECTOR } turn_kind;
 
@@ -91,63 +92,6 @@ static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const 
     snprintf(pattern + used, (size_t)(PATTERN - used), "%s", l->close);
 }
 
-typedef struct {
-    int n;
-    double value[NUMBERS];
-    size_t span[NUMBERS][2];
-} numbers;
-
-/* Match a number at line[at]; returns its end, 0: none. */
-static size_t match_number(double *value, const char *line, size_t at)
-{
-    char text[64];
-    const size_t length = strspn(line + at, "+-0123456789.eE");
-    if (length == 0 || length >= sizeof text) return 0;
-    const bool plus = line[at] == '+';
-    memcpy(text, line + at + plus, length - plus);
-    text[length - plus] = '\0';
-    return mukca_number_parse(value, text) ? at + length : 0;
-}
-
-static size_t skip_blanks(const char *line, size_t at)
-{
-    while (isblank((unsigned char)line[at])) at++;
-    return at;
-}
-
-/* Match the pattern at line[at]; returns the end of the match, 0: none. */
-static size_t match(numbers *found, const char *pattern, const char *line, size_t at)
-{
-    for (const char *p = pattern; *p; p++) {
-        if (*p == ' ') {
-            if (!isblank((unsigned char)line[at])) return 0;
-            continue;
-        }
-        if (*p == '*') { /* up to where the rest matches */
-            const numbers so_far = *found;
-            for (;; at++) {
-                const size_t end = match(found, p + 1, line, at);
-                if (end) return end;
-                *found = so_far;
-                if (!line[at] || strchr("{}[]", line[at])) return 0;
-            }
-        }
-        const bool in_word =
-            p > pattern && isalnum((unsigned char)*p) && isalnum((unsigned char)p[-1]);
-        if (!in_word) at = skip_blanks(line, at);
-        if (*p == '#') {
-            const size_t end =
-                found->n < NUMBERS ? match_number(&found->value[found->n], line, at) : 0;
-            if (end == 0) return 0;
-            found->span[found->n][0] = at;
-            found->span[found->n++][1] = at = end;
-        } else if (line[at++] != *p) {
-            return 0;
-        }
-    }
-    return at;
-}
-
 /* Does line[at] follow one of the texts? */
 static bool follows(const mukca_language *l, const char *line, size_t at)
 {
@@ -217,19 +161,20 @@ static size_t match_components(mukca_program_target *t, const mukca_program_read
     const char *line = r->line;
     char key[16];
     bool any = false;
-    size_t end = read_word(key, line, skip_blanks(line, at + 1));
-    end = skip_blanks(line, end);
+    size_t end = read_word(key, line, mukca_pattern_skip_blanks(line, at + 1));
+    end = mukca_pattern_skip_blanks(line, end);
     if (line[end] == ':') at = end;
     do {
         double value;
-        at = skip_blanks(line, read_word(key, line, skip_blanks(line, at + 1)));
-        end = match_number(&value, line, at);
+        at = mukca_pattern_skip_blanks(
+            line, read_word(key, line, mukca_pattern_skip_blanks(line, at + 1)));
+        end = mukca_pattern_number(&value, line, at);
         const int k = component(r, key);
         if (k >= 0 && (end == 0 || t->number[k][1])) return 0;
         if (k >= 0) t->number[k][0] = at, t->number[k][1] = end, t->value[k] = value;
         any |= k >= 0;
         at = end ? end : at + strcspn(line + at, ",{}");
-        at = skip_blanks(line, at);
+        at = mukca_pattern_skip_blanks(line, at);
     } while (line[at] == ',');
     return any && line[at] == '}' ? at + 1 : 0;
 }
@@ -241,8 +186,8 @@ static bool is_target(const mukca_program_reader *r, size_t begin, size_t end)
     size_t before = begin;
     while (before > 0 && isblank((unsigned char)r->line[before - 1])) before--;
     return !r->relative && (before == 0 || r->line[before - 1] != ':') &&
-           r->line[skip_blanks(r->line, end)] != ':' && !(data && data < r->line + begin) &&
-           !(system && system < r->line + begin);
+           r->line[mukca_pattern_skip_blanks(r->line, end)] != ':' &&
+           !(data && data < r->line + begin) && !(system && system < r->line + begin);
 }
 
 /* Fill in the components that the target lacks. */
@@ -272,8 +217,8 @@ static bool match_target(mukca_program_target *t, mukca_program_reader *r, const
         carry_over(t, r);
         return true;
     }
-    numbers found = {0};
-    t->end = match(&found, pattern, r->line, at);
+    mukca_pattern_numbers found = {0};
+    t->end = mukca_pattern_match(&found, pattern, r->line, at);
     const int n = r->pose ? MUKCA_POSE_NUMBERS : r->chain->n_joints;
     memcpy(t->value, found.value, (size_t)n * sizeof *t->value);
     memcpy(t->number, found.span, (size_t)n * sizeof *t->number);
@@ -288,7 +233,7 @@ void mukca_program_line(mukca_program_reader *r, const char *line)
     r->at = 0;
     r->moves = r->relative = r->found = false;
     if (!r->language->label[0]) return;
-    read_word(word, line, skip_blanks(line, 0));
+    read_word(word, line, mukca_pattern_skip_blanks(line, 0));
     char *suffix = strstr(word, "_REL");
     r->relative = suffix != NULL;
     if (suffix) *suffix = '\0';

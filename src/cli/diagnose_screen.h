@@ -1,0 +1,16 @@
+/* Parts of the diagnosis screen that are about the recording. */
+#ifndef MUKCA_CLI_DIAGNOSE_SCREEN_H
+#define MUKCA_CLI_DIAGNOSE_SCREEN_H
+
+#include "cli/diagnose.h"
+
+/* Frames of several pose logs or targets; readings against commands; recording faults and efforts.
+ */
+void cli_screen_logs(FILE *stream, const mukca_diagnosed *diagnosed);
+void cli_screen_streams(FILE *stream, const mukca_diagnosed *diagnosed);
+void cli_screen_recording(FILE *stream, const mukca_diagnosed *diagnosed);
+
+/* Detection limits, and what cannot be tested.  `caveat`: missing masses have been mentioned. */
+void cli_screen_limits(FILE *stream, const mukca_diagnosed *diagnosed, bool caveat);
+
+#endif
