@@ -20,7 +20,7 @@ int main(int argc, char **argv)
         return MUKCA_USAGE;
     }
     if (mukca_corrected_load(&arm, argv[1], &error)) {
-        fprintf(stderr, "%s: %s\n", argv[1], error.text);
+        fprintf(stderr, "%s\n", error.text);
         return (int)error.status;
     }
     const int n = arm.chain.n_joints;

@@ -171,8 +171,13 @@ static void print_verdict(cli_call *call, const calibrate_result *r)
         cli_answer_wrapped(call, "Do not use this result: %s.", a->reason);
         return;
     }
-    cli_answer_wrapped(call, "Converged after %d evaluations; measurement noise %.3f mm per axis.",
-                       r->fit->outcome.evaluations, 1e3 * a->noise_m);
+    char turns[80] = "";
+    if (r->train->quaternion)
+        snprintf(turns, sizeof turns, ", positions and orientations together (1 mrad as %g mm)",
+                 MUKCA_METRES_PER_RADIAN);
+    cli_answer_wrapped(call,
+                       "Converged after %d evaluations; measurement noise %.3f mm per axis%s.",
+                       r->fit->outcome.evaluations, 1e3 * a->noise_m, turns);
     mukca_acceptance_sentence(text, a, r->fit->chain.kinematics_sha256[0] != '\0');
     cli_answer_wrapped(call, "Result %s.", text);
 }

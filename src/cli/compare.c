@@ -309,7 +309,7 @@ const cli_command cli_command_compare = {
         "squares).\n\n"
         "Axes: for each joint the angle between its axes and their distance, seen from the axis "
         "before; the difference of the joint's zero and the shift along the axis to the next one. "
-        "- where it is gauge, or the axes are parallel and nothing shows it.\n\n"
+        "A dash stands for gauge, and for what parallel axes leave open.\n\n"
         "A table without the arm's chain in its comments (made by hand) belongs to --urdf.",
     .example = "mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
     .options = options,

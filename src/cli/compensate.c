@@ -271,8 +271,8 @@ const cli_command cli_command_compensate = {
         "In URScript, targets are the arguments of movej, movel, movep, movec and servoj, and values of "
         "variables whose names end in _q or _p. Correct joint targets first, without --poses, then "
         "poses in the result. A pose stays a pose, of the same move: the one that the "
-        "controller's nominal model takes to the corrected joint targets. The posture is that near "
-        "the joint targets and poses before it. In another language, or a table, poses become "
+        "controller's nominal model takes to the corrected joint targets. The arm "
+        "is in the posture nearest to the targets before it. In another language, or a table, poses become "
         "joint targets. KRL's components that are left out are those of the last move. A pose out "
         "of reach stays as it is.",
     .example =

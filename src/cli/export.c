@@ -110,8 +110,8 @@ const cli_command cli_command_export = {
         "and with the signs of the URDF's own origin. Nothing is subtracted. Offsets below 1e-9 m "
         "or rad count as zero.\n\n"
         "A format that cannot hold an effect of the table gets origins that were fitted to the arm "
-        "with its effects, over its joint ranges or over the postures of DATA; what is lost is "
-        "said. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"
+        "with its effects, over its joint ranges or over the postures of DATA; a note states "
+        "what is lost. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"
         "Formats, with the endings of their files:\n" MUKCA_EXPORT_LIST(FORMAT_LINE),
     .example =
         "mukca export --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv --format yaml",

@@ -11,7 +11,8 @@ const mukca_effect_ops mukca_tool_motion_effect = {
              MUKCA_IN_MM,
              .needs = MUKCA_NEEDS_SOCKETS,
              .traits = MUKCA_TRAIT_RECORDING_FAULT,
-             .sentence = "the tool was pushed or crept while it was being recorded",
+             .sentence =
+                 "the tool was pushed or crept while it was being recorded, or a joint slipped",
              .remedy = "fasten the tool and record this placement again"},
     .missing = "too few samples in each socket: record 20 or more",
 };

@@ -192,13 +192,13 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put_count(text, causes, "");
     } else if (!first) {
         put(text, "%s",
-            d->n_causes ? "The tool moved during the recording; no effect on the arm beyond its "
-                          "geometry was identified"
-                        : "No effect beyond the geometry was identified; the remaining error "
-                          "agrees with the "
-                          "measurement noise and the uncertainty of the geometry");
-        if (d->verdict == MUKCA_VERDICT_TIED)
-            put(text, " (a joint that slipped is indistinguishable from the moved tool)");
+            d->n_causes
+                ? "The tool moved during the recording, or a joint slipped; no effect on the "
+                  "arm beyond its geometry was identified"
+                : "No effect beyond the geometry was identified; the remaining error "
+                  "agrees with the "
+                  "measurement noise and the uncertainty of the geometry");
+        if (d->verdict == MUKCA_VERDICT_TIED) put(text, " (indistinguishable in these data)");
     } else {
         const bool tied = first->n_ties || first->or_unknown;
         if (tied)

@@ -278,6 +278,8 @@ static void bad_tables_are_refused(void **state)
     }
     assert_int_equal(mukca_corrected_parse(&other, "", 0, &error), MUKCA_INPUT);
     assert_int_equal(mukca_corrected_load(&other, "/nonexistent/table", &error), MUKCA_INPUT);
+    assert_int_equal(mukca_corrected_load(&other, "README.md", &error), MUKCA_INPUT);
+    assert_non_null(strstr(error.text, "README.md:"));             /* the file, not only its line */
     for (size_t length = 0; length < strlen(text); length += 97) { /* cut anywhere: no crash */
         memcpy(broken, text, length);
         broken[length] = '\0';
