@@ -52,25 +52,43 @@ MUKCA_CLONES static void find_gradients(double *gradient, double *square, mukca_
     }
 }
 
-/* order[count], rising: those of long waves, and those of the highest guesses. */
+/* The order with the largest gradient that is not taken, among those that are usual or are not;
+ * -1: none is left. */
+static int largest(const double *gradient, const double *log_prior, const bool *taken, bool usual)
+{
+    int best = -1;
+    double most = -1;
+    for (int o = LONG_WAVE - 1; o < ORDERS; o++) {
+        const double square = pow(gradient[2 * o], 2) + pow(gradient[2 * o + 1], 2);
+        if (taken[o] || (log_prior[o] > log_prior[LONG_WAVE - 1]) != usual || square <= most)
+            continue;
+        most = square, best = o;
+    }
+    return best;
+}
+
+/* order[count], rising: those of long waves, and those of the highest guesses.  Among orders of the
+ * same prior the guess rises with the gradient, so that few are found. */
 static void screen(int *order, int count, mukca_projector *p, int joint)
 {
-    double gradient[2 * ORDERS], guess[ORDERS], square;
+    double gradient[2 * ORDERS], log_prior[ORDERS], guess[ORDERS], square;
     bool taken[ORDERS] = {false};
     const mukca_candidate h = ripple_of(joint);
     find_gradients(gradient, &square, p, joint);
     const double left = 0.5 * square * fmax(1 - (double)p->n / p->normal->dof, 0.1);
-    for (int o = 0; o < ORDERS; o++) {
-        double G[] = {left, 0, 0, left};
-        guess[o] = o + 2 <= LONG_WAVE ? HUGE_VAL
-                                      : mukca_projector_block(G, gradient + 2 * o, &h, p->residual,
-                                                              p->normal->dof, NULL) +
-                                            mukca_ripple_log_prior(o + 2);
-    }
-    for (int k = 0; k < count; k++) {
+    for (int o = 0; o < ORDERS; o++) log_prior[o] = mukca_ripple_log_prior(o + 2), guess[o] = NAN;
+    for (int o = 0; o + 2 <= LONG_WAVE; o++) taken[o] = true;
+    for (int k = LONG_WAVE - 1; k < count; k++) {
         int best = -1;
-        for (int o = 0; o < ORDERS; o++)
-            if (!taken[o] && (best < 0 || guess[o] > guess[best])) best = o;
+        for (int usual = 0; usual < 2; usual++) {
+            const int o = largest(gradient, log_prior, taken, usual);
+            if (o >= 0 && isnan(guess[o])) {
+                double G[] = {left, 0, 0, left}, g[] = {gradient[2 * o], gradient[2 * o + 1]};
+                guess[o] = log_prior[o] +
+                           mukca_projector_block(G, g, &h, p->residual, p->normal->dof, NULL);
+            }
+            if (o >= 0 && (best < 0 || guess[o] > guess[best])) best = o;
+        }
         taken[best] = true;
     }
     for (int o = 0, k = 0; o < ORDERS; o++)
