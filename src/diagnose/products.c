@@ -6,6 +6,9 @@
 
 #include "base/clones.h"
 #include "math/dense.h"
+#include "math/four.h"
+
+enum { NEAR = 3 }; /* columns of most blocks */
 
 bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mukca_regression *m)
 {
@@ -13,8 +16,8 @@ bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mu
     const size_t rows = (size_t)data->n_rows, d = (size_t)m->recording.dim,
                  size = (size_t)mukca_unknowns_capacity(&m->unknowns) + 1;
     *s = (mukca_product_scratch){
-        .E = MUKCA_TAKE(pool, double, rows *d *MUKCA_BATCH),
-        .W = MUKCA_TAKE(pool, double, rows *d *MUKCA_BATCH),
+        .E = MUKCA_TAKE(pool, double, rows *d *MUKCA_BATCH + 2 * NEAR),
+        .W = MUKCA_TAKE(pool, double, rows *d *MUKCA_BATCH + 2 * NEAR),
         .U = MUKCA_TAKE(pool, double, rows *size),
         .C = MUKCA_TAKE(pool, double, size *MUKCA_BATCH),
         .along = MUKCA_TAKE(pool, double, (data->n_distances + 1) * MUKCA_BATCH),
@@ -80,11 +83,34 @@ typedef struct {
     batch b;
 } job;
 
+/* What blocks of NEAR columns need of W'E and its transpose: of_w[d][k] and of_e[d][k] are the
+ * products of column k with column k + d of the other matrix.  All are read to the next four. */
+MUKCA_CLONES static void multiply_near(double *of_w, double *of_e, const double *W, const double *E,
+                                       int width, int rows)
+{
+    for (int k = 0; k < width; k += 4) {
+        four w[NEAR] = {{0}}, e[NEAR] = {{0}};
+        const double *x = W + k, *y = E + k;
+        for (int r = 0; r < rows; r++, x += width, y += width)
+            for (int d = 0; d < NEAR; d++) {
+                w[d] += LOAD4(x) * LOAD4(y + d);
+                e[d] += LOAD4(y) * LOAD4(x + d);
+            }
+        for (int d = 0; d < NEAR; d++) {
+            STORE4(of_w + d * MUKCA_BATCH + k, w[d]);
+            STORE4(of_e + d * MUKCA_BATCH + k, e[d]);
+        }
+    }
+}
+
 /* C (products with the columns held), W E and `along` of the batch go to its entries. */
 static void scatter(const job *j)
 {
     const batch *b = &j->b;
-    const int held = j->m->linear.n_held, d = j->joint < 0 ? j->m->recording.dim : 1;
+    const int held = j->m->linear.n_held, d = j->joint < 0 ? j->m->recording.dim : 1,
+              rows = j->m->recording.n_samples * d;
+    double of_w[NEAR * MUKCA_BATCH], of_e[NEAR * MUKCA_BATCH];
+    if (!b->start) multiply_near(of_w, of_e, j->s->W, j->s->E, b->width, rows);
     for (int e = 0; e < b->n; e++) {
         mukca_products *x = b->entry[e].products;
         const int first = b->entry[e].first, count = b->entry[e].count, at = b->entry[e].at;
@@ -96,9 +122,13 @@ static void scatter(const job *j)
         for (int k = 0; k < count; k += x->block) {
             double *G = x->gram + (first + k) * x->block;
             memset(G, 0, sizeof *G * (size_t)(x->block * x->block));
-            mukca_dense_xty(G, (mukca_columns){j->s->W + at + k, x->block, b->width},
-                            (mukca_columns){j->s->E + at + k, x->block, b->width},
-                            j->m->recording.n_samples * d);
+            if (x->block > NEAR)
+                mukca_dense_xty(G, (mukca_columns){j->s->W + at + k, x->block, b->width},
+                                (mukca_columns){j->s->E + at + k, x->block, b->width}, rows);
+            for (int a = 0; a < x->block && x->block <= NEAR; a++)
+                for (int c = 0; c < x->block; c++)
+                    G[a * x->block + c] = c < a ? of_e[(a - c) * MUKCA_BATCH + at + k + c]
+                                                : of_w[(c - a) * MUKCA_BATCH + at + k + a];
         }
         for (int p = 0; p < j->m->recording.n_pairs; p++)
             memcpy(x->along + p * x->columns + first, j->s->along + p * b->width + at,

@@ -132,7 +132,10 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         for (int k = 0; k < u->n_geometry; k++) step = fmax(step, fabs(mean[k] - u->theta[k]));
         mukca_unknowns_set(u, mean);
         mukca_unknowns_fold_frames(u);
-        if (step < 1e-7 && it >= 1) break; /* 0.1 um and 0.1 urad: far below any noise */
+        if (step < 1e-7 && it >= 1) { /* 0.1 um and 0.1 urad: far below any noise */
+            if (!weigh) return;
+            break;
+        }
     }
     mukca_regression_linearise(m);
 }

@@ -67,7 +67,8 @@ void mukca_regression_refit(mukca_regression *m);
  * for the result, else as MUKCA_FIT_UNKNOWNS. */
 void mukca_regression_revise(mukca_regression *m);
 
-/* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  Ends linearised. */
+/* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  Ends linearised at the
+ * unknowns, or a last step of 0.1 um before them. */
 void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom);
 
 #endif
