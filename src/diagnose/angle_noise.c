@@ -93,11 +93,11 @@ double mukca_angle_noise_gain(mukca_projector *p, const mukca_candidate *h)
         mukca_projector_project(G, g, p, terms, h);
         memcpy(copy, G, sizeof *G * (size_t)(terms * terms));
         memcpy(gradient, g, sizeof *g * (size_t)terms);
-        gain = mukca_projector_block(copy, gradient, h, p->residual, p->normal->dof, NULL);
+        gain = mukca_bayes_factor_average(copy, gradient, h, p->residual, p->normal->dof, NULL);
         /* the noise is what the candidate leaves: its gain in fit is at least that of its score */
         const double left = exp(-2 * fmax(gain, 0) / p->normal->dof);
         for (int t = 0; t < terms; t++) g[t] -= left * bias[t];
-        gain -= mukca_projector_block(G, g, h, p->residual, p->normal->dof, NULL);
+        gain -= mukca_bayes_factor_average(G, g, h, p->residual, p->normal->dof, NULL);
     }
     mukca_pool_free(&pool);
     return gain;

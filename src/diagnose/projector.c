@@ -6,7 +6,6 @@
 
 #include "math/dense.h"
 #include "math/four.h"
-#include "math/stats.h"
 
 enum {
     EIGHT = 8,               /* right sides that are solved for at once */
@@ -92,143 +91,6 @@ void mukca_projector_rows(mukca_projector *p)
             fill_rows(p, g, start + k, count - k < EIGHT ? count - k : EIGHT);
     }
     p->have_rows = true;
-}
-
-/* Prior sizes are tried four at a time, one a lane: 1 + s^2 G = L L' with the rows of L one behind
- * the other, and x = L^-1 g. */
-typedef struct {
-    int k;
-    double L[MUKCA_MAX_COLUMNS * (MUKCA_MAX_COLUMNS + 1) / 2][4], x[MUKCA_MAX_COLUMNS][4];
-} four_factors;
-
-/* Entry i of x, from those before. */
-MUKCA_INLINE void solve_row(four_factors *f, const double (*row)[4], int i)
-{
-    four x = LOAD4(f->x[i]);
-    for (int c = 0; c < i; c++) x -= LOAD4(row[c]) * LOAD4(f->x[c]);
-    STORE4(f->x[i], x / LOAD4(row[i]));
-}
-
-/* A pivot that is not positive leaves NaN. */
-MUKCA_CLONES static void factor_four(four_factors *f, const double *G, const double s2[4])
-{
-    const four s = LOAD4(s2);
-    double(*row)[4] = f->L;
-    for (int i = 0; i < f->k; row += ++i) {
-        double(*other)[4] = f->L;
-        for (int j = 0; j <= i; other += ++j) {
-            four sum = s * G[i * f->k + j];
-            if (i == j) sum += 1;
-            for (int c = 0; c < j; c++) sum -= LOAD4(row[c]) * LOAD4(other[c]);
-            if (i != j) sum /= LOAD4(other[j]);
-            STORE4(row[j], sum);
-        }
-        for (int l = 0; l < 4; l++) row[i][l] = sqrt(row[i][l]);
-        solve_row(f, (const double(*)[4])row, i);
-    }
-}
-
-/* x := L^-1 x of one lane, and x := L'^-1 x. */
-static void solve_forward(double *x, const four_factors *f, int lane)
-{
-    const double(*row)[4] = (const double(*)[4])f->L;
-    for (int i = 0; i < f->k; row += ++i) {
-        for (int c = 0; c < i; c++) x[i] -= row[c][lane] * x[c];
-        x[i] /= row[i][lane];
-    }
-}
-
-static void solve_backward(double *x, const four_factors *f, int lane)
-{
-    const double(*row)[4] = (const double(*)[4])f->L + f->k * (f->k + 1) / 2;
-    for (int i = f->k - 1; i >= 0; i--) {
-        row -= i + 1;
-        x[i] /= row[i][lane];
-        for (int c = 0; c < i; c++) x[c] -= row[c][lane] * x[i];
-    }
-}
-
-/* Sum of log L[i][i]. */
-static double log_diagonal(const four_factors *f, int lane)
-{
-    double product = 1, sum = 0;
-    for (int i = 0, at = 0; i < f->k; at += ++i + 1) { /* one logarithm for a few */
-        product *= f->L[at][lane];
-        if (product > 1e100 || i + 1 == f->k) sum += log(product), product = 1;
-    }
-    return sum;
-}
-
-/* Log share of the posterior whose amplitude is below the largest that the prior admits.  s2 x: its
- * mean. */
-static double log_admitted(const four_factors *f, int lane, const double *x,
-                           const mukca_candidate *h, double s2, double noise)
-{
-    const double largest = mukca_candidate_largest(h);
-    double amplitude = 0, variance = 0, radial[MUKCA_MAX_COLUMNS];
-    for (int i = 0; i < h->terms; i++) amplitude += pow(s2 * x[i] / h->unit[i], 2);
-    amplitude = sqrt(amplitude);
-    if (amplitude < 0.5 * largest) return 0; /* nearly all of it */
-    for (int i = 0; i < h->terms; i++)
-        radial[i] = s2 * x[i] / (h->unit[i] * h->unit[i] * amplitude);
-    solve_forward(radial, f, lane);
-    for (int i = 0; i < h->terms; i++) variance += s2 * radial[i] * radial[i];
-    return mukca_stats_log_normal_cdf((largest - amplitude) / sqrt(variance * noise));
-}
-
-/* Log share of the posterior whose first coefficient is positive. */
-static double log_positive(const four_factors *f, int lane, double mean, double s2, double noise)
-{
-    double first[MUKCA_MAX_COLUMNS] = {1}, variance = 0;
-    solve_forward(first, f, lane);
-    for (int i = 0; i < f->k; i++) variance += s2 * first[i] * first[i];
-    return mukca_stats_log_normal_cdf(s2 * mean / sqrt(variance * noise));
-}
-
-double mukca_projector_block(double *G, double *g, const mukca_candidate *h, double residual,
-                             int dof, double *information)
-{
-    const int k = h->terms;
-    double value[MUKCA_MAX_SIZES], scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
-    const int n_scales = mukca_candidate_scales(scales, weight, h);
-    const bool nonnegative =
-        h->kind == MUKCA_CANDIDATE_EFFECT && mukca_effect_table[h->effect.kind]->nonnegative;
-    const bool bounded = mukca_candidate_largest(h) < HUGE_VAL;
-    double trace = 0;
-    for (int i = 0; i < k; i++) g[i] /= h->unit[i];
-    for (int i = 0; i < k; i++)
-        for (int j = 0; j <= i; j++)
-            G[i * k + j] = 0.5 * (G[i * k + j] + G[j * k + i]) / (h->unit[i] * h->unit[j]);
-    /* the terms behind the effect's own are what the masses may be off by */
-    const int own = mukca_candidate_own_terms(h);
-    for (int i = 0; i < own; i++) trace = fmax(trace, G[i * k + i]);
-    if (information) *information = trace;
-    four_factors f;
-    f.k = k;
-    for (int s = 0; s < n_scales; s++) {
-        const double s2 = scales[s] * scales[s];
-        const int lane = s % 4;
-        double q = 0, x[MUKCA_MAX_COLUMNS];
-        if (lane == 0) {
-            double squares[4] = {0};
-            for (int l = 0; l < 4 && s + l < n_scales; l++)
-                squares[l] = scales[s + l] * scales[s + l];
-            for (int i = 0; i < k; i++)
-                for (int l = 0; l < 4; l++) f.x[i][l] = g[i];
-            factor_four(&f, G, squares);
-        }
-        for (int i = 0; i < k; i++) q += s2 * f.x[i][lane] * f.x[i][lane];
-        if (isnan(q)) return -HUGE_VAL;
-        q = fmin(q, 0.9999 * residual);
-        value[s] = weight[s] - log_diagonal(&f, lane) - 0.5 * dof * log1p(-q / residual);
-        if (!nonnegative && !bounded) continue;
-        const double noise = fmax((residual - q) / dof, 1e-6);
-        for (int i = 0; i < k; i++) x[i] = f.x[i][lane];
-        solve_backward(x, &f, lane);
-        if (bounded) value[s] += log_admitted(&f, lane, x, h, s2, noise);
-        if (nonnegative) value[s] += log(2) + log_positive(&f, lane, x[0], s2, noise);
-    }
-    return mukca_stats_log_sum_exp(value, n_scales);
 }
 
 /* Columns of a few items side by side: their right sides in T, D X'W E, and E'W y behind. */
@@ -323,8 +185,8 @@ static void finish(batch *b, mukca_projector *p)
         for (int k = 0; k < b->entry[e].count; k += block) {
             const int which = (b->entry[e].first + k) / block;
             take_block(G, g, b, p, e, k);
-            s->value[which] = mukca_projector_block(G, g, s->candidate, p->residual, p->normal->dof,
-                                                    &s->information[which]);
+            s->value[which] = mukca_bayes_factor_average(G, g, s->candidate, p->residual,
+                                                         p->normal->dof, &s->information[which]);
         }
     }
     b->n = b->width = 0;
@@ -510,7 +372,7 @@ double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, doubl
         for (int a = 0; a < 3; a++)
             for (int b = 0; b < 3; b++) G[3 * a + b] += w * direction[a] * direction[b];
     }
-    return mukca_projector_block(G, g, h, p->residual, p->normal->dof, information);
+    return mukca_bayes_factor_average(G, g, h, p->residual, p->normal->dof, information);
 }
 
 void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *normal, double sigma)

@@ -3,6 +3,7 @@
 #ifndef MUKCA_DIAGNOSE_PROJECTOR_H
 #define MUKCA_DIAGNOSE_PROJECTOR_H
 
+#include "diagnose/bayes_factor.h"
 #include "diagnose/products.h"
 
 /* With the present columns X (geometry and causes, prior sigmas D) and H = 1 + D X'WX D = LL', a
@@ -40,13 +41,6 @@ void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *norma
 
 /* Fill Zt and u: for more than a few faults, and what looks at each sample. */
 void mukca_projector_rows(mukca_projector *p);
-
-/* Log Bayes factor of a block with projected Gram G[k][k] (leading dimension k) and gradient g[k]
- * (both destroyed), averaged over prior scales; noise profiled, sign of the first coefficient
- * honoured.  *information (may be NULL): largest diagonal entry of the effect's own
- * terms in units, 1/rad^2. */
-double mukca_projector_block(double *G, double *g, const mukca_candidate *h, double residual,
-                             int dof, double *information);
 
 /* G[k][k] and g[k] of the columns p->scratch.E[n_samples][dim][k], those of candidate h and of
  * others behind. */

@@ -85,7 +85,7 @@ static void screen(int *order, int count, mukca_projector *p, int joint)
             if (o >= 0 && isnan(guess[o])) {
                 double G[] = {left, 0, 0, left}, g[] = {gradient[2 * o], gradient[2 * o + 1]};
                 guess[o] = log_prior[o] +
-                           mukca_projector_block(G, g, &h, p->residual, p->normal->dof, NULL);
+                           mukca_bayes_factor_average(G, g, &h, p->residual, p->normal->dof, NULL);
             }
             if (o >= 0 && (best < 0 || guess[o] > guess[best])) best = o;
         }

@@ -205,7 +205,7 @@ static double score_columns(mukca_projector *p, const mukca_candidate *h)
     double G[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], g[MUKCA_MAX_COLUMNS];
     mukca_linearisation_columns(p->scratch.E, h->terms, &p->m->linear, &p->m->recording, h);
     mukca_projector_project(G, g, p, h->terms, h);
-    return mukca_projector_block(G, g, h, p->residual, p->normal->dof, NULL);
+    return mukca_bayes_factor_average(G, g, h, p->residual, p->normal->dof, NULL);
 }
 
 /* A fault scores the same by itself, from the rows of all samples, and from its columns. */
