@@ -56,8 +56,8 @@ double mukca_random_normal(mukca_random *random)
 
 int mukca_random_below(mukca_random *random, int n)
 {
-    uint64_t range = (uint64_t)n, limit = UINT64_MAX - UINT64_MAX % range, bits;
-    do bits = mukca_random_bits(random);
-    while (bits >= limit);
-    return (int)(bits % range);
+    uint64_t range = (uint64_t)n, bits, value;
+    do bits = mukca_random_bits(random), value = bits % range;
+    while (bits - value > UINT64_MAX - range); /* the last numbers are no whole range */
+    return (int)value;
 }
