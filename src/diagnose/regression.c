@@ -133,8 +133,9 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         mukca_unknowns_set(u, mean);
         mukca_unknowns_fold_frames(u);
         if (step < 1e-7 && it >= 1) { /* 0.1 um and 0.1 urad: far below any noise */
-            if (!weigh) return;
-            break;
+            if (weigh) break;
+            mukca_unknowns_set_geometry(u, m->recording.chain);
+            return;
         }
     }
     mukca_regression_linearise(m);
