@@ -198,12 +198,15 @@ void mukca_regression_refit(mukca_regression *m)
 void mukca_regression_revise(mukca_regression *m)
 {
     /* Held-out errors change behind their printed digits with a thousandth of what decides
-     * anything.  Predictions alone lead near the final unknowns, and columns are formed there. */
+     * anything. */
     const double little = 0.001;
-    for (int pass = 0; pass < 2; pass++) {
-        if (pass) mukca_regression_freeze(m);
-        if (!mukca_regression_solve(m) || holds(m, little)) return;
-        if (mukca_linearisation_refresh(&m->linear, &m->recording, &m->unknowns))
-            mukca_regression_solve(m);
+    mukca_linearisation *linear = &m->linear;
+    if (mukca_regression_solve(m) && holds(m, little)) return;
+    /* Predictions alone lead from nearby to the final unknowns, and columns are formed there. */
+    if (holds(m, 1) && mukca_linearisation_refresh(linear, &m->recording, &m->unknowns) &&
+        mukca_regression_solve(m)) {
+        mukca_regression_freeze(m);
+        if (mukca_regression_solve(m) && holds(m, little)) return;
     }
+    mukca_regression_fit(m, 4, MUKCA_FIT_UNKNOWNS);
 }

@@ -64,7 +64,7 @@ bool mukca_regression_solve(mukca_regression *m);
 void mukca_regression_refit(mukca_regression *m);
 
 /* Fit the unknowns alone after causes were dropped, noise and prior scales staying: to the columns
- * that are there where these hold for the result, else to new ones. */
+ * that are there where these hold for the result, else to new ones, or as MUKCA_FIT_UNKNOWNS. */
 void mukca_regression_revise(mukca_regression *m);
 
 /* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  Ends linearised at the
