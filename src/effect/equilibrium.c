@@ -265,7 +265,10 @@ PART bool step(mukca_equilibrium *e, const mukca_effect_task *task,
     size->last = find_difference(&r, e, task, unloaded);
     if (size->before == 0) size->first = size->last;
     if (!(size->last > rest)) return true;
-    mukca_equilibrium_settle(&r, e, true, size->last * size->last + rest);
+    /* To what the method leaves, of the size's square: a round leaves the deflection per rad, which
+     * is up to ten times `first`, or 0.01 where a posture happens to deflect less. */
+    const double left = size->last * size->last + rest;
+    mukca_equilibrium_settle(&r, e, true, left / (10 * size->first + 0.01));
     add_rates(e, &r);
     /* The next step is smaller than this at least as this than the one before.  What the method
      * leaves out shrinks by the rotations times the deflection per rad: both are some `first`. */
