@@ -220,7 +220,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     const double started = now_s();
     mukca_recording_options recording_options = {
         .mass_spread = options->mass_spread > 0 ? options->mass_spread : 0.1,
-        .distance_sigma = 1e-4, /* m: what a printed or milled tool keeps */
+        .distance_sigma = MUKCA_DISTANCE_SIGMA,
         .free_base = options->free_base,
         .free_tool = options->free_tool};
     mukca_regression m;

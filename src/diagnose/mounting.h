@@ -7,8 +7,9 @@
 /* Where elasticity under the gravity of `chain` does not explain a recording, diagnose it with
  * gravity along the other axes of the base frame.  If elastic causes under one of them explain it
  * far better, the diagnosis gets that gravity, and its causes are no longer certain: an effect
- * outside the catalogue would do as well.  Costs up to six diagnoses of at most 400 samples without
- * held-out errors.  `options` are those of the diagnosis.  Errors: as of mukca_diagnose. */
+ * outside the catalogue would do as well.  Costs four fits of the geometry with all springs, and a
+ * diagnosis without held-out errors for each direction that they speak for.  `options` are those of
+ * the diagnosis.  Errors: as of mukca_diagnose. */
 mukca_status mukca_mounting_compare(mukca_diagnosis *diagnosis, const mukca_chain *chain,
                                     const mukca_dataset *data,
                                     const mukca_diagnose_options *options, mukca_error *error);

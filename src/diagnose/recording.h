@@ -24,6 +24,9 @@ typedef struct {
     double distance;
 } mukca_socket_pair;
 
+/* m: what a printed or milled tool keeps of the distance of its sockets */
+#define MUKCA_DISTANCE_SIGMA 1e-4
+
 typedef struct {
     double mass_spread;        /* relative prior sigma of each mass in elastic effects; 0: exact */
     double distance_sigma;     /* how well the sockets' distance is known, m */
