@@ -16,10 +16,12 @@ static void check_round(const mukca_offsets *offsets)
     if (mukca_offsets_write(stream, offsets, &chain, NULL, NULL, &error) != MUKCA_OK) abort();
     fclose(stream);
     const char *path = memory_file((const uint8_t *)text, length);
-    if (mukca_offsets_read(&again, &chain, path, &(mukca_offsets_options){.force = false},
+    if (mukca_offsets_read(&again, &chain, path, &(mukca_offsets_options){.accept_failed = true},
                            &error) != MUKCA_OK)
         abort();
     if (again.n_effects != offsets->n_effects ||
+        again.acceptance.given != offsets->acceptance.given ||
+        again.acceptance.accepted != offsets->acceptance.accepted ||
         memcmp(again.theta, offsets->theta, sizeof again.theta) != 0 ||
         memcmp(again.listed, offsets->listed, sizeof again.listed) != 0)
         abort();
