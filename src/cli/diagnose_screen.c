@@ -130,10 +130,11 @@ static void describe_gain(char remark[120], const mukca_shrink *s)
     mukca_text text = {.at = remark, .size = 120};
     remark[0] = '\0';
     if (!isfinite(s->shrink_percent)) return;
-    mukca_text_put(&text, "%.0f %% %s", fabs(s->shrink_percent),
-                   s->shrink_percent < 0 ? "more" : "less");
+    const bool more = s->shrink_percent < 0;
+    mukca_text_put(&text, "%.0f %% %s", fabs(s->shrink_percent), more ? "more" : "less");
     if (isfinite(s->low_percent) && isfinite(s->high_percent))
-        mukca_text_put(&text, " [%.0f, %.0f]%s", s->low_percent, s->high_percent,
+        mukca_text_put(&text, " [%.0f, %.0f]%s", more ? -s->high_percent : s->low_percent,
+                       more ? -s->low_percent : s->high_percent,
                        s->low_percent > 0 ? "" : ", not significant");
     mukca_text_put(&text, ", in %d of %d folds", s->folds_better, s->folds);
 }

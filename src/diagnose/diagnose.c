@@ -139,24 +139,31 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
     return status;
 }
 
-/* What the held-out errors say of the verdict: suspected causes are not found, and samples that
+/* What the held-out errors say of the verdict: suspected causes are not found, causes that make the
+ * predictions worse than the geometry alone does are not certain, and samples that
  * miss by more than noise and geometry allow have structure left. */
 static void revise(mukca_findings *f, const mukca_validation *v, bool have_torques)
 {
     const bool surprised = v->surprise_sigmas > SURPRISED;
+    const bool worse = v->explained_m > v->faults_excused_m; /* on samples that were left out */
     int on_arm = 0, suspected = 0;
-    bool tied = false;
+    bool tied = false, doubted = false;
     for (int i = 0; i < f->n_causes; i++) {
-        const mukca_cause *cause = &f->causes[i];
+        mukca_cause *cause = &f->causes[i];
         suspected += v->suspected[i];
         if (v->suspected[i]) continue;
-        on_arm += mukca_effect_table[cause->effect.kind]->site != MUKCA_SITE_SOCKET;
+        const mukca_effect_site site = mukca_effect_table[cause->effect.kind]->site;
+        const bool predicts = site != MUKCA_SITE_SOCKET && site != MUKCA_SITE_DISTANCE;
+        on_arm += site != MUKCA_SITE_SOCKET;
+        doubted |= predicts && worse;
+        cause->or_unknown |= predicts && worse;
         tied |= cause->n_ties > 0 || cause->or_unknown;
     }
     if (suspected && f->verdict != MUKCA_VERDICT_UNKNOWN)
         f->verdict = !on_arm                                     ? MUKCA_VERDICT_UNKNOWN
                      : tied || f->verdict == MUKCA_VERDICT_NAMED ? f->verdict
                                                                  : MUKCA_VERDICT_NAMED;
+    if (doubted && f->verdict == MUKCA_VERDICT_NAMED) f->verdict = MUKCA_VERDICT_TIED;
     if (surprised && f->verdict == MUKCA_VERDICT_NONE) f->verdict = MUKCA_VERDICT_UNKNOWN;
     f->unexplained = f->n_causes > suspected && (f->unexplained || surprised);
     if (!have_torques && f->unexplained && f->verdict == MUKCA_VERDICT_NAMED)

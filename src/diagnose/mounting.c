@@ -21,6 +21,13 @@ static bool is_elastic(const mukca_cause *cause)
     return mukca_effect_has((int)cause->effect.kind, MUKCA_TRAIT_ELASTIC);
 }
 
+/* May springs under another load look like it?  They move no socket. */
+static bool has_load_as_rival(const mukca_cause *cause)
+{
+    const mukca_effect_site site = mukca_effect_table[cause->effect.kind]->site;
+    return site != MUKCA_SITE_SOCKET && site != MUKCA_SITE_DISTANCE;
+}
+
 /* Do elastic causes alone explain all of it? */
 static bool all_elastic(const mukca_diagnosis *d)
 {
@@ -131,8 +138,7 @@ mukca_status mukca_mounting_compare(mukca_diagnosis *d, const mukca_chain *chain
     }
     if (best > d->score + LEAD) {
         for (int i = 0; i < d->n_causes; i++)
-            d->causes[i].or_unknown |=
-                mukca_effect_table[d->causes[i].effect.kind]->site != MUKCA_SITE_SOCKET;
+            d->causes[i].or_unknown |= has_load_as_rival(&d->causes[i]);
         if (d->verdict == MUKCA_VERDICT_NAMED) d->verdict = MUKCA_VERDICT_TIED;
     }
     free(other);
