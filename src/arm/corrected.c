@@ -7,19 +7,18 @@
 #include "arm/offsets.h"
 #include "base/print.h"
 
-mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, size_t size,
-                                       bool accept_failed, mukca_error *error)
+mukca_status mukca_corrected_parse_from(mukca_corrected *model, mukca_bytes table,
+                                        const mukca_offsets_origin *from, mukca_error *error)
 {
     double theta[MUKCA_MAX_THETA];
     unsigned char listed[MUKCA_MAX_THETA] = {0};
     mukca_acceptance acceptance;
-    mukca_offsets_origin origin = {.name = "offsets table", .accept_failed = accept_failed};
+    mukca_offsets_origin origin = *from;
     const mukca_offsets_target into = {.theta = theta,
                                        .listed = listed,
                                        .n_effects = &model->n_effects,
                                        .effects = model->effects,
                                        .acceptance = &acceptance};
-    const mukca_bytes table = {text, size};
     memset(model, 0, sizeof *model);
     mukca_status status = mukca_chain_parse(&model->chain, table, origin.name, error);
     if (status != MUKCA_OK) return status;
@@ -39,6 +38,13 @@ mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text,
     }
     mukca_geometry_set(&model->geometry, &model->chain, theta);
     return MUKCA_OK;
+}
+
+mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, size_t size,
+                                       bool accept_failed, mukca_error *error)
+{
+    const mukca_offsets_origin memory = {.name = "offsets table", .accept_failed = accept_failed};
+    return mukca_corrected_parse_from(model, (mukca_bytes){text, size}, &memory, error);
 }
 
 mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, size_t size,

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm/offsets.h"
 #include "base/file.h"
 #include "mukca/corrected.h"
 
@@ -11,14 +12,11 @@ mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, 
     char *text;
     mukca_status status = mukca_file_read(&text, path, error);
     if (status != MUKCA_OK) return status;
-    mukca_error said = {0};
-    static const char unnamed[] = "offsets table"; /* what the parser calls a table in memory */
-    status = mukca_corrected_parse_any(model, text, strlen(text), accept_failed, &said);
+    const mukca_offsets_origin file = {.name = mukca_file_shown(path),
+                                       .accept_failed = accept_failed};
+    status = mukca_corrected_parse_from(model, (mukca_bytes){text, strlen(text)}, &file, error);
     free(text);
-    if (status == MUKCA_OK) return status;
-    const bool begins = strncmp(said.text, unnamed, strlen(unnamed)) == 0;
-    return mukca_fail(error, status, "%s%s", begins ? mukca_file_shown(path) : "",
-                      said.text + (begins ? strlen(unnamed) : 0));
+    return status;
 }
 
 mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error)

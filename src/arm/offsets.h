@@ -7,6 +7,7 @@
 
 #include "arm/acceptance.h"
 #include "mukca/chain.h"
+#include "mukca/corrected.h"
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
 
@@ -93,5 +94,9 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
 /* The chain from the comment lines of a table.  Errors: MUKCA_INPUT. */
 mukca_status mukca_chain_parse(mukca_chain *chain, mukca_bytes table, const char *name,
                                mukca_error *error);
+
+/* As mukca_corrected_parse_any, of a table with that origin. */
+mukca_status mukca_corrected_parse_from(mukca_corrected *model, mukca_bytes table,
+                                        const mukca_offsets_origin *from, mukca_error *error);
 
 #endif
