@@ -107,6 +107,7 @@ double mukca_bayes_factor_average(double *G, double *g, const mukca_candidate *h
         h->kind == MUKCA_CANDIDATE_EFFECT && mukca_effect_table[h->effect.kind]->nonnegative;
     const bool bounded = mukca_candidate_largest(h) < HUGE_VAL;
     double trace = 0;
+    if (k < 1) return -HUGE_VAL; /* explains nothing */
     for (int i = 0; i < k; i++) g[i] /= h->unit[i];
     for (int i = 0; i < k; i++)
         for (int j = 0; j <= i; j++)

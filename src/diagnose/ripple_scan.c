@@ -89,7 +89,7 @@ static void screen(int *order, int count, mukca_projector *p, int joint)
             }
             if (o >= 0 && (best < 0 || guess[o] > guess[best])) best = o;
         }
-        taken[best] = true;
+        if (best >= 0) taken[best] = true;
     }
     for (int o = 0, k = 0; o < ORDERS; o++)
         if (taken[o]) order[k++] = o + 2;

@@ -1,5 +1,7 @@
 /* Response of an arm under load to motions: rates of the posture, with the answers of what yields.
  */
+#include <string.h>
+
 #include "effect/equilibrium.h"
 
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
@@ -141,9 +143,10 @@ MUKCA_CLONES void mukca_equilibrium_settle(mukca_posture_rates *rates, const muk
     }
     for (int round = 0; round < ROUNDS && e->loaded; round++) {
         lanes squares = ALL(0);
-        double sum = 0;
+        double of_lane[MUKCA_LANES], sum = 0;
         answer(rates, &r, &squares, e, some || round > 0);
-        for (int l = 0; l < MUKCA_LANES; l++) sum += XYZ(&squares)[l];
+        memcpy(of_lane, &squares, sizeof of_lane);
+        for (int l = 0; l < MUKCA_LANES; l++) sum += of_lane[l];
         if (!(sum > within * within)) return;
     }
 }

@@ -120,7 +120,7 @@ mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *ch
                 .free_base = free_base,
                 .free_tool = free_tool,
                 .failed = !q};
-    if (q) {
+    if (q && part.q) {
         memcpy(q, part.q, size);
         mismatch->before_m = measure(&s);
         try_all(mismatch, &s);
