@@ -24,7 +24,7 @@ typedef struct {
     bool failed; /* no memory */
 } search;
 
-/* Mean error of the nominal model, m. */
+/* Error of the nominal model, m: the mean; the median of poses with free frames. */
 static double measure(search *s)
 {
     if (s->data->n_sockets == 0 && (s->free_base || s->free_tool)) {
@@ -66,7 +66,7 @@ static void try(mukca_mismatch *best, search *s, const mukca_mismatch *change)
     best->after_m = after;
 }
 
-static bool is_reversed(unsigned pattern)
+static bool is_one_joint(unsigned pattern)
 {
     return pattern && !(pattern & (pattern - 1));
 }
@@ -95,7 +95,7 @@ static void try_all(mukca_mismatch *best, search *s)
         }
     for (unsigned pattern = 1; n <= MOST_PATTERNS && pattern < 1u << n; pattern++) {
         change.reversed = pattern;
-        if (!is_reversed(pattern)) try(best, s, &change);
+        if (!is_one_joint(pattern)) try(best, s, &change);
     }
 }
 

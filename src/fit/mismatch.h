@@ -6,12 +6,12 @@
 
 typedef struct {
     bool found;
-    unsigned reversed; /* bit j: joint j counts in the other direction */
-    int exchanged[2];  /* joints whose columns are exchanged; -1: none */
-    int shifted;       /* the joint whose zero lies elsewhere; -1: none */
-    double shift;      /* by which its angles would have to change, rad */
-    double before_m,
-        after_m; /* mean error of the nominal model, as recorded and after the change */
+    unsigned reversed;        /* bit j: joint j counts in the other direction */
+    int exchanged[2];         /* joints whose columns are exchanged; -1: none */
+    int shifted;              /* the joint whose zero lies elsewhere; -1: none */
+    double shift;             /* by which its angles would have to change, rad */
+    double before_m, after_m; /* error of the nominal model (mean; median of poses with free
+                                 frames), as recorded and after the change */
 } mukca_mismatch;
 
 /* Look for one change of the joints' columns that brings the error of the nominal model below a
