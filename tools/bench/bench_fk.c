@@ -2,15 +2,17 @@
  * sincos of each joint, timed in the same repeat.  Lines "NAME NANOSECONDS RATIO LOWER UPPER":
  * medians, and quartiles of the ratio; for kinematics.py.
  *
- * usage: bench_fk URDF REPEATS ANGLES OFFSETS [CASADI.so]
+ * usage: bench_fk URDF ANGLES OFFSETS [CASADI.so]
  *
- * ANGLES: raw doubles, a row of joint angles after the other.  OFFSETS: a table with effects.
- * CASADI.so: functions that CasADi generated (casadi_fk.py), on the same rows; their results are
- * compared with ours.
+ * ANGLES: raw doubles, a row of joint angles after the other; each repeat takes the next 1000 rows.
+ * Where rows came back, the processor would learn which way sincos branches, the better the less
+ * else there is to time.  OFFSETS: a table with effects.  CASADI.so: functions that CasADi
+ * generated (casadi_fk.py), on the same rows; their results are compared with ours.
  */
 #define _GNU_SOURCE /* sincos */
 #include <dlfcn.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +22,7 @@
 #include "io/urdf.h"
 #include "mukca/corrected.h"
 
-enum { MAX_ROWS = 4096, MAX_REPEATS = 1000, MAX_WORK = 4096, MAX_PASSES = 16 };
+enum { ROWS = 1000, MAX_REPEATS = 1000, MAX_WORK = 4096, MAX_PASSES = 16 };
 enum { WIDTH = MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS };
 
 typedef int casadi_function(const double **arguments, double **results, long long *integers,
@@ -41,10 +43,10 @@ struct bench {
     mukca_chain chain;
     mukca_geometry geometry;
     mukca_corrected arm;
-    double theta[WIDTH], q[MAX_ROWS * MUKCA_MAX_JOINTS], positions[3 * MAX_ROWS];
+    double theta[WIDTH], q[ROWS * MUKCA_MAX_JOINTS], positions[3 * ROWS];
     double J[3 * WIDTH], other[3 * WIDTH], work[MAX_WORK];
     long long integers[MAX_WORK];
-    int rows, repeats, n_passes;
+    int n_passes;
     pass passes[MAX_PASSES], *now;
 };
 
@@ -67,19 +69,24 @@ static double processor_time(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* All passes over all rows in turn, so that what else the machine does hits them alike; the first
- * is the yardstick. */
-static void measure(bench *b)
+static bool next_rows(bench *b, FILE *angles)
 {
-    for (int i = 0; i < b->repeats; i++)
+    return fread(b->q, (size_t)b->chain.n_joints * sizeof *b->q, ROWS, angles) == ROWS;
+}
+
+/* All passes over the same rows in turn, so that what else the machine does hits them alike; the
+ * first is the yardstick. */
+static void measure(bench *b, FILE *angles)
+{
+    size_t n = 0;
+    for (; n < MAX_REPEATS && next_rows(b, angles); n++)
         for (pass *p = b->passes; p < b->passes + b->n_passes; p++) {
             const double start = processor_time();
             b->now = p;
             p->run(b);
-            p->seconds[i] = (processor_time() - start) / b->rows;
-            p->ratio[i] = p->seconds[i] / b->passes->seconds[i];
+            p->seconds[n] = (processor_time() - start) / ROWS;
+            p->ratio[n] = p->seconds[n] / b->passes->seconds[n];
         }
-    const size_t n = (size_t)b->repeats;
     for (pass *p = b->passes; p < b->passes + b->n_passes; p++) {
         qsort(p->seconds, n, sizeof *p->seconds, ascending);
         qsort(p->ratio, n, sizeof *p->ratio, ascending);
@@ -90,18 +97,18 @@ static void measure(bench *b)
 
 static void yardstick(bench *b)
 {
-    for (int i = 0; i < b->rows * b->chain.n_joints; i++) sincos(b->q[i], &b->work[0], &b->work[1]);
+    for (int i = 0; i < ROWS * b->chain.n_joints; i++) sincos(b->q[i], &b->work[0], &b->work[1]);
 }
 
 static void at_once(bench *b)
 {
-    mukca_fk_positions(b->positions, &b->geometry, b->q, b->rows);
+    mukca_fk_positions(b->positions, &b->geometry, b->q, ROWS);
 }
 
 static void poses(bench *b)
 {
     mukca_frame tip;
-    for (int r = 0; r < b->rows; r++) {
+    for (int r = 0; r < ROWS; r++) {
         mukca_fk_pose(&tip, &b->geometry, b->q + r * b->chain.n_joints, NULL);
         memcpy(b->positions + 3 * r, tip.p, sizeof tip.p);
     }
@@ -110,33 +117,33 @@ static void poses(bench *b)
 static void geometric(bench *b)
 {
     mukca_frame tip;
-    for (int r = 0; r < b->rows; r++)
+    for (int r = 0; r < ROWS; r++)
         mukca_fk_jacobian(b->other, &tip, &b->geometry, b->q + r * b->chain.n_joints, NULL);
 }
 
 static void corrected(bench *b)
 {
     mukca_frame tip;
-    for (int r = 0; r < b->rows; r++)
+    for (int r = 0; r < ROWS; r++)
         mukca_corrected_pose(&tip, &b->arm, b->q + r * b->chain.n_joints, NULL);
 }
 
 static void corrected_jacobian(bench *b)
 {
     mukca_frame tip;
-    for (int r = 0; r < b->rows; r++)
+    for (int r = 0; r < ROWS; r++)
         mukca_corrected_jacobian(b->other, &tip, &b->arm, b->q + r * b->chain.n_joints, NULL);
 }
 
 static void one_by_one(bench *b)
 {
-    for (int r = 0; r < b->rows; r++)
+    for (int r = 0; r < ROWS; r++)
         mukca_fk_position(b->positions + 3 * r, &b->geometry, b->q + r * b->chain.n_joints, NULL);
 }
 
 static void jacobians(bench *b)
 {
-    for (int r = 0; r < b->rows; r++)
+    for (int r = 0; r < ROWS; r++)
         mukca_fk_parameter_jacobian(b->J, b->positions + 3 * r, &b->geometry, b->theta,
                                     b->q + r * b->chain.n_joints);
 }
@@ -144,7 +151,7 @@ static void jacobians(bench *b)
 /* Arguments q and theta (those that do not take it do not look), results position and Jacobian. */
 static void generated(bench *b)
 {
-    for (int r = 0; r < b->rows; r++) {
+    for (int r = 0; r < ROWS; r++) {
         const double *arguments[8] = {b->q + r * b->chain.n_joints, b->theta};
         double *results[8] = {b->positions + 3 * r, b->other};
         b->now->function(arguments, results, b->integers, b->work, 0);
@@ -161,7 +168,7 @@ static double distance(const double *a, const double *b, int n)
 /* Compare a generated function with ours on all rows, and time it. */
 static int add_casadi(bench *b, void *library, const char *name, const char *shown)
 {
-    static double ours[3 * MAX_ROWS];
+    static double ours[3 * ROWS];
     char symbol[64];
     long long sizes[4];
     casadi_sizes *work;
@@ -180,7 +187,7 @@ static int add_casadi(bench *b, void *library, const char *name, const char *sho
     memset(b->positions, 0, sizeof b->positions);
     b->now = &check;
     generated(b);
-    double off = distance(b->positions, ours, 3 * b->rows);
+    double off = distance(b->positions, ours, 3 * ROWS);
     if (strcmp(name, "position") != 0)
         off = fmax(off, distance(b->J, b->other, 3 * MUKCA_PARAMETERS * b->chain.n_elements));
     if (!(off <= 1e-9)) {
@@ -195,21 +202,21 @@ int main(int argc, char **argv)
 {
     static bench b;
     mukca_error error;
-    FILE *angles = argc > 4 ? fopen(argv[3], "rb") : NULL;
+    FILE *angles = argc > 3 ? fopen(argv[2], "rb") : NULL;
     if (!angles) {
-        fputs("usage: bench_fk URDF REPEATS ANGLES OFFSETS [CASADI.so]\n", stderr);
+        fputs("usage: bench_fk URDF ANGLES OFFSETS [CASADI.so]\n", stderr);
         return 2;
     }
-    b.repeats = atoi(argv[2]);
-    if (b.repeats < 1 || b.repeats > MAX_REPEATS) b.repeats = 101;
     if (mukca_urdf_load(&b.chain, argv[1], NULL, NULL, NULL, &error) != MUKCA_OK ||
-        mukca_corrected_load(&b.arm, argv[4], &error) != MUKCA_OK) {
+        mukca_corrected_load(&b.arm, argv[3], &error) != MUKCA_OK) {
         fprintf(stderr, "bench_fk: %s\n", error.text);
         return 3;
     }
-    const size_t width = (size_t)b.chain.n_joints * sizeof *b.q;
-    b.rows = (int)fread(b.q, width, MAX_ROWS, angles);
-    fclose(angles);
+    if (!next_rows(&b, angles)) {
+        fprintf(stderr, "bench_fk: %s has fewer than %d rows\n", argv[2], ROWS);
+        return 1;
+    }
+    rewind(angles);
     mukca_chain_theta(b.theta, &b.chain);
     mukca_geometry_set(&b.geometry, &b.chain, NULL);
     add(&b, "yardstick", yardstick, NULL);
@@ -220,8 +227,8 @@ int main(int argc, char **argv)
     add(&b, "jacobian", jacobians, NULL);
     add(&b, "corrected_pose", corrected, NULL);
     add(&b, "corrected_jacobian", corrected_jacobian, NULL);
-    if (argc > 5) {
-        void *library = dlopen(argv[5], RTLD_NOW);
+    if (argc > 4) {
+        void *library = dlopen(argv[4], RTLD_NOW);
         if (!library) {
             fprintf(stderr, "bench_fk: %s\n", dlerror());
             return 1;
@@ -231,10 +238,11 @@ int main(int argc, char **argv)
             add_casadi(&b, library, "jacobian_constant", "casadi_jacobian_constant"))
             return 1;
     }
-    measure(&b);
+    measure(&b, angles);
+    fclose(angles);
     one_by_one(&b);
     double sum[3] = {0, 0, 0};
-    for (int i = 0; i < 3 * b.rows; i++) sum[i % 3] += b.positions[i];
+    for (int i = 0; i < 3 * ROWS; i++) sum[i % 3] += b.positions[i];
     printf("check %.12g %.12g %.12g\n", sum[0], sum[1], sum[2]);
     return 0;
 }

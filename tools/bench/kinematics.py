@@ -7,7 +7,7 @@ import subprocess
 
 from common import BUILD, HERE, MUKCA, REPEATS, goal, output, python_with
 
-URDF, TIP, JOINTS, ROWS = "data/demo/arm.urdf", "ball_link", 7, 1000
+URDF, TIP, JOINTS, ROWS = "data/demo/arm.urdf", "ball_link", 7, 1000  # ROWS of a repeat, as in bench_fk.c
 CC, CXX = os.environ.get("CC", "gcc").split(), os.environ.get("CXX", "g++").split()
 # as its CMake files have them
 PINOCCHIO_DEFINES = ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
@@ -15,10 +15,10 @@ PINOCCHIO_DEFINES = ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR
                      "-DPINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION"]
 
 
-def angles(path):
+def angles(path, repeats):
     numbers = random.Random(1)
     with open(path, "wb") as f:
-        array.array("d", [numbers.uniform(-2, 2) for _ in range(ROWS * JOINTS)]).tofile(f)
+        array.array("d", [numbers.uniform(-2, 2) for _ in range(repeats * ROWS * JOINTS)]).tofile(f)
 
 
 def casadi_library(folder):
@@ -42,7 +42,8 @@ def pinocchio_program(name, level, packages, *libraries):
     module = output(python, "-c", "import pinocchio as p, os; print(os.path.abspath(p.__file__))")
     prefix = module.strip().rpartition("/lib/python")[0]
     source, program, lib = os.path.join(HERE, name + ".cc"), os.path.join(BUILD, "bench", name), os.path.join(prefix, "lib")
-    if os.path.exists(program) and os.path.getmtime(program) > os.path.getmtime(source):
+    sources = source, os.path.join(HERE, "peer_timer.hh")
+    if os.path.exists(program) and os.path.getmtime(program) > max(map(os.path.getmtime, sources)):
         return program
     done = subprocess.run(
         [*CXX, "-std=c++17", level, "-DNDEBUG", "-w", *PINOCCHIO_DEFINES, "-isystem", os.path.join(prefix, "include"),
@@ -54,18 +55,18 @@ def pinocchio_program(name, level, packages, *libraries):
     return program
 
 
-def pinocchio(folder, rows, repeats):
+def pinocchio(folder, rows):
     """Lines of the Pinocchio programs, of the library and of the C that it generates; none where they cannot be built."""
     library = pinocchio_program("pinocchio_fk", "-O3", [])
     # it only calls what gcc makes of the generated C, with -O3
     generator = pinocchio_program("pinocchio_codegen", "-O1", ["cmeel-cppad", "cmeel-cppadcodegen"], "-ldl")
-    lines = output(library, URDF, TIP, repeats, rows) if library else ""
+    lines = output(library, URDF, TIP, rows) if library else ""
     if generator:
-        lines += output(generator, URDF, TIP, repeats, rows, folder, shutil.which(CC[-1]))
+        lines += output(generator, URDF, TIP, rows, folder, shutil.which(CC[-1]))
     return lines
 
 
-def kdl(folder, rows, repeats):
+def kdl(folder, rows):
     """Lines of the KDL program; none where Debian's liborocos-kdl-dev is missing."""
     elements, program = os.path.join(folder, "elements.txt"), os.path.join(folder, "kdl_fk")
     python = python_with("numpy")
@@ -80,7 +81,7 @@ def kdl(folder, rows, repeats):
     if done.returncode != 0:
         print("  SKIPPED KDL: it does not compile here (Debian: liborocos-kdl-dev)")
         return ""
-    return output(program, elements, repeats, rows)
+    return output(program, elements, rows)
 
 
 # words, name, goal of the ratio to the yardstick
@@ -111,11 +112,11 @@ def main():
     rows, table, repeats = os.path.join(folder, "angles.bin"), os.path.join(folder, "effects.tsv"), 3 * REPEATS
     print(f"\nforward kinematics, {URDF}, {JOINTS} joints, {ROWS} configurations, {repeats} runs: medians, and ratios to the"
           " yardstick, timed in the same repeats, with their quartiles")
-    angles(rows)
+    angles(rows, repeats)
     with open(table, "w") as f:
         f.write(output(os.path.join(HERE, "../cross/m7/table"), MUKCA))
-    ours = output(os.path.join(folder, "bench_fk"), URDF, repeats, rows, table, *casadi_library(folder))
-    theirs = pinocchio(folder, rows, repeats) + kdl(folder, rows, repeats)
+    ours = output(os.path.join(folder, "bench_fk"), URDF, rows, table, *casadi_library(folder))
+    theirs = pinocchio(folder, rows) + kdl(folder, rows)
     values = {name: [float(n) for n in numbers] for name, *numbers in map(str.split, (ours + theirs).splitlines())}
     checks = [line.split()[1:] for line in (ours + theirs).splitlines() if line.startswith("check")]
     if any(not abs(float(a) - float(b)) <= 1e-6 for other in checks[1:] for a, b in zip(checks[0], other)):

@@ -1,9 +1,8 @@
 // The same forward kinematics as C that Pinocchio's code generation (CppADCodeGen) wrote and gcc
 // compiled, with the arm's numbers folded in; for kinematics.py.
 //
-// usage: pinocchio_codegen URDF TIP REPEATS ANGLES FOLDER CC      FOLDER: for what is generated;
+// usage: pinocchio_codegen URDF TIP ANGLES FOLDER CC      FOLDER: for what is generated;
 // CC: path of gcc
-#include <cstdlib>
 #include <string>
 
 #include <cppad/cg.hpp>
@@ -29,22 +28,21 @@ static Library generate(CppAD::ADFun<Code> &function, const std::string &name, c
     CppAD::cg::ModelCSourceGen<double> source(function, name);
     source.setCreateForwardZero(true);
     CppAD::cg::ModelLibraryCSourceGen<double> library(source);
-    CppAD::cg::GccCompiler<double> compiler(arguments[6]);
+    CppAD::cg::GccCompiler<double> compiler(arguments[5]);
     compiler.setCompileFlags({"-O3"});
     CppAD::cg::DynamicModelLibraryProcessor<double> processor(
-        library, std::string(arguments[5]) + "/" + name);
+        library, std::string(arguments[4]) + "/" + name);
     return processor.createDynamicLibrary(compiler);
 }
 
 int main(int argc, char **argv)
 {
-    if (argc < 7) return 2;
+    if (argc < 6) return 2;
     pinocchio::Model model;
     pinocchio::urdf::buildModel(argv[1], model);
     const auto arm = model.cast<Recorded>();
     pinocchio::DataTpl<Recorded> data(arm);
     const auto tip = model.getFrameId(argv[2]);
-    const auto rows = read_rows(argv[4], static_cast<std::size_t>(model.nq));
 
     Vector q(model.nq), position(3), entries(6 * model.nv);
     for (int j = 0; j < model.nq; j++) q[j] = Recorded(0.1);
@@ -65,19 +63,16 @@ int main(int argc, char **argv)
     const auto first = libraries[0]->model("pinocchio_generated_position"),
                second = libraries[1]->model("pinocchio_generated_jacobian");
     std::vector<double> out(3), all(6 * static_cast<std::size_t>(model.nv));
-    double sum[3] = {0, 0, 0};
-    const int repeats = std::atoi(argv[3]);
-    PeerTimer timer(repeats, rows);
+    PeerTimer timer(argv[3], model.nq);
     timer.add("pinocchio_generated_position", [&](std::size_t r) {
-        first->ForwardZero(CppAD::cg::ArrayView<const double>(rows[r]),
+        first->ForwardZero(CppAD::cg::ArrayView<const double>(timer.q[r]),
                            CppAD::cg::ArrayView<double>(out));
-        for (int i = 0; i < 3; i++) sum[i] += out[i];
+        std::copy(out.begin(), out.end(), &timer.tips[3 * r]);
     });
     timer.add("pinocchio_generated_jacobian", [&](std::size_t r) {
-        second->ForwardZero(CppAD::cg::ArrayView<const double>(rows[r]),
+        second->ForwardZero(CppAD::cg::ArrayView<const double>(timer.q[r]),
                             CppAD::cg::ArrayView<double>(all));
     });
     timer.run();
-    std::printf("check %.12g %.12g %.12g\n", sum[0] / repeats, sum[1] / repeats, sum[2] / repeats);
     return 0;
 }

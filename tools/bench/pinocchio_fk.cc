@@ -1,10 +1,8 @@
 // Forward kinematics by Pinocchio, timed as bench_fk.c does: for kinematics.py, which compiles it
 // against the headers and libraries that PyPI gives.
 //
-// usage: pinocchio_fk URDF TIP REPEATS ANGLES
+// usage: pinocchio_fk URDF TIP ANGLES
 #include "peer_timer.hh"
-
-#include <cstdlib>
 
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
@@ -14,36 +12,34 @@
 
 int main(int argc, char **argv)
 {
-    if (argc < 5) return 2;
+    if (argc < 4) return 2;
     pinocchio::Model model;
     pinocchio::urdf::buildModel(argv[1], model);
     pinocchio::Data data(model);
     const auto tip = model.getFrameId(argv[2]);
-    const int repeats = std::atoi(argv[3]);
-    const auto rows = read_rows(argv[4], static_cast<std::size_t>(model.nq));
-    std::vector<Eigen::VectorXd> q;
-    for (const auto &row : rows) q.push_back(Eigen::VectorXd::Map(row.data(), model.nq));
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::VectorXd q(model.nq);
     Eigen::MatrixXd regressor = Eigen::MatrixXd::Zero(6, 6 * (model.njoints - 1));
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, model.nv);
-    PeerTimer timer(repeats, rows);
+    PeerTimer timer(argv[3], model.nq);
+    const auto take = [&](std::size_t r) { q = Eigen::VectorXd::Map(timer.q[r].data(), model.nq); };
     timer.add("pinocchio_position", [&](std::size_t r) {
-        pinocchio::forwardKinematics(model, data, q[r]);
+        take(r);
+        pinocchio::forwardKinematics(model, data, q);
         pinocchio::updateFramePlacement(model, data, tip);
-        sum += data.oMf[tip].translation();
+        Eigen::Vector3d::Map(&timer.tips[3 * r]) = data.oMf[tip].translation();
     });
     timer.add("pinocchio_jacobian", [&](std::size_t r) {
+        take(r);
         J.setZero();
-        pinocchio::computeFrameJacobian(model, data, q[r], tip, pinocchio::LOCAL_WORLD_ALIGNED, J);
+        pinocchio::computeFrameJacobian(model, data, q, tip, pinocchio::LOCAL_WORLD_ALIGNED, J);
     });
     timer.add("pinocchio_regressor", [&](std::size_t r) {
-        pinocchio::forwardKinematics(model, data, q[r]);
+        take(r);
+        pinocchio::forwardKinematics(model, data, q);
         pinocchio::updateFramePlacement(model, data, tip);
         pinocchio::computeFrameKinematicRegressor(model, data, tip, pinocchio::LOCAL_WORLD_ALIGNED,
                                                   regressor);
     });
     timer.run();
-    sum /= repeats;
-    std::printf("check %.12g %.12g %.12g\n", sum[0], sum[1], sum[2]);
     return 0;
 }
