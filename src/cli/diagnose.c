@@ -61,6 +61,7 @@ static mukca_status disable(unsigned char *disabled, const char *list, mukca_err
 }
 
 typedef struct {
+    mukca_diagnose_options options;
     mukca_diagnosis diagnosis;
     mukca_next_poses next;
     mukca_offsets offsets; /* with the chain of its rows */
@@ -101,7 +102,8 @@ static mukca_status write_offsets(cli_call *call, const mukca_diagnosed *r)
     return cli_write_offsets(call, call->common->output, &w->offsets, &w->chain, r->data, comments);
 }
 
-/* Summary and traits need the regression: both start from the diagnosed causes. */
+/* Summary, traits and the direction of gravity need the regression, the first two with the
+ * diagnosed causes. */
 static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagnosis *d,
                           mukca_error *error)
 {
@@ -117,14 +119,14 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
         mukca_unknowns_assign(&m->unknowns, &own);
         mukca_regression_linearise(m);
     }
-    if (status != MUKCA_OK || !o->traits) return status;
     const mukca_adopt_options adopt = {
         .traits = &w->traits,
         .test = call->session->test.n_rows ? &call->session->test : NULL,
         .only = o->traits_only,
         .folds = true,
         .applied = call->common->output != NULL};
-    return mukca_adopt(&w->adoption, m, d, &adopt, error);
+    if (status == MUKCA_OK && o->traits) status = mukca_adopt(&w->adoption, m, d, &adopt, error);
+    return status == MUKCA_OK ? mukca_mounting_compare(&w->options, m, d, error) : status;
 }
 
 /* Checks before the long work, and the traits. */
@@ -219,24 +221,22 @@ static mukca_status run(cli_call *call)
         o->free_tool = true;
     }
     const mukca_dataset *test = s->test.n_rows ? &s->test : NULL;
-    const mukca_diagnose_options diagnose = {.test = test,
-                                             .disabled = disabled,
-                                             .free_base = o->free_base,
-                                             .free_tool = o->free_tool,
-                                             .applied = call->common->output != NULL,
-                                             .go_on = o->summary || o->traits ? go_on : NULL,
-                                             .go_on_context = call,
-                                             .progress = cli_show_progress,
-                                             .progress_context = call};
+    w->options = (mukca_diagnose_options){.test = test,
+                                          .disabled = disabled,
+                                          .free_base = o->free_base,
+                                          .free_tool = o->free_tool,
+                                          .applied = call->common->output != NULL,
+                                          .go_on = go_on,
+                                          .go_on_context = call,
+                                          .progress = cli_show_progress,
+                                          .progress_context = call};
     const mukca_diagnosed result = {.diagnosis = d,
                                     .chain = &s->model.chain,
                                     .data = &s->data,
                                     .test = test,
                                     .next = &w->next,
                                     .saved = call->common->output != NULL};
-    status = mukca_diagnose(d, &s->model.chain, &s->data, &diagnose, &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_mounting_compare(d, &s->model.chain, &s->data, &diagnose, &call->error);
+    status = mukca_diagnose(d, &s->model.chain, &s->data, &w->options, &call->error);
     if (status == MUKCA_OK)
         status =
             mukca_next_poses_choose(&w->next, d, &s->model.chain, &s->data, cli_stop, &call->error);

@@ -145,18 +145,17 @@ static mukca_status diagnose(cli_call *call)
     const cli_session *s = call->session;
     report_work *w = call->work;
     const mukca_dataset *test = s->test.n_rows > 0 ? &s->test : NULL;
-    const mukca_diagnose_options diagnose_options = {.test = test,
-                                                     .free_base = o->free_base,
-                                                     .free_tool = o->free_tool,
-                                                     .applied = true,
-                                                     .confounding = true,
-                                                     .progress = cli_show_progress,
-                                                     .progress_context = call};
-    mukca_status status =
+    mukca_diagnose_options diagnose_options = {.test = test,
+                                               .free_base = o->free_base,
+                                               .free_tool = o->free_tool,
+                                               .applied = true,
+                                               .confounding = true,
+                                               .go_on = mukca_mounting_compare,
+                                               .go_on_context = &diagnose_options,
+                                               .progress = cli_show_progress,
+                                               .progress_context = call};
+    const mukca_status status =
         mukca_diagnose(&w->diagnosis, &s->model.chain, &s->data, &diagnose_options, &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_mounting_compare(&w->diagnosis, &s->model.chain, &s->data, &diagnose_options,
-                                        &call->error);
     if (status != MUKCA_OK) return status;
     w->page.diagnosed = (mukca_diagnosed){.diagnosis = &w->diagnosis,
                                           .chain = &s->model.chain,

@@ -18,6 +18,7 @@ typedef struct {
     const mukca_recording *recording;
     const mukca_unknowns *unknowns;
     const unsigned char *disabled;
+    bool springs; /* nothing else */
     bool ok;
 } lister;
 
@@ -25,7 +26,9 @@ static void append(lister *l, mukca_candidate h)
 {
     mukca_candidates *all = l->all;
     const int class = mukca_candidate_class(&h);
-    if (!l->ok || (class < MUKCA_EFFECT_COUNT && l->disabled && l->disabled[class])) return;
+    if (!l->ok || (class < MUKCA_EFFECT_COUNT && l->disabled && l->disabled[class]) ||
+        (l->springs && !mukca_effect_has(class, MUKCA_TRAIT_ELASTIC)))
+        return;
     if (all->count == all->capacity) {
         const int capacity = all->capacity ? 2 * all->capacity : 512;
         mukca_candidate *bigger = MUKCA_TAKE(l->pool, mukca_candidate, capacity);
@@ -270,6 +273,28 @@ static void survey_recording(mukca_effect_survey *s, const mukca_recording *reco
     for (int g = 0; g < recording->n_groups; g++) s->sockets |= recording->groups[g].socket >= 0;
 }
 
+static mukca_status no_memory(const mukca_recording *recording, mukca_error *error)
+{
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows",
+                      recording->data->n_rows);
+}
+
+mukca_status mukca_candidates_list_springs(mukca_candidates *all, mukca_pool *pool,
+                                           const mukca_recording *recording,
+                                           const unsigned char *disabled, mukca_error *error)
+{
+    lister l = {.all = all,
+                .pool = pool,
+                .recording = recording,
+                .disabled = disabled,
+                .springs = true,
+                .ok = true};
+    memset(all, 0, sizeof *all);
+    survey_recording(&all->survey, recording);
+    for (int j = -1; j < recording->chain->n_joints; j++) append_effects(&l, j);
+    return l.ok ? MUKCA_OK : no_memory(recording, error);
+}
+
 mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
                                    const mukca_recording *recording, const mukca_unknowns *unknowns,
                                    const unsigned char *disabled, mukca_error *error)
@@ -291,9 +316,7 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
     list_faults(&l);
     all->first_unlisted = all->count;
     list_unlisted(&l);
-    if (!l.ok)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates of %d rows",
-                          recording->data->n_rows);
+    if (!l.ok) return no_memory(recording, error);
     all->harmonics = !(disabled && disabled[MUKCA_EFFECT_GEAR_HARMONIC]);
     set_priors(all);
     add_sag_evidence(all, recording);

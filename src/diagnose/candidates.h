@@ -22,4 +22,9 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
                                    const mukca_recording *recording, const mukca_unknowns *unknowns,
                                    const unsigned char *disabled, mukca_error *error);
 
+/* The elastic effects alone, without prior odds. */
+mukca_status mukca_candidates_list_springs(mukca_candidates *all, mukca_pool *pool,
+                                           const mukca_recording *recording,
+                                           const unsigned char *disabled, mukca_error *error);
+
 #endif

@@ -121,6 +121,10 @@ void mukca_recording_load(mukca_recording *r)
         if (r->efforts_correlation > LEAST_CORRELATION) estimate_masses(r);
     }
     r->have_moments = r->have_torques = bodies > 0;
+    const size_t values = (size_t)data->n_rows * n_joints;
+    memset(r->total_base, 0, sizeof *r->total_base * 3 * (size_t)data->n_rows);
+    memset(r->total_torque, 0, sizeof *r->total_torque * values);
+    memset(r->total_moment, 0, sizeof *r->total_moment * 3 * values);
     for (size_t row = 0; row < (size_t)data->n_rows; row++)
         for (size_t a = 0; a < bodies; a++) {
             const size_t at = row * bodies + a;
@@ -133,7 +137,7 @@ void mukca_recording_load(mukca_recording *r)
         }
     if (!bodies && data->effort) { /* no masses: measured torque serves what acts about the axis */
         r->have_torques = true;
-        for (size_t i = 0; i < (size_t)data->n_rows * n_joints; i++)
+        for (size_t i = 0; i < values; i++)
             r->total_torque[i] = isfinite(data->effort[i]) ? data->effort[i] : 0;
     }
 }

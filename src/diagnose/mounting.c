@@ -2,11 +2,10 @@
 #include "diagnose/mounting.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "diagnose/candidates.h"
-#include "diagnose/screening.h"
+#include "diagnose/regression.h"
 
 /* Log odds that another direction must lead by: one arm of a hundred hangs from a wall or a ceiling
  * without --gravity, five directions are tried, and 20 to 1 as for every cause. */
@@ -62,39 +61,32 @@ static bool is_notable(const mukca_diagnosis *other, const mukca_diagnosis *give
            other->score > given->score - AS_PROBABLE;
 }
 
-/* Log evidence of all springs at once, with exact masses, at their most probable sizes.  Springs
- * that are not needed cost little: what a search would accept of them is not much more probable. */
-static mukca_status weigh_springs(double *evidence, const mukca_chain *chain,
-                                  const mukca_dataset *data, const mukca_diagnose_options *springs,
+/* Log evidence of all springs at once under the gravity of `chain`, with exact masses, at their
+ * most probable sizes.  Springs that are not needed cost little: what a search would accept of them
+ * is not much more probable. */
+static mukca_status weigh_springs(double *evidence, mukca_regression *m, const mukca_chain *chain,
+                                  const mukca_unknowns *bare, const unsigned char *disabled,
                                   mukca_error *error)
 {
-    mukca_regression m;
-    mukca_faults faults = {0};
-    mukca_candidates all;
-    const mukca_recording_options options = {.distance_sigma = MUKCA_DISTANCE_SIGMA,
-                                             .free_base = springs->free_base,
-                                             .free_tool = springs->free_tool};
-    mukca_status status = mukca_regression_create(&m, chain, data, &options, error);
+    mukca_candidates springs;
+    m->recording.chain = chain;
+    mukca_recording_load(&m->recording);
+    const mukca_status status =
+        mukca_candidates_list_springs(&springs, &m->pool, &m->recording, disabled, error);
     if (status != MUKCA_OK) return status;
-    mukca_screening_run(&faults, &m);
-    status =
-        mukca_candidates_list(&all, &m.pool, &m.recording, &m.unknowns, springs->disabled, error);
-    for (int c = 0; c < all.count && status == MUKCA_OK; c++)
-        if (mukca_candidate_class(&all.list[c]) < MUKCA_EFFECT_COUNT &&
-            mukca_effect_has(mukca_candidate_class(&all.list[c]), MUKCA_TRAIT_ELASTIC))
-            mukca_unknowns_add(&m.unknowns, &all.list[c]);
-    if (status == MUKCA_OK) mukca_regression_fit(&m, 4, MUKCA_FIT_ALL);
-    *evidence = status == MUKCA_OK ? mukca_regression_factor(&m) : 0;
-    if (status == MUKCA_OK && m.pool.failed)
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
-    mukca_regression_free(&m);
-    return status;
+    mukca_unknowns_assign(&m->unknowns, bare);
+    mukca_regression_freeze(m); /* springs under another load have other columns */
+    for (int c = 0; c < springs.count; c++) mukca_unknowns_add(&m->unknowns, &springs.list[c]);
+    mukca_regression_refit(m);
+    *evidence = mukca_regression_factor(m);
+    return MUKCA_OK;
 }
 
-mukca_status mukca_mounting_compare(mukca_diagnosis *d, const mukca_chain *chain,
-                                    const mukca_dataset *data,
-                                    const mukca_diagnose_options *options, mukca_error *error)
+mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_diagnosis *d,
+                                    mukca_error *error)
 {
+    const mukca_diagnose_options *options = context;
+    const mukca_chain *chain = m->recording.chain;
     unsigned char others[MUKCA_EFFECT_COUNT];
     const mukca_diagnose_options springs = {.disabled = others,
                                             .free_base = options->free_base,
@@ -103,21 +95,22 @@ mukca_status mukca_mounting_compare(mukca_diagnosis *d, const mukca_chain *chain
                                             .no_folds = true,
                                             .progress = options->progress,
                                             .progress_context = options->progress_context};
-    if (d->verdict == MUKCA_VERDICT_NONE || d->verdict == MUKCA_VERDICT_UNTESTABLE ||
-        !chain->n_masses || all_elastic(d))
+    if (d->verdict == MUKCA_VERDICT_NONE || !chain->n_masses || all_elastic(d))
         return MUKCA_OK; /* nothing to explain, no torques, or no doubt */
     for (int e = 0; e < MUKCA_EFFECT_COUNT; e++)
         others[e] = (options->disabled && options->disabled[e]) ||
                     (!mukca_effect_has(e, MUKCA_TRAIT_ELASTIC) &&
                      mukca_effect_table[e]->site != MUKCA_SITE_SOCKET);
-    mukca_chain *turned = malloc(sizeof *turned);
-    mukca_diagnosis *other = malloc(sizeof *other);
-    mukca_status status = turned && other ? MUKCA_OK
-                                          : mukca_fail(error, MUKCA_MEMORY,
-                                                       "out of memory for %d rows", data->n_rows);
-    double best = -HUGE_VAL, evidence = NAN, upright = 0;
+    mukca_chain *turned = MUKCA_TAKE(&m->pool, mukca_chain, 1);
+    mukca_diagnosis *other = MUKCA_TAKE(&m->pool, mukca_diagnosis, 1);
+    mukca_unknowns bare;
+    m->unknowns.n_causes = 0;
+    m->recording.options.mass_spread = 0;
+    if (!mukca_unknowns_clone(&bare, &m->pool, &m->unknowns) || m->pool.failed)
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the springs");
+    double best = -HUGE_VAL, evidence = NAN, upright;
     bool leads = true; /* the direction before, opposite to this one */
-    if (status == MUKCA_OK) status = weigh_springs(&upright, chain, data, &springs, error);
+    mukca_status status = weigh_springs(&upright, m, chain, &bare, others, error);
     /* Worth a diagnosis: more probable than under the model's gravity, by half of what was found
      * beyond that; or than all that was found. */
     const double enough =
@@ -127,9 +120,9 @@ mukca_status mukca_mounting_compare(mukca_diagnosis *d, const mukca_chain *chain
         *turned = *chain;
         if (!leads || !is_worth_it(turned->gravity, k, d)) continue;
         if (isnan(evidence)) /* springs of either sign: the same in the opposite direction */
-            status = weigh_springs(&evidence, turned, data, &springs, error);
+            status = weigh_springs(&evidence, m, turned, &bare, others, error);
         if (status != MUKCA_OK || !(evidence > enough)) continue;
-        status = mukca_diagnose(other, turned, data, &springs, error);
+        status = mukca_diagnose(other, turned, m->recording.data, &springs, error);
         if (status != MUKCA_OK) break;
         if (other->score > best && is_notable(other, d))
             best = other->score, memcpy(d->gravity, turned->gravity, sizeof d->gravity);
@@ -141,7 +134,5 @@ mukca_status mukca_mounting_compare(mukca_diagnosis *d, const mukca_chain *chain
             d->causes[i].or_unknown |= has_load_as_rival(&d->causes[i]);
         if (d->verdict == MUKCA_VERDICT_NAMED) d->verdict = MUKCA_VERDICT_TIED;
     }
-    free(other);
-    free(turned);
     return status;
 }

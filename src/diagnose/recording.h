@@ -100,7 +100,8 @@ int mukca_recording_distinct(const mukca_recording *recording);
  * for samples of sockets.  Returns their number; more than MUKCA_MAX_LOGS count as one. */
 int mukca_recording_number_logs(int *log, const mukca_dataset *data);
 
-/* Fill moments, torques and mass factors (part of mukca_recording_create). */
+/* Fill moments, torques and mass factors (part of mukca_recording_create; again where the chain is
+ * one with another gravity). */
 void mukca_recording_load(mukca_recording *recording);
 
 #endif
