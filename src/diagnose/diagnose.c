@@ -140,12 +140,13 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
 }
 
 /* What the held-out errors say of the verdict: suspected causes are not found, causes that make the
- * predictions worse than the geometry alone does are not certain, and samples that
- * miss by more than noise and geometry allow have structure left. */
-static void revise(mukca_findings *f, const mukca_validation *v, bool have_torques)
+ * predictions or those of the test data (NaN: none) worse than the geometry alone does are not
+ * certain, and samples that miss by more than noise and geometry allow have structure left. */
+static void revise(mukca_findings *f, const mukca_validation *v, const mukca_test_errors *test,
+                   bool have_torques)
 {
     const bool surprised = v->surprise_sigmas > SURPRISED;
-    const bool worse = v->explained_m > v->faults_excused_m; /* on samples that were left out */
+    const bool worse = v->explained_m > v->faults_excused_m || test->explained_m > test->geometry_m;
     int on_arm = 0, suspected = 0;
     bool tied = false, doubted = false;
     for (int i = 0; i < f->n_causes; i++) {
@@ -255,7 +256,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         diagnosis->tracker = m.unknowns.log.tracker[0];
         if (status == MUKCA_OK && !options->no_folds)
             status = validate(s, &diagnosis->pool, &m, options, error);
-        revise(&s->findings, &s->validation, m.recording.have_torques);
+        revise(&s->findings, &s->validation, &s->test, m.recording.have_torques);
         if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, &m);
     }
     assemble(diagnosis, s, recording);

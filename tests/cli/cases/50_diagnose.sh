@@ -144,3 +144,11 @@ answer "or the ball.s neck" $d neck.tsv
 run $d doubt.tsv
 expect "causes that raise the held-out error are tied with what is outside the catalogue" \
     sh -c "grep -q 'both causes .* more' '$scratch/out' && test \$(grep -c 'an effect outside the catalogue' '$scratch/out') -eq 2"
+
+# nor are those that make the test data worse: an arm that had lost its ripple
+ripple() { "$MUKCA" simulate -q --urdf arm.urdf --seed 9 --noise 1e-4 --perturb 1,2 --held-out 1 "$@"; }
+ripple --effect gear_harmonic:joint_3@12=5e-4 --test rippled.tsv -o ripple.tsv
+ripple --test smooth.tsv -o smooth_train.tsv
+answer "transmission ripple at joint_3 .12 per turn.: gear" $d ripple.tsv --test rippled.tsv
+answer "or an effect outside the" $d ripple.tsv --test smooth.tsv
+expect "worse test data are said" grep -q 'with causes .*worse: uncertain' "$scratch/out"
