@@ -139,11 +139,27 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
     return status;
 }
 
+/* Is cause i dwarfed by what no effect explains?  The catalogue is wrong for these data then, and
+ * its nearest effect takes its share of an unlisted one: two thirds of the squared held-out error
+ * need a correlation above 0.8.  No share has fine ripple, which no smooth function resembles. */
+static bool is_dwarfed(const mukca_validation *v, int i, const mukca_effect *effect,
+                       double structure_m)
+{
+    const mukca_shrink *own = &v->cause[i];
+    const double explained = v->explained_m * v->explained_m,
+                 rest = explained - structure_m * structure_m,
+                 gain = own->before_m * own->before_m - own->after_m * own->after_m,
+                 of_all = v->faults_excused_m * v->faults_excused_m - explained;
+    return rest > 0.5 * gain && rest > 0.2 * of_all &&
+           effect->variant.order <= 4 * MUKCA_SMOOTH_ORDER; /* NaN: not measured */
+}
+
 /* What the held-out errors say of the verdict: suspected causes are not found, causes that make the
- * predictions or those of the test data (NaN: none) worse than the geometry alone does are not
- * certain, and samples that miss by more than noise and geometry allow have structure left. */
+ * predictions or those of the test data (NaN: none) worse than the geometry alone does, or are
+ * dwarfed, are not certain, and samples that miss by more than noise and geometry allow have
+ * structure left. */
 static void revise(mukca_findings *f, const mukca_validation *v, const mukca_test_errors *test,
-                   bool have_torques)
+                   double structure_m, bool have_torques)
 {
     const bool surprised = v->surprise_sigmas > SURPRISED;
     const bool worse = v->explained_m > v->faults_excused_m || test->explained_m > test->geometry_m;
@@ -156,8 +172,9 @@ static void revise(mukca_findings *f, const mukca_validation *v, const mukca_tes
         const mukca_effect_site site = mukca_effect_table[cause->effect.kind]->site;
         const bool predicts = site != MUKCA_SITE_SOCKET && site != MUKCA_SITE_DISTANCE;
         on_arm += site != MUKCA_SITE_SOCKET;
-        doubted |= predicts && worse;
-        cause->or_unknown |= predicts && worse;
+        const bool doubtful = predicts && (worse || is_dwarfed(v, i, &cause->effect, structure_m));
+        doubted |= doubtful;
+        cause->or_unknown |= doubtful;
         tied |= cause->n_ties > 0 || cause->or_unknown;
     }
     if (suspected && f->verdict != MUKCA_VERDICT_UNKNOWN)
@@ -256,7 +273,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         diagnosis->tracker = m.unknowns.log.tracker[0];
         if (status == MUKCA_OK && !options->no_folds)
             status = validate(s, &diagnosis->pool, &m, options, error);
-        revise(&s->findings, &s->validation, &s->test, m.recording.have_torques);
+        revise(&s->findings, &s->validation, &s->test, s->structure_m, m.recording.have_torques);
         if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, &m);
     }
     assemble(diagnosis, s, recording);
