@@ -1,63 +1,222 @@
-/* Jacobian of the corrected arm: the equilibrium under load moves with the joints' angles. */
+/* Jacobian of the corrected arm: the equilibrium under load moves with the joints' angles.
+ *
+ * From the tip backwards, all rows of the Jacobian side by side.  A motion that moves the tip by J
+ * where nothing answers, and brings M and N of equilibrium.h about, moves it by
+ * J + by_M . M + by_N . N in all: what yields further in answers M, what yields further out N.
+ * These sums hold what the answers do to the tip, which is found in the same way: a fixed point.
+ */
 #include "arm/corrected_jacobian.h"
 
 #include <string.h>
 
-/* One in the lane of joint l, 0 in the others; l in [-MUKCA_MAX_JOINTS, MUKCA_MAX_JOINTS]. */
-static const double lane_of[2 * MUKCA_MAX_JOINTS + MUKCA_LANES] = {[MUKCA_MAX_JOINTS] = 1};
-#define IN_LANE(l) LOAD_LANES(lane_of + MUKCA_MAX_JOINTS - (l))
+/* Rows at a time, and numbers of a column. */
+#if MUKCA_LANES > 1
+typedef double rows __attribute__((vector_size(64), aligned(8), may_alias));
+enum { TOGETHER = 8, COLUMN_ROWS = 8 };
+#else
+typedef double rows;
+enum { TOGETHER = 1, COLUMN_ROWS = 6 };
+#endif
+#define LOAD_ROWS(x) (*(const rows *)(const void *)(x))
+#define STORE_ROWS(x, value) (*(rows *)(void *)(x) = (value))
+#define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
 
-/* Rates without load as joints `first`, `first` + 1, ... turn. */
-PART void set_unloaded(mukca_posture_rates *r, const mukca_equilibrium *e,
-                       const mukca_effect_slopes *slopes, int first)
+/* UNIT(i, row): 1 in row i, else 0, from `row` on. */
+static const double unit_row[6 + COLUMN_ROWS] = {[6] = 1};
+#define UNIT(i, row) LOAD_ROWS(unit_row + 6 - (i) + (row))
+
+typedef struct {
+    double row[COLUMN_ROWS];
+} column;
+
+/* Columns of joints as they turn, and as what their effects add turns with them, at `rate`. */
+typedef struct {
+    column turn[MUKCA_MAX_JOINTS], tilt[MUKCA_MAX_JOINTS];
+    const double (*rate)[3];
+} tip_columns;
+
+/* What the answers do to the tip: of the base by 1 N m, as part of by_M, and the sums. */
+typedef struct {
+    rows base[3], by_M[3], by_N[3];
+} tip_answers;
+
+/* c += a x b; c -= a x b */
+PART void add_cross(rows c[3], const rows a[3], const double b[3])
 {
-    for (int i = 0; i < 3; i++) r->base[i] = (lanes){0};
+    c[0] += a[1] * b[2] - a[2] * b[1];
+    c[1] += a[2] * b[0] - a[0] * b[2];
+    c[2] += a[0] * b[1] - a[1] * b[0];
+}
+
+PART void take_cross(rows c[3], const rows a[3], const double b[3])
+{
+    c[0] -= a[1] * b[2] - a[2] * b[1];
+    c[1] -= a[2] * b[0] - a[0] * b[2];
+    c[2] -= a[0] * b[1] - a[1] * b[0];
+}
+
+/* (1 - b w.w) + b w w' + a [w]x: angular velocity of exp([w]x) by the rate of w, in the coordinates
+ * before (side 1) or after (-1) that rotation, the left and right Jacobian of SO(3).  The series is
+ * exact to 1e-9 up to |w| = 0.2 rad. */
+typedef struct {
+    double a, b, t2;
+} velocity;
+
+static velocity velocity_at(const double w[3], double side)
+{
+    const double t2 = mukca_dot3(w, w);
+    return (velocity){.a = side * (0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720))),
+                      .b = 1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040)),
+                      .t2 = t2};
+}
+
+/* Rotation vectors of joints that tilt in base coordinates, the slopes' as angular velocities.
+ * Under moments that are given nothing answers. */
+static void prepare(mukca_equilibrium *e, mukca_effect_slopes *slopes)
+{
+    if (!e->loaded) e->bend = 0;
     for (int j = 0; j < e->n_joints; j++) {
-        const double *by = slopes->angle[j], *rotation = slopes->rotation[j];
-        const lanes own = IN_LANE(j - first);
-        r->angle[j] = by[0] * IN_LANE(j - 1 - first) + by[1] * own + by[2] * IN_LANE(j + 1 - first);
-        for (int i = 0; i < 3 && e->joint[j].tilts; i++) r->rotation[j][i] = rotation[i] * own;
+        mukca_joint_posture *at = &e->joint[j];
+        double *rate = slopes->rotation[j], *w = e->displacement.rotation[j], across[3];
+        if (!e->loaded) at->twist = at->bend = 0;
+        at->turns = rate[0] != 0 || rate[1] != 0 || rate[2] != 0;
+        if (!at->turns && at->bend == 0) continue;
+        to_base(w, &at->frame, w);
+        if (!at->turns) continue;
+        to_base(rate, &at->frame, rate);
+        const velocity v = velocity_at(w, -1);
+        const double along = v.b * mukca_dot3(w, rate);
+        mukca_cross(across, w, rate);
+        for (int i = 0; i < 3; i++)
+            rate[i] = (1 - v.b * v.t2) * rate[i] + along * w[i] + v.a * across[i];
     }
 }
 
-/* Columns `first`, `first` + 1, ... of the Jacobian. */
-PART void fill_columns(double *J, const mukca_posture_rates *r, const mukca_equilibrium *e,
-                       int first)
+/* out[3] := rows of the tip's motion by rotations about x, y and z, where the tip is at d from what
+ * turns, which has the first moment S. */
+PART void turn_frame(rows out[3], const tip_answers *t, const double g[3], int row,
+                     const double d[3], const double S[3])
 {
-    const int n = e->n_joints;
-    lanes v[3] = {0}, w[3] = {r->base[0], r->base[1], r->base[2]};
-    for (int j = 0; j < n; j++) {
+    const rows shift[3] = {UNIT(0, row), UNIT(1, row), UNIT(2, row)};
+    for (int i = 0; i < 3; i++) out[i] = UNIT(3 + i, row);
+    take_cross(out, shift, d);
+    take_cross(out, t->by_M, S);
+    take_cross(out, t->by_N, g);
+}
+
+/* v[3] := the same by moments, given those by rotations; w is the frame's rotation vector. */
+PART void bend_frame(rows v[3], const double w[3], double side, double slope)
+{
+    const velocity at = velocity_at(w, side);
+    const double aw[3] = {slope * at.a * w[0], slope * at.a * w[1], slope * at.a * w[2]};
+    const rows along = slope * at.b * DOT(v, w), given[3] = {v[0], v[1], v[2]};
+    const double own = slope * (1 - at.b * at.t2);
+    for (int i = 0; i < 3; i++) v[i] = own * v[i] + along * w[i];
+    add_cross(v, given, aw);
+}
+
+/* Columns of the joints where nothing answers. */
+PART void set_columns(column *turn, const mukca_equilibrium *e)
+{
+    for (int j = 0; j < e->n_joints; j++) {
         const mukca_joint_posture *at = &e->joint[j];
         const double *axis = XYZ(at->axis), *p = XYZ(at->frame.column[3]);
-        const lanes angle = r->angle[j];
-        lanes turn[3] = {angle * axis[0], angle * axis[1], angle * axis[2]};
-        for (int i = 0; i < 3 && at->slides; i++) v[i] += turn[i], turn[i] = (lanes){0};
-        for (int i = 0; i < 3 && at->tilts; i++) turn[i] += r->rotation[j][i];
+        const double d[3] = {e->tip.p[0] - p[0], e->tip.p[1] - p[1], e->tip.p[2] - p[2]};
+        memset(turn[j].row, 0, sizeof turn[j].row);
+        memcpy(turn[j].row + (at->slides ? 0 : 3), axis, 3 * sizeof *axis);
+        if (!at->slides) mukca_cross(turn[j].row, axis, d);
+    }
+}
+
+/* Outwards over the joints: what they answer becomes part of by_M, and no longer of by_N, of which
+ * nothing should be left.  `last`: the columns get what the answers add. */
+PART void sweep(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int row, bool last)
+{
+    const double tip[3] = {e->tip.p[0], e->tip.p[1], e->tip.p[2]};
+    const double g[3] = {XYZ(e->gravity)[0], XYZ(e->gravity)[1], XYZ(e->gravity)[2]};
+    for (int i = 0; i < 3; i++) t->by_M[i] = (rows){0};
+    if (e->bend != 0) {
+        add_cross(t->by_M, t->base, g);
+        if (!last) {
+            turn_frame(t->base, t, g, row, tip, XYZ(e->first));
+            bend_frame(t->base, e->displacement.base, 1, e->bend);
+            for (int i = 0; i < 3; i++) t->by_M[i] = (rows){0};
+            add_cross(t->by_M, t->base, g);
+        }
+    }
+    for (int j = 0; j < e->n_joints; j++) {
+        const mukca_joint_posture *at = &e->joint[j];
+        const double *M = XYZ(at->into_M), *N = XYZ(at->into_N), *p = XYZ(at->frame.column[3]);
+        const bool turns = last && at->turns;
+        if (turns || at->bend != 0) {
+            const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]},
+                         *axis = XYZ(at->axis);
+            rows frame[3];
+            turn_frame(frame, t, g, row, d, XYZ(at->first));
+            if (turns) STORE_ROWS(c->tilt[j].row + row, DOT(frame, c->rate[j]));
+            bend_frame(frame, e->displacement.rotation[j], -1, at->bend);
+            const rows along = DOT(frame, axis);
+            for (int i = 0; i < 3; i++) frame[i] -= along * axis[i];
+            add_cross(t->by_M, frame, g);
+            take_cross(t->by_N, frame, XYZ(at->first));
+        }
+        if (!last && !at->yields) continue;
+        const rows turn = LOAD_ROWS(c->turn[j].row + row) + DOT(t->by_M, M) + DOT(t->by_N, N);
+        if (last) STORE_ROWS(c->turn[j].row + row, turn);
+        for (int i = 0; i < 3 && at->yields; i++) {
+            t->by_M[i] += at->twist * N[i] * turn;
+            t->by_N[i] -= at->twist * M[i] * turn;
+        }
+    }
+}
+
+/* by_N of all answers: what is left of it in the end is too much in the beginning, up to what is
+ * left of that in turn.  Returns with it in t->by_N. */
+PART void settle(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int row)
+{
+    enum { ROUNDS = 8 };
+    rows all[3];
+    double size = 0;
+    for (int i = 0; i < 3; i++) t->base[i] = all[i] = (rows){0};
+    for (int round = 0; round < ROUNDS && e->loaded; round++) {
+        const double before = size;
+        rows squares = {0};
+        double of_row[TOGETHER];
+        for (int i = 0; i < 3; i++) t->by_N[i] = all[i];
+        sweep(t, c, e, row, false);
         for (int i = 0; i < 3; i++) {
-            const int a = (i + 1) % 3, b = (i + 2) % 3;
-            w[i] += turn[i];
-            v[i] += p[a] * turn[b] - p[b] * turn[a];
+            squares += t->by_N[i] * t->by_N[i];
+            all[i] -= t->by_N[i];
         }
+        memcpy(of_row, &squares, sizeof of_row);
+        size = 0;
+        for (int r = 0; r < TOGETHER; r++) size += of_row[r];
+        /* The next change is smaller than this at least as this than the one before, which the
+         * first two alone would show badly: g times three times that within 1e-12. */
+        if (round > 1 && !(size * size > 1e-27 * before)) break;
     }
-    for (int i = 0; i < 3; i++) {
-        const int a = (i + 1) % 3, b = (i + 2) % 3;
-        v[i] -= e->tip.p[a] * w[b] - e->tip.p[b] * w[a];
-    }
-    for (int i = 0; i < 3; i++)
-        for (int l = 0; l < MUKCA_LANES && first + l < n; l++) {
-            J[i * n + first + l] = ((const double *)&v[i])[l];
-            J[(3 + i) * n + first + l] = ((const double *)&w[i])[l];
-        }
+    for (int i = 0; i < 3; i++) t->by_N[i] = all[i];
 }
 
 MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
                                                 mukca_effect_slopes *slopes)
 {
-    mukca_posture_rates r;
-    mukca_equilibrium_rates(e, slopes);
-    for (int first = 0; first < e->n_joints; first += MUKCA_LANES) {
-        set_unloaded(&r, e, slopes, first);
-        mukca_equilibrium_settle(&r, e, false, 2e-11);
-        fill_columns(J, &r, e, first);
+    const int n = e->n_joints;
+    tip_columns c;
+    tip_answers t;
+    c.rate = (const double(*)[3])slopes->rotation;
+    prepare(e, slopes);
+    set_columns(c.turn, e);
+    for (int row = 0; row < 6; row += TOGETHER) {
+        settle(&t, &c, e, row);
+        sweep(&t, &c, e, row, true);
+        for (int l = 0; l < n; l++) {
+            rows rate = slopes->angle[l][1] * LOAD_ROWS(c.turn[l].row + row);
+            if (e->joint[l].turns) rate += LOAD_ROWS(c.tilt[l].row + row);
+            if (l > 0) rate += slopes->angle[l - 1][2] * LOAD_ROWS(c.turn[l - 1].row + row);
+            if (l + 1 < n) rate += slopes->angle[l + 1][0] * LOAD_ROWS(c.turn[l + 1].row + row);
+            for (int r = 0; r < 6 && r < TOGETHER; r++)
+                J[(row + r) * n + l] = ((const double *)&rate)[r];
+        }
     }
 }

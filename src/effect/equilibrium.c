@@ -283,7 +283,6 @@ static void start(mukca_equilibrium *e, const mukca_effect_task *task)
     bool some = false;
     memset(e->gravity, 0, sizeof e->gravity);
     for (int i = 0; i < 3; i++) ((double *)e->gravity)[i] = chain->gravity[i];
-    e->found = false; /* rates are those of rotation vectors: right enough for Newton's method */
     e->n_joints = chain->n_joints;
     e->n_yielding = e->n_other = 0;
     e->spring = 0;

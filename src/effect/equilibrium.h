@@ -42,7 +42,8 @@ typedef struct {
                              the axis, rad/(N m), */
     double spring, blade; /* and their parts that do not depend on the load */
     bool slides;
-    bool yields, tilts; /* has an effect that depends on the load; a rotation that changes */
+    bool yields, tilts; /* has an effect that depends on the load; a rotation that does */
+    bool turns;         /* what the effects rotate, as the joint turns */
 } mukca_joint_posture;
 
 typedef struct {
@@ -57,8 +58,6 @@ typedef struct {
     unsigned char other[MUKCA_MAX_EFFECTS];   /* indices of the effects that depend on the load and
                                                  are no springs */
     bool loaded; /* some depend on the load, and it moves with the posture */
-    bool found;  /* mukca_equilibrium_rates has turned the displacement's rotations into base
-                    coordinates */
 } mukca_equilibrium;
 
 /* Rates of the posture, MUKCA_LANES motions at a time. */
@@ -82,10 +81,6 @@ void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slope
 /* The rest under the load, to 1e-12 rad; slopes as above. */
 void mukca_equilibrium_find(mukca_equilibrium *at, mukca_effect_slopes *slopes,
                             const mukca_effect_task *task);
-
-/* Prepare for the rates as joints turn: rotation vectors in base coordinates, the slopes' as
- * angular velocities. */
-void mukca_equilibrium_rates(mukca_equilibrium *at, mukca_effect_slopes *slopes);
 
 /* rates += the answers to the changes of the load that they bring about: a fixed point, as each
  * answer changes the load again, up to changes of `within`.  A round leaves of what is missing the

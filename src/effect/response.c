@@ -21,38 +21,6 @@ PART void take_cross(lanes c[3], const double a[3], const lanes b[3])
     c[2] -= a[0] * b[1] - a[1] * b[0];
 }
 
-/* Angular velocity of exp([w]x) as w changes by `rate`, in the coordinates before (side 1) or after
- * (-1) that rotation: the left and right Jacobian of SO(3); the series is exact to 1e-9 up to |w| =
- * 0.2 rad. */
-PART void angular_velocity(lanes omega[3], const double w[3], const lanes rate[3], double side)
-{
-    const double t2 = mukca_dot3(w, w);
-    const double a = side * (0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720)));
-    const double b = 1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040));
-    const lanes along = b * DOT(w, rate);
-    const double aw[3] = {a * w[0], a * w[1], a * w[2]};
-    lanes sum[3];
-    for (int i = 0; i < 3; i++) sum[i] = (1 - b * t2) * rate[i] + along * w[i];
-    add_cross(sum, aw, rate);
-    for (int i = 0; i < 3; i++) omega[i] = sum[i];
-}
-
-MUKCA_CLONES void mukca_equilibrium_rates(mukca_equilibrium *e, mukca_effect_slopes *slopes)
-{
-    e->found = true;
-    for (int j = 0; j < e->n_joints; j++) {
-        mukca_joint_posture *at = &e->joint[j];
-        double *rate = slopes->rotation[j], *bent = e->displacement.rotation[j];
-        at->tilts |= rate[0] != 0 || rate[1] != 0 || rate[2] != 0;
-        if (!at->tilts) continue;
-        to_base(bent, &at->frame, bent);
-        to_base(rate, &at->frame, rate);
-        lanes omega[3] = {ALL(rate[0]), ALL(rate[1]), ALL(rate[2])};
-        angular_velocity(omega, bent, omega, -1);
-        for (int a = 0; a < 3; a++) rate[a] = FIRST(omega[a]);
-    }
-}
-
 /* moment[3] := answer of a joint's rotation to N and M. */
 PART void bend_joint(lanes moment[3], const mukca_equilibrium *e, int j, const lanes N[3],
                      const lanes M[3])
@@ -63,7 +31,6 @@ PART void bend_joint(lanes moment[3], const mukca_equilibrium *e, int j, const l
     add_cross(moment, XYZ(at->first), N);
     const lanes along = DOT(XYZ(at->axis), moment);
     for (int i = 0; i < 3; i++) moment[i] = at->bend * (moment[i] - along * XYZ(at->axis)[i]);
-    if (e->found) angular_velocity(moment, e->displacement.rotation[j], moment, -1);
 }
 
 /* The same of the base; N gets its part. */
@@ -76,7 +43,6 @@ PART void bend_base(lanes moment[3], const mukca_equilibrium *e, const lanes bas
     for (int i = 0; i < 3; i++) moment[i] = ALL(0);
     add_cross(moment, XYZ(e->gravity), moved);
     for (int i = 0; i < 3; i++) moment[i] *= e->bend;
-    if (e->found) angular_velocity(moment, e->displacement.base, moment, 1);
 }
 
 /* r := answer, rates += answer, squares += its square. */
