@@ -169,11 +169,10 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
     if (d->structure_m < d->explained_m) /* where it predicts something */
         print_step(stream, "and unexplained structure", d->structure_m, "");
     print_step(stream, "noise floor", d->noise_floor_m, "");
-    const bool worse = d->verdict == MUKCA_VERDICT_TIED && d->test_explained_m > d->test_geometry_m;
     if (r->test && isfinite(d->test_geometry_m))
         fprintf(stream, "Test data, mm: nominal %.3f, geometry %.3f, with causes %.3f%s\n",
                 1e3 * d->test_nominal_m, 1e3 * d->test_geometry_m, 1e3 * d->test_explained_m,
-                worse ? " (worse: uncertain)" : "");
+                mukca_wording_worse(d) ? " (worse: uncertain)" : "");
     if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
     mukca_text_put(&text, "Fewer than four placements: the reduction by the causes is uncertain");
     if (isfinite(d->noise_shrink_percent))

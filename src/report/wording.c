@@ -246,6 +246,11 @@ void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put(text, " The unexplained structure may be flexibility.");
 }
 
+bool mukca_wording_worse(const mukca_diagnosis *d)
+{
+    return d->verdict == MUKCA_VERDICT_TIED && d->test_explained_m > d->test_geometry_m;
+}
+
 void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -256,6 +261,10 @@ void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put(text,
             "inspect the transmission and the bearings of the joints concerned, and record more "
             "samples over their range");
+    else if (mukca_wording_worse(d))
+        put(text,
+            "use the geometry alone (mukca calibrate), which predicts the test data better, until "
+            "more samples decide");
     else if (d->n_causes && mukca_next_poses_need_readings(&d->causes[0]))
         put(text,
             "record readings and commands (columns JOINT and JOINT.command): they separate servo "

@@ -58,6 +58,9 @@ void mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diagnosed *
 /* What limits the verdict, as sentences: flexibility that could not be tested; "" where nothing. */
 void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *diagnosed);
 
+/* Do the causes make the test data worse, so that they are not certain? */
+bool mukca_wording_worse(const mukca_diagnosis *diagnosis);
+
 /* What to do next; no full stop. */
 void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *diagnosed);
 
