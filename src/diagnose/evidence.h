@@ -14,6 +14,7 @@ extern const double mukca_evidence_rho[MUKCA_RHOS];
  * and o the whitened ones.  Each pair of sockets adds one row. */
 typedef struct {
     double rho, log_det;
+    double behind; /* the best coefficient's log evidence, when they were last compared */
     int dof, n, n_pairs;
     unsigned version;      /* of the columns that they are formed from; 0: none, or weighted */
     double distance_sigma; /* m */
@@ -46,6 +47,7 @@ typedef struct {
     double *marginal; /* [4][n + 1][n + 1], order[n], mark[n]: scratch of the choice of scales */
     int *order;
     unsigned char *mark;
+    double best;      /* log evidence at the best coefficient, when they were last compared */
     double quadratic; /* of the last one: squared misfit and departure from the priors, each in
                          units of its sigma */
 } mukca_evidence;

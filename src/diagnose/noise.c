@@ -11,6 +11,11 @@
 #define LEAST_NOISE 1e-6
 #define MOST_NOISE 5e-2
 
+/* Log evidence that makes an AR(1) coefficient negligible beside the best one, 3 million to 1, and
+ * the share of a change of the log evidence by which the two may approach each other. */
+#define NEGLIGIBLE 15.0
+#define SHARE 0.25
+
 /* The evidence along the noise.  With K = 1 + D G D / sigma^2 = Q (1 + T / sigma^2) Q' and the
  * distances predicted from the samples, it takes T, Q'D X'W y and Q'D d for each distance row d;
  * each value is linear in n.  Columns are left out by the Schur complement of their block of K^-1,
@@ -163,4 +168,15 @@ double mukca_noise_choose(mukca_evidence *evidence, mukca_normal_equations *norm
     }
     if (value) *value = -best;
     return exp(x);
+}
+
+bool mukca_noise_counts(double behind, double gain)
+{
+    return behind <= NEGLIGIBLE + SHARE * fmax(gain, 0);
+}
+
+bool mukca_noise_contends(const mukca_evidence *evidence, int index, double best, double gain)
+{
+    const double approach = SHARE * fabs(best - evidence->best);
+    return mukca_noise_counts(evidence->normal[index].behind - approach, gain);
 }

@@ -14,4 +14,12 @@ typedef struct {
 double mukca_noise_choose(mukca_evidence *evidence, mukca_normal_equations *normal,
                           const mukca_left_out *out, double guess, double *value);
 
+/* Does an AR(1) coefficient count whose log evidence is so much behind that of the best one?  A
+ * candidate with a log Bayes factor of `gain` may turn their order. */
+bool mukca_noise_counts(double behind, double gain);
+
+/* May it count, by what is known from the last comparison of all coefficients?  `best` is the log
+ * evidence of the best one now. */
+bool mukca_noise_contends(const mukca_evidence *evidence, int index, double best, double gain);
+
 #endif

@@ -57,25 +57,32 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
 }
 
 /* Noise and AR(1) coefficient by evidence, and the prior scales with them; returns the normal
- * equations at the best. */
+ * equations at the best.  The coefficient in use comes first. */
 static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freedom freedom)
 {
     mukca_unknowns *u = &m->unknowns;
-    mukca_normal_equations *chosen = &m->evidence.normal[0];
-    double best = -HUGE_VAL;
-    for (int i = 0; i < MUKCA_RHOS; i++) {
-        double value;
-        if (u->weight && i) break; /* robust weights go with independent samples only */
-        mukca_normal_equations *normal = mukca_regression_collect(m, i);
-        const double sigma = mukca_noise_choose(&m->evidence, normal, NULL, u->sigma, &value);
-        if (value > best) {
-            best = value, u->sigma = sigma, u->rho = normal->rho;
-            chosen = normal;
+    mukca_evidence *evidence = &m->evidence;
+    const int own = u->weight ? 0 : mukca_evidence_index(u->rho);
+    mukca_normal_equations *chosen = NULL;
+    double best = -HUGE_VAL, value[MUKCA_RHOS];
+    bool all = !u->weight; /* robust weights go with independent samples only */
+    for (int k = 0; k < (u->weight ? 1 : MUKCA_RHOS); k++) {
+        const int i = (own + k) % MUKCA_RHOS;
+        if (chosen && !mukca_noise_contends(evidence, i, best, 0)) {
+            all = false;
+            continue;
         }
+        mukca_normal_equations *normal = mukca_regression_collect(m, i);
+        const double sigma = mukca_noise_choose(evidence, normal, NULL, u->sigma, &value[i]);
+        if (chosen && !(value[i] > best)) continue;
+        best = value[i], u->sigma = sigma, u->rho = normal->rho;
+        chosen = normal;
     }
+    for (int i = 0; i < MUKCA_RHOS && all; i++) evidence->normal[i].behind = best - value[i];
+    if (all) evidence->best = best;
     if (freedom == MUKCA_FIT_ALL) {
-        mukca_scales_choose(u, &m->evidence, &m->recording, chosen);
-        u->sigma = mukca_noise_choose(&m->evidence, chosen, NULL, u->sigma, NULL);
+        mukca_scales_choose(u, evidence, &m->recording, chosen);
+        u->sigma = mukca_noise_choose(evidence, chosen, NULL, u->sigma, NULL);
     }
     return chosen;
 }
@@ -117,6 +124,7 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
     mukca_unknowns *u = &m->unknowns;
     double *mean = m->evidence.mean;
     mukca_unknowns_set_geometry_prior(u, &m->recording);
+    for (int i = 0; i < MUKCA_RHOS; i++) m->evidence.normal[i].behind = 0; /* compare them anew */
     for (int it = 0; it < iterations; it++) {
         mukca_regression_linearise(m);
         mukca_unknowns_prior(m->evidence.prior, u);

@@ -96,28 +96,39 @@ static bool worth_averaging(double log_bayes, double log_prior, double most)
     return log_bayes + log_prior > -4.0 || log_bayes > fmax(0.25 * most, 4.0);
 }
 
-/* Noise and evidence at each AR(1) coefficient; order[0] is the best one.  Leaves the priors
- * without the cause. */
-static void weigh_rhos(mukca_regression *m, double *sigma, double *value, int *order, int without)
+/* Noise and evidence at an AR(1) coefficient.  Leaves the priors without the cause. */
+static double weigh_rho(double *sigma, mukca_regression *m, int rho, int without)
 {
     const mukca_unknowns *u = &m->unknowns;
     const mukca_left_out out = {.column = without < 0 ? 0 : mukca_unknowns_column(u, without),
                                 .count = without < 0 ? 0 : u->cause[without].candidate.terms,
                                 .from = u->n_geometry};
-    mukca_unknowns_prior(m->evidence.prior, u);
-    for (int i = 0; i < MUKCA_RHOS; i++)
-        sigma[i] = mukca_noise_choose(&m->evidence, mukca_regression_collect(m, i), &out, u->sigma,
-                                      &value[i]);
+    mukca_evidence *evidence = &m->evidence;
+    double value;
+    mukca_unknowns_prior(evidence->prior, u);
+    *sigma = mukca_noise_choose(evidence, mukca_regression_collect(m, rho), &out, u->sigma, &value);
     leave_out(m, without);
+    /* the noise is what the full model leaves, not what the missing cause adds */
+    if (without < 0 || !(*sigma > 1.15 * u->sigma)) return value;
+    *sigma = 1.15 * u->sigma;
+    return mukca_evidence_evaluate(evidence, &evidence->normal[rho], *sigma, NULL);
+}
+
+/* The same at each AR(1) coefficient that may count, NaN at the others; returns the best one's
+ * index. */
+static int weigh_rhos(mukca_regression *m, double *sigma, double *value, int without)
+{
+    const int own = mukca_evidence_index(m->unknowns.rho);
+    int best = own;
+    value[own] = weigh_rho(&sigma[own], m, own, without);
     for (int i = 0; i < MUKCA_RHOS; i++) {
-        order[i] = i;
-        /* the noise is what the full model leaves, not what the missing cause adds */
-        if (without < 0 || !(sigma[i] > 1.15 * u->sigma)) continue;
-        sigma[i] = 1.15 * u->sigma;
-        value[i] = mukca_evidence_evaluate(&m->evidence, &m->evidence.normal[i], sigma[i], NULL);
+        if (i == own) continue;
+        value[i] = mukca_noise_contends(&m->evidence, i, value[best], 0)
+                       ? weigh_rho(&sigma[i], m, i, without)
+                       : (double)NAN;
+        if (value[i] > value[best]) best = i;
     }
-    for (int i = 1; i < MUKCA_RHOS; i++)
-        if (value[i] > value[order[0]]) order[i] = order[0], order[0] = i;
+    return best;
 }
 
 /* A fault by itself costs as much as so many rows of the projector. */
@@ -164,9 +175,8 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent)
 {
     double value[MUKCA_RHOS], sigma[MUKCA_RHOS], most = -HUGE_VAL;
-    int order[MUKCA_RHOS];
-    weigh_rhos(m, sigma, value, order, without);
-    scan->rho = order[0], scan->sigma = sigma[order[0]];
+    const int best = scan->rho = weigh_rhos(m, sigma, value, without);
+    scan->sigma = sigma[best];
 
     double first = -HUGE_VAL; /* evidence of the rhos averaged so far */
     const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
@@ -180,10 +190,12 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     for (int k = 0; k < scan->n_scores; k++)
         scan->score[k] = (mukca_score){.index = k, .log_bayes = -HUGE_VAL, .log_odds = -HUGE_VAL};
     for (int i = 0; i < MUKCA_RHOS; i++) {
-        const int which = order[i];
-        if (i && value[which] < value[order[0]] - 15 - 0.25 * fmax(most, 0)) continue;
+        const int which = i == 0 ? best : i <= best ? i - 1 : i; /* the best one comes first */
+        if (i && isnan(value[which]) &&
+            mukca_noise_contends(&m->evidence, which, value[best], most))
+            value[which] = weigh_rho(&sigma[which], m, which, without);
+        if (i && !mukca_noise_counts(value[best] - value[which], most)) continue;
         mukca_projector_aim(&scan->projector, &m->evidence.normal[which], sigma[which]);
-        /* the best rho comes first: the harmonics are picked there */
         score_all(scan, which, i == 0 && scan->all->harmonics && extent == MUKCA_SCAN_ALL);
         /* Running average over rho, weighted by the evidence of the model scanned against. */
         const double hi = fmax(first, value[which]);
