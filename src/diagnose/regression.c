@@ -208,13 +208,12 @@ void mukca_regression_revise(mukca_regression *m)
     /* Held-out errors change behind their printed digits with a thousandth of what decides
      * anything. */
     const double little = 0.001;
-    mukca_linearisation *linear = &m->linear;
-    if (mukca_regression_solve(m) && holds(m, little)) return;
-    /* Predictions alone lead from nearby to the final unknowns, and columns are formed there. */
-    if (holds(m, 1) && mukca_linearisation_refresh(linear, &m->recording, &m->unknowns) &&
-        mukca_regression_solve(m)) {
-        mukca_regression_freeze(m);
-        if (mukca_regression_solve(m) && holds(m, little)) return;
+    /* Predictions alone lead from nearby to the final unknowns. */
+    for (int pass = 0; mukca_regression_solve(m); pass++) {
+        if (holds(m, little)) return;
+        if (pass == 3 || !holds(m, 1) ||
+            !mukca_linearisation_refresh(&m->linear, &m->recording, &m->unknowns))
+            break;
     }
     mukca_regression_fit(m, 4, MUKCA_FIT_UNKNOWNS);
 }
