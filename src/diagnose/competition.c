@@ -275,6 +275,7 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
     while (m->unknowns.n_causes - outliers(m) < MOST_CAUSES && outliers(m) < MOST_OUTLIERS) {
         if (!watch(contest, "looking for causes", error)) return MUKCA_INTERRUPTED;
         scan_and_rank(contest, -1, extent);
+        contest->scanned = true;
         if (!contest->n_first) {
             contest->n_first = contest->n_table;
             memcpy(contest->first, contest->table,
@@ -285,8 +286,9 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
         const double threshold = m->unknowns.n_causes ? LATER_THRESHOLD : FIRST_THRESHOLD;
         const mukca_contender *top = leader(contest, -1, threshold);
         if (!top) {
-            if (extent != MUKCA_SCAN_ALL) { /* before giving up: all orders of ripple once more */
-                extent = MUKCA_SCAN_ALL;
+            if (extent ==
+                MUKCA_SCAN_LISTED) { /* before giving up: all orders of ripple once more */
+                extent = MUKCA_SCAN_RIPPLE;
                 continue;
             }
             if (!mukca_screening_reinstate(contest->faults, m)) return MUKCA_OK;
@@ -297,6 +299,7 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
             return MUKCA_OK;
         }
         extent = MUKCA_SCAN_LISTED;
+        contest->scanned = false;
         mukca_regression_refit(m);
     }
     return MUKCA_OK;
@@ -304,11 +307,10 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
 
 void mukca_competition_leave_waiting(mukca_competition *contest)
 {
-    mukca_scan_run(contest->scan, contest->m, -1, MUKCA_SCAN_LISTED);
-    for (int i = 0; i < contest->scan->n_scores; i++) {
-        const double odds = contest->scan->score[i].log_odds;
-        contest->waiting[i] = odds < LATER_THRESHOLD ? 0 : odds;
-    }
+    if (!contest->scanned) mukca_scan_run(contest->scan, contest->m, -1, MUKCA_SCAN_LISTED);
+    const float *odds = mukca_scan_last_odds(contest->scan);
+    for (int i = 0; i < contest->scan->n_scores; i++)
+        contest->waiting[i] = (double)odds[i] < LATER_THRESHOLD ? 0 : (double)odds[i];
 }
 
 static bool any_unknown(const mukca_unknowns *u)
@@ -329,7 +331,10 @@ static bool drop(mukca_competition *contest, int c)
     mukca_unknowns_assign(&contest->kept, &m->unknowns);
     mukca_unknowns_drop(&m->unknowns, c);
     mukca_regression_refit(m);
-    if (!doubtful || mukca_regression_score(m) >= with) return true;
+    if (!doubtful || mukca_regression_score(m) >= with) {
+        contest->scanned = false;
+        return true;
+    }
     mukca_unknowns_assign(&m->unknowns, &contest->kept);
     mukca_regression_return(m);
     return false;
@@ -349,7 +354,10 @@ static bool swap(mukca_competition *contest, int c, const mukca_candidate *best,
     u->cause[c] = u->cause[last];
     u->n_causes = last;
     mukca_regression_refit(m);
-    if (mukca_regression_score(m) > before) return true;
+    if (mukca_regression_score(m) > before) {
+        contest->scanned = false;
+        return true;
+    }
     mukca_unknowns_assign(u, &contest->kept);
     mukca_regression_return(m);
     return false;

@@ -38,6 +38,7 @@ typedef struct {
      * not tested yet */
     signed char *noise_made;
     double *waiting; /* [scores] log odds beside the accepted causes of what stays outside */
+    bool scanned;    /* the last run against a whole set was of the present one */
     mukca_heavy_tails tails;
     mukca_unknowns kept;        /* to go back to */
     bool names_first;           /* an unknown function comes when no name passes */

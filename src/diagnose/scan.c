@@ -174,7 +174,8 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
 
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent)
 {
-    double value[MUKCA_RHOS], sigma[MUKCA_RHOS], most = -HUGE_VAL;
+    double value[MUKCA_RHOS], sigma[MUKCA_RHOS];
+    const bool ripple = extent == MUKCA_SCAN_ALL || extent == MUKCA_SCAN_RIPPLE;
     const int best = scan->rho = weigh_rhos(m, sigma, value, without);
     scan->sigma = sigma[best];
 
@@ -187,16 +188,19 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
             scan->wanted[k] = extent == MUKCA_SCAN_RIVALS;
         else if (extent >= MUKCA_SCAN_CONTENDERS)
             scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without]);
-    for (int k = 0; k < scan->n_scores; k++)
+        else if (extent == MUKCA_SCAN_RIPPLE)
+            scan->wanted[k] = 0;
+    if (extent != MUKCA_SCAN_RIPPLE) scan->most = -HUGE_VAL;
+    for (int k = 0; k < scan->n_scores && extent != MUKCA_SCAN_RIPPLE; k++)
         scan->score[k] = (mukca_score){.index = k, .log_bayes = -HUGE_VAL, .log_odds = -HUGE_VAL};
     for (int i = 0; i < MUKCA_RHOS; i++) {
         const int which = i == 0 ? best : i <= best ? i - 1 : i; /* the best one comes first */
         if (i && isnan(value[which]) &&
-            mukca_noise_contends(&m->evidence, which, value[best], most))
+            mukca_noise_contends(&m->evidence, which, value[best], scan->most))
             value[which] = weigh_rho(&sigma[which], m, which, without);
-        if (i && !mukca_noise_counts(value[best] - value[which], most)) continue;
+        if (i && !mukca_noise_counts(value[best] - value[which], scan->most)) continue;
         mukca_projector_aim(&scan->projector, &m->evidence.normal[which], sigma[which]);
-        score_all(scan, which, i == 0 && scan->all->harmonics && extent == MUKCA_SCAN_ALL);
+        score_all(scan, which, i == 0 && scan->all->harmonics && ripple);
         /* Running average over rho, weighted by the evidence of the model scanned against. */
         const double hi = fmax(first, value[which]);
         const double old_share = exp(first - hi) / (exp(first - hi) + exp(value[which] - hi));
@@ -206,7 +210,7 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
             if (i == 0) {
                 *score = (mukca_score){
                     .index = k, .log_bayes = scan->value[k], .information = scan->information[k]};
-                most = fmax(most, scan->value[k]);
+                scan->most = fmax(scan->most, scan->value[k]);
             } else if (scan->value[k] > -HUGE_VAL) {
                 const double a = score->log_bayes + log(fmax(old_share, 1e-300));
                 const double b = scan->value[k] + log(fmax(1 - old_share, 1e-300));
@@ -215,8 +219,9 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
         }
         first = hi + log(exp(first - hi) + exp(value[which] - hi));
         for (int k = 0; i == 0 && k < scan->n_scores; k++)
-            scan->wanted[k] =
-                worth_averaging(scan->value[k], mukca_scan_candidate(scan, k)->log_prior, most);
+            scan->wanted[k] = scan->wanted[k] &&
+                              worth_averaging(scan->value[k],
+                                              mukca_scan_candidate(scan, k)->log_prior, scan->most);
     }
     for (int k = 0; k < scan->n_scores; k++) {
         mukca_score *score = &scan->score[k];
@@ -224,6 +229,19 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
         if (without < 0) scan->history[step * scan->capacity + k] = (float)score->log_odds;
     }
     if (without < 0) scan->steps++;
+}
+
+void mukca_scan_weigh(mukca_scan *scan, mukca_regression *m, int without)
+{
+    double value[MUKCA_RHOS], sigma[MUKCA_RHOS];
+    scan->rho = weigh_rhos(m, sigma, value, without);
+    scan->sigma = sigma[scan->rho];
+}
+
+const float *mukca_scan_last_odds(const mukca_scan *scan)
+{
+    const int step = (scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS) - 1;
+    return scan->history + step * scan->capacity;
 }
 
 int mukca_scan_repeat(mukca_scan *scan, int steps)

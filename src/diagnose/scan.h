@@ -23,8 +23,10 @@ enum { MUKCA_SCAN_STEPS = 64 }; /* runs that are remembered; later ones count fo
 
 /* The part of the list that a run scores. */
 typedef enum {
-    MUKCA_SCAN_ALL,        /* everything, all orders of gear ripple included */
-    MUKCA_SCAN_LISTED,     /* the list, and the orders that a scan of all has found worth it */
+    MUKCA_SCAN_ALL,    /* everything, all orders of gear ripple included */
+    MUKCA_SCAN_LISTED, /* the list, and the orders that a scan of all has found worth it */
+    MUKCA_SCAN_RIPPLE, /* other orders of gear ripple; the rest keeps its scores of the last run,
+                          which was of the same model */
     MUKCA_SCAN_CONTENDERS, /* what came near the front since the excluded cause was accepted, and
                             the same effect there; of a single bad row only itself */
     MUKCA_SCAN_RIVALS      /* the same, and the causes that nobody listed */
@@ -41,6 +43,7 @@ typedef struct {
     int n_scores;
     int rho; /* the best one's index in the last run, and the noise there */
     double sigma;
+    double most;                          /* largest log Bayes factor in the last run */
     unsigned char *wanted;                /* [scores] scratch: averaged over rho */
     double *value, *information;          /* [scores] scratch: at one rho */
     mukca_products *products[MUKCA_RHOS]; /* [capacity] */
@@ -62,6 +65,12 @@ const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index);
 /* Score all candidates against the fitted, linearised model; `without` >= 0 leaves that cause out
  * first, so that its score is what the data say of it. */
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent);
+
+/* Noise and AR(1) coefficient of a run, without the run. */
+void mukca_scan_weigh(mukca_scan *scan, mukca_regression *m, int without);
+
+/* Log odds [scores] in the last run against the whole model. */
+const float *mukca_scan_last_odds(const mukca_scan *scan);
 
 /* Remember the first runs once more, after all others, for a search that starts behind them;
  * returns by how many steps they moved. */

@@ -24,7 +24,7 @@ static bool bar_first_spring(mukca_competition *contest)
     }
     if (springs < 2) return false;
     const mukca_candidate *barred = &u->cause[first].candidate;
-    mukca_scan_run(contest->scan, m, first, MUKCA_SCAN_CONTENDERS);
+    mukca_scan_weigh(contest->scan, m, first);
     for (int i = 0; i < contest->all->first_unlisted; i++) {
         const mukca_candidate *h = &contest->all->list[i];
         if (mukca_competition_is_spring(h) &&
@@ -57,6 +57,7 @@ static void restore(mukca_competition *contest, const mukca_search_state *state)
         mukca_regression_return(m);
     }
     *contest->faults = *state->faults;
+    contest->scanned = false;
 }
 
 /* Search again from a state; the set found before stays unless the new one leads it by `lead`.
