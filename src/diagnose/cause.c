@@ -206,6 +206,12 @@ bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_comp
     return true;
 }
 
+void mukca_cause_doubt(mukca_cause *cause)
+{
+    cause->or_unknown = true;
+    cause->probability = fmin(cause->probability, 1 - UNKNOWN_SHARE);
+}
+
 int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)
 {
     for (int c = 0; c < m->unknowns.n_causes; c++) {

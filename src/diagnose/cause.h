@@ -20,6 +20,9 @@ typedef struct {
 bool mukca_cause_describe(mukca_cause *cause, mukca_standing *standing,
                           mukca_competition *competition, int index);
 
+/* Let a described cause share its probability with what is outside the catalogue. */
+void mukca_cause_doubt(mukca_cause *cause);
+
 /* The accepted cause behind a described one, -1: none. */
 int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause);
 

@@ -174,7 +174,7 @@ static void revise(mukca_findings *f, const mukca_validation *v, const mukca_tes
         on_arm += site != MUKCA_SITE_SOCKET;
         const bool doubtful = predicts && (worse || is_dwarfed(v, i, &cause->effect, structure_m));
         doubted |= doubtful;
-        cause->or_unknown |= doubtful;
+        if (doubtful) mukca_cause_doubt(cause);
         tied |= cause->n_ties > 0 || cause->or_unknown;
     }
     if (suspected && f->verdict != MUKCA_VERDICT_UNKNOWN)

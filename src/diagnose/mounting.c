@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "diagnose/candidates.h"
+#include "diagnose/cause.h"
 #include "diagnose/regression.h"
 
 /* Log odds that another direction must lead by: one arm of a hundred hangs from a wall or a ceiling
@@ -131,7 +132,7 @@ mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_di
     }
     if (best > d->score + LEAD) {
         for (int i = 0; i < d->n_causes; i++)
-            d->causes[i].or_unknown |= has_load_as_rival(&d->causes[i]);
+            if (has_load_as_rival(&d->causes[i])) mukca_cause_doubt(&d->causes[i]);
         if (d->verdict == MUKCA_VERDICT_NAMED) d->verdict = MUKCA_VERDICT_TIED;
     }
     return status;
