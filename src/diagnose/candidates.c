@@ -40,7 +40,8 @@ static void append(lister *l, mukca_candidate h)
         all->list = bigger;
         all->capacity = capacity;
     }
-    l->ok = mukca_candidate_prepare(&h, l->pool, l->recording);
+    /* the scan prepares unlisted ones, where a cause asks for its rivals */
+    l->ok = mukca_candidate_is_unlisted(&h) || mukca_candidate_prepare(&h, l->pool, l->recording);
     all->list[all->count++] = h;
 }
 

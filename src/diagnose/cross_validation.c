@@ -203,7 +203,8 @@ mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, m
     for (int c = 0; c < m->unknowns.n_causes; c++)
         if (!mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
             mukca_unknowns_drop(&m->unknowns, c--);
-    mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
+    if (findings->verdict != MUKCA_VERDICT_NONE) /* else nothing else was fitted */
+        mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
     measure_geometry(v, &b, s.excused);
     mukca_unknowns_assign(&m->unknowns, &explained);
     memcpy(m->recording.keep, kept, (size_t)rows);

@@ -119,10 +119,32 @@ double mukca_regression_score(mukca_regression *m)
     return score;
 }
 
+/* The unknowns become the posterior mean; returns the largest change of the geometry. */
+static double advance(mukca_regression *m)
+{
+    mukca_unknowns *u = &m->unknowns;
+    double change = 0;
+    for (int k = 0; k < u->n_geometry; k++)
+        change = fmax(change, fabs(m->evidence.mean[k] - u->theta[k]));
+    mukca_unknowns_set(u, m->evidence.mean);
+    mukca_unknowns_fold_frames(u);
+    return change;
+}
+
+void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom)
+{
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    const mukca_normal_equations *normal =
+        freedom == MUKCA_FIT_UNKNOWNS ? mukca_regression_collect_own(m) : choose_noise(m, freedom);
+    if (isfinite(
+            mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, m->evidence.mean)))
+        advance(m);
+    mukca_regression_linearise(m);
+}
+
 void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom)
 {
     mukca_unknowns *u = &m->unknowns;
-    double *mean = m->evidence.mean;
     mukca_unknowns_set_geometry_prior(u, &m->recording);
     for (int i = 0; i < MUKCA_RHOS; i++) m->evidence.normal[i].behind = 0; /* compare them anew */
     for (int it = 0; it < iterations; it++) {
@@ -134,13 +156,10 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
                                     : (it == 2 || weigh) && freedom == MUKCA_FIT_ALL;
         const mukca_normal_equations *normal =
             choose ? choose_noise(m, freedom) : mukca_regression_collect_own(m);
-        if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, mean))) break;
+        if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, m->evidence.mean)))
+            break;
         if (weigh && it + 1 < iterations) weigh_rotations(m);
-        double step = 0;
-        for (int k = 0; k < u->n_geometry; k++) step = fmax(step, fabs(mean[k] - u->theta[k]));
-        mukca_unknowns_set(u, mean);
-        mukca_unknowns_fold_frames(u);
-        if (step < 1e-7 && it >= 1) { /* 0.1 um and 0.1 urad: far below any noise */
+        if (advance(m) < 1e-7 && it >= 1) { /* 0.1 um and 0.1 urad: far below any noise */
             if (weigh) break;
             mukca_unknowns_set_geometry(u, m->recording.chain);
             return;

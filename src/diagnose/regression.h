@@ -67,6 +67,9 @@ void mukca_regression_refit(mukca_regression *m);
  * that are there where these hold for the result, else to new ones, or as MUKCA_FIT_UNKNOWNS. */
 void mukca_regression_revise(mukca_regression *m);
 
+/* One Gauss-Newton step from the present linearisation; ends linearised at the new unknowns. */
+void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom);
+
 /* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  Ends linearised at the
  * unknowns, or a last step of 0.1 um before them. */
 void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom);

@@ -172,6 +172,12 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
     mukca_projector_score(p, scan->scored, n);
 }
 
+/* Prepare a candidate that was not needed before.  False: no memory. */
+static bool prepare(mukca_candidate *h, mukca_regression *m)
+{
+    return h->unit || mukca_candidate_prepare(h, &m->pool, &m->recording);
+}
+
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent)
 {
     double value[MUKCA_RHOS], sigma[MUKCA_RHOS];
@@ -185,7 +191,7 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     scan->n_scores = scan->all->count + scan->n_harmonic;
     for (int k = 0; k < scan->n_scores; k++)
         if (mukca_candidate_is_unlisted(mukca_scan_candidate(scan, k)))
-            scan->wanted[k] = extent == MUKCA_SCAN_RIVALS;
+            scan->wanted[k] = extent == MUKCA_SCAN_RIVALS && prepare(&scan->all->list[k], m);
         else if (extent >= MUKCA_SCAN_CONTENDERS)
             scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without]);
         else if (extent == MUKCA_SCAN_RIPPLE)

@@ -173,15 +173,17 @@ void mukca_screening_run(mukca_faults *faults, mukca_regression *m)
     double *weight = MUKCA_TAKE(&m->pool, double, rows);
     if (!residual || !scratch || !weight) return;
     duplicates(faults, r, scratch);
+    mukca_unknowns_set_geometry_prior(&m->unknowns, r);
     mukca_regression_linearise(m);
     wrong_labels(faults, m, scratch);
     mukca_recording_regroup(r);
     if (r->n_samples < 4) return;
+    if (r->n_samples < rows) mukca_regression_linearise(m);
 
     for (int row = 0; row < rows; row++) weight[row] = 1;
     m->unknowns.weight = weight;
     for (int pass = 0; pass < 12; pass++) { /* iteratively reweighted, heavy-tailed loss */
-        mukca_regression_fit(m, 1, pass ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_NOISE);
+        mukca_regression_step(m, pass ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_NOISE);
         residuals(residual, m);
         const double scale = fmax(3 * median_of(residual, r->n_samples, scratch), 3e-4);
         double change = 0;
