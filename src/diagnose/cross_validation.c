@@ -109,7 +109,10 @@ static void measure_explained(measurement *s)
 {
     mukca_validation *v = s->v;
     mukca_folds *b = s->b;
-    mukca_folds_run(s->full[1], b, true);
+    bool by_socket = false;
+    for (int i = 0; i < s->findings->n_causes; i++)
+        by_socket |= needs_sockets(&s->findings->causes[i].effect, &b->m->recording);
+    if (by_socket) mukca_folds_run(s->full[1], b, true);
     mukca_folds_run(s->full[0], b, false);
     v->explained_m = mukca_folds_mean(s->full[0], b->m->recording.data->n_rows);
     if (b->freedom > 0) {

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/clones.h"
 #include "math/dense.h"
 
 enum { ROOM = 32 }; /* for columns of other causes: most searches need no more */
@@ -31,17 +32,66 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
     return !pool->failed;
 }
 
+/* Levers [d][width] of a candidate's terms, width 1 or 3: of sample 0, and how far the next
+ * sample's are behind.  NULL: it has no such columns. */
+static const double *levers_of(size_t *step, const mukca_linearisation *linear,
+                               const mukca_recording *recording, const mukca_candidate *h)
+{
+    const size_t d = (size_t)recording->dim, n = (size_t)recording->chain->n_joints,
+                 joint = (size_t)h->joint;
+    if (!h->basis || h->kind == MUKCA_CANDIDATE_STRETCH ||
+        h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME)
+        return NULL;
+    switch (mukca_candidate_site(h)) {
+        case MUKCA_SITE_ANGLE:
+            *step = n * d;
+            return linear->lever + joint * d;
+        case MUKCA_SITE_ROTATION:
+            *step = n * 3 * d;
+            return linear->rotation_lever + joint * 3 * d;
+        case MUKCA_SITE_BASE:
+            *step = 3 * d;
+            return linear->base_lever;
+        default:
+            return NULL;
+    }
+}
+
+/* E := levers times the basis functions. */
+MUKCA_CLONES static void turn_levers(double *E, int ld, const double *lever, size_t step,
+                                     const mukca_recording *recording, const mukca_candidate *h)
+{
+    const int d = recording->dim, terms = h->terms, width = h->width_of_term;
+    double b[3][MUKCA_MAX_COLUMNS];
+    for (int i = 0; i < recording->n_samples; i++, lever += step) {
+        const float *basis = h->basis + (size_t)recording->order[i] * (size_t)(terms * width);
+        for (int t = 0; t < terms; t++)
+            for (int k = 0; k < width; k++) b[k][t] = (double)basis[width * t + k];
+        const double *l = lever;
+        for (int c = 0; c < d; c++, l += width, E += ld)
+            if (width == 1)
+                for (int t = 0; t < terms; t++) E[t] = l[0] * b[0][t];
+            else
+                for (int t = 0; t < terms; t++)
+                    E[t] = l[0] * b[0][t] + l[1] * b[1][t] + l[2] * b[2][t];
+    }
+}
+
 void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
                                  const mukca_recording *recording, const mukca_candidate *h)
 {
     const int d = recording->dim, n_joints = recording->chain->n_joints, terms = h->terms;
     const int width = h->width_of_term, ldx = linear->stride;
-    const mukca_effect_site site = mukca_candidate_site(h);
+    size_t step;
+    const double *of_terms = levers_of(&step, linear, recording, h);
+    if (of_terms) {
+        turn_levers(E, ld, of_terms, step, recording, h);
+        return;
+    }
     for (int i = 0; i < recording->n_samples; i++) {
         double *out = E + (size_t)i * (size_t)d * (size_t)ld;
         const int row = recording->order[i];
         const double *levers = linear->lever + (size_t)(i * n_joints) * (size_t)d;
-        const double *lever = NULL; /* [d][width], width 1 or 3 */
         for (int c = 0; c < d; c++) memset(out + c * ld, 0, sizeof *out * (size_t)terms);
         if (mukca_candidate_is_fault(h)) {
             const double share = mukca_candidate_fault_share(h, recording, row);
@@ -61,27 +111,15 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
             for (int c = 0; c < d; c++)
                 for (int t = 0; t < terms; t++)
                     out[c * ld + t] = slot[c * ldx + t % 3] * (double)basis[t];
-        } else if (site == MUKCA_SITE_TIP) {
+        } else if (mukca_candidate_site(h) == MUKCA_SITE_TIP) {
             const double *frame = linear->tip_frame + 9 * i;
             for (int c = 0; c < 3; c++)
                 for (int t = 0; t < 3; t++)
                     out[c * ld + t] = frame[3 * c + t] * (double)basis[t * width + t];
-        } else if (site == MUKCA_SITE_ANGLES) {
+        } else if (mukca_candidate_site(h) == MUKCA_SITE_ANGLES) {
             for (int k = 0; k < n_joints; k++)
                 for (int c = 0; c < d; c++) out[c * ld] += levers[k * d + c] * (double)basis[k];
-        } else if (site == MUKCA_SITE_ANGLE) {
-            lever = levers + h->joint * d;
-        } else if (site == MUKCA_SITE_ROTATION) {
-            lever = linear->rotation_lever + (size_t)(i * n_joints + h->joint) * (size_t)(3 * d);
-        } else if (site == MUKCA_SITE_BASE) {
-            lever = linear->base_lever + (size_t)i * (size_t)(3 * d);
         }
-        for (int c = 0; lever && c < d; c++, lever += width, out += ld)
-            for (int t = 0; t < terms; t++)
-                out[t] = width == 1 ? lever[0] * (double)basis[t]
-                                    : lever[0] * (double)basis[3 * t] +
-                                          lever[1] * (double)basis[3 * t + 1] +
-                                          lever[2] * (double)basis[3 * t + 2];
     }
 }
 

@@ -178,6 +178,16 @@ static bool prepare(mukca_candidate *h, mukca_regression *m)
     return h->unit || mukca_candidate_prepare(h, &m->pool, &m->recording);
 }
 
+/* The odds of a run against the whole model; orders of ripple that are found later had none. */
+static void remember(mukca_scan *scan)
+{
+    const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
+    float *odds = scan->history + step * scan->capacity;
+    for (int k = 0; k < scan->capacity; k++)
+        odds[k] = k < scan->n_scores ? (float)scan->score[k].log_odds : -HUGE_VALF;
+    scan->steps++;
+}
+
 void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent)
 {
     double value[MUKCA_RHOS], sigma[MUKCA_RHOS];
@@ -186,7 +196,6 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     scan->sigma = sigma[best];
 
     double first = -HUGE_VAL; /* evidence of the rhos averaged so far */
-    const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
     memset(scan->wanted, 1, (size_t)scan->capacity);
     scan->n_scores = scan->all->count + scan->n_harmonic;
     for (int k = 0; k < scan->n_scores; k++)
@@ -232,9 +241,8 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     for (int k = 0; k < scan->n_scores; k++) {
         mukca_score *score = &scan->score[k];
         score->log_odds = score->log_bayes + mukca_scan_candidate(scan, k)->log_prior;
-        if (without < 0) scan->history[step * scan->capacity + k] = (float)score->log_odds;
     }
-    if (without < 0) scan->steps++;
+    if (without < 0) remember(scan);
 }
 
 void mukca_scan_weigh(mukca_scan *scan, mukca_regression *m, int without)
@@ -303,8 +311,6 @@ mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, mukca_re
         scan->products[i] = MUKCA_TAKE(&scan->pool, mukca_products, most);
     mukca_projector_create(&scan->projector, &scan->pool, m);
     mukca_products_create(&scan->ripple, &scan->pool, m, 2 * MUKCA_RIPPLE_PROMISING, 2);
-    for (int k = 0; scan->history && k < most * MUKCA_SCAN_STEPS; k++)
-        scan->history[k] = -HUGE_VALF;
     if (!scan->pool.failed) return MUKCA_OK;
     mukca_scan_free(scan);
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",

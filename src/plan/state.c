@@ -103,6 +103,24 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
     }
 }
 
+/* out[i] = x' (row i of H[3][n]). */
+MUKCA_INLINE void dot_rows(double out[3], const double *x, const double *H, int n)
+{
+    const int n4 = n & ~3;
+    four a = {0}, b = {0}, c = {0};
+    for (int i = 0; i < n4; i += 4) {
+        const four v = LOAD4(x + i);
+        a += v * LOAD4(H + i);
+        b += v * LOAD4(H + n + i);
+        c += v * LOAD4(H + 2 * (long)n + i);
+    }
+    out[0] = (a[0] + a[1]) + (a[2] + a[3]);
+    out[1] = (b[0] + b[1]) + (b[2] + b[3]);
+    out[2] = (c[0] + c[1]) + (c[2] + c[3]);
+    for (int i = n4; i < n; i++)
+        for (int k = 0; k < 3; k++) out[k] += x[i] * H[k * n + i];
+}
+
 /* G = C [H, -I at the socket]' for rows [0, n) of C, and S = sign [H, -I] G + noise^2 (3 x 3). */
 MUKCA_CLONES static void project(double S[9], mukca_plan_state *s, int n, const double *H,
                                  int socket, int sign)
@@ -111,7 +129,8 @@ MUKCA_CLONES static void project(double S[9], mukca_plan_state *s, int n, const 
     for (int r = 0; r < s->n; r++) {
         if (r >= n && (r < mean || r >= mean + 3)) continue;
         const double *row = s->C + r * s->n;
-        for (int i = 0; i < 3; i++) s->G[3 * r + i] = dot4(row, H + i * k, k) - row[mean + i];
+        dot_rows(s->G + 3 * r, row, H, k);
+        for (int i = 0; i < 3; i++) s->G[3 * r + i] -= row[mean + i];
     }
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
