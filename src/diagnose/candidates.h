@@ -16,8 +16,8 @@ typedef struct {
     const char *missing[MUKCA_CLASSES]; /* why a class could not be listed at all, or NULL */
 } mukca_candidates;
 
-/* All candidates for a recording, except effects with disabled[effect] != 0 (NULL: none).  Memory
- * comes from `pool`.  Errors: MUKCA_MEMORY. */
+/* All candidates for a recording, except effects with disabled[effect] != 0 (NULL: none).  The
+ * unlisted ones are not prepared yet.  Memory comes from `pool`.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
                                    const mukca_recording *recording, const mukca_unknowns *unknowns,
                                    const unsigned char *disabled, mukca_error *error);

@@ -43,6 +43,8 @@ static int set_up(void **state)
     assert_int_equal(
         mukca_candidates_list(&f->all, &f->m.pool, &f->m.recording, &f->m.unknowns, NULL, &error),
         MUKCA_OK);
+    for (int i = f->all.first_unlisted; i < f->all.count; i++) /* a scan prepares these */
+        assert_true(mukca_candidate_prepare(&f->all.list[i], &f->m.pool, &f->m.recording));
     assert_true(mukca_projector_create(&f->projector, &f->pool, &f->m));
     *state = f;
     return 0;
