@@ -81,7 +81,7 @@ static __attribute__((noinline)) void find_pose(mukca_frame *tip, const mukca_co
 {
     mukca_equilibrium at;
     find_rest(&at, NULL, model, q, state);
-    *tip = at.tip;
+    columns_frame(tip, &at.tip);
 }
 
 void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model, const double *q,
@@ -101,7 +101,7 @@ static __attribute__((noinline)) void find_jacobian(double *J, mukca_frame *tip,
     mukca_effect_slopes slopes;
     find_rest(&at, &slopes, model, q, state);
     mukca_corrected_differentiate(J, &at, &slopes);
-    if (tip) *tip = at.tip;
+    if (tip) columns_frame(tip, &at.tip);
 }
 
 void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,

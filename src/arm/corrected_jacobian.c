@@ -118,10 +118,11 @@ PART void bend_frame(rows v[3], const double w[3], double side, double slope)
 /* Columns of the joints where nothing answers. */
 PART void set_columns(column *turn, const mukca_equilibrium *e)
 {
+    const double *tip = XYZ(e->tip.column[3]);
     for (int j = 0; j < e->n_joints; j++) {
         const mukca_joint_posture *at = &e->joint[j];
         const double *axis = XYZ(at->axis), *p = XYZ(at->frame.column[3]);
-        const double d[3] = {e->tip.p[0] - p[0], e->tip.p[1] - p[1], e->tip.p[2] - p[2]};
+        const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]};
         memset(turn[j].row, 0, sizeof turn[j].row);
         memcpy(turn[j].row + (at->slides ? 0 : 3), axis, 3 * sizeof *axis);
         if (!at->slides) mukca_cross(turn[j].row, axis, d);
@@ -132,7 +133,7 @@ PART void set_columns(column *turn, const mukca_equilibrium *e)
  * nothing should be left.  `last`: the columns get what the answers add. */
 PART void sweep(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int row, bool last)
 {
-    const double tip[3] = {e->tip.p[0], e->tip.p[1], e->tip.p[2]};
+    const double *tip = XYZ(e->tip.column[3]);
     const double g[3] = {XYZ(e->gravity)[0], XYZ(e->gravity)[1], XYZ(e->gravity)[2]};
     for (int i = 0; i < 3; i++) t->by_M[i] = (rows){0};
     if (e->bend != 0) {

@@ -1,4 +1,5 @@
 /* What effects do to a configuration of the arm, each by itself. */
+#include <math.h>
 #include <string.h>
 
 #include "effect/catalogue.h"
@@ -90,8 +91,7 @@ static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
                                   .state = &task->state,
                                   .sine = sine,
                                   .cosine = cosine};
-    double basis[MUKCA_MAX_TERMS][3];
-    memset(basis, 0, (size_t)e->terms * sizeof *basis);
+    double basis[MUKCA_MAX_TERMS][3] = {{0}};
     if (ops->direction) add_direction(d, e, task->chain, &task->state);
     if (ops->basis) {
         ops->basis(basis, &in);
@@ -102,22 +102,24 @@ static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
 }
 
 void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
-                            const mukca_effect_task *task)
+                            joint_angles *bare, const mukca_effect_task *task)
 {
-    enum { TOGETHER = 2 }; /* periodic effects, two angles each: all lanes of a call */
+    enum { TOGETHER = 4 }; /* periodic effects of higher order: all lanes of a call */
     const mukca_effect *waiting[TOGETHER];
-    double angle[2 * TOGETHER] = {0}, sine[2 * TOGETHER], cosine[2 * TOGETHER];
+    double angle[TOGETHER], sine[TOGETHER], cosine[TOGETHER];
     int n = 0;
-    const size_t joints = (size_t)task->chain->n_joints;
-    memset(displacement->q, 0, joints * sizeof *displacement->q);
-    memset(displacement->rotation, 0, joints * sizeof *displacement->rotation);
-    memset(displacement->base, 0, sizeof displacement->base);
-    memset(displacement->tip, 0, sizeof displacement->tip);
+    const int joints = task->chain->n_joints;
+    memset(displacement->q, 0, (size_t)joints * sizeof *displacement->q);
+    memset(displacement->rotation, 0, (size_t)joints * sizeof *displacement->rotation);
+    for (int a = 0; a < 3; a++) displacement->base[a] = displacement->tip[a] = 0;
     displacement->any_rotation = false;
-    if (slopes) {
-        memset(slopes->angle, 0, joints * sizeof *slopes->angle);
-        memset(slopes->rotation, 0, joints * sizeof *slopes->rotation);
-        for (size_t j = 0; j < joints; j++) slopes->angle[j][1] = 1;
+    bare->q = task->state.q;
+    if (!mukca_sincos_near(bare->s, bare->c, bare->q, joints))
+        bare->s[0] = bare->c[0] = (double)NAN;
+    for (int j = 0; j < joints && slopes; j++) {
+        const double own[3] = {0, 1, 0}, none[3] = {0};
+        memcpy(slopes->angle[j], own, sizeof own);
+        memcpy(slopes->rotation[j], none, sizeof none);
     }
     for (int i = 0; i <= task->n_effects; i++) {
         const mukca_effect *e = task->effects + i;
@@ -129,12 +131,15 @@ void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slope
                 continue;
             }
             waiting[n] = e;
-            mukca_effect_wave(angle + 2 * n++, e, &task->state);
+            angle[n++] = (e->variant.order ? e->variant.order : 1) * bare->q[e->joint];
         }
         if (n == 0 || (n < TOGETHER && i < task->n_effects)) continue;
-        mukca_sincos(sine, cosine, angle, 2 * n);
-        for (int k = 0; k < n; k++)
-            add_unloaded(displacement, slopes, task, waiting[k], sine + 2 * k, cosine + 2 * k);
+        mukca_sincos(sine, cosine, angle, n);
+        for (int k = 0; k < n; k++) {
+            const int j = waiting[k]->joint;
+            const double s[2] = {sine[k], bare->s[j]}, c[2] = {cosine[k], bare->c[j]};
+            add_unloaded(displacement, slopes, task, waiting[k], s, c);
+        }
         n = 0;
     }
 }

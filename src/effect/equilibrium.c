@@ -7,12 +7,26 @@
 #include "effect/catalogue.h"
 #include "mukca/gravity.h"
 
-/* A vector in base coordinates, in a joint's frame. */
-static void to_joint(double out[3], const columns *F, const double v[3])
+/* Joints turn (slide) by `by`: sines and cosines from those before. */
+PART void move_angles(joint_angles *at, const double *by, int n)
 {
-    const double x = v[0], y = v[1], z = v[2];
-    for (int c = 0; c < 3; c++)
-        out[c] = COLUMN(F, c, 0) * x + COLUMN(F, c, 1) * y + COLUMN(F, c, 2) * z;
+    double turn[WHOLE_JOINTS];
+    lane_bits wide = {0};
+    for (int j = 0; j < n; j++) turn[j] = by[j], at->moved[j] = at->q[j] + by[j];
+    for (int j = n; j % MUKCA_LANES; j++) turn[j] = 0;
+    at->q = at->moved;
+    for (int j = 0; j < n; j += MUKCA_LANES) {
+        const lanes s = LOAD_LANES(at->s + j), c = LOAD_LANES(at->c + j);
+        const lanes x = LOAD_LANES(turn + j), t = x * x;
+        /* up to 1/32 rad the series' next terms are below 3e-17 */
+        const lanes sine = x - x * t * (1.0 / 6 - t * (1.0 / 120 - t * (1.0 / 5040)));
+        const lanes back = t * (0.5 - t * (1.0 / 24 - t * (1.0 / 720)));
+        wide |= NOT_WITHIN(t, 0x1p-10);
+        STORE_LANES(at->s + j, s + (c * sine - s * back));
+        STORE_LANES(at->c + j, c - (s * sine + c * back));
+    }
+    if (ANY_LANE(wide) && !mukca_sincos_near(at->s, at->c, at->moved, n))
+        at->s[0] = at->c[0] = (double)NAN;
 }
 
 /* The parts of a joint that carries `kg`. */
@@ -22,26 +36,21 @@ PART void set_parts(mukca_joint_posture *joint, double kg, const lanes *gravity)
     columns_cross(joint->into_N, joint->axis, gravity);
     for (int r = 0; r < ROWS && joint->slides; r++) {
         joint->into_M[r] = kg * joint->axis[r];
-        joint->into_N[r] = ALL(0);
+        joint->into_N[r] = (lanes){0};
     }
 }
 
 /* Frames and first moments of what moves with each joint, outwards, then of what each joint
  * carries, inwards. */
-PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task)
+PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task, const joint_angles *at)
 {
     const mukca_geometry *g = task->geometry;
     const mukca_displacement *d = &e->displacement;
     double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3], total = 0;
     lanes sum[ROWS] = {0}, moment[ROWS], *body = e->first; /* about the base's origin */
-    joint_angles at;
     columns F;
     mukca_chain_masses(kg, first, task->chain, NULL, task->state.payload_kg);
     columns_base(&F, d);
-    at.q = at.moved;
-    at.moved[0] = 0; /* of an arm without joints */
-    for (int j = 0; j < g->n_joints; j++) at.moved[j] = task->state.q[j] + d->q[j];
-    if (!mukca_sincos_near(at.s, at.c, at.moved, g->n_joints)) at.s[0] = at.c[0] = (double)NAN;
     for (int k = 0; k < g->n_elements; k++) {
         const int j = g->joint[k];
         columns_enter(&F, g, k);
@@ -50,16 +59,17 @@ PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task)
             for (int c = 0; c < 4; c++)
                 for (int r = 0; r < ROWS; r++) e->joint[j].frame.column[c][r] = F.column[c][r];
             columns_vector(e->joint[j].axis, &F, g->axis[k]);
-            columns_turn(&F, g, k, &at);
-            for (int r = 0; r < ROWS; r++) body[r] = sum[r], sum[r] = ALL(0);
+            columns_turn(&F, g, k, at);
+            for (int r = 0; r < ROWS; r++) body[r] = sum[r], sum[r] = (lanes){0};
             body = e->joint[j].first;
         }
         columns_vector(moment, &F, first[k]);
         for (int r = 0; r < ROWS; r++) sum[r] += moment[r] + kg[k] * F.column[3][r];
     }
     columns_move(&F, d->tip);
-    columns_frame(&e->tip, &F);
-    for (int r = 0; r < ROWS; r++) body[r] = sum[r], sum[r] = ALL(0);
+    for (int c = 0; c < 4; c++)
+        for (int r = 0; r < ROWS; r++) e->tip.column[c][r] = F.column[c][r];
+    for (int r = 0; r < ROWS; r++) body[r] = sum[r], sum[r] = (lanes){0};
     for (int k = g->n_elements - 1; k >= 0; k--) {
         const int j = g->joint[k];
         total += kg[k];
@@ -75,37 +85,39 @@ PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task)
 }
 
 /* Load of the joints that yield and of the base. */
-static void find_load(mukca_gravity_load *load, const mukca_equilibrium *e)
+PART void find_load(mukca_gravity_load *load, const mukca_equilibrium *e)
 {
+    lanes moment[ROWS];
     for (int i = 0; i < e->n_yielding; i++) {
         const int j = e->yielding[i];
         const mukca_joint_posture *at = &e->joint[j];
-        double moment[3];
-        mukca_cross(moment, XYZ(e->gravity), XYZ(at->first));
-        load->torque[j] = at->slides ? -mukca_dot3(XYZ(at->into_M), XYZ(e->gravity))
-                                     : mukca_dot3(XYZ(at->axis), moment);
-        if (at->tilts) to_joint(load->moment[j], &at->frame, moment);
+        load->torque[j] =
+            at->slides ? -columns_dot(at->into_M, e->gravity) : columns_dot(at->into_N, at->first);
+        if (!at->tilts) continue;
+        columns_cross(moment, e->gravity, at->first);
+        to_joint(load->moment[j], &at->frame, XYZ(moment));
     }
     mukca_cross(load->base, XYZ(e->gravity), XYZ(e->first));
 }
 
-/* An effect of the load that is no spring. */
-static void add_other(mukca_displacement *d, mukca_equilibrium *e, const mukca_effect *f,
+/* What an effect of the load that is no spring adds, and its slope. */
+static void add_other(mukca_deflection *y, mukca_equilibrium *e, const mukca_effect *f,
                       const double *axis, const mukca_joint_state *state)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[f->kind];
-    double basis[MUKCA_MAX_TERMS][3], *slope = &e->bend;
-    memset(basis, 0, (size_t)f->terms * sizeof *basis);
+    const bool turns = ops->info.site == MUKCA_SITE_ROTATION,
+               one = ops->info.site == MUKCA_SITE_ANGLE;
+    double basis[MUKCA_MAX_TERMS][3] = {{0}};
+    double *into = one ? &y->angle[f->joint] : turns ? y->rotation[f->joint] : y->base;
+    double *slope = one ? &e->joint[f->joint].twist : turns ? &e->joint[f->joint].bend : &e->bend;
     ops->basis(basis, &(mukca_basis_input){.effect = f, .axis = axis, .state = state});
-    mukca_effect_add(d, f, (const double(*)[3])basis);
-    if (!e->loaded) return;
-    if (ops->info.site == MUKCA_SITE_ANGLE) slope = &e->joint[f->joint].twist;
-    if (ops->info.site == MUKCA_SITE_ROTATION) slope = &e->joint[f->joint].bend;
-    *slope += f->coefficient[0] * ops->by_load(f, basis[0]);
+    for (int t = 0; t < f->terms; t++)
+        for (int a = 0; a < (one ? 1 : 3); a++) into[a] += f->coefficient[t] * basis[t][a];
+    if (e->loaded) *slope += f->coefficient[0] * ops->by_load(f, basis[0]);
 }
 
-/* What the effects add under the load at the posture, and their slopes by it. */
-static void add_loaded(mukca_displacement *d, mukca_equilibrium *e, const mukca_effect_task *task)
+/* y := what yields to the load, by how much, and its slopes. */
+PART void find_deflection(mukca_deflection *y, mukca_equilibrium *e, const mukca_effect_task *task)
 {
     mukca_gravity_load load;
     mukca_joint_state state = task->state;
@@ -116,164 +128,97 @@ static void add_loaded(mukca_displacement *d, mukca_equilibrium *e, const mukca_
         state.base_moment = load.base;
     }
     e->bend = e->spring;
-    for (int a = 0; a < 3 && state.base_moment; a++) d->base[a] += e->spring * state.base_moment[a];
-    d->any_rotation |= e->spring != 0;
+    for (int a = 0; a < 3; a++)
+        y->base[a] = state.base_moment ? e->spring * state.base_moment[a] : 0;
     for (int i = 0; i < e->n_yielding; i++) {
         const int j = e->yielding[i];
         mukca_joint_posture *at = &e->joint[j];
         at->twist = at->spring;
         at->bend = at->blade;
-        if (state.torque) d->q[j] += at->spring * state.torque[j];
-        if (at->blade == 0 || !state.moment) continue;
-        d->any_rotation = true;
+        y->angle[j] = state.torque ? at->spring * state.torque[j] : 0;
+        if (!at->tilts) continue;
         const double *axis = task->geometry->axis[task->chain->joint_element[j]];
-        const double *moment = state.moment[j];
+        static const double none[3];
+        const double *moment = state.moment ? state.moment[j] : none;
         const double along = mukca_dot3(moment, axis);
-        for (int a = 0; a < 3; a++) d->rotation[j][a] += at->blade * (moment[a] - along * axis[a]);
+        for (int a = 0; a < 3; a++) y->rotation[j][a] = at->blade * (moment[a] - along * axis[a]);
     }
     for (int i = 0; i < e->n_other; i++) {
         const mukca_effect *f = task->effects + e->other[i];
-        add_other(d, e, f, mukca_effect_axis(f, task->chain), &state);
+        add_other(y, e, f, mukca_effect_axis(f, task->chain), &state);
     }
 }
 
-/* to := from, of n joints */
-static void copy(mukca_displacement *to, const mukca_displacement *from, int n)
+PART void clear(mukca_deflection *y, const mukca_equilibrium *e)
 {
-    memcpy(to->q, from->q, (size_t)n * sizeof *to->q);
-    memcpy(to->rotation, from->rotation, (size_t)n * sizeof *to->rotation);
-    memcpy(to->base, from->base, sizeof to->base);
-    memcpy(to->tip, from->tip, sizeof to->tip);
-    to->any_rotation = from->any_rotation;
+    for (int j = 0; j < e->n_joints; j++) y->angle[j] = 0;
+    for (int i = 0; i < e->n_yielding; i++)
+        for (int a = 0; a < 3; a++) y->rotation[e->yielding[i]][a] = 0;
+    for (int a = 0; a < 3; a++) y->base[a] = 0;
 }
 
-/* rad or m: seven joints and their rotations together keep the tip within 1e-12. */
-static const double rest = 1e-13;
-
-/* A part of what was, in `was`, and of what is now: their difference, and what was. */
-PART void take_difference(lanes *was, double *now, double *size)
-{
-    const double before = FIRST(*was), change = *now - before;
-    if (fabs(change) > *size) *size = fabs(change);
-    *now = before;
-    *was = ALL(change);
-}
-
-/* r := what the effects add under the load of the posture, minus what they did.  Returns its
- * largest part, rad or m. */
-PART double find_difference(mukca_posture_rates *r, mukca_equilibrium *e,
-                            const mukca_effect_task *task, const mukca_displacement *unloaded)
+/* y and the displacement += change. */
+PART void add_change(mukca_deflection *y, mukca_equilibrium *e, const mukca_deflection *change)
 {
     mukca_displacement *d = &e->displacement;
-    double size = 0;
     for (int a = 0; a < 3; a++) {
-        r->base[a] = ALL(d->base[a]);
-        d->base[a] = unloaded->base[a];
-        d->tip[a] = unloaded->tip[a];
+        y->base[a] += change->base[a];
+        d->base[a] += change->base[a];
     }
     for (int i = 0; i < e->n_yielding; i++) {
         const int j = e->yielding[i];
-        r->angle[j] = ALL(d->q[j]);
-        d->q[j] = unloaded->q[j];
+        y->angle[j] += change->angle[j];
+        d->q[j] += change->angle[j];
         for (int a = 0; a < 3 && e->joint[j].tilts; a++) {
-            r->rotation[j][a] = ALL(d->rotation[j][a]);
-            d->rotation[j][a] = unloaded->rotation[j][a];
+            y->rotation[j][a] += change->rotation[j][a];
+            d->rotation[j][a] += change->rotation[j][a];
         }
     }
-    add_loaded(d, e, task);
-    for (int a = 0; a < 3; a++) take_difference(&r->base[a], &d->base[a], &size);
+}
+
+/* y -= by.  Returns the largest part of what is left, rad or m. */
+PART double subtract(mukca_deflection *y, const mukca_equilibrium *e, const mukca_deflection *by)
+{
+    double size = 0;
+    for (int a = 0; a < 3; a++) size = fmax(size, fabs(y->base[a] -= by->base[a]));
     for (int i = 0; i < e->n_yielding; i++) {
         const int j = e->yielding[i];
-        double change[3];
-        take_difference(&r->angle[j], &d->q[j], &size);
-        if (!e->joint[j].tilts) continue;
-        for (int a = 0; a < 3; a++) {
-            take_difference(&r->rotation[j][a], &d->rotation[j][a], &size);
-            change[a] = FIRST(r->rotation[j][a]);
-        }
-        to_base(change, &e->joint[j].frame, change);
-        for (int a = 0; a < 3; a++) r->rotation[j][a] = ALL(change[a]);
+        size = fmax(size, fabs(y->angle[j] -= by->angle[j]));
+        for (int a = 0; a < 3 && e->joint[j].tilts; a++)
+            size = fmax(size, fabs(y->rotation[j][a] -= by->rotation[j][a]));
     }
     return size;
 }
 
-/* c += a x b */
-static void add_cross(double c[3], const double a[3], const double b[3])
+/* The tip moves with a small last change, exact to its squares.  A rotation vector b that changed
+ * by r turned by r - b x r / 2 after the rotation, r + b x r / 2 before it, exact to squares of b.
+ */
+PART void move_tip(mukca_equilibrium *e, const mukca_deflection *change)
 {
-    double cross[3];
-    mukca_cross(cross, a, b);
-    for (int i = 0; i < 3; i++) c[i] += cross[i];
-}
-
-/* The tip moves by small v + w x p, exact to the squares. */
-static void move_tip(mukca_frame *tip, const double v[3], const double w[3])
-{
-    add_cross(tip->p, w, tip->p);
-    for (int i = 0; i < 3; i++) tip->p[i] += v[i];
-    for (int c = 0; c < 3; c++) {
-        double column[3] = {tip->R[c], tip->R[3 + c], tip->R[6 + c]};
-        add_cross(column, w, column);
-        for (int i = 0; i < 3; i++) tip->R[3 * i + c] = column[i];
-    }
-}
-
-/* The displacement += r, and the tip moves with it.  A rotation vector b that changes by r turns by
- * r - b x r / 2 after the rotation, r + b x r / 2 before it, exact to squares of b. */
-static void add_rates(mukca_equilibrium *e, const mukca_posture_rates *r)
-{
-    mukca_displacement *d = &e->displacement;
-    double v[3] = {0}, w[3], rate[3], bent[3];
-    for (int a = 0; a < 3; a++) {
-        w[a] = rate[a] = FIRST(r->base[a]);
-        d->base[a] += rate[a];
-        bent[a] = 0.5 * d->base[a];
-    }
-    add_cross(w, bent, rate);
+    lanes v[ROWS] = {0}, w[ROWS] = {0}, column[ROWS] = {0}, turn[ROWS];
+    double bent[3];
+    mukca_cross(bent, e->displacement.base, change->base);
+    for (int a = 0; a < 3; a++) ((double *)w)[a] = change->base[a] + 0.5 * bent[a];
     for (int i = 0; i < e->n_yielding; i++) {
         const int j = e->yielding[i];
         const mukca_joint_posture *at = &e->joint[j];
-        const double *axis = XYZ(at->axis), *p = XYZ(at->frame.column[3]);
-        const double angle = FIRST(r->angle[j]);
-        double turn[3] = {angle * axis[0], angle * axis[1], angle * axis[2]};
-        d->q[j] += angle;
-        for (int a = 0; a < 3 && at->slides; a++) v[a] += turn[a], turn[a] = 0;
+        for (int r = 0; r < ROWS; r++) turn[r] = change->angle[j] * at->axis[r];
+        for (int r = 0; r < ROWS && at->slides; r++) v[r] += turn[r], turn[r] *= 0;
         if (at->tilts) {
-            for (int a = 0; a < 3; a++) rate[a] = FIRST(r->rotation[j][a]), turn[a] += rate[a];
-            to_joint(bent, &at->frame, rate);
-            for (int a = 0; a < 3; a++) bent[a] = -0.5 * (d->rotation[j][a] += bent[a]);
-            to_base(bent, &at->frame, bent);
-            add_cross(turn, bent, rate);
+            const double *by = change->rotation[j];
+            mukca_cross(bent, e->displacement.rotation[j], by);
+            for (int a = 0; a < 3; a++) bent[a] = by[a] - 0.5 * bent[a];
+            columns_vector(column, &at->frame, bent);
+            for (int r = 0; r < ROWS; r++) turn[r] += column[r];
         }
-        add_cross(v, p, turn);
-        for (int a = 0; a < 3; a++) w[a] += turn[a];
+        columns_add_cross(v, at->frame.column[3], turn);
+        for (int r = 0; r < ROWS; r++) w[r] += turn[r];
     }
-    move_tip(&e->tip, v, w);
-}
-
-/* Sizes of the steps so far. */
-typedef struct {
-    double first, before, last;
-} steps;
-
-/* A step of Newton's method: the displacement changes by the difference from what the effects add
- * under the load of the posture, with the answers to it.  Returns whether that is the rest. */
-PART bool step(mukca_equilibrium *e, const mukca_effect_task *task,
-               const mukca_displacement *unloaded, steps *size)
-{
-    mukca_posture_rates r;
-    size->before = size->last;
-    size->last = find_difference(&r, e, task, unloaded);
-    if (size->before == 0) size->first = size->last;
-    if (!(size->last > rest)) return true;
-    /* To what the method leaves, of the size's square: a round leaves the deflection per rad, which
-     * is up to ten times `first`, or 0.01 where a posture happens to deflect less. */
-    const double left = size->last * size->last + rest;
-    mukca_equilibrium_settle(&r, e, true, left / (10 * size->first + 0.01));
-    add_rates(e, &r);
-    /* The next step is smaller than this at least as this than the one before.  What the method
-     * leaves out shrinks by the rotations times the deflection per rad: both are some `first`. */
-    return size->last * size->last < rest * size->before &&
-           size->last * size->first * size->first < rest;
+    for (int c = 0; c < 4; c++) {
+        columns_cross(column, w, e->tip.column[c]);
+        for (int r = 0; r < ROWS; r++) e->tip.column[c][r] += column[r];
+    }
+    for (int r = 0; r < ROWS; r++) e->tip.column[3][r] += v[r];
 }
 
 /* Sort the effects that depend on the load by joints, and into springs and others. */
@@ -286,6 +231,7 @@ static void start(mukca_equilibrium *e, const mukca_effect_task *task)
     e->n_joints = chain->n_joints;
     e->n_yielding = e->n_other = 0;
     e->spring = 0;
+    e->tilts = false;
     for (int j = 0; j < chain->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         at->slides = task->geometry->type[chain->joint_element[j]] == MUKCA_PRISMATIC;
@@ -298,6 +244,7 @@ static void start(mukca_equilibrium *e, const mukca_effect_task *task)
         double *spring = &e->spring;
         if (!(info->needs & MUKCA_NEEDS_MASSES)) continue;
         some = true;
+        e->tilts |= info->site != MUKCA_SITE_ANGLE;
         if (f->joint >= 0) {
             mukca_joint_posture *at = &e->joint[f->joint];
             spring = info->site == MUKCA_SITE_ROTATION ? &at->blade : &at->spring;
@@ -314,24 +261,63 @@ static void start(mukca_equilibrium *e, const mukca_effect_task *task)
     e->loaded = some && !task->state.torque;
 }
 
+/* rad or m: seven joints and their rotations together keep the tip within 1e-12. */
+static const double rest = 1e-13;
+
+/* Sizes of the steps so far. */
+typedef struct {
+    double first, before, last;
+} steps;
+
+/* A step of Newton's method: the displacement changes by the difference between what yields under
+ * the load of the posture and what did, y, with the answers to it.  Returns whether that is the
+ * rest; then the tip is there, the posture not yet. */
+PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, joint_angles *at,
+               const mukca_effect_task *task)
+{
+    mukca_deflection change;
+    clear(&change, e);
+    find_deflection(&change, e, task);
+    size->before = size->last;
+    size->last = subtract(&change, e, y);
+    if (size->before == 0) size->first = size->last;
+    if (e->loaded && !(size->last > rest)) return true;
+    /* To what the method leaves, of the size's square: a round leaves the deflection per rad, which
+     * is up to ten times `first`, or 0.01 where a posture happens to deflect less. */
+    const double left = size->last * size->last + rest;
+    if (e->loaded) mukca_equilibrium_settle(&change, e, left / (10 * size->first + 0.01));
+    add_change(y, e, &change);
+    move_angles(at, change.angle, e->n_joints);
+    /* The next step is smaller than this at least as this than the one before.  What the method
+     * leaves out shrinks by the rotations times the deflection per rad: both are some `first`. */
+    const bool found = size->last * size->last < rest * size->before &&
+                       size->last * size->first * size->first < rest;
+    if (found) move_tip(e, &change);
+    return found;
+}
+
 MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slopes *slopes,
                                          const mukca_effect_task *task)
 {
     enum { ROUNDS = 8 }; /* usually 2: Newton's method, from 1 mrad off */
-    mukca_displacement unloaded;
+    mukca_displacement *d = &e->displacement;
+    mukca_deflection y;
+    joint_angles at;
     steps size = {0};
     bool found = false;
     start(e, task);
-    mukca_effects_unloaded(&unloaded, slopes, task);
-    copy(&e->displacement, &unloaded, e->n_joints);
-    if (!e->loaded) add_loaded(&e->displacement, e, task); /* under torques that are given */
-    set_posture(e, task);
+    mukca_effects_unloaded(d, slopes, &at, task);
+    d->any_rotation |= e->tilts;
+    move_angles(&at, d->q, e->n_joints);
+    clear(&y, e);
+    if (!e->loaded) step(e, &y, &size, &at, task); /* under moments that are given */
+    set_posture(e, task, &at);
     for (int round = 0; round < ROUNDS && e->loaded && !found; round++) {
-        found = step(e, task, &unloaded, &size);
+        found = step(e, &y, &size, &at, task);
         if (found && !slopes) return; /* the tip is there */
-        set_posture(e, task);
+        set_posture(e, task, &at);
     }
-    if (e->loaded && e->n_other > 0) add_loaded(&unloaded, e, task); /* slopes by the load */
+    if (e->loaded && e->n_other > 0) find_deflection(&y, e, task); /* slopes by the load */
 }
 
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
@@ -344,7 +330,7 @@ void mukca_effects_displacement(mukca_displacement *displacement, const mukca_ef
     if (state) task.state = *state;
     if (!state) task.state.placement = -1;
     task.state.q = q;
+    memset(&at.displacement, 0, sizeof at.displacement);
     mukca_equilibrium_find(&at, NULL, &task);
-    memset(displacement, 0, sizeof *displacement);
-    copy(displacement, &at.displacement, chain->n_joints);
+    *displacement = at.displacement;
 }

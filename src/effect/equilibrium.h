@@ -49,7 +49,7 @@ typedef struct {
 typedef struct {
     mukca_joint_posture joint[MUKCA_MAX_JOINTS];
     mukca_displacement displacement;
-    mukca_frame tip;
+    columns tip;
     lanes gravity[ROWS];
     lanes first[ROWS];   /* of all that moves, about the base's origin */
     double bend, spring; /* of the base, as above */
@@ -57,15 +57,15 @@ typedef struct {
     unsigned char yielding[MUKCA_MAX_JOINTS]; /* joints, outwards */
     unsigned char other[MUKCA_MAX_EFFECTS];   /* indices of the effects that depend on the load and
                                                  are no springs */
+    bool tilts;                               /* rotations depend on the load */
     bool loaded; /* some depend on the load, and it moves with the posture */
 } mukca_equilibrium;
 
-/* Rates of the posture, MUKCA_LANES motions at a time. */
+/* What yields to the load, by its own: angles (rad, m), rotation vectors of joints and of the base,
+ * as in a displacement.  What does not yield is not set. */
 typedef struct {
-    lanes angle[MUKCA_MAX_JOINTS];       /* rad/rad, m/m: with what the effects add */
-    lanes rotation[MUKCA_MAX_JOINTS][3]; /* angular velocity by the effects' rotation */
-    lanes base[3];
-} mukca_posture_rates;
+    double angle[MUKCA_MAX_JOINTS], rotation[MUKCA_MAX_JOINTS][3], base[3];
+} mukca_deflection;
 
 /* Axis of an effect's joint, NULL where it has none. */
 const double *mukca_effect_axis(const mukca_effect *effect, const mukca_chain *chain);
@@ -74,22 +74,19 @@ const double *mukca_effect_axis(const mukca_effect *effect, const mukca_chain *c
 void mukca_effect_add(mukca_displacement *displacement, const mukca_effect *effect,
                       const double basis[][3]);
 
-/* What the effects do without load; slopes may be NULL. */
+/* What the effects do without load; slopes may be NULL.  `bare`: the joints' angles. */
 void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
-                            const mukca_effect_task *task);
+                            joint_angles *bare, const mukca_effect_task *task);
 
 /* The rest under the load, to 1e-12 rad; slopes as above. */
 void mukca_equilibrium_find(mukca_equilibrium *at, mukca_effect_slopes *slopes,
                             const mukca_effect_task *task);
 
-/* rates += the answers to the changes of the load that they bring about: a fixed point, as each
- * answer changes the load again, up to changes of `within`.  A round leaves of what is missing the
- * deflection per radian that the arm turns, 0.05 at most, so that 2e-11 is exact to 1e-12.
- * Rotations: angular velocities after mukca_equilibrium_rates, before it rates of rotation vectors,
- * right enough for Newton's method.  `some`: the rates are zero, and not read, but for what yields
- * to the load. */
-void mukca_equilibrium_settle(mukca_posture_rates *rates, const mukca_equilibrium *at, bool some,
-                              double within);
+/* change += the answers to the change of the load that it brings about: a fixed point, as each
+ * answer changes the load again, up to answers of `within`, rad.  A round leaves of what is missing
+ * the deflection per radian that the arm turns, 0.05 at most.  Rotation vectors are taken for
+ * rotations: right enough for Newton's method. */
+void mukca_equilibrium_settle(mukca_deflection *change, const mukca_equilibrium *at, double within);
 
 /* With several lanes part of the function that is compiled for each processor; with one apart: a
  * small controller has little stack and memory for code. */
@@ -99,11 +96,14 @@ void mukca_equilibrium_settle(mukca_posture_rates *rates, const mukca_equilibriu
 #define PART static __attribute__((noinline))
 #endif
 
-/* The same in all lanes; what the first one has. */
-#define ALL(x) ((x) + (lanes){0})
-#define FIRST(rate) (*(const double *)(const void *)&(rate))
+/* A vector in base coordinates, in a joint's frame; and back. */
+MUKCA_INLINE void to_joint(double out[3], const columns *F, const double v[3])
+{
+    const double x = v[0], y = v[1], z = v[2];
+    for (int c = 0; c < 3; c++)
+        out[c] = COLUMN(F, c, 0) * x + COLUMN(F, c, 1) * y + COLUMN(F, c, 2) * z;
+}
 
-/* A vector of a joint's frame in base coordinates. */
 MUKCA_INLINE void to_base(double out[3], const columns *F, const double v[3])
 {
     lanes turned[ROWS];

@@ -1,118 +1,88 @@
-/* Response of an arm under load to motions: rates of the posture, with the answers of what yields.
+/* Response of an arm under load: what yields answers the change of the load that it brings about.
  */
-#include <string.h>
-
 #include "effect/equilibrium.h"
 
-#define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
+/* One change of what yields; rotations in base coordinates. */
+typedef struct {
+    double angle[MUKCA_MAX_JOINTS];
+    lanes rotation[MUKCA_MAX_JOINTS][ROWS], base[ROWS];
+} motion;
 
-/* c += a x b; c -= a x b */
-PART void add_cross(lanes c[3], const double a[3], const lanes b[3])
+/* The change of a rotation is v, in base coordinates: change += v, in the joint's.  Returns v.v. */
+PART double put(double change[3], lanes *rotation, const columns *F, const lanes *v)
 {
-    c[0] += a[1] * b[2] - a[2] * b[1];
-    c[1] += a[2] * b[0] - a[0] * b[2];
-    c[2] += a[0] * b[1] - a[1] * b[0];
+    double own[3];
+    if (F) to_joint(own, F, XYZ(v));
+    for (int a = 0; a < 3; a++) change[a] += F ? own[a] : XYZ(v)[a];
+    for (int r = 0; r < ROWS; r++) rotation[r] = v[r];
+    return columns_dot(v, v);
 }
 
-PART void take_cross(lanes c[3], const double a[3], const lanes b[3])
+/* own[ROWS] := answer of a joint's rotation to N and M. */
+PART void bend_joint(lanes *own, const mukca_equilibrium *e, const mukca_joint_posture *at,
+                     const lanes *N, const lanes *M)
 {
-    c[0] -= a[1] * b[2] - a[2] * b[1];
-    c[1] -= a[2] * b[0] - a[0] * b[2];
-    c[2] -= a[0] * b[1] - a[1] * b[0];
+    columns_cross(own, e->gravity, M);
+    columns_add_cross(own, at->first, N);
+    const double along = columns_dot(at->axis, own);
+    for (int r = 0; r < ROWS; r++) own[r] = at->bend * (own[r] - along * at->axis[r]);
 }
 
-/* moment[3] := answer of a joint's rotation to N and M. */
-PART void bend_joint(lanes moment[3], const mukca_equilibrium *e, int j, const lanes N[3],
-                     const lanes M[3])
+/* m := the answers to the change of the load that m brings about; change += these answers.  Returns
+ * the sum of their squares.  Outwards: M starts with all parts and loses them, N gathers them. */
+PART double answer(mukca_deflection *change, motion *m, const mukca_equilibrium *e)
 {
-    const mukca_joint_posture *at = &e->joint[j];
-    for (int i = 0; i < 3; i++) moment[i] = ALL(0);
-    add_cross(moment, XYZ(e->gravity), M);
-    add_cross(moment, XYZ(at->first), N);
-    const lanes along = DOT(XYZ(at->axis), moment);
-    for (int i = 0; i < 3; i++) moment[i] = at->bend * (moment[i] - along * XYZ(at->axis)[i]);
-}
-
-/* The same of the base; N gets its part. */
-PART void bend_base(lanes moment[3], const mukca_equilibrium *e, const lanes base[3], lanes N[3],
-                    const lanes M[3])
-{
-    lanes moved[3] = {M[0], M[1], M[2]};
-    take_cross(moved, XYZ(e->first), base);
-    take_cross(N, XYZ(e->gravity), base);
-    for (int i = 0; i < 3; i++) moment[i] = ALL(0);
-    add_cross(moment, XYZ(e->gravity), moved);
-    for (int i = 0; i < 3; i++) moment[i] *= e->bend;
-}
-
-/* r := answer, rates += answer, squares += its square. */
-PART void put(lanes *r, lanes *rates, lanes *squares, lanes answer)
-{
-    *r = answer;
-    *rates += answer;
-    *squares += answer * answer;
-}
-
-/* r := the answers of the joints and the base to the change of the load that r brings about; rates
- * += these answers, squares += their squares.  `some`: r is zero but for what yields to the load.
- * Outwards: M starts with all joints' parts and loses them, N gathers them. */
-PART void answer(mukca_posture_rates *rates, mukca_posture_rates *r, lanes *squares,
-                 const mukca_equilibrium *e, bool some)
-{
-    const int n = some ? e->n_yielding : e->n_joints;
-    lanes N[3] = {ALL(0), ALL(0), ALL(0)}, M[3] = {ALL(0), ALL(0), ALL(0)}, own[3];
-    for (int i = 0; i < n; i++) {
-        const int j = some ? e->yielding[i] : i;
+    lanes N[ROWS] = {0}, M[ROWS] = {0}, own[ROWS] = {0};
+    double squares = 0;
+    if (e->bend != 0) columns_add_cross(M, m->base, e->first);
+    for (int i = 0; i < e->n_yielding; i++) {
+        const int j = e->yielding[i];
         const mukca_joint_posture *at = &e->joint[j];
-        const lanes angle = r->angle[j];
-        for (int a = 0; a < 3; a++) M[a] += XYZ(at->into_M)[a] * angle;
-        if (some ? at->bend != 0 : at->tilts) take_cross(M, XYZ(at->first), r->rotation[j]);
+        for (int r = 0; r < ROWS; r++) M[r] += at->into_M[r] * m->angle[j];
+        if (at->bend != 0) columns_add_cross(M, m->rotation[j], at->first);
     }
     if (e->bend != 0) {
-        bend_base(own, e, r->base, N, M);
-        for (int a = 0; a < 3; a++) put(&r->base[a], &rates->base[a], squares, own[a]);
+        columns_cross(own, e->gravity, M);
+        for (int r = 0; r < ROWS; r++) own[r] *= e->bend;
+        columns_take_cross(M, m->base, e->first);
+        columns_cross(N, m->base, e->gravity);
+        squares += put(change->base, m->base, NULL, own);
     }
-    for (int i = 0; i < n; i++) {
-        const int j = some ? e->yielding[i] : i;
+    for (int i = 0; i < e->n_yielding; i++) {
+        const int j = e->yielding[i];
         const mukca_joint_posture *at = &e->joint[j];
-        const lanes angle = r->angle[j];
-        if (some ? at->bend != 0 : at->tilts) {
-            take_cross(N, XYZ(e->gravity), r->rotation[j]);
-            add_cross(M, XYZ(at->first), r->rotation[j]);
-        }
+        const double angle = m->angle[j];
         if (at->bend != 0) {
-            bend_joint(own, e, j, N, M);
-            for (int a = 0; a < 3; a++)
-                put(&r->rotation[j][a], &rates->rotation[j][a], squares, own[a]);
+            columns_add_cross(N, m->rotation[j], e->gravity);
+            columns_take_cross(M, m->rotation[j], at->first);
+            bend_joint(own, e, at, N, M);
+            squares += put(change->rotation[j], m->rotation[j], &at->frame, own);
         }
-        if (some || at->yields)
-            put(&r->angle[j], &rates->angle[j], squares,
-                at->twist * (DOT(XYZ(at->into_N), M) + DOT(XYZ(at->into_M), N)));
-        for (int a = 0; a < 3; a++) {
-            M[a] -= XYZ(at->into_M)[a] * angle;
-            N[a] += XYZ(at->into_N)[a] * angle;
+        for (int r = 0; r < ROWS; r++) own[r] = at->into_N[r] * M[r] + at->into_M[r] * N[r];
+        m->angle[j] = at->twist * (XYZ(own)[0] + XYZ(own)[1] + XYZ(own)[2]);
+        change->angle[j] += m->angle[j];
+        squares += m->angle[j] * m->angle[j];
+        for (int r = 0; r < ROWS; r++) {
+            M[r] -= at->into_M[r] * angle;
+            N[r] += at->into_N[r] * angle;
         }
     }
+    return squares;
 }
 
-MUKCA_CLONES void mukca_equilibrium_settle(mukca_posture_rates *rates, const mukca_equilibrium *e,
-                                           bool some, double within)
+MUKCA_CLONES void mukca_equilibrium_settle(mukca_deflection *change, const mukca_equilibrium *e,
+                                           double within)
 {
     enum { ROUNDS = 8 };
-    const int n = some ? e->n_yielding : e->n_joints;
-    mukca_posture_rates r;
-    for (int a = 0; a < 3; a++) r.base[a] = rates->base[a];
-    for (int i = 0; i < n; i++) {
-        const int j = some ? e->yielding[i] : i;
-        r.angle[j] = rates->angle[j];
-        for (int a = 0; a < 3 && e->joint[j].tilts; a++) r.rotation[j][a] = rates->rotation[j][a];
+    motion m;
+    for (int a = 0; a < ROWS; a++) m.base[a] = (lanes){0};
+    for (int a = 0; a < 3; a++) ((double *)m.base)[a] = change->base[a];
+    for (int i = 0; i < e->n_yielding; i++) {
+        const int j = e->yielding[i];
+        m.angle[j] = change->angle[j];
+        if (e->joint[j].bend != 0)
+            columns_vector(m.rotation[j], &e->joint[j].frame, change->rotation[j]);
     }
-    for (int round = 0; round < ROUNDS && e->loaded; round++) {
-        lanes squares = ALL(0);
-        double of_lane[MUKCA_LANES], sum = 0;
-        answer(rates, &r, &squares, e, some || round > 0);
-        memcpy(of_lane, &squares, sizeof of_lane);
-        for (int l = 0; l < MUKCA_LANES; l++) sum += of_lane[l];
-        if (!(sum > within * within)) return;
-    }
+    for (int round = 0; round < ROUNDS; round++)
+        if (!(answer(change, &m, e) > within * within)) return;
 }

@@ -35,9 +35,10 @@ void mukca_chain_masses(double *kg, double (*first)[3], const mukca_chain *chain
     for (int m = 0; m < chain->n_masses; m++) {
         const mukca_mass *mass = &chain->mass[m];
         if (mass->element < 0 || mass->element >= n) continue; /* fixed to the base */
-        const double w = mass->kg * (mass_scale ? mass_scale[m] : 1);
+        const double w = mass_scale ? mass->kg * mass_scale[m] : mass->kg, *com = mass->com;
+        double *restrict sum = first[mass->element];
         kg[mass->element] += w;
-        for (int i = 0; i < 3; i++) first[mass->element][i] += w * mass->com[i];
+        sum[0] += w * com[0], sum[1] += w * com[1], sum[2] += w * com[2];
     }
     if (n > 0) kg[n - 1] += payload_kg;
 }

@@ -32,12 +32,13 @@ MUKCA_INLINE void place_vector(double v[3], const mukca_frame *frame)
         v[i] = (R[3 * i] * x + R[3 * i + 1] * y) + (R[3 * i + 2] * z + p[i]);
 }
 
+enum { WHOLE_JOINTS = (MUKCA_MAX_JOINTS + 3) / 4 * 4 };
+
 /* Angles (lengths) of all joints, displaced, with sines and cosines (of a length too, which nobody
  * uses). */
 typedef struct {
     const double *q; /* the caller's, or `moved` */
-    double moved[MUKCA_MAX_JOINTS];
-    double s[(MUKCA_MAX_JOINTS + 3) / 4 * 4], c[(MUKCA_MAX_JOINTS + 3) / 4 * 4];
+    double moved[WHOLE_JOINTS], s[WHOLE_JOINTS], c[WHOLE_JOINTS];
 } joint_angles;
 
 void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
@@ -78,17 +79,46 @@ MUKCA_INLINE void columns_vector(lanes *out, const columns *F, const double v[3]
         out[r] = F->column[0][r] * v[0] + F->column[1][r] * v[1] + F->column[2][r] * v[2];
 }
 
-/* c := a x b; in registers, as reading numbers of a vector just stored takes as long as ten
- * operations.  The fourth number stays 0. */
+/* c := a x b.  With several lanes in registers: reading numbers of a vector just stored, or a
+ * vector of numbers just stored, takes as long as ten operations.  The fourth number stays 0. */
+#if MUKCA_LANES > 1 && defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define NEXT(v) __builtin_shufflevector(v, v, 1, 2, 0, 3)
+#endif
+#endif
+#ifndef NEXT
+#define NEXT(v) ((lanes){(v)[1], (v)[2], (v)[0], (v)[3]})
+#endif
 MUKCA_INLINE void columns_cross(lanes *c, const lanes *a, const lanes *b)
 {
 #if MUKCA_LANES > 1
-    const lanes next_a = {a[0][1], a[0][2], a[0][0], 0}, next_b = {b[0][1], b[0][2], b[0][0], 0};
-    const lanes turned = a[0] * next_b - next_a * b[0];
-    *c = (lanes){turned[1], turned[2], turned[0], 0};
+    const lanes turned = a[0] * NEXT(b[0]) - NEXT(a[0]) * b[0];
+    c[0] = NEXT(turned);
 #else
     mukca_cross(c, a, b);
 #endif
+}
+
+/* c += a x b, c -= a x b; a . b, without the fourth number. */
+MUKCA_INLINE void columns_add_cross(lanes *c, const lanes *a, const lanes *b)
+{
+    lanes cross[ROWS];
+    columns_cross(cross, a, b);
+    for (int r = 0; r < ROWS; r++) c[r] += cross[r];
+}
+
+MUKCA_INLINE void columns_take_cross(lanes *c, const lanes *a, const lanes *b)
+{
+    lanes cross[ROWS];
+    columns_cross(cross, a, b);
+    for (int r = 0; r < ROWS; r++) c[r] -= cross[r];
+}
+
+MUKCA_INLINE double columns_dot(const lanes *a, const lanes *b)
+{
+    lanes part[ROWS];
+    for (int r = 0; r < ROWS; r++) part[r] = a[r] * b[r];
+    return XYZ(part)[0] + XYZ(part)[1] + XYZ(part)[2];
 }
 
 /* The origin moves by v, in the frame's own coordinates. */
@@ -130,25 +160,44 @@ MUKCA_INLINE void columns_enter(columns *F, const mukca_geometry *geometry, int 
     columns_rotate(F, geometry->origin[k].R);
 }
 
+/* F := F R, where R turns by the rotation vector w: (1 - b w.w) + b w w' + a [w]x. */
+MUKCA_INLINE void columns_bend(columns *F, const double w[3])
+{
+    const double t2 = mukca_dot3(w, w);
+    if (MUKCA_LANES == 1 || !(t2 < 0.01)) {
+        double R[9];
+        mukca_rotation_exp(R, w);
+        columns_rotate(F, R);
+        return;
+    }
+    /* the next terms are below 3e-18 */
+    const double a =
+        1 - t2 * (1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040 - t2 * (1.0 / 362880))));
+    const double b =
+        0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720 - t2 * (1.0 / 40320 - t2 * (1.0 / 3628800))));
+    const double c = 1 - b * t2, v[3] = {a * w[0], a * w[1], a * w[2]};
+    for (int r = 0; r < ROWS; r++) {
+        const lanes x = F->column[0][r], y = F->column[1][r], z = F->column[2][r];
+        const lanes along = b * (x * w[0] + y * w[1] + z * w[2]);
+        F->column[0][r] = (c * x + along * w[0]) + (y * v[2] - z * v[1]);
+        F->column[1][r] = (c * y + along * w[1]) + (z * v[0] - x * v[2]);
+        F->column[2][r] = (c * z + along * w[2]) + (x * v[1] - y * v[0]);
+    }
+}
+
 /* The joint's displacement in rotation, before it turns. */
 MUKCA_INLINE void columns_displace(columns *F, int joint, const mukca_displacement *displacement)
 {
     const double *w = joint_rotation(displacement, joint);
-    double R[9];
-    if (!w) return;
-    mukca_rotation_exp(R, w);
-    columns_rotate(F, R);
+    if (w) columns_bend(F, w);
 }
 
 /* The base, displaced. */
 MUKCA_INLINE void columns_base(columns *F, const mukca_displacement *displacement)
 {
-    double R[9];
     memset(F, 0, sizeof *F);
     for (int i = 0; i < 3; i++) ((double *)F->column[i])[i] = 1;
-    if (!displacement || !displacement->any_rotation) return;
-    mukca_rotation_exp(R, displacement->base);
-    columns_rotate(F, R);
+    if (displacement && displacement->any_rotation) columns_bend(F, displacement->base);
 }
 
 MUKCA_INLINE void columns_frame(mukca_frame *frame, const columns *F)
