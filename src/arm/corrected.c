@@ -57,12 +57,13 @@ mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, siz
 static void find_rest(mukca_equilibrium *at, mukca_effect_slopes *slopes,
                       const mukca_corrected *model, const double *q, const mukca_joint_state *state)
 {
-    mukca_effect_task task = {.effects = model->effects,
-                              .n_effects = model->n_effects,
-                              .chain = &model->chain,
-                              .geometry = &model->geometry,
-                              .state.placement = -1};
-    if (state) task.state = *state;
+    static const mukca_joint_state none = {.placement = -1};
+    mukca_effect_task task;
+    task.effects = model->effects;
+    task.n_effects = model->n_effects;
+    task.chain = &model->chain;
+    task.geometry = &model->geometry;
+    task.state = state ? *state : none;
     task.state.q = q;
     mukca_equilibrium_find(at, slopes, &task);
 }

@@ -33,6 +33,7 @@ typedef struct {
 typedef struct {
     column turn[MUKCA_MAX_JOINTS], tilt[MUKCA_MAX_JOINTS];
     const double (*rate)[3];
+    columns base; /* its answer */
 } tip_columns;
 
 /* What the answers do to the tip: of the base by 1 N m, as part of by_M, and the sums. */
@@ -70,11 +71,30 @@ static velocity velocity_at(const double w[3], double side)
                       .t2 = t2};
 }
 
-/* Rotation vectors of joints that tilt in base coordinates, the slopes' as angular velocities.
- * Under moments that are given nothing answers. */
-static void prepare(mukca_equilibrium *e, mukca_effect_slopes *slopes)
+/* K := what a frame with the rotation vector w makes of the tip's motion by rotations: that by
+ * moments, with the slope of the rotation by the moment (across the axis).  By columns. */
+static void set_answer(columns *K, const double w[3], double side, double slope, const double *axis)
+{
+    const velocity v = velocity_at(w, side);
+    for (int k = 0; k < 3; k++) {
+        const double along = v.b * w[k], unit[3] = {k == 0, k == 1, k == 2};
+        double m[3], off = 0;
+        mukca_cross(m, unit, w);
+        for (int i = 0; i < 3; i++)
+            m[i] = slope * (v.a * m[i] + along * w[i] + (1 - v.b * v.t2) * unit[i]);
+        if (axis) off = mukca_dot3(axis, m);
+        for (int i = 0; i < 3; i++)
+            ((double *)K->column[k])[i] = axis ? m[i] - off * axis[i] : m[i];
+    }
+}
+
+/* Rotation vectors of joints that tilt in base coordinates, the slopes' as angular velocities; the
+ * frames of joints that bend become their answers.  Under moments that are given nothing answers.
+ */
+static void prepare(columns *base, mukca_equilibrium *e, mukca_effect_slopes *slopes)
 {
     if (!e->loaded) e->bend = 0;
+    if (e->bend != 0) set_answer(base, e->displacement.base, 1, e->bend, NULL);
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         double *rate = slopes->rotation[j], *w = e->displacement.rotation[j], across[3];
@@ -82,13 +102,15 @@ static void prepare(mukca_equilibrium *e, mukca_effect_slopes *slopes)
         at->turns = rate[0] != 0 || rate[1] != 0 || rate[2] != 0;
         if (!at->turns && at->bend == 0) continue;
         to_base(w, &at->frame, w);
-        if (!at->turns) continue;
-        to_base(rate, &at->frame, rate);
-        const velocity v = velocity_at(w, -1);
-        const double along = v.b * mukca_dot3(w, rate);
-        mukca_cross(across, w, rate);
-        for (int i = 0; i < 3; i++)
-            rate[i] = (1 - v.b * v.t2) * rate[i] + along * w[i] + v.a * across[i];
+        if (at->turns) {
+            to_base(rate, &at->frame, rate);
+            const velocity v = velocity_at(w, -1);
+            const double along = v.b * mukca_dot3(w, rate);
+            mukca_cross(across, w, rate);
+            for (int i = 0; i < 3; i++)
+                rate[i] = (1 - v.b * v.t2) * rate[i] + along * w[i] + v.a * across[i];
+        }
+        if (at->bend != 0) set_answer(&at->frame, w, -1, at->bend, XYZ(at->axis));
     }
 }
 
@@ -104,15 +126,12 @@ PART void turn_frame(rows out[3], const tip_answers *t, const double g[3], int r
     take_cross(out, t->by_N, g);
 }
 
-/* v[3] := the same by moments, given those by rotations; w is the frame's rotation vector. */
-PART void bend_frame(rows v[3], const double w[3], double side, double slope)
+/* v := K v */
+PART void apply_answer(rows v[3], const columns *K)
 {
-    const velocity at = velocity_at(w, side);
-    const double aw[3] = {slope * at.a * w[0], slope * at.a * w[1], slope * at.a * w[2]};
-    const rows along = slope * at.b * DOT(v, w), given[3] = {v[0], v[1], v[2]};
-    const double own = slope * (1 - at.b * at.t2);
-    for (int i = 0; i < 3; i++) v[i] = own * v[i] + along * w[i];
-    add_cross(v, given, aw);
+    const rows x = v[0], y = v[1], z = v[2];
+    for (int i = 0; i < 3; i++)
+        v[i] = COLUMN(K, 0, i) * x + COLUMN(K, 1, i) * y + COLUMN(K, 2, i) * z;
 }
 
 /* Columns of the joints where nothing answers. */
@@ -140,7 +159,7 @@ PART void sweep(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int 
         add_cross(t->by_M, t->base, g);
         if (!last) {
             turn_frame(t->base, t, g, row, tip, XYZ(e->first));
-            bend_frame(t->base, e->displacement.base, 1, e->bend);
+            apply_answer(t->base, &c->base);
             for (int i = 0; i < 3; i++) t->by_M[i] = (rows){0};
             add_cross(t->by_M, t->base, g);
         }
@@ -150,16 +169,15 @@ PART void sweep(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int 
         const double *M = XYZ(at->into_M), *N = XYZ(at->into_N), *p = XYZ(at->frame.column[3]);
         const bool turns = last && at->turns;
         if (turns || at->bend != 0) {
-            const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]},
-                         *axis = XYZ(at->axis);
+            const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]};
             rows frame[3];
             turn_frame(frame, t, g, row, d, XYZ(at->first));
             if (turns) STORE_ROWS(c->tilt[j].row + row, DOT(frame, c->rate[j]));
-            bend_frame(frame, e->displacement.rotation[j], -1, at->bend);
-            const rows along = DOT(frame, axis);
-            for (int i = 0; i < 3; i++) frame[i] -= along * axis[i];
-            add_cross(t->by_M, frame, g);
-            take_cross(t->by_N, frame, XYZ(at->first));
+            if (at->bend != 0) {
+                apply_answer(frame, &at->frame);
+                add_cross(t->by_M, frame, g);
+                take_cross(t->by_N, frame, XYZ(at->first));
+            }
         }
         if (!last && !at->yields) continue;
         const rows turn = LOAD_ROWS(c->turn[j].row + row) + DOT(t->by_M, M) + DOT(t->by_N, N);
@@ -206,7 +224,7 @@ MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
     tip_columns c;
     tip_answers t;
     c.rate = (const double(*)[3])slopes->rotation;
-    prepare(e, slopes);
+    prepare(&c.base, e, slopes);
     set_columns(c.turn, e);
     for (int row = 0; row < 6; row += TOGETHER) {
         settle(&t, &c, e, row);

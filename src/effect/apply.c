@@ -11,32 +11,22 @@ const double *mukca_effect_axis(const mukca_effect *effect, const mukca_chain *c
     return effect->joint < 0 ? NULL : chain->element[chain->joint_element[effect->joint]].axis;
 }
 
-void mukca_effect_add(mukca_displacement *displacement, const mukca_effect *effect,
-                      const double basis[][3])
+/* into += coefficients times rows of basis, n numbers each. */
+static inline void add_terms(double *into, int n, const mukca_effect *effect,
+                             const double basis[][3])
 {
-    double *into = displacement->tip;
-    switch (mukca_effect_table[effect->kind]->site) {
-        case MUKCA_SITE_ANGLES:
-        case MUKCA_SITE_SOCKET:
-        case MUKCA_SITE_DISTANCE:
-            return;
-        case MUKCA_SITE_ANGLE:
-            for (int t = 0; t < effect->terms; t++)
-                displacement->q[effect->joint] += effect->coefficient[t] * basis[t][0];
-            return;
-        case MUKCA_SITE_ROTATION:
-            into = displacement->rotation[effect->joint];
-            displacement->any_rotation = true;
-            break;
-        case MUKCA_SITE_BASE:
-            into = displacement->base;
-            displacement->any_rotation = true;
-            break;
-        case MUKCA_SITE_TIP:
-            break;
-    }
     for (int t = 0; t < effect->terms; t++)
-        for (int i = 0; i < 3; i++) into[i] += effect->coefficient[t] * basis[t][i];
+        for (int i = 0; i < n; i++) into[i] += effect->coefficient[t] * basis[t][i];
+}
+
+static inline void add_basis(mukca_displacement *d, mukca_effect_site site,
+                             const mukca_effect *effect, const double basis[][3])
+{
+    if (site == MUKCA_SITE_ANGLE) add_terms(&d->q[effect->joint], 1, effect, basis);
+    if (site == MUKCA_SITE_ROTATION) add_terms(d->rotation[effect->joint], 3, effect, basis);
+    if (site == MUKCA_SITE_BASE) add_terms(d->base, 3, effect, basis);
+    if (site == MUKCA_SITE_TIP) add_terms(d->tip, 3, effect, basis);
+    d->any_rotation |= site == MUKCA_SITE_ROTATION || site == MUKCA_SITE_BASE;
 }
 
 static void add_direction(mukca_displacement *displacement, const mukca_effect *effect,
@@ -57,27 +47,24 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
         return;
     }
     mukca_effect_basis(basis, effect, mukca_effect_axis(effect, chain), state);
-    mukca_effect_add(displacement, effect, (const double(*)[3])basis);
+    add_basis(displacement, mukca_effect_table[effect->kind]->site, effect,
+              (const double(*)[3])basis);
 }
 
 /* Slopes of one effect, given its basis. */
-static void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_ops *ops, int n_joints,
-                       const mukca_basis_input *in, const double basis[][3])
+static inline void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_ops *ops,
+                              int n_joints, const mukca_basis_input *in, const double basis[][3])
 {
     const mukca_effect *e = in->effect;
     double slope[MUKCA_MAX_TERMS][3];
-    memset(slope, 0, (size_t)e->terms * sizeof *slope);
+    clear_terms(slope);
     const int by = ops->by_angle(slope, in, basis);
-    if (ops->direction) {
+    if (ops->direction)
         for (int j = 0; j < n_joints; j++) slopes->angle[j][1] += e->coefficient[0] * slope[0][0];
-    } else if (ops->info.site == MUKCA_SITE_ROTATION) {
-        for (int t = 0; t < e->terms; t++)
-            for (int i = 0; i < 3; i++)
-                slopes->rotation[e->joint][i] += e->coefficient[t] * slope[t][i];
-    } else {
-        for (int t = 0; t < e->terms; t++)
-            slopes->angle[e->joint][1 + by] += e->coefficient[t] * slope[t][0];
-    }
+    else if (ops->info.site == MUKCA_SITE_ROTATION)
+        add_terms(slopes->rotation[e->joint], 3, e, (const double(*)[3])slope);
+    else
+        add_terms(&slopes->angle[e->joint][1 + by], 1, e, (const double(*)[3])slope);
 }
 
 /* Displacement and slopes of one effect; sine[2] and cosine[2] of a periodic one's angles. */
@@ -91,11 +78,12 @@ static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
                                   .state = &task->state,
                                   .sine = sine,
                                   .cosine = cosine};
-    double basis[MUKCA_MAX_TERMS][3] = {{0}};
+    double basis[MUKCA_MAX_TERMS][3];
+    clear_terms(basis);
     if (ops->direction) add_direction(d, e, task->chain, &task->state);
     if (ops->basis) {
         ops->basis(basis, &in);
-        mukca_effect_add(d, e, (const double(*)[3])basis);
+        add_basis(d, ops->info.site, e, (const double(*)[3])basis);
     }
     if (slopes && ops->by_angle)
         add_slopes(slopes, ops, task->chain->n_joints, &in, (const double(*)[3])basis);

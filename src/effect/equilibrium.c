@@ -7,12 +7,16 @@
 #include "effect/catalogue.h"
 #include "mukca/gravity.h"
 
-/* Joints turn (slide) by `by`: sines and cosines from those before. */
-PART void move_angles(joint_angles *at, const double *by, int n)
+/* Joints move to q + by: sines and cosines from those before. */
+PART void move_angles(joint_angles *at, const double *q, const double *by, int n)
 {
     double turn[WHOLE_JOINTS];
     lane_bits wide = {0};
-    for (int j = 0; j < n; j++) turn[j] = by[j], at->moved[j] = at->q[j] + by[j];
+    for (int j = 0; j < n; j++) {
+        const double to = q[j] + by[j];
+        turn[j] = to - at->q[j];
+        at->moved[j] = to;
+    }
     for (int j = n; j % MUKCA_LANES; j++) turn[j] = 0;
     at->q = at->moved;
     for (int j = 0; j < n; j += MUKCA_LANES) {
@@ -107,7 +111,8 @@ static void add_other(mukca_deflection *y, mukca_equilibrium *e, const mukca_eff
     const mukca_effect_ops *ops = mukca_effect_catalogue[f->kind];
     const bool turns = ops->info.site == MUKCA_SITE_ROTATION,
                one = ops->info.site == MUKCA_SITE_ANGLE;
-    double basis[MUKCA_MAX_TERMS][3] = {{0}};
+    double basis[MUKCA_MAX_TERMS][3];
+    clear_terms(basis);
     double *into = one ? &y->angle[f->joint] : turns ? y->rotation[f->joint] : y->base;
     double *slope = one ? &e->joint[f->joint].twist : turns ? &e->joint[f->joint].bend : &e->bend;
     ops->basis(basis, &(mukca_basis_input){.effect = f, .axis = axis, .state = state});
@@ -176,48 +181,103 @@ PART void add_change(mukca_deflection *y, mukca_equilibrium *e, const mukca_defl
     }
 }
 
+/* y -= by; size becomes the larger of it and what is left. */
+MUKCA_INLINE void take_part(double *y, double by, double *size)
+{
+    *y -= by;
+    if (fabs(*y) > *size) *size = fabs(*y);
+}
+
 /* y -= by.  Returns the largest part of what is left, rad or m. */
 PART double subtract(mukca_deflection *y, const mukca_equilibrium *e, const mukca_deflection *by)
 {
     double size = 0;
-    for (int a = 0; a < 3; a++) size = fmax(size, fabs(y->base[a] -= by->base[a]));
+    for (int a = 0; a < 3; a++) take_part(&y->base[a], by->base[a], &size);
     for (int i = 0; i < e->n_yielding; i++) {
         const int j = e->yielding[i];
-        size = fmax(size, fabs(y->angle[j] -= by->angle[j]));
+        take_part(&y->angle[j], by->angle[j], &size);
         for (int a = 0; a < 3 && e->joint[j].tilts; a++)
-            size = fmax(size, fabs(y->rotation[j][a] -= by->rotation[j][a]));
+            take_part(&y->rotation[j][a], by->rotation[j][a], &size);
     }
     return size;
 }
 
-/* The tip moves with a small last change, exact to its squares.  A rotation vector b that changed
- * by r turned by r - b x r / 2 after the rotation, r + b x r / 2 before it, exact to squares of b.
- */
-PART void move_tip(mukca_equilibrium *e, const mukca_deflection *change)
+/* out[ROWS] := what a change turns the frame of a joint by, to squares: a rotation vector b that
+ * changes by r turns by r - b x r / 2 after the rotation. */
+PART void tilt_of(lanes *out, const mukca_equilibrium *e, const mukca_deflection *change, int j)
 {
-    lanes v[ROWS] = {0}, w[ROWS] = {0}, column[ROWS] = {0}, turn[ROWS];
+    const double *r = change->rotation[j];
+    double bent[3];
+    mukca_cross(bent, e->displacement.rotation[j], r);
+    for (int a = 0; a < 3; a++) bent[a] = r[a] - 0.5 * bent[a];
+    columns_vector(out, &e->joint[j].frame, bent);
+}
+
+/* f := f + w x f, vectors of a frame. */
+PART void turn_columns(columns *f, int n, const lanes *w)
+{
+    lanes by[ROWS] = {0};
+    for (int c = 0; c < n; c++) {
+        columns_cross(by, w, f->column[c]);
+        for (int r = 0; r < ROWS; r++) f->column[c][r] += by[r];
+    }
+}
+
+/* First moments, after the joints' own turns: inwards, what moves further out. */
+PART void move_moments(mukca_equilibrium *e, const mukca_deflection *change)
+{
+    lanes M[ROWS] = {0}, part[ROWS], tilt[ROWS];
+    for (int j = e->n_joints - 1; j >= 0; j--) {
+        mukca_joint_posture *at = &e->joint[j];
+        for (int r = 0; r < ROWS; r++) part[r] = at->into_M[r] * change->angle[j];
+        if (at->yields && at->tilts) {
+            tilt_of(tilt, e, change, j);
+            columns_add_cross(part, tilt, at->first);
+        }
+        for (int r = 0; r < ROWS; r++) at->first[r] += M[r], M[r] += part[r];
+        if (at->slides) continue;
+        columns_cross(at->into_M, at->axis, at->first);
+        columns_cross(at->into_N, at->axis, e->gravity);
+    }
+    for (int r = 0; r < ROWS; r++) e->first[r] += M[r];
+}
+
+/* The tip, and the `whole` posture, move with a small last change, exact to its squares. */
+PART void move_posture(mukca_equilibrium *e, const mukca_deflection *change, bool whole)
+{
+    lanes v[ROWS] = {0}, w[ROWS] = {0}, turn[ROWS], column[ROWS] = {0};
     double bent[3];
     mukca_cross(bent, e->displacement.base, change->base);
     for (int a = 0; a < 3; a++) ((double *)w)[a] = change->base[a] + 0.5 * bent[a];
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
-        const mukca_joint_posture *at = &e->joint[j];
-        for (int r = 0; r < ROWS; r++) turn[r] = change->angle[j] * at->axis[r];
-        for (int r = 0; r < ROWS && at->slides; r++) v[r] += turn[r], turn[r] *= 0;
-        if (at->tilts) {
-            const double *by = change->rotation[j];
-            mukca_cross(bent, e->displacement.rotation[j], by);
-            for (int a = 0; a < 3; a++) bent[a] = by[a] - 0.5 * bent[a];
-            columns_vector(column, &at->frame, bent);
-            for (int r = 0; r < ROWS; r++) turn[r] += column[r];
+    if (whole) columns_add_cross(e->first, w, e->first);
+    for (int j = 0; j < e->n_joints; j++) {
+        mukca_joint_posture *at = &e->joint[j];
+        lanes *p = at->frame.column[3];
+        if (whole) {
+            columns_cross(column, w, p);
+            for (int r = 0; r < ROWS; r++) p[r] += v[r] + column[r];
         }
-        columns_add_cross(v, at->frame.column[3], turn);
+        if (at->yields && at->tilts) {
+            tilt_of(turn, e, change, j);
+            columns_add_cross(v, p, turn);
+            for (int r = 0; r < ROWS; r++) w[r] += turn[r];
+        }
+        if (whole) {
+            columns_add_cross(at->axis, w, at->axis);
+            turn_columns(&at->frame, 3, w);
+        }
+        for (int r = 0; r < ROWS; r++) {
+            turn[r] = change->angle[j] * at->axis[r];
+            if (at->slides) v[r] += turn[r], turn[r] *= 0;
+        }
+        columns_add_cross(v, p, turn);
         for (int r = 0; r < ROWS; r++) w[r] += turn[r];
+        if (!whole) continue;
+        columns_add_cross(at->first, w, at->first);
+        if (at->slides) columns_add_cross(at->into_M, w, at->into_M);
     }
-    for (int c = 0; c < 4; c++) {
-        columns_cross(column, w, e->tip.column[c]);
-        for (int r = 0; r < ROWS; r++) e->tip.column[c][r] += column[r];
-    }
+    if (whole) move_moments(e, change);
+    turn_columns(&e->tip, 4, w);
     for (int r = 0; r < ROWS; r++) e->tip.column[3][r] += v[r];
 }
 
@@ -271,8 +331,8 @@ typedef struct {
 
 /* A step of Newton's method: the displacement changes by the difference between what yields under
  * the load of the posture and what did, y, with the answers to it.  Returns whether that is the
- * rest; then the tip is there, the posture not yet. */
-PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, joint_angles *at,
+ * rest; then the tip is there, and the `whole` posture. */
+PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, bool whole,
                const mukca_effect_task *task)
 {
     mukca_deflection change;
@@ -287,12 +347,11 @@ PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, joint_ang
     const double left = size->last * size->last + rest;
     if (e->loaded) mukca_equilibrium_settle(&change, e, left / (10 * size->first + 0.01));
     add_change(y, e, &change);
-    move_angles(at, change.angle, e->n_joints);
     /* The next step is smaller than this at least as this than the one before.  What the method
      * leaves out shrinks by the rotations times the deflection per rad: both are some `first`. */
     const bool found = size->last * size->last < rest * size->before &&
                        size->last * size->first * size->first < rest;
-    if (found) move_tip(e, &change);
+    if (found) move_posture(e, &change, whole);
     return found;
 }
 
@@ -308,16 +367,15 @@ MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slop
     start(e, task);
     mukca_effects_unloaded(d, slopes, &at, task);
     d->any_rotation |= e->tilts;
-    move_angles(&at, d->q, e->n_joints);
     clear(&y, e);
-    if (!e->loaded) step(e, &y, &size, &at, task); /* under moments that are given */
-    set_posture(e, task, &at);
-    for (int round = 0; round < ROUNDS && e->loaded && !found; round++) {
-        found = step(e, &y, &size, &at, task);
-        if (found && !slopes) return; /* the tip is there */
+    if (!e->loaded) step(e, &y, &size, false, task); /* under moments that are given */
+    for (int round = 0; round < ROUNDS && !found; round++) {
+        move_angles(&at, task->state.q, d->q, e->n_joints);
         set_posture(e, task, &at);
+        found = !e->loaded || step(e, &y, &size, slopes != NULL, task);
     }
-    if (e->loaded && e->n_other > 0) find_deflection(&y, e, task); /* slopes by the load */
+    if (slopes && e->loaded && e->n_other > 0)
+        find_deflection(&y, e, task); /* slopes by the load */
 }
 
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,

@@ -70,10 +70,6 @@ typedef struct {
 /* Axis of an effect's joint, NULL where it has none. */
 const double *mukca_effect_axis(const mukca_effect *effect, const mukca_chain *chain);
 
-/* displacement += coefficients times basis, where the effect acts; of site ANGLES: nothing. */
-void mukca_effect_add(mukca_displacement *displacement, const mukca_effect *effect,
-                      const double basis[][3]);
-
 /* What the effects do without load; slopes may be NULL.  `bare`: the joints' angles. */
 void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
                             joint_angles *bare, const mukca_effect_task *task);
@@ -88,13 +84,12 @@ void mukca_equilibrium_find(mukca_equilibrium *at, mukca_effect_slopes *slopes,
  * rotations: right enough for Newton's method. */
 void mukca_equilibrium_settle(mukca_deflection *change, const mukca_equilibrium *at, double within);
 
-/* With several lanes part of the function that is compiled for each processor; with one apart: a
- * small controller has little stack and memory for code. */
-#if MUKCA_LANES > 1
-#define PART MUKCA_INLINE
-#else
-#define PART static __attribute__((noinline))
-#endif
+/* All terms of an effect := 0, by vectors: for so few bytes gcc takes an instruction that is slower
+ * than most effects. */
+MUKCA_INLINE void clear_terms(double terms[MUKCA_MAX_TERMS][3])
+{
+    for (int i = 0; i < 3 * MUKCA_MAX_TERMS; i += MUKCA_LANES) STORE_LANES(*terms + i, (lanes){0});
+}
 
 /* A vector in base coordinates, in a joint's frame; and back. */
 MUKCA_INLINE void to_joint(double out[3], const columns *F, const double v[3])

@@ -7,6 +7,14 @@
 #include "math/sincos.h"
 #include "mukca/chain.h"
 
+/* With several lanes part of the function that is compiled for each processor; with one apart: a
+ * small controller has little stack and memory for code. */
+#if MUKCA_LANES > 1
+#define PART MUKCA_INLINE
+#else
+#define PART static __attribute__((noinline, unused))
+#endif
+
 /* v := R(axis of element k, angle) v, given the angle's sine and cosine. */
 MUKCA_INLINE void turn_vector(double v[3], const mukca_geometry *geometry, int k, double s,
                               double c)
@@ -89,7 +97,7 @@ MUKCA_INLINE void columns_vector(lanes *out, const columns *F, const double v[3]
 #ifndef NEXT
 #define NEXT(v) ((lanes){(v)[1], (v)[2], (v)[0], (v)[3]})
 #endif
-MUKCA_INLINE void columns_cross(lanes *c, const lanes *a, const lanes *b)
+PART void columns_cross(lanes *c, const lanes *a, const lanes *b)
 {
 #if MUKCA_LANES > 1
     const lanes turned = a[0] * NEXT(b[0]) - NEXT(a[0]) * b[0];
@@ -100,14 +108,14 @@ MUKCA_INLINE void columns_cross(lanes *c, const lanes *a, const lanes *b)
 }
 
 /* c += a x b, c -= a x b; a . b, without the fourth number. */
-MUKCA_INLINE void columns_add_cross(lanes *c, const lanes *a, const lanes *b)
+PART void columns_add_cross(lanes *c, const lanes *a, const lanes *b)
 {
     lanes cross[ROWS];
     columns_cross(cross, a, b);
     for (int r = 0; r < ROWS; r++) c[r] += cross[r];
 }
 
-MUKCA_INLINE void columns_take_cross(lanes *c, const lanes *a, const lanes *b)
+PART void columns_take_cross(lanes *c, const lanes *a, const lanes *b)
 {
     lanes cross[ROWS];
     columns_cross(cross, a, b);

@@ -252,6 +252,68 @@ static void jacobian_is_exact(void **state)
     }
 }
 
+/* Torque of joint 3 as joint j is moved by h from q. */
+static double torque_at(const double *q, int j, double h)
+{
+    mukca_gravity_load load;
+    double moved[7];
+    memcpy(moved, q, sizeof moved);
+    moved[j] += h;
+    mukca_chain_moments(&load, &model.chain, &model.geometry, moved, NULL, 0);
+    return load.torque[3];
+}
+
+/* A steep backlash, from one end to the other within 0.1 N m, has another slope after each step to
+ * the rest.  The Jacobian by the slope at rest, of torques' differences of fourth order. */
+static void steep_backlash_has_its_slope_at_rest(void **state)
+{
+    (void)state;
+    const double scale = 0.02, h = 1e-3;
+    static mukca_corrected arm;
+    mukca_random random;
+    int found = 0;
+    mukca_random_seed(&random, 17);
+    arm = model;
+    arm.n_effects = 1;
+    arm.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_BACKLASH,
+                                    .joint = 3,
+                                    .placement = -1,
+                                    .terms = 1,
+                                    .variant.torque_scale = scale};
+    for (int i = 0; i < 300; i++) {
+        const double size = 8e-5 * pow(0.7, i % 8);
+        double q[7], J[42], bare[42], rate[7], low = -2, high = 2;
+        const double wanted = scale * (2 * mukca_random_uniform(&random) - 1);
+        mukca_displacement d;
+        random_angles(q, &random);
+        q[3] = 0;
+        const double sign = torque_at(q, 3, low) - wanted;
+        if (sign * (torque_at(q, 3, high) - wanted) > 0) continue;
+        for (int half = 0; half < 50; half++) {
+            const double middle = 0.5 * (low + high);
+            *((torque_at(q, 3, middle) - wanted) * sign > 0 ? &low : &high) = middle;
+        }
+        q[3] = low;
+        arm.effects[0].coefficient[0] = size;
+        mukca_corrected_jacobian(J, NULL, &arm, q, NULL);
+        mukca_effects_displacement(&d, arm.effects, 1, &arm.chain, &arm.geometry, q, NULL);
+        q[3] += d.q[3];
+        const double side = tanh(torque_at(q, 3, 0) / scale);
+        const double slope = -0.5 * size * (1 - side * side) / scale;
+        for (int j = 0; j < 7; j++)
+            rate[j] = slope / (12 * h) *
+                      (8 * (torque_at(q, j, h) - torque_at(q, j, -h)) -
+                       (torque_at(q, j, 2 * h) - torque_at(q, j, -2 * h)));
+        mukca_fk_jacobian(bare, NULL, &arm.geometry, q, NULL);
+        for (int j = 0; j < 7; j++)
+            for (int a = 0; a < 6; a++)
+                assert_close(J[a * 7 + j],
+                             bare[a * 7 + j] + bare[a * 7 + 3] * rate[j] / (1 - rate[3]), 1e-10);
+        found++;
+    }
+    assert_true(found > 10);
+}
+
 static void bad_tables_are_refused(void **state)
 {
     (void)state;
@@ -344,6 +406,7 @@ int main(void)
                                        cmocka_unit_test(jacobian_is_the_derivative),
                                        cmocka_unit_test(rest_is_the_fixed_point),
                                        cmocka_unit_test(jacobian_is_exact),
+                                       cmocka_unit_test(steep_backlash_has_its_slope_at_rest),
                                        cmocka_unit_test(bad_tables_are_refused),
                                        cmocka_unit_test(columns_may_stand_in_any_order),
                                        cmocka_unit_test(a_million_calls_allocate_nothing)};
