@@ -259,6 +259,18 @@ static void put(batch *b, mukca_products *x, int first, int count)
     b->width += count;
 }
 
+/* The functions of a candidate. */
+MUKCA_CLONES static void fill_functions(double *E, int ld, const mukca_candidate *h,
+                                        const mukca_recording *r)
+{
+    for (int i = 0; i < r->n_samples; i++, E += ld) {
+        const float *basis = h->basis + (size_t)r->order[i] * (size_t)h->terms;
+        int t = 0;
+        for (; t + 4 <= h->terms; t += 4) STORE4(E + t, WIDEN4(basis + t));
+        for (; t < h->terms; t++) E[t] = (double)basis[t];
+    }
+}
+
 /* The candidates of the batch side by side. */
 static void fill(const job *j, const mukca_candidate *const *candidate)
 {
@@ -270,10 +282,7 @@ static void fill(const job *j, const mukca_candidate *const *candidate)
         if (j->joint < 0)
             mukca_linearisation_columns(E, width, &j->m->linear, r, h);
         else
-            for (int i = 0; i < r->n_samples; i++, E += width) {
-                const float *basis = h->basis + (size_t)r->order[i] * (size_t)h->terms;
-                for (int t = 0; t < h->terms; t++) E[t] = (double)basis[t];
-            }
+            fill_functions(E, width, h, r);
     }
 }
 

@@ -379,16 +379,24 @@ void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *norma
 {
     mukca_regression *m = p->m;
     const int n = normal->n;
+    /* the same columns and priors as before leave the rows as they are */
+    bool same = p->have_rows && p->normal == normal && p->n == n && p->version == normal->version;
+    p->version = normal->version;
     p->normal = normal;
     p->n = n;
     p->rows = m->recording.n_samples * m->recording.dim;
-    p->have_rows = false;
     p->step.group = -1;
     p->precision = 1 / (sigma * sigma);
     mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL);
+    same = same && memcmp(p->z, m->evidence.work, sizeof *p->z * (size_t)n) == 0;
     memcpy(p->z, m->evidence.work, sizeof *p->z * (size_t)n);
     p->residual = fmax(m->evidence.quadratic, 1e-9);
-    for (int t = 0; t <= n; t++) p->factor[t] = p->precision * (t < n ? m->evidence.prior[t] : 1);
+    for (int t = 0; t <= n; t++) {
+        const double factor = p->precision * (t < n ? m->evidence.prior[t] : 1);
+        same = same && p->factor[t] == factor;
+        p->factor[t] = factor;
+    }
+    p->have_rows = same;
     const double known = normal->distance_sigma * normal->distance_sigma;
     for (int k = 0; k < normal->n_pairs; k++) {
         p->inverse[k] = 1 / (known + sigma * sigma * normal->variance[k]);

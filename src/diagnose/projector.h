@@ -24,7 +24,8 @@ typedef struct {
     double *T, *along;  /* [n + 1][], [n_pairs][]: scratch of MUKCA_BATCH columns */
     double *near;       /* scratch: products of columns of T that are neighbours */
     mukca_products own; /* of the columns that mukca_projector_project() gets */
-    bool have_rows;     /* mukca_projector_rows() was called since it was aimed */
+    bool have_rows;     /* mukca_projector_rows() was called for what it is aimed at */
+    unsigned version;   /* of the linearisation */
     double *u;          /* [rows] W y - Zt z */
     double *Zt;         /* [rows][n] W X D L'^-1 */
     struct {            /* sums over the samples of the last step of a socket: */

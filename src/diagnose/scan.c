@@ -154,9 +154,10 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
     if (count_faults(scan) > p->rows / ROWS_OF_A_FAULT) mukca_projector_rows(p);
     for (int j = -1; j < m->recording.chain->n_joints; j++) /* functions of one joint together */
         for (int k = 0; k < scan->n_scores; k++) {
+            if (!scan->wanted[k]) continue;
             const mukca_candidate *h = mukca_scan_candidate(scan, k);
             const int joint = mukca_candidate_turns_joint(h) ? h->joint : -1;
-            if (!scan->wanted[k] || joint != j) continue;
+            if (joint != j) continue;
             if (mukca_candidate_is_fault(h)) {
                 scan->value[k] = m->recording.keep[h->fault.first]
                                      ? mukca_projector_fault(p, h, &scan->information[k])

@@ -9,10 +9,12 @@
 
 /* Unaligned; the compiler splits it where the processor has no such register. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+typedef float four_floats __attribute__((vector_size(16), aligned(4), may_alias));
 
 /* Macros: a function that returns a wide vector has no fixed calling convention. */
 #define LOAD4(x) (*(const four *)(const void *)(x))
 #define STORE4(x, value) (*(four *)(void *)(x) = (value))
+#define WIDEN4(x) __builtin_convertvector(*(const four_floats *)(const void *)(x), four)
 
 /* Lanes of kernels that a controller runs too: four where a processor has vectors of doubles, else
  * one, which any compiler turns into good code.  The bits of a result are the same. */
