@@ -52,7 +52,7 @@ static bool reduce(mukca_normal_equations *normal, mukca_evidence *evidence,
     normal->units = units;
     for (int i = 0; i < n; i++) {
         double *B = normal->B + (size_t)i * (size_t)k;
-        for (int j = 0; j < n; j++) A[i * n + j] = prior[i] * normal->gram[i * size + j] * prior[j];
+        for (int j = i; j < n; j++) A[i * n + j] = prior[i] * normal->gram[i * size + j] * prior[j];
         B[0] = prior[i] * normal->gram[n * size + i];
         for (int p = 0; p < normal->n_pairs; p++)
             B[1 + p] = prior[i] * normal->distance[p * size + i];

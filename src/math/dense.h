@@ -31,7 +31,7 @@ void mukca_dense_backward(double *b, int k, const double *L, int n);
 /* L x = b for b[n][ld], the first k columns of it: a multiple of 8. */
 void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n);
 
-/* Q'A Q is tridiagonal for A[n][n] (both triangles; destroyed): T[0..n) gets its diagonal, T[n..2n)
+/* Q'A Q is tridiagonal for A[n][n] (upper triangle; destroyed): T[0..n) gets its diagonal, T[n..2n)
  * the off-diagonal entries (0 behind the last), T[4n] is scratch.  B[n][k] becomes Q'B. */
 void mukca_dense_tridiagonalise(double *A, int n, double *T, double *B, int k);
 

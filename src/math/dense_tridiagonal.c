@@ -4,24 +4,28 @@
 #include "math/dense.h"
 #include "math/four.h"
 
-/* row -= a w + b v over n entries; returns row' next. */
-MUKCA_INLINE double update(double *row, const double *v, const double *w, const double ab[2],
-                           const double *next, int n)
+/* row -= ab[0] w + ab[1] v over n entries, the diagonal first.  next += A x for what the row and
+ * the column below its diagonal have in A x. */
+MUKCA_INLINE void update(double *row, const double *v, const double *w, const double ab[2],
+                         const double *x, double *next, int n)
 {
-    const double a = ab[0], b = ab[1];
-    const int n4 = n & ~3;
+    const double a = ab[0], b = ab[1], own = x[0];
     four s = {0};
-    for (int i = 0; i < n4; i += 4) {
-        const four x = LOAD4(row + i) - a * LOAD4(w + i) - b * LOAD4(v + i);
-        STORE4(row + i, x);
-        s += x * LOAD4(next + i);
+    row[0] -= a * w[0] + b * v[0];
+    double sum = row[0] * own;
+    int i = 1;
+    for (; i + 4 <= n; i += 4) {
+        const four r = LOAD4(row + i) - a * LOAD4(w + i) - b * LOAD4(v + i);
+        STORE4(row + i, r);
+        STORE4(next + i, LOAD4(next + i) + own * r);
+        s += r * LOAD4(x + i);
     }
-    double sum = (s[0] + s[1]) + (s[2] + s[3]);
-    for (int i = n4; i < n; i++) {
+    for (; i < n; i++) {
         row[i] -= a * w[i] + b * v[i];
-        sum += row[i] * next[i];
+        next[i] += own * row[i];
+        sum += row[i] * x[i];
     }
-    return sum;
+    next[0] += (s[0] + s[1]) + (s[2] + s[3]) + sum;
 }
 
 /* v[n] := the Householder vector of v that leaves *left in its first place; returns 2 / v'v, or 0
@@ -51,28 +55,29 @@ MUKCA_INLINE void reflect_columns(double *B, const double *x, double beta, int m
     }
 }
 
-/* Golub and Van Loan, Matrix Computations, algorithm 8.3.1.  Each row gets the update of a step and
- * its product with the vector of the next one in one pass; the vectors stay in the upper rows. */
+/* Golub and Van Loan, Matrix Computations, algorithm 8.3.1, on the upper triangle.  Each row gets
+ * the update of a step and its product with the vector of the next one in one pass; the vectors
+ * stay in the upper rows. */
 MUKCA_CLONES void mukca_dense_tridiagonalise(double *A, int n, double *T, double *B, int k)
 {
     double *diagonal = T, *beside = T + n, *w = T + 2 * (long)n, *next = T + 3 * (long)n;
-    const double *v = next; /* of the step before, from its column on; none at first */
-    for (int i = 0; i < n; i++) w[i] = next[i] = 0;
+    const double *v = w; /* of the step before, from its column on; none at first */
+    for (int i = 0; i < n; i++) w[i] = 0;
     for (int j = 0; j < n; j++) {
         double *row = A + (long)j * n + j, *x = row + 1;
         const int m = n - j - 1;
-        const double first[2] = {v[0], w[0]};
-        update(row, v, w, first, row, n - j);
+        for (int i = 0; i <= m; i++) row[i] -= v[0] * w[i] + w[0] * v[i];
         diagonal[j] = row[0];
         beside[j] = 0;
         if (!m) break;
         const double beta = reflect(x, &beside[j], m);
+        for (int i = 0; i < m; i++) next[i] = 0;
         for (int i = 0; i < m; i++) {
             const double ab[2] = {v[1 + i], w[1 + i]};
-            next[i] = beta * update(A + (long)(j + 1 + i) * n + j + 1, v + 1, w + 1, ab, x, m);
+            update(row + (long)(n + 1) * (1 + i), v + 1 + i, w + 1 + i, ab, x + i, next + i, m - i);
         }
-        const double own = 0.5 * beta * dot4(x, next, m);
-        for (int i = 0; i < m; i++) w[i] = beta > 0 ? next[i] - own * x[i] : 0;
+        const double own = 0.5 * beta * beta * dot4(x, next, m);
+        for (int i = 0; i < m; i++) w[i] = beta > 0 ? beta * next[i] - own * x[i] : 0;
         v = x;
         if (beta > 0) reflect_columns(B + (long)(j + 1) * k, x, beta, m, k);
     }
