@@ -28,7 +28,7 @@ bool mukca_candidate_is_fault(const mukca_candidate *h)
 
 bool mukca_candidate_is_unlisted(const mukca_candidate *h)
 {
-    return h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE || h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME;
+    return h->kind >= MUKCA_CANDIDATE_UNLISTED_ANGLE;
 }
 
 int mukca_candidate_class(const mukca_candidate *h)
@@ -331,6 +331,7 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
         case MUKCA_CANDIDATE_STEP:
         case MUKCA_CANDIDATE_CREEP:
         case MUKCA_CANDIDATE_OUTLIER:
+        case MUKCA_CANDIDATE_UNLISTED_TILT:
             h->terms = h->width_of_term = 3;
             break;
         case MUKCA_CANDIDATE_OWN_ANGLE:
@@ -393,7 +394,9 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
     static const double metres[3] = {1, 1, 1};
     h->unit = metres;
     set_shape(h, recording);
-    if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE) return true;
+    if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE ||
+        h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
+        return true;
     double *unit = MUKCA_TAKE(pool, double, h->terms);
     h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term));
     if (!unit || !h->basis) return false;

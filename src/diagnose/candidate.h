@@ -30,16 +30,19 @@ typedef enum {
     /* Unlisted: simple causes, scored against a name and never accepted */
     MUKCA_CANDIDATE_UNLISTED_ANGLE, /* the joint turns by a function of an argument */
     MUKCA_CANDIDATE_UNLISTED_FRAME, /* a frame shifts or turns by it */
+    MUKCA_CANDIDATE_UNLISTED_TILT,  /* the ball shifts with the tilt of the tool */
     MUKCA_CANDIDATE_KINDS
 } mukca_candidate_kind;
 
 /* What an unlisted cause is a function of. */
 typedef enum {
-    MUKCA_ARGUMENT_ANGLE, /* of a joint */
-    MUKCA_ARGUMENT_WAVE,  /* its sine and cosine */
-    MUKCA_ARGUMENT_LOAD,  /* torque about its axis */
-    MUKCA_ARGUMENT_SIDE,  /* of that torque */
-    MUKCA_ARGUMENT_MOVE,  /* direction of its last move */
+    MUKCA_ARGUMENT_ANGLE,     /* of a joint */
+    MUKCA_ARGUMENT_WAVE,      /* its sine and cosine */
+    MUKCA_ARGUMENT_HALF,      /* of its travel, as of an elbow that points up or down */
+    MUKCA_ARGUMENT_LOAD,      /* torque about its axis */
+    MUKCA_ARGUMENT_SIDE,      /* of that torque */
+    MUKCA_ARGUMENT_SOFTENING, /* that torque times time */
+    MUKCA_ARGUMENT_MOVE,      /* direction of its last move */
     MUKCA_ARGUMENT_TIME,
     MUKCA_ARGUMENT_PLACEMENT /* 1 in one placement, else 0 */
 } mukca_argument;
@@ -64,9 +67,10 @@ typedef struct {
         } stretch;
         struct {
             mukca_argument argument;
-            int other, slot; /* joint of the argument; FRAME: of the unknowns */
-            bool turns;      /* FRAME: rotation, else shift */
-        } simple;            /* UNLISTED */
+            int other, slot; /* joint of the argument, TILT: axis of the tip; FRAME: of the
+                                unknowns */
+            bool turns; /* FRAME: rotation, else shift; TILT: in the tool, else in the socket */
+        } simple;       /* UNLISTED */
     };
     int terms, width_of_term; /* a term is 1 angle, 3 of a rotation or shift, n_joints angles */
     float *basis;             /* [n_rows][terms][width_of_term]; NULL: faults and distances */

@@ -153,7 +153,7 @@ static void list_unlisted(lister *l)
     for (int j = 0; j < n; j++)
         for (int a = 0; a <= MUKCA_ARGUMENT_TIME; a++)
             for (int k = 0; k < (a == MUKCA_ARGUMENT_TIME ? 1 : n); k++) {
-                const bool load = a == MUKCA_ARGUMENT_LOAD || a == MUKCA_ARGUMENT_SIDE;
+                const bool load = a >= MUKCA_ARGUMENT_LOAD && a <= MUKCA_ARGUMENT_SOFTENING;
                 /* the loads of other joints are in this one's by the masses' spread */
                 if ((load && (!r->have_torques || k != j)) || l->all->survey.joint[k].range < 0.1)
                     continue;
@@ -162,6 +162,12 @@ static void list_unlisted(lister *l)
                                             .placement = -1,
                                             .simple = {(mukca_argument)a, .other = k}});
             }
+    for (int axis = 0; axis < 3; axis++)
+        for (int in_tool = 0; in_tool < 2; in_tool++)
+            append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_TILT,
+                                        .joint = n - 1,
+                                        .placement = -1,
+                                        .simple = {.other = axis, .turns = in_tool}});
     for (int slot = 0; slot < u->n_slots; slot++) {
         const int joint = r->chain->element[u->slot_element[slot]].joint;
         mukca_candidate h = {.kind = MUKCA_CANDIDATE_UNLISTED_FRAME,

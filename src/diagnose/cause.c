@@ -9,6 +9,8 @@
 #define TIE_CORRELATION 0.9
 /* Probability from which a function that no effect makes is reported as a rival of a cause. */
 #define UNKNOWN_SHARE 0.25
+/* Less than this changes no verdict. */
+#define LITTLE 0.05
 /* Half width of a 95 % interval in standard errors. */
 #define INTERVAL 1.959963984540054
 
@@ -170,13 +172,11 @@ static const mukca_contender *stand(mukca_standing *standing, double *share,
     return mine;
 }
 
-bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_competition *contest,
-                          int index)
+/* Score and rank all that could fill the place of a cause; share and return value as of stand(). */
+static const mukca_contender *compare(mukca_standing *standing, double *share,
+                                      mukca_competition *contest, int index)
 {
-    const mukca_recording *recording = &contest->m->recording;
-    const mukca_accepted *cause = &contest->m->unknowns.cause[index];
-    const mukca_candidate *h = &cause->candidate;
-    double share;
+    const mukca_candidate *h = &contest->m->unknowns.cause[index].candidate;
     mukca_scan_run(
         contest->scan, contest->m, index,
         mukca_candidate_class(h) < MUKCA_EFFECT_COUNT ? MUKCA_SCAN_RIVALS : MUKCA_SCAN_CONTENDERS);
@@ -186,7 +186,19 @@ bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_comp
         if (!mukca_competition_taken(contest, &contest->table[i], index))
             contest->table[others++] = contest->table[i];
     contest->n_table = others;
-    const mukca_contender *mine = stand(standing, &share, contest, h);
+    return stand(standing, share, contest, h);
+}
+
+bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_competition *contest,
+                          int index)
+{
+    const mukca_recording *recording = &contest->m->recording;
+    const mukca_accepted *cause = &contest->m->unknowns.cause[index];
+    const mukca_candidate *h = &cause->candidate;
+    double share;
+    const mukca_contender *mine = compare(standing, &share, contest, index);
+    if (standing->unknown > LITTLE && mukca_competition_leave_unlisted(contest))
+        mine = compare(standing, &share, contest, index);
     if (!out || mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) return false;
     *out = (mukca_cause){
         .effect = fitted_effect(recording, cause),

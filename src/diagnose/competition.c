@@ -313,6 +313,18 @@ void mukca_competition_leave_waiting(mukca_competition *contest)
         contest->waiting[i] = (double)odds[i] < LATER_THRESHOLD ? 0 : (double)odds[i];
 }
 
+bool mukca_competition_leave_unlisted(mukca_competition *contest)
+{
+    const mukca_scan *scan = contest->scan;
+    if (contest->left_unlisted) return false;
+    contest->left_unlisted = true;
+    mukca_scan_run(contest->scan, contest->m, -1, MUKCA_SCAN_UNLISTED);
+    for (int i = contest->all->first_unlisted; i < contest->all->count; i++)
+        contest->waiting[i] =
+            scan->score[i].log_odds < LATER_THRESHOLD ? 0 : scan->score[i].log_odds;
+    return true;
+}
+
 static bool any_unknown(const mukca_unknowns *u)
 {
     for (int c = 0; c < u->n_causes; c++)

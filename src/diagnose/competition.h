@@ -37,6 +37,7 @@ typedef struct {
     /* [scores]: 1 excluded, since the noise in the angles makes its score; -1 tested and kept; 0
      * not tested yet */
     signed char *noise_made;
+    bool left_unlisted;
     double *waiting; /* [scores] log odds beside the accepted causes of what stays outside */
     bool scanned;    /* the last run against a whole set was of the present one */
     mukca_heavy_tails tails;
@@ -73,6 +74,10 @@ mukca_status mukca_competition_search(mukca_competition *contest, bool names_fir
  * threshold stay outside.  They are no rivals of an accepted cause by what they are worth beside
  * it: the ranks after this are without that. */
 void mukca_competition_leave_waiting(mukca_competition *contest);
+
+/* The same for causes that nobody listed, which are never accepted: beside the final model.  False:
+ * done before. */
+bool mukca_competition_leave_unlisted(mukca_competition *contest);
 
 /* The swaps alone.  Errors: MUKCA_INTERRUPTED. */
 mukca_status mukca_competition_settle(mukca_competition *contest, mukca_error *error);

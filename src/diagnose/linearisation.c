@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clones.h"
+#include "diagnose/unlisted.h"
 #include "math/dense.h"
 
 enum { ROOM = 32 }; /* for columns of other causes: most searches need no more */
@@ -98,6 +99,8 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
             for (int c = 0; c < 3; c++) out[c * ld + c] = -share;
             continue;
         }
+        if (h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
+            mukca_unlisted_tilt(out, ld, h, linear->tip_frame + 9 * i, recording->chain->gravity);
         if (!h->basis) continue; /* a distance moves no sample */
         const float *basis = h->basis + (size_t)row * (size_t)(terms * width);
         if (h->kind == MUKCA_CANDIDATE_STRETCH) { /* as x y z of the slot's frame do */

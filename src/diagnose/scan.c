@@ -89,6 +89,14 @@ static bool contends(const mukca_scan *scan, int index, const mukca_accepted *ca
     return false;
 }
 
+/* Is it a spring that softens, at the joint of an accepted spring?  Both are one cause. */
+static bool is_same_spring(const mukca_candidate *h, const mukca_candidate *cause)
+{
+    return h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE && h->joint == cause->joint &&
+           h->simple.argument == MUKCA_ARGUMENT_SOFTENING &&
+           mukca_effect_has(mukca_candidate_class(cause), MUKCA_TRAIT_ELASTIC);
+}
+
 /* Is a candidate worth the other AR(1) coefficients?  Its score hardly depends on them, so only
  * those near the front are averaged. */
 static bool worth_averaging(double log_bayes, double log_prior, double most)
@@ -201,11 +209,15 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
     scan->n_scores = scan->all->count + scan->n_harmonic;
     for (int k = 0; k < scan->n_scores; k++)
         if (mukca_candidate_is_unlisted(mukca_scan_candidate(scan, k)))
-            scan->wanted[k] = extent == MUKCA_SCAN_RIVALS && prepare(&scan->all->list[k], m);
+            scan->wanted[k] =
+                extent >= MUKCA_SCAN_RIVALS &&
+                (without < 0 ||
+                 !is_same_spring(&scan->all->list[k], &m->unknowns.cause[without].candidate)) &&
+                prepare(&scan->all->list[k], m);
+        else if (extent == MUKCA_SCAN_RIPPLE || extent == MUKCA_SCAN_UNLISTED)
+            scan->wanted[k] = 0;
         else if (extent >= MUKCA_SCAN_CONTENDERS)
             scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without]);
-        else if (extent == MUKCA_SCAN_RIPPLE)
-            scan->wanted[k] = 0;
     if (extent != MUKCA_SCAN_RIPPLE) scan->most = -HUGE_VAL;
     for (int k = 0; k < scan->n_scores && extent != MUKCA_SCAN_RIPPLE; k++)
         scan->score[k] = (mukca_score){.index = k, .log_bayes = -HUGE_VAL, .log_odds = -HUGE_VAL};
@@ -243,7 +255,7 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
         mukca_score *score = &scan->score[k];
         score->log_odds = score->log_bayes + mukca_scan_candidate(scan, k)->log_prior;
     }
-    if (without < 0) remember(scan);
+    if (without < 0 && extent != MUKCA_SCAN_UNLISTED) remember(scan);
 }
 
 void mukca_scan_weigh(mukca_scan *scan, mukca_regression *m, int without)

@@ -29,7 +29,8 @@ typedef enum {
                           which was of the same model */
     MUKCA_SCAN_CONTENDERS, /* what came near the front since the excluded cause was accepted, and
                             the same effect there; of a single bad row only itself */
-    MUKCA_SCAN_RIVALS      /* the same, and the causes that nobody listed */
+    MUKCA_SCAN_RIVALS,     /* the same, and the causes that nobody listed */
+    MUKCA_SCAN_UNLISTED    /* these alone */
 } mukca_scan_extent;
 
 typedef struct {

@@ -2,8 +2,10 @@
  *
  * The catalogue is not complete.  What it lacks is, as what it has, mostly a simple function of one
  * argument that acts at one place.  So every argument that an arm has is tried at every place: the
- * angle of a joint (linear, and once per turn), its load (linear, and its side), its last move,
- * time, and the placement; at the angle of each joint and at each frame, which shifts or turns.
+ * angle of a joint (linear, once per turn, and its half of the travel), its load (linear, its side,
+ * and times time), its last move, time, and the placement; at the angle of each joint and at each
+ * frame, which shifts or turns.  A ball that is not round, or that its socket does not hold, and a
+ * tool that rattles move by the tilt of the tool.
  * These candidates are never accepted.  They share the probability of a name that they could
  * replace.
  */
@@ -21,8 +23,9 @@ int mukca_unlisted_terms(const mukca_candidate *h)
     return values_of(h->simple.argument) * (h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME ? 3 : 1);
 }
 
-/* The argument's functions at a row. */
-static void evaluate(double value[2], const mukca_candidate *h, const mukca_recording *r, int row)
+/* The argument's functions at a row; middle: of the joint's travel. */
+static void evaluate(double value[2], const mukca_candidate *h, const mukca_recording *r, int row,
+                     double middle)
 {
     const mukca_joint_state state = mukca_recording_state(r, row);
     const int j = h->simple.other;
@@ -34,11 +37,17 @@ static void evaluate(double value[2], const mukca_candidate *h, const mukca_reco
             value[0] = sin(state.q[j]);
             value[1] = cos(state.q[j]);
             break;
+        case MUKCA_ARGUMENT_HALF:
+            value[0] = state.q[j] > middle ? 1 : -1;
+            break;
         case MUKCA_ARGUMENT_LOAD:
             value[0] = state.torque[j];
             break;
         case MUKCA_ARGUMENT_SIDE: /* 1 N m and 20 mrad: as of backlash and hysteresis */
             value[0] = tanh(state.torque[j]);
+            break;
+        case MUKCA_ARGUMENT_SOFTENING:
+            value[0] = state.torque[j] * state.time;
             break;
         case MUKCA_ARGUMENT_MOVE:
             value[0] = tanh(state.move[j] / 0.02);
@@ -55,9 +64,32 @@ static void evaluate(double value[2], const mukca_candidate *h, const mukca_reco
 void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
 {
     const int n = values_of(h->simple.argument), axes = h->terms / n;
+    double travel[2];
+    mukca_recording_travel(travel, r, h->simple.other);
     for (int row = 0; row < r->data->n_rows; row++) {
         double value[2];
-        evaluate(value, h, r, row);
+        evaluate(value, h, r, row, 0.5 * (travel[0] + travel[1]));
         for (int t = 0; t < h->terms; t++) h->basis[row * h->terms + t] = (float)value[t / axes];
+    }
+}
+
+/* v is the height of an axis of the tip.  In the tool: a shift to one of two sides, by the sign of
+ * v.  In the socket: upwards by v and v^2, as an oval ball or its neck on a rim lift it, and along
+ * the axis by v. */
+void mukca_unlisted_tilt(double *out, int ld, const mukca_candidate *h, const double *R,
+                         const double gravity[3])
+{
+    const double g = fmax(sqrt(mukca_dot3(gravity, gravity)), 1e-9);
+    const int k = h->simple.other;
+    double v = 0;
+    for (int c = 0; c < 3; c++) v -= R[3 * c + k] * gravity[c] / g;
+    for (int c = 0; c < 3; c++, out += ld) {
+        if (h->simple.turns) {
+            for (int t = 0; t < 3; t++) out[t] = v > 0 ? R[3 * c + t] : -R[3 * c + t];
+            continue;
+        }
+        out[0] = -gravity[c] / g * v;
+        out[1] = out[0] * v;
+        out[2] = R[3 * c + k] * v;
     }
 }

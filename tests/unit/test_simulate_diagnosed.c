@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "diagnose/diagnose.h"
+#include "diagnose/linearisation.h"
 #include "scene.h"
 
 /* The diagnosis finds what was hidden: the effect, its joint or place, and its size within a tenth
@@ -135,6 +136,55 @@ static void test_unlisted(void **state)
     free(d);
 }
 
+/* Move the ball of each sample by what its seat or a loose tool do at the tilt of the tool. */
+static void tilt_ball(mukca_dataset *data, const mukca_chain *chain, bool rattles)
+{
+    const int n = chain->n_joints;
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    mukca_geometry geometry;
+    mukca_chain_theta(theta, chain);
+    mukca_geometry_set(&geometry, chain, theta);
+    for (int row = 0; row < data->n_rows; row++) {
+        double *q = data->q + row * n, shift[3];
+        mukca_frame tip;
+        mukca_fk_pose(&tip, &geometry, q, NULL);
+        const double height = tip.R[6]; /* of the tip's x axis */
+        for (int c = 0; c < 3; c++)
+            shift[c] = rattles ? (height > 0 ? 5e-4 : -5e-4) * tip.R[3 * c + 1]
+                               : (c == 2 ? 2e-3 * height * height : 0);
+        mukca_linearisation_seat(q, shift, n, &geometry, NULL);
+    }
+}
+
+/* Neither is an effect of the catalogue: no name is sure. */
+static void test_tilt(void **state)
+{
+    (void)state;
+    mukca_diagnosis *d = malloc(sizeof *d);
+    assert_non_null(d);
+    for (int k = 0; k < 8; k++) {
+        scene s;
+        mukca_dataset data;
+        mukca_error error = {0};
+        const mukca_diagnose_options options = {.no_folds = true};
+        set_scene(&s, NULL, (uint64_t)(1 + k / 2));
+        s.how.noise = 1e-4;
+        record(&data, &s);
+        tilt_ball(&data, &s.chain, k % 2);
+        memset(d, 0, sizeof *d);
+        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
+        print_message("%s: %s, %d causes\n", k % 2 ? "loose tool" : "oval ball",
+                      mukca_verdict_name[d->verdict], d->n_causes);
+        for (int i = 0; i < d->n_causes; i++)
+            print_message("  %s %.2f\n", mukca_effect_table[d->causes[i].effect.kind]->name,
+                          d->causes[i].probability);
+        assert_int_not_equal(d->verdict, MUKCA_VERDICT_NAMED);
+        mukca_diagnosis_free(d);
+        mukca_dataset_free(&data);
+    }
+    free(d);
+}
+
 /* A badly seated ball that stays badly seated is no socket that moved: each socket's noise is a
  * series with a long memory, and a few samples of it are far off. */
 static void test_heavy_tails(void **state)
@@ -173,8 +223,9 @@ static void test_heavy_tails(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_diagnosed), cmocka_unit_test(test_heavy_tails),
-        cmocka_unit_test(test_unlisted), cmocka_unit_test(test_surprise)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_diagnosed),
+                                       cmocka_unit_test(test_heavy_tails),
+                                       cmocka_unit_test(test_unlisted), cmocka_unit_test(test_tilt),
+                                       cmocka_unit_test(test_surprise)};
     return cmocka_run_group_tests_name("simulate diagnosed", tests, NULL, NULL);
 }
