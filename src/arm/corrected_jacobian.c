@@ -9,20 +9,21 @@
 
 #include <string.h>
 
-/* Rows at a time, and numbers of a column. */
+/* Rows in a vector, vectors side by side, which hide each other's latency, and numbers of a column.
+ */
 #if MUKCA_LANES > 1
-typedef double rows __attribute__((vector_size(64), aligned(8), may_alias));
-enum { TOGETHER = 8, COLUMN_ROWS = 8 };
+typedef four rows;
+enum { TOGETHER = 4, BESIDE = 2, COLUMN_ROWS = 8 };
 #else
 typedef double rows;
-enum { TOGETHER = 1, COLUMN_ROWS = 6 };
+enum { TOGETHER = 1, BESIDE = 1, COLUMN_ROWS = 6 };
 #endif
 #define LOAD_ROWS(x) (*(const rows *)(const void *)(x))
 #define STORE_ROWS(x, value) (*(rows *)(void *)(x) = (value))
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
 
 /* UNIT(i, row): 1 in row i, else 0, from `row` on. */
-static const double unit_row[6 + COLUMN_ROWS] = {[6] = 1};
+static const double unit_row[6 + 8] = {[6] = 1};
 #define UNIT(i, row) LOAD_ROWS(unit_row + 6 - (i) + (row))
 
 typedef struct {
@@ -148,65 +149,80 @@ PART void set_columns(column *turn, const mukca_equilibrium *e)
     }
 }
 
-/* Outwards over the joints: what they answer becomes part of by_M, and no longer of by_N, of which
- * nothing should be left.  `last`: the columns get what the answers add. */
-PART void sweep(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int row, bool last)
+/* The base's answer as part of by_M. */
+PART void pass_base(tip_answers *t, const tip_columns *c, const mukca_equilibrium *e, int row,
+                    bool last)
 {
-    const double *tip = XYZ(e->tip.column[3]);
-    const double g[3] = {XYZ(e->gravity)[0], XYZ(e->gravity)[1], XYZ(e->gravity)[2]};
+    const double *g = XYZ(e->gravity);
     for (int i = 0; i < 3; i++) t->by_M[i] = (rows){0};
-    if (e->bend != 0) {
-        add_cross(t->by_M, t->base, g);
-        if (!last) {
-            turn_frame(t->base, t, g, row, tip, XYZ(e->first));
-            apply_answer(t->base, &c->base);
-            for (int i = 0; i < 3; i++) t->by_M[i] = (rows){0};
-            add_cross(t->by_M, t->base, g);
+    if (e->bend == 0) return;
+    add_cross(t->by_M, t->base, g);
+    if (last) return;
+    turn_frame(t->base, t, g, row, XYZ(e->tip.column[3]), XYZ(e->first));
+    apply_answer(t->base, &c->base);
+    for (int i = 0; i < 3; i++) t->by_M[i] = (rows){0};
+    add_cross(t->by_M, t->base, g);
+}
+
+/* What the joint answers becomes part of by_M, and no longer of by_N.  `last`: its columns get what
+ * the answers add. */
+PART void pass_joint(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int j, int row,
+                     bool last)
+{
+    const mukca_joint_posture *at = &e->joint[j];
+    const double *M = XYZ(at->into_M), *N = XYZ(at->into_N), *p = XYZ(at->frame.column[3]);
+    const double *g = XYZ(e->gravity), *tip = XYZ(e->tip.column[3]);
+    const bool turns = last && at->turns;
+    if (turns || at->bend != 0) {
+        const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]};
+        rows frame[3];
+        turn_frame(frame, t, g, row, d, XYZ(at->first));
+        if (turns) STORE_ROWS(c->tilt[j].row + row, DOT(frame, c->rate[j]));
+        if (at->bend != 0) {
+            apply_answer(frame, &at->frame);
+            add_cross(t->by_M, frame, g);
+            take_cross(t->by_N, frame, XYZ(at->first));
         }
     }
-    for (int j = 0; j < e->n_joints; j++) {
-        const mukca_joint_posture *at = &e->joint[j];
-        const double *M = XYZ(at->into_M), *N = XYZ(at->into_N), *p = XYZ(at->frame.column[3]);
-        const bool turns = last && at->turns;
-        if (turns || at->bend != 0) {
-            const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]};
-            rows frame[3];
-            turn_frame(frame, t, g, row, d, XYZ(at->first));
-            if (turns) STORE_ROWS(c->tilt[j].row + row, DOT(frame, c->rate[j]));
-            if (at->bend != 0) {
-                apply_answer(frame, &at->frame);
-                add_cross(t->by_M, frame, g);
-                take_cross(t->by_N, frame, XYZ(at->first));
-            }
-        }
-        if (!last && !at->yields) continue;
-        const rows turn = LOAD_ROWS(c->turn[j].row + row) + DOT(t->by_M, M) + DOT(t->by_N, N);
-        if (last) STORE_ROWS(c->turn[j].row + row, turn);
-        for (int i = 0; i < 3 && at->yields; i++) {
-            t->by_M[i] += at->twist * N[i] * turn;
-            t->by_N[i] -= at->twist * M[i] * turn;
-        }
+    if (!last && !at->yields) return;
+    const rows turn = LOAD_ROWS(c->turn[j].row + row) + DOT(t->by_M, M) + DOT(t->by_N, N);
+    if (last) STORE_ROWS(c->turn[j].row + row, turn);
+    for (int i = 0; i < 3 && at->yields; i++) {
+        t->by_M[i] += at->twist * N[i] * turn;
+        t->by_N[i] -= at->twist * M[i] * turn;
     }
 }
 
+/* Outwards over the joints; in the end nothing should be left of by_N. */
+PART void sweep(tip_answers t[BESIDE], tip_columns *c, const mukca_equilibrium *e, int row,
+                bool last)
+{
+    for (int b = 0; b < BESIDE; b++) pass_base(&t[b], c, e, row + TOGETHER * b, last);
+    for (int j = 0; j < e->n_joints; j++)
+        for (int b = 0; b < BESIDE; b++) pass_joint(&t[b], c, e, j, row + TOGETHER * b, last);
+}
+
 /* by_N of all answers: what is left of it in the end is too much in the beginning, up to what is
- * left of that in turn.  Returns with it in t->by_N. */
-PART void settle(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int row)
+ * left of that in turn. */
+PART void settle(tip_answers t[BESIDE], tip_columns *c, const mukca_equilibrium *e, int row)
 {
     enum { ROUNDS = 8 };
-    rows all[3];
+    rows all[BESIDE][3];
     double size = 0;
-    for (int i = 0; i < 3; i++) t->base[i] = all[i] = (rows){0};
+    for (int b = 0; b < BESIDE; b++)
+        for (int i = 0; i < 3; i++) t[b].base[i] = all[b][i] = (rows){0};
     for (int round = 0; round < ROUNDS && e->loaded; round++) {
         const double before = size;
         rows squares = {0};
         double of_row[TOGETHER];
-        for (int i = 0; i < 3; i++) t->by_N[i] = all[i];
+        for (int b = 0; b < BESIDE; b++)
+            for (int i = 0; i < 3; i++) t[b].by_N[i] = all[b][i];
         sweep(t, c, e, row, false);
-        for (int i = 0; i < 3; i++) {
-            squares += t->by_N[i] * t->by_N[i];
-            all[i] -= t->by_N[i];
-        }
+        for (int b = 0; b < BESIDE; b++)
+            for (int i = 0; i < 3; i++) {
+                squares += t[b].by_N[i] * t[b].by_N[i];
+                all[b][i] -= t[b].by_N[i];
+            }
         memcpy(of_row, &squares, sizeof of_row);
         size = 0;
         for (int r = 0; r < TOGETHER; r++) size += of_row[r];
@@ -214,7 +230,8 @@ PART void settle(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int
          * first two alone would show badly: g times three times that within 1e-12. */
         if (round > 1 && !(size * size > 1e-27 * before)) break;
     }
-    for (int i = 0; i < 3; i++) t->by_N[i] = all[i];
+    for (int b = 0; b < BESIDE; b++)
+        for (int i = 0; i < 3; i++) t[b].by_N[i] = all[b][i];
 }
 
 MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
@@ -222,20 +239,21 @@ MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
 {
     const int n = e->n_joints;
     tip_columns c;
-    tip_answers t;
+    tip_answers t[BESIDE];
     c.rate = (const double(*)[3])slopes->rotation;
     prepare(&c.base, e, slopes);
     set_columns(c.turn, e);
-    for (int row = 0; row < 6; row += TOGETHER) {
-        settle(&t, &c, e, row);
-        sweep(&t, &c, e, row, true);
-        for (int l = 0; l < n; l++) {
-            rows rate = slopes->angle[l][1] * LOAD_ROWS(c.turn[l].row + row);
-            if (e->joint[l].turns) rate += LOAD_ROWS(c.tilt[l].row + row);
-            if (l > 0) rate += slopes->angle[l - 1][2] * LOAD_ROWS(c.turn[l - 1].row + row);
-            if (l + 1 < n) rate += slopes->angle[l + 1][0] * LOAD_ROWS(c.turn[l + 1].row + row);
-            for (int r = 0; r < 6 && r < TOGETHER; r++)
-                J[(row + r) * n + l] = ((const double *)&rate)[r];
-        }
+    for (int row = 0; row < 6; row += BESIDE * TOGETHER) {
+        settle(t, &c, e, row);
+        sweep(t, &c, e, row, true);
+        for (int l = 0; l < n; l++)
+            for (int b = row; b < 6 && b < row + BESIDE * TOGETHER; b += TOGETHER) {
+                rows rate = slopes->angle[l][1] * LOAD_ROWS(c.turn[l].row + b);
+                if (e->joint[l].turns) rate += LOAD_ROWS(c.tilt[l].row + b);
+                if (l > 0) rate += slopes->angle[l - 1][2] * LOAD_ROWS(c.turn[l - 1].row + b);
+                if (l + 1 < n) rate += slopes->angle[l + 1][0] * LOAD_ROWS(c.turn[l + 1].row + b);
+                for (int r = 0; r < TOGETHER && b + r < 6; r++)
+                    J[(b + r) * n + l] = ((const double *)&rate)[r];
+            }
     }
 }
