@@ -44,6 +44,7 @@ typedef enum {
     MUKCA_ARGUMENT_SOFTENING, /* that torque times time */
     MUKCA_ARGUMENT_MOVE,      /* direction of its last move */
     MUKCA_ARGUMENT_TIME,
+    MUKCA_ARGUMENT_SAMPLE,   /* 1 from that sample on at which a socket moved, else 0 */
     MUKCA_ARGUMENT_PLACEMENT /* 1 in one placement, else 0 */
 } mukca_argument;
 
@@ -67,6 +68,7 @@ typedef struct {
         } stretch;
         struct {
             mukca_argument argument;
+            int row;         /* SAMPLE: of the dataset, set when a socket that moved is described */
             int other, slot; /* joint of the argument, TILT: axis of the tip; FRAME: of the
                                 unknowns */
             bool turns; /* FRAME: rotation, else shift; TILT: in the tool, else in the socket */

@@ -162,6 +162,12 @@ static void list_unlisted(lister *l)
                                             .placement = -1,
                                             .simple = {(mukca_argument)a, .other = k}});
             }
+    for (int j = 0; j < n; j++) /* a slip of the first joint is a moved socket */
+        if (u->slot_element[0] <= r->chain->joint_element[j])
+            append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
+                                        .joint = j,
+                                        .placement = -1,
+                                        .simple = {MUKCA_ARGUMENT_SAMPLE, .other = j}});
     for (int axis = 0; axis < 3; axis++)
         for (int in_tool = 0; in_tool < 2; in_tool++)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_TILT,

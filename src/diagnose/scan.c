@@ -187,6 +187,22 @@ static bool prepare(mukca_candidate *h, mukca_regression *m)
     return h->unit || mukca_candidate_prepare(h, &m->pool, &m->recording);
 }
 
+/* Is an unlisted candidate a rival of that cause (NULL: none is left out)?  A socket that moved may
+ * be a joint that slipped at that very sample, off the grid of listed slips. */
+static bool is_rival(mukca_scan *scan, int index, const mukca_candidate *cause, mukca_regression *m)
+{
+    mukca_candidate *h = &scan->all->list[index];
+    if (h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE && h->simple.argument == MUKCA_ARGUMENT_SAMPLE) {
+        if (!cause || cause->kind != MUKCA_CANDIDATE_STEP) return false;
+        if (h->simple.row != cause->fault.first) {
+            h->simple.row = cause->fault.first;
+            h->unit = NULL;
+            for (int i = 0; i < MUKCA_RHOS; i++) scan->products[i][index].version = 0;
+        }
+    }
+    return !(cause && is_same_spring(h, cause)) && prepare(h, m);
+}
+
 /* The odds of a run against the whole model; orders of ripple that are found later had none. */
 static void remember(mukca_scan *scan)
 {
@@ -211,9 +227,7 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
         if (mukca_candidate_is_unlisted(mukca_scan_candidate(scan, k)))
             scan->wanted[k] =
                 extent >= MUKCA_SCAN_RIVALS &&
-                (without < 0 ||
-                 !is_same_spring(&scan->all->list[k], &m->unknowns.cause[without].candidate)) &&
-                prepare(&scan->all->list[k], m);
+                is_rival(scan, k, without < 0 ? NULL : &m->unknowns.cause[without].candidate, m);
         else if (extent == MUKCA_SCAN_RIPPLE || extent == MUKCA_SCAN_UNLISTED)
             scan->wanted[k] = 0;
         else if (extent >= MUKCA_SCAN_CONTENDERS)

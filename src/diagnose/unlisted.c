@@ -55,6 +55,9 @@ static void evaluate(double value[2], const mukca_candidate *h, const mukca_reco
         case MUKCA_ARGUMENT_TIME:
             value[0] = state.time;
             break;
+        case MUKCA_ARGUMENT_SAMPLE:
+            value[0] = row >= h->simple.row;
+            break;
         case MUKCA_ARGUMENT_PLACEMENT:
             value[0] = state.placement == h->placement;
             break;
