@@ -64,7 +64,9 @@ bool mukca_regression_solve(mukca_regression *m);
 void mukca_regression_refit(mukca_regression *m);
 
 /* Fit the unknowns alone after causes were dropped, noise and prior scales staying: to the columns
- * that are there where these hold for the result, else to new ones, or as MUKCA_FIT_UNKNOWNS. */
+ * that are there, with predictions anew, where these hold for the result, else as
+ * MUKCA_FIT_UNKNOWNS.
+ */
 void mukca_regression_revise(mukca_regression *m);
 
 /* One Gauss-Newton step from the present linearisation; ends linearised at the new unknowns. */
