@@ -27,19 +27,19 @@ static const double unit_row[6 + 8] = {[6] = 1};
 #define UNIT(i, row) LOAD_ROWS(unit_row + 6 - (i) + (row))
 
 typedef struct {
-    double row[COLUMN_ROWS];
+    LANES_ALIGNED double row[COLUMN_ROWS];
 } column;
 
 /* Columns of joints as they turn, and as what their effects add turns with them, at `rate`. */
 typedef struct {
     column turn[MUKCA_MAX_JOINTS], tilt[MUKCA_MAX_JOINTS];
     const double (*rate)[3];
-    columns base; /* its answer */
+    LANES_ALIGNED columns base; /* its answer */
 } tip_columns;
 
 /* What the answers do to the tip: of the base by 1 N m, as part of by_M, and the sums. */
 typedef struct {
-    rows base[3], by_M[3], by_N[3];
+    LANES_ALIGNED rows base[3], by_M[3], by_N[3];
 } tip_answers;
 
 /* c += a x b; c -= a x b */

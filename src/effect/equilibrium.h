@@ -33,7 +33,8 @@ typedef struct {
 } mukca_effect_slopes;
 
 typedef struct {
-    columns frame; /* after the effects' rotation, before it turns; its origin is the joint's */
+    LANES_ALIGNED columns
+        frame; /* after the effects' rotation, before it turns; its origin is the joint's */
     lanes axis[ROWS];
     lanes first[ROWS];    /* S */
     lanes into_M[ROWS];   /* per rad or m: a x S, or kg a of one that slides */
@@ -49,7 +50,7 @@ typedef struct {
 typedef struct {
     mukca_joint_posture joint[MUKCA_MAX_JOINTS];
     mukca_displacement displacement;
-    columns tip;
+    LANES_ALIGNED columns tip;
     lanes gravity[ROWS];
     lanes first[ROWS];   /* of all that moves, about the base's origin */
     double bend, spring; /* of the base, as above */

@@ -5,7 +5,7 @@
 /* One change of what yields; rotations in base coordinates. */
 typedef struct {
     double angle[MUKCA_MAX_JOINTS];
-    lanes rotation[MUKCA_MAX_JOINTS][ROWS], base[ROWS];
+    LANES_ALIGNED lanes rotation[MUKCA_MAX_JOINTS][ROWS], base[ROWS];
 } motion;
 
 /* The change of a rotation is v, in base coordinates: change += v, in the joint's.  Returns v.v. */

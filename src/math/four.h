@@ -45,6 +45,8 @@ static inline lanes BITS_LANES(lane_bits b)
 #define NOT_WITHIN(x, limit) (-(lane_bits) !((x) <= (limit)))
 #define ANY_LANE(b) (b)
 #endif
+/* Of a member that holds lanes: none lies across two cache lines, where access takes longer. */
+#define LANES_ALIGNED _Alignas(8 * MUKCA_LANES)
 #define LOAD_LANES(x) (*(const lanes *)(const void *)(x))
 #define STORE_LANES(x, value) (*(lanes *)(void *)(x) = (value))
 

@@ -46,7 +46,7 @@ enum { WHOLE_JOINTS = (MUKCA_MAX_JOINTS + 3) / 4 * 4 };
  * uses). */
 typedef struct {
     const double *q; /* the caller's, or `moved` */
-    double moved[WHOLE_JOINTS], s[WHOLE_JOINTS], c[WHOLE_JOINTS];
+    LANES_ALIGNED double moved[WHOLE_JOINTS], s[WHOLE_JOINTS], c[WHOLE_JOINTS];
 } joint_angles;
 
 void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
