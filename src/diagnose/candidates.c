@@ -234,8 +234,14 @@ static void set_priors(mukca_candidates *all)
         }
         h->log_prior = log(share / all->classes);
     }
-    for (int i = all->first_unlisted; i < all->count; i++)
-        all->list[i].log_prior = -log((double)all->classes * (all->count - all->first_unlisted));
+    for (int i = all->first_unlisted; i < all->count; i++) {
+        mukca_candidate *h = &all->list[i];
+        h->log_prior = -log((double)all->classes * (all->count - all->first_unlisted));
+        /* its sample is chosen like that of the socket that moved, whose rival it is */
+        if (h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE &&
+            h->simple.argument == MUKCA_ARGUMENT_SAMPLE)
+            h->log_prior -= log(fmax(kinds[MUKCA_CANDIDATE_STEP], 1));
+    }
 }
 
 /* Where commands are fitted and readings are there, too, their difference shows a sag directly:
