@@ -12,7 +12,7 @@
 #define MOST_NOISE 5e-2
 
 /* Log evidence that makes an AR(1) coefficient negligible beside the best one, 3 million to 1, and
- * the share of a change of the log evidence by which the two may approach each other. */
+ * the share of a candidate's gain by which the two may approach each other. */
 #define NEGLIGIBLE 15.0
 #define SHARE 0.25
 
@@ -177,6 +177,7 @@ bool mukca_noise_counts(double behind, double gain)
 
 bool mukca_noise_contends(const mukca_evidence *evidence, int index, double best, double gain)
 {
-    const double approach = SHARE * fabs(best - evidence->best);
+    /* since then another may have changed so much while the best one did not */
+    const double approach = fabs(best - evidence->best);
     return mukca_noise_counts(evidence->normal[index].behind - approach, gain);
 }
