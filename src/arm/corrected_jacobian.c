@@ -252,8 +252,9 @@ MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
                 if (e->joint[l].turns) rate += LOAD_ROWS(c.tilt[l].row + b);
                 if (l > 0) rate += slopes->angle[l - 1][2] * LOAD_ROWS(c.turn[l - 1].row + b);
                 if (l + 1 < n) rate += slopes->angle[l + 1][0] * LOAD_ROWS(c.turn[l + 1].row + b);
-                for (int r = 0; r < TOGETHER && b + r < 6; r++)
-                    J[(b + r) * n + l] = ((const double *)&rate)[r];
+                double of_row[TOGETHER];
+                memcpy(of_row, &rate, sizeof of_row);
+                for (int r = 0; r < TOGETHER && b + r < 6; r++) J[(b + r) * n + l] = of_row[r];
             }
     }
 }

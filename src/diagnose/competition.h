@@ -37,18 +37,18 @@ typedef struct {
     /* [scores]: 1 excluded, since the noise in the angles makes its score; -1 tested and kept; 0
      * not tested yet */
     signed char *noise_made;
-    bool left_unlisted;
     double *waiting; /* [scores] log odds beside the accepted causes of what stays outside */
-    bool scanned;    /* the last run against a whole set was of the present one */
     mukca_heavy_tails tails;
-    mukca_unknowns kept;        /* to go back to */
-    bool names_first;           /* an unknown function comes when no name passes */
-    bool passed_over;           /* ... and one led by more on the way */
-    bool parted;                /* a name came before an unknown function that led */
-    mukca_search_state parting; /* before the first step where one did */
-    bool sprung;                /* an elastic cause was accepted, with names first */
-    mukca_search_state
-        unsprung; /* before the first step that did; before: where the search began */
+    mukca_unknowns kept;         /* to go back to */
+    mukca_search_state parting;  /* before the first step where `parted` */
+    mukca_search_state unsprung; /* before the first step where `sprung`; before: where the search
+                                    began */
+    bool left_unlisted; /* what unlisted causes are worth beside the accepted ones is in waiting */
+    bool scanned;       /* the last run against a whole set was of the present one */
+    bool names_first;   /* an unknown function comes when no name passes */
+    bool passed_over;   /* ... and one led by more on the way */
+    bool parted;        /* a name came before an unknown function that led */
+    bool sprung;        /* an elastic cause was accepted, with names first */
 } mukca_competition;
 
 /* Is it an elastic effect? */

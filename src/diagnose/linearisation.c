@@ -34,27 +34,30 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
 }
 
 /* Levers [d][width] of a candidate's terms, width 1 or 3: of sample 0, and how far the next
- * sample's are behind.  NULL: it has no such columns. */
-static const double *levers_of(size_t *step, const mukca_linearisation *linear,
-                               const mukca_recording *recording, const mukca_candidate *h)
+ * sample's are behind.  Returns false where it has no such columns. */
+static bool levers_of(const double **lever, size_t *step, const mukca_linearisation *linear,
+                      const mukca_recording *recording, const mukca_candidate *h)
 {
     const size_t d = (size_t)recording->dim, n = (size_t)recording->chain->n_joints,
                  joint = (size_t)h->joint;
     if (!h->basis || h->kind == MUKCA_CANDIDATE_STRETCH ||
         h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME)
-        return NULL;
+        return false;
     switch (mukca_candidate_site(h)) {
         case MUKCA_SITE_ANGLE:
             *step = n * d;
-            return linear->lever + joint * d;
+            *lever = linear->lever + joint * d;
+            return true;
         case MUKCA_SITE_ROTATION:
             *step = n * 3 * d;
-            return linear->rotation_lever + joint * 3 * d;
+            *lever = linear->rotation_lever + joint * 3 * d;
+            return true;
         case MUKCA_SITE_BASE:
             *step = 3 * d;
-            return linear->base_lever;
+            *lever = linear->base_lever;
+            return true;
         default:
-            return NULL;
+            return false;
     }
 }
 
@@ -67,7 +70,7 @@ MUKCA_CLONES static void turn_levers(double *E, int ld, const double *lever, siz
     for (int i = 0; i < recording->n_samples; i++, lever += step) {
         const float *basis = h->basis + (size_t)recording->order[i] * (size_t)(terms * width);
         for (int t = 0; t < terms; t++)
-            for (int k = 0; k < width; k++) b[k][t] = (double)basis[width * t + k];
+            for (int k = 0; k < 3; k++) b[k][t] = k < width ? (double)basis[width * t + k] : 0;
         const double *l = lever;
         for (int c = 0; c < d; c++, l += width, E += ld)
             if (width == 1)
@@ -84,9 +87,9 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
     const int d = recording->dim, n_joints = recording->chain->n_joints, terms = h->terms;
     const int width = h->width_of_term, ldx = linear->stride;
     size_t step;
-    const double *of_terms = levers_of(&step, linear, recording, h);
-    if (of_terms) {
-        turn_levers(E, ld, of_terms, step, recording, h);
+    const double *lever;
+    if (levers_of(&lever, &step, linear, recording, h)) {
+        turn_levers(E, ld, lever, step, recording, h);
         return;
     }
     for (int i = 0; i < recording->n_samples; i++) {

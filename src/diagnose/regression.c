@@ -64,7 +64,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     mukca_evidence *evidence = &m->evidence;
     const int own = u->weight ? 0 : mukca_evidence_index(u->rho);
     mukca_normal_equations *chosen = NULL;
-    double best = -HUGE_VAL, value[MUKCA_RHOS];
+    double best = -HUGE_VAL, value[MUKCA_RHOS] = {0};
     bool all = !u->weight; /* robust weights go with independent samples only */
     for (int k = 0; k < (u->weight ? 1 : MUKCA_RHOS); k++) {
         const int i = (own + k) % MUKCA_RHOS;

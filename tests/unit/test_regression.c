@@ -487,8 +487,16 @@ static void priors(void **state)
     assert_close(orders, 1, 1e-12);
     for (int i = 0; i < f->all.first_unlisted; i++) sum += exp(f->all.list[i].log_prior);
     assert_close(sum + 1.0 / f->all.classes, 1, 1e-9); /* the ripple's class is scanned beside */
+    double samples = 0;                                /* among which a slip's is chosen */
+    for (int i = 0; i < f->all.first_unlisted; i++)
+        samples += f->all.list[i].kind == MUKCA_CANDIDATE_STEP;
     sum = 0;
-    for (int i = f->all.first_unlisted; i < f->all.count; i++) sum += exp(f->all.list[i].log_prior);
+    for (int i = f->all.first_unlisted; i < f->all.count; i++) {
+        const mukca_candidate *h = &f->all.list[i];
+        const bool slip = h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE &&
+                          h->simple.argument == MUKCA_ARGUMENT_SAMPLE;
+        sum += (slip ? samples : 1) * exp(h->log_prior);
+    }
     assert_close(sum, 1.0 / f->all.classes, 1e-9);
 }
 
