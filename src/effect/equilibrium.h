@@ -89,7 +89,8 @@ void mukca_equilibrium_settle(mukca_deflection *change, const mukca_equilibrium 
  * than most effects. */
 MUKCA_INLINE void clear_terms(double terms[MUKCA_MAX_TERMS][3])
 {
-    for (int i = 0; i < 3 * MUKCA_MAX_TERMS; i += MUKCA_LANES) STORE_LANES(*terms + i, (lanes){0});
+    double *all = (double *)(void *)terms;
+    for (int i = 0; i < 3 * MUKCA_MAX_TERMS; i += MUKCA_LANES) STORE_LANES(all + i, (lanes){0});
 }
 
 /* A vector in base coordinates, in a joint's frame; and back. */
