@@ -9,22 +9,17 @@
 
 #include <string.h>
 
-/* Rows in a vector, vectors side by side, which hide each other's latency, and numbers of a column.
- */
+/* Vectors of rows side by side, which hide each other's latency, and numbers of a column. */
 #if MUKCA_LANES > 1
-typedef four rows;
-enum { TOGETHER = 4, BESIDE = 2, COLUMN_ROWS = 8 };
+enum { BESIDE = 2, COLUMN_ROWS = 8 };
 #else
-typedef double rows;
-enum { TOGETHER = 1, BESIDE = 1, COLUMN_ROWS = 6 };
+enum { BESIDE = 1, COLUMN_ROWS = 6 };
 #endif
-#define LOAD_ROWS(x) (*(const rows *)(const void *)(x))
-#define STORE_ROWS(x, value) (*(rows *)(void *)(x) = (value))
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
 
 /* UNIT(i, row): 1 in row i, else 0, from `row` on. */
 static const double unit_row[6 + 8] = {[6] = 1};
-#define UNIT(i, row) LOAD_ROWS(unit_row + 6 - (i) + (row))
+#define UNIT(i, row) LOAD_LANES(unit_row + 6 - (i) + (row))
 
 typedef struct {
     LANES_ALIGNED double row[COLUMN_ROWS];
@@ -39,18 +34,18 @@ typedef struct {
 
 /* What the answers do to the tip: of the base by 1 N m, as part of by_M, and the sums. */
 typedef struct {
-    LANES_ALIGNED rows base[3], by_M[3], by_N[3];
+    LANES_ALIGNED lanes base[3], by_M[3], by_N[3];
 } tip_answers;
 
 /* c += a x b; c -= a x b */
-PART void add_cross(rows c[3], const rows a[3], const double b[3])
+PART void add_cross(lanes c[3], const lanes a[3], const double b[3])
 {
     c[0] += a[1] * b[2] - a[2] * b[1];
     c[1] += a[2] * b[0] - a[0] * b[2];
     c[2] += a[0] * b[1] - a[1] * b[0];
 }
 
-PART void take_cross(rows c[3], const rows a[3], const double b[3])
+PART void take_cross(lanes c[3], const lanes a[3], const double b[3])
 {
     c[0] -= a[1] * b[2] - a[2] * b[1];
     c[1] -= a[2] * b[0] - a[0] * b[2];
@@ -117,10 +112,10 @@ static void prepare(columns *base, mukca_equilibrium *e, mukca_effect_slopes *sl
 
 /* out[3] := rows of the tip's motion by rotations about x, y and z, where the tip is at d from what
  * turns, which has the first moment S. */
-PART void turn_frame(rows out[3], const tip_answers *t, const double g[3], int row,
+PART void turn_frame(lanes out[3], const tip_answers *t, const double g[3], int row,
                      const double d[3], const double S[3])
 {
-    const rows shift[3] = {UNIT(0, row), UNIT(1, row), UNIT(2, row)};
+    const lanes shift[3] = {UNIT(0, row), UNIT(1, row), UNIT(2, row)};
     for (int i = 0; i < 3; i++) out[i] = UNIT(3 + i, row);
     take_cross(out, shift, d);
     take_cross(out, t->by_M, S);
@@ -128,9 +123,9 @@ PART void turn_frame(rows out[3], const tip_answers *t, const double g[3], int r
 }
 
 /* v := K v */
-PART void apply_answer(rows v[3], const columns *K)
+PART void apply_answer(lanes v[3], const columns *K)
 {
-    const rows x = v[0], y = v[1], z = v[2];
+    const lanes x = v[0], y = v[1], z = v[2];
     for (int i = 0; i < 3; i++)
         v[i] = COLUMN(K, 0, i) * x + COLUMN(K, 1, i) * y + COLUMN(K, 2, i) * z;
 }
@@ -154,13 +149,13 @@ PART void pass_base(tip_answers *t, const tip_columns *c, const mukca_equilibriu
                     bool last)
 {
     const double *g = XYZ(e->gravity);
-    for (int i = 0; i < 3; i++) t->by_M[i] = (rows){0};
+    for (int i = 0; i < 3; i++) t->by_M[i] = (lanes){0};
     if (e->bend == 0) return;
     add_cross(t->by_M, t->base, g);
     if (last) return;
     turn_frame(t->base, t, g, row, XYZ(e->tip.column[3]), XYZ(e->first));
     apply_answer(t->base, &c->base);
-    for (int i = 0; i < 3; i++) t->by_M[i] = (rows){0};
+    for (int i = 0; i < 3; i++) t->by_M[i] = (lanes){0};
     add_cross(t->by_M, t->base, g);
 }
 
@@ -175,9 +170,9 @@ PART void pass_joint(tip_answers *t, tip_columns *c, const mukca_equilibrium *e,
     const bool turns = last && at->turns;
     if (turns || at->bend != 0) {
         const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]};
-        rows frame[3];
+        lanes frame[3];
         turn_frame(frame, t, g, row, d, XYZ(at->first));
-        if (turns) STORE_ROWS(c->tilt[j].row + row, DOT(frame, c->rate[j]));
+        if (turns) STORE_LANES(c->tilt[j].row + row, DOT(frame, c->rate[j]));
         if (at->bend != 0) {
             apply_answer(frame, &at->frame);
             add_cross(t->by_M, frame, g);
@@ -185,8 +180,8 @@ PART void pass_joint(tip_answers *t, tip_columns *c, const mukca_equilibrium *e,
         }
     }
     if (!last && !at->yields) return;
-    const rows turn = LOAD_ROWS(c->turn[j].row + row) + DOT(t->by_M, M) + DOT(t->by_N, N);
-    if (last) STORE_ROWS(c->turn[j].row + row, turn);
+    const lanes turn = LOAD_LANES(c->turn[j].row + row) + DOT(t->by_M, M) + DOT(t->by_N, N);
+    if (last) STORE_LANES(c->turn[j].row + row, turn);
     for (int i = 0; i < 3 && at->yields; i++) {
         t->by_M[i] += at->twist * N[i] * turn;
         t->by_N[i] -= at->twist * M[i] * turn;
@@ -197,9 +192,9 @@ PART void pass_joint(tip_answers *t, tip_columns *c, const mukca_equilibrium *e,
 PART void sweep(tip_answers t[BESIDE], tip_columns *c, const mukca_equilibrium *e, int row,
                 bool last)
 {
-    for (int b = 0; b < BESIDE; b++) pass_base(&t[b], c, e, row + TOGETHER * b, last);
+    for (int b = 0; b < BESIDE; b++) pass_base(&t[b], c, e, row + MUKCA_LANES * b, last);
     for (int j = 0; j < e->n_joints; j++)
-        for (int b = 0; b < BESIDE; b++) pass_joint(&t[b], c, e, j, row + TOGETHER * b, last);
+        for (int b = 0; b < BESIDE; b++) pass_joint(&t[b], c, e, j, row + MUKCA_LANES * b, last);
 }
 
 /* by_N of all answers: what is left of it in the end is too much in the beginning, up to what is
@@ -207,14 +202,14 @@ PART void sweep(tip_answers t[BESIDE], tip_columns *c, const mukca_equilibrium *
 PART void settle(tip_answers t[BESIDE], tip_columns *c, const mukca_equilibrium *e, int row)
 {
     enum { ROUNDS = 8 };
-    rows all[BESIDE][3];
+    lanes all[BESIDE][3];
     double size = 0;
     for (int b = 0; b < BESIDE; b++)
-        for (int i = 0; i < 3; i++) t[b].base[i] = all[b][i] = (rows){0};
+        for (int i = 0; i < 3; i++) t[b].base[i] = all[b][i] = (lanes){0};
     for (int round = 0; round < ROUNDS && e->loaded; round++) {
         const double before = size;
-        rows squares = {0};
-        double of_row[TOGETHER];
+        lanes squares = {0};
+        double of_row[MUKCA_LANES];
         for (int b = 0; b < BESIDE; b++)
             for (int i = 0; i < 3; i++) t[b].by_N[i] = all[b][i];
         sweep(t, c, e, row, false);
@@ -225,7 +220,7 @@ PART void settle(tip_answers t[BESIDE], tip_columns *c, const mukca_equilibrium 
             }
         memcpy(of_row, &squares, sizeof of_row);
         size = 0;
-        for (int r = 0; r < TOGETHER; r++) size += of_row[r];
+        for (int r = 0; r < MUKCA_LANES; r++) size += of_row[r];
         /* The next change is smaller than this at least as this than the one before, which the
          * first two alone would show badly: g times three times that within 1e-12. */
         if (round > 1 && !(size * size > 1e-27 * before)) break;
@@ -243,18 +238,18 @@ MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
     c.rate = (const double(*)[3])slopes->rotation;
     prepare(&c.base, e, slopes);
     set_columns(c.turn, e);
-    for (int row = 0; row < 6; row += BESIDE * TOGETHER) {
+    for (int row = 0; row < 6; row += BESIDE * MUKCA_LANES) {
         settle(t, &c, e, row);
         sweep(t, &c, e, row, true);
         for (int l = 0; l < n; l++)
-            for (int b = row; b < 6 && b < row + BESIDE * TOGETHER; b += TOGETHER) {
-                rows rate = slopes->angle[l][1] * LOAD_ROWS(c.turn[l].row + b);
-                if (e->joint[l].turns) rate += LOAD_ROWS(c.tilt[l].row + b);
-                if (l > 0) rate += slopes->angle[l - 1][2] * LOAD_ROWS(c.turn[l - 1].row + b);
-                if (l + 1 < n) rate += slopes->angle[l + 1][0] * LOAD_ROWS(c.turn[l + 1].row + b);
-                double of_row[TOGETHER];
+            for (int b = row; b < 6 && b < row + BESIDE * MUKCA_LANES; b += MUKCA_LANES) {
+                lanes rate = slopes->angle[l][1] * LOAD_LANES(c.turn[l].row + b);
+                if (e->joint[l].turns) rate += LOAD_LANES(c.tilt[l].row + b);
+                if (l > 0) rate += slopes->angle[l - 1][2] * LOAD_LANES(c.turn[l - 1].row + b);
+                if (l + 1 < n) rate += slopes->angle[l + 1][0] * LOAD_LANES(c.turn[l + 1].row + b);
+                double of_row[MUKCA_LANES];
                 memcpy(of_row, &rate, sizeof of_row);
-                for (int r = 0; r < TOGETHER && b + r < 6; r++) J[(b + r) * n + l] = of_row[r];
+                for (int r = 0; r < MUKCA_LANES && b + r < 6; r++) J[(b + r) * n + l] = of_row[r];
             }
     }
 }

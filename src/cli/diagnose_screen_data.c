@@ -38,8 +38,11 @@ static void put_fault(mukca_text *text, const mukca_diagnosed *r, const mukca_da
     if (f->socket >= 0) mukca_text_put(text, "socket %s, ", data->sockets[f->socket].label);
     mukca_text_put(text, "row %d of %s: ", f->row, file ? file + 1 : path);
     if (f->kind == MUKCA_FAULT_TOOL_MOTION)
-        mukca_text_put(text, "the tool %s by %.2f mm %s; record this socket again",
-                       creep ? "crept" : "moved", mm, creep ? "from here on" : "before it");
+        mukca_text_put(text,
+                       creep ? "the tool crept by %.2f mm from here on; record this socket again"
+                             : "the tool moved by %.2f mm before it, or a joint slipped; record "
+                               "this socket again",
+                       mm);
     else if (f->kind == MUKCA_FAULT_WRONG_SOCKET)
         mukca_text_put(text, "the ball was in another socket (%.1f mm away); correct its label",
                        mm);

@@ -286,9 +286,8 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
         const double threshold = m->unknowns.n_causes ? LATER_THRESHOLD : FIRST_THRESHOLD;
         const mukca_contender *top = leader(contest, -1, threshold);
         if (!top) {
-            if (extent ==
-                MUKCA_SCAN_LISTED) { /* before giving up: all orders of ripple once more */
-                extent = MUKCA_SCAN_RIPPLE;
+            if (extent == MUKCA_SCAN_LISTED) {
+                extent = MUKCA_SCAN_RIPPLE; /* before giving up: all orders once more */
                 continue;
             }
             if (!mukca_screening_reinstate(contest->faults, m)) return MUKCA_OK;

@@ -141,7 +141,8 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
 
 /* Is cause i dwarfed by what no effect explains?  The catalogue is wrong for these data then, and
  * its nearest effect takes its share of an unlisted one: two thirds of the squared held-out error
- * need a correlation above 0.8.  No share has fine ripple, which no smooth function resembles. */
+ * need a correlation above 0.8.  A rest below a sixth of all that can be removed is taken for a
+ * minor effect of its own, a rule of thumb.  Fine ripple resembles no smooth function. */
 static bool is_dwarfed(const mukca_validation *v, int i, const mukca_effect *effect,
                        double structure_m)
 {

@@ -185,33 +185,6 @@ static void test_tilt(void **state)
     free(d);
 }
 
-/* A joint that slips within a socket is no socket that moved, at whatever sample it slips. */
-static void test_slip(void **state)
-{
-    (void)state;
-    mukca_diagnosis *d = malloc(sizeof *d);
-    assert_non_null(d);
-    for (int first = 110; first < 114; first++) {
-        scene s;
-        mukca_dataset data;
-        mukca_error error = {0};
-        const mukca_diagnose_options options = {.no_folds = true};
-        set_scene(&s, NULL, 3);
-        s.how.noise = 1e-4;
-        record(&data, &s);
-        for (int row = first; row < data.n_rows; row++) data.q[row * s.chain.n_joints + 2] += 6e-3;
-        memset(d, 0, sizeof *d);
-        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
-        print_message("slip at %d: %s, %d causes\n", first, mukca_verdict_name[d->verdict],
-                      d->n_causes);
-        for (int i = 0; i < d->n_causes; i++)
-            assert_int_not_equal(d->causes[i].effect.kind, MUKCA_EFFECT_TOOL_MOTION);
-        mukca_diagnosis_free(d);
-        mukca_dataset_free(&data);
-    }
-    free(d);
-}
-
 /* A badly seated ball that stays badly seated is no socket that moved: each socket's noise is a
  * series with a long memory, and a few samples of it are far off. */
 static void test_heavy_tails(void **state)
@@ -250,9 +223,9 @@ static void test_heavy_tails(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_diagnosed), cmocka_unit_test(test_heavy_tails),
-        cmocka_unit_test(test_unlisted),  cmocka_unit_test(test_tilt),
-        cmocka_unit_test(test_slip),      cmocka_unit_test(test_surprise)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_diagnosed),
+                                       cmocka_unit_test(test_heavy_tails),
+                                       cmocka_unit_test(test_unlisted), cmocka_unit_test(test_tilt),
+                                       cmocka_unit_test(test_surprise)};
     return cmocka_run_group_tests_name("simulate diagnosed", tests, NULL, NULL);
 }

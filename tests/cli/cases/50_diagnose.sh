@@ -153,7 +153,15 @@ answer "transmission ripple at joint_3 .12 per turn.: gear" $d ripple.tsv --test
 answer "or an effect outside the" $d ripple.tsv --test smooth.tsv
 expect "worse test data are said, and what to do" \
     sh -c "grep -q 'with causes .*worse: uncertain' '$scratch/out' && grep -q 'use the geometry alone' '$scratch/out'"
+expect "and the cause is not sure" grep -q 'probability 75 %' "$scratch/out"
 
 # nor are causes beside more unexplained structure than they explain: the effect that makes it is withheld
 simulate --seed 3 --placements 4 --effect joint_coupling:joint_3=2e-3,backlash:joint_2=6e-4 -o dwarfed.tsv
 answer "backlash at joint_2 or an effect outside the catalogue" $d dwarfed.tsv --without joint_coupling
+
+# a joint that slips between two samples is no socket that moved for certain
+"$MUKCA" simulate --urdf arm.urdf --seed 6 --placements 4 --rows 24 --perturb 1,2 --noise 1e-4 -o still.tsv
+awk -F'\t' -v OFS='\t' -v CONVFMT=%.9f '/^p[0-9]/ && n++ >= 77 { $7 += 4e-3 } { print }' still.tsv >slip.tsv
+run $d slip.tsv --json - -q
+expect "a slip is not a moved tool for certain" \
+    sh -c "! tr -d ' \n' <'$scratch/out' | grep -q 'tool_motion\"[^{}]*probability\":\(1\|0\.9\)'"
