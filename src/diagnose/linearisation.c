@@ -276,7 +276,7 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
     linear->n_columns = n;
     linear->n_held = n + 1;
     linear->most = spare ? mukca_unknowns_capacity(u) + 1 : n + 1;
-    linear->stride = spare ? n + 1 + ROOM : n + 1;
+    linear->stride = n + 1 + ROOM < linear->most ? n + 1 + ROOM : linear->most;
     linear->n_causes = 0;
     linear->version++;
     for (int i = 0; i <= n; i++) linear->at[i] = i;

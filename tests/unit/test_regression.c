@@ -477,6 +477,24 @@ static void revised_fit(void **state)
     mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
 }
 
+/* As many causes as there is room for: their columns stay within it. */
+static void full_columns(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    const int most = mukca_unknowns_capacity(&m->unknowns) + 1;
+    int at = 0;
+    while (at < f->all.first_unlisted && (!f->all.list[at].basis || f->all.list[at].terms < 4 ||
+                                          mukca_unknowns_add(&m->unknowns, &f->all.list[at])))
+        at++;
+    mukca_regression_freeze(m);
+    assert_true(m->linear.n_columns + 1 > most - 32);
+    assert_true(m->linear.stride >= m->linear.n_columns + 1 && m->linear.stride <= most);
+    assert_true(mukca_regression_solve(m));
+    m->unknowns.n_causes = 0;
+    mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
+}
+
 /* The prior odds of all candidates and orders sum to one. */
 static void priors(void **state)
 {
@@ -603,6 +621,7 @@ int main(void)
                                        cmocka_unit_test(frozen_fit),
                                        cmocka_unit_test(revised_fit),
                                        cmocka_unit_test(priors),
+                                       cmocka_unit_test(full_columns),
                                        cmocka_unit_test(reinstated),
                                        cmocka_unit_test(never_left_out)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
