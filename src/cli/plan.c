@@ -205,6 +205,7 @@ static mukca_status run(cli_call *call)
     r->data = &call->session->data;
     mukca_status status = check(call);
     if (status == MUKCA_OK) status = cli_load(call);
+    if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) status = plan(r);
     if (status == MUKCA_OK) status = cli_plan_write(r);
     if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, cli_plan_json(r));

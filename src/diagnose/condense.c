@@ -1,4 +1,5 @@
-/* Recordings of more rows than a diagnosis can hold: one sample for each still posture. */
+/* Recordings of several rows for each still posture, or of more rows than a diagnosis can hold: one
+ * sample for each posture. */
 #include "diagnose/condense.h"
 
 #include <math.h>
@@ -10,6 +11,9 @@
 /* Successive postures that are kept together, so that last moves and the memory of the noise stay
  * what they were for all but the first. */
 enum { BLOCK = 50 };
+/* Rows that repeat a posture have the error of its seat in common, but count as independent.  More
+ * than one in so many overstate the log evidence by as much, and are no accident. */
+enum { FEW_REPEATS = 10 };
 
 /* Does a row still belong to the posture that began with row `first`? */
 static bool same_posture(const mukca_dataset *d, int first, int row)
@@ -97,10 +101,21 @@ static int spread(unsigned char *keep, int n_rows, int postures, int most)
     return left;
 }
 
+/* Do the samples of sockets repeat their postures? */
+static bool repeats(const mukca_dataset *d)
+{
+    int again = 0, rows = 0;
+    for (int row = 0; row < d->n_rows; row++) {
+        rows += d->socket[row] >= 0;
+        again += row > 0 && d->socket[row] >= 0 && same_posture(d, row - 1, row);
+    }
+    return again * FEW_REPEATS > rows;
+}
+
 mukca_status mukca_condense(mukca_condensed *how, mukca_dataset *data, int most, mukca_error *error)
 {
     *how = (mukca_condensed){data->n_rows, data->n_rows, data->n_rows};
-    if (data->n_rows <= most) return MUKCA_OK;
+    if (data->n_rows <= most && !repeats(data)) return MUKCA_OK;
     unsigned char *keep = calloc((size_t)data->n_rows, 1);
     if (!keep) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     how->samples = how->postures = find_postures(keep, data);

@@ -1,4 +1,4 @@
-/* Recordings of more rows than a diagnosis can hold. */
+/* Recordings of several rows for each posture, or of more rows than a diagnosis can hold. */
 #ifndef MUKCA_DIAGNOSE_CONDENSE_H
 #define MUKCA_DIAGNOSE_CONDENSE_H
 
@@ -13,9 +13,10 @@ typedef struct {
     int samples;        /* that are left */
 } mukca_condensed;
 
-/* Where the data have more than `most` rows, the rows of each still posture become their mean; of
- * more postures than that, blocks of successive ones are kept, evenly spread.  Each sample keeps
- * the row number of its first row.  Errors: MUKCA_MEMORY. */
+/* Where samples of sockets repeat postures, or the data have more than `most` rows, the rows of
+ * each still posture become their mean; of more postures than `most`, blocks of successive ones are
+ * kept, evenly spread.  Each sample keeps the row number of its first row.  Errors: MUKCA_MEMORY.
+ */
 mukca_status mukca_condense(mukca_condensed *how, mukca_dataset *data, int most,
                             mukca_error *error);
 
