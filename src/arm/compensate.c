@@ -103,7 +103,6 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     const mukca_inverse_result found = solve(q, c, &target);
     mukca_compensation result = outcome(&found);
     result.position_before = mukca_distance3(uncorrected.p, target.p);
-    result.rotation_before = c->position_only ? 0 : mukca_rotation_between(uncorrected.R, target.R);
     for (int j = 0; j < n; j++) {
         correction[j] = q[j] - meant[j];
         before[j] = c->sent[j] - c->target[j];

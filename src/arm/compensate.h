@@ -25,8 +25,8 @@ extern const char *const mukca_reach_sentence[MUKCA_REACH_COUNT];
 
 typedef struct {
     mukca_reach reach;
-    double position_before, rotation_before; /* m, rad: uncorrected; 0 for poses */
-    double position_error, rotation_error;   /* m, rad: corrected */
+    double position_before;                /* m: uncorrected; 0 for poses */
+    double position_error, rotation_error; /* m, rad: corrected */
 } mukca_compensation;
 
 /* What stays the same from row to row, and the last row.  Do not copy it. */

@@ -249,9 +249,9 @@ mukca_status cli_run(cli_call *call);
 
 enum { CLI_WIDTH = 79 }; /* columns */
 
-/* Print `text` wrapped to 79 columns, each line indented; empty lines part paragraphs, lines that
- * begin with a space are kept as they are. */
-void cli_print_wrapped(FILE *stream, int indent, const char *text);
+/* Print `text` wrapped to 79 columns; empty lines part paragraphs, lines that begin with a space
+ * are kept as they are. */
+void cli_print_wrapped(FILE *stream, const char *text);
 
 /* "Cause   text": a bold key of 8 columns, the text wrapped after it. */
 void cli_print_keyed(FILE *stream, const char *key, const char *text);

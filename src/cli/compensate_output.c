@@ -33,7 +33,7 @@ void compensate_count(compensate_job *b, const mukca_compensation *c, const char
 void compensate_put(compensate_job *b, const double *q, const mukca_compensation *c)
 {
     if (b->to) {
-        mukca_language_print(b->stream, b->to, &b->arm->chain, q, true);
+        mukca_language_print(b->stream, b->to, &b->arm->chain, q);
         fputc('\n', b->stream);
         return;
     }

@@ -9,8 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-/* more samples take minutes and gigabytes */
-
 typedef struct {
     cli_common common;
     const char *without, *expect, *summary, *arm, *traits;

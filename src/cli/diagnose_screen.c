@@ -190,10 +190,10 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
     fprintf(stream, "%s: %s\n", r->chain->robot, words);
     mukca_wording_caveat(words, r);
     const bool caveat = *words;
-    cli_print_wrapped(stream, 0, words);
+    cli_print_wrapped(stream, words);
     if (r->diagnosis->verdict == MUKCA_VERDICT_UNTESTABLE) {
         mukca_wording_verdict(words, r);
-        cli_print_wrapped(stream, 0, words);
+        cli_print_wrapped(stream, words);
         cli_screen_recording(stream, r);
         return;
     }

@@ -80,7 +80,7 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
     char usage[120];
     cli_format_usage(usage, sizeof usage, command);
     fprintf(stream, "%sUsage:%s mukca %s\n\n", bold, plain, usage);
-    cli_print_wrapped(stream, 0, command->description);
+    cli_print_wrapped(stream, command->description);
     for (int common = 0; common < 2; common++) {
         bool any = false;
         for (const cli_option *o = command->options; o->name; o++) {
@@ -154,7 +154,7 @@ void cli_print_effects(FILE *stream)
                  {MUKCA_NEEDS_SOCKETS, "socket data"},
                  {MUKCA_NEEDS_COMMANDS, "commanded angles (--angles command)"}};
     cli_print_wrapped(
-        stream, 0,
+        stream,
         "The effects that `mukca diagnose` can name and `mukca simulate --effect` can "
         "make, with the unit of their coefficients:\n\n");
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {

@@ -34,10 +34,9 @@ static int list(char *text, size_t size, const mukca_chain *chain, const char *f
     for (int i = 0; i < n; i++) {
         const char *name = entries[i]->d_name;
         char path[1400];
-        bool fits = false;
         snprintf(path, sizeof path, "%.1100s/%.255s", folder, name);
         if (strstr(name, ".tsv") && (!named || is_named(chain, name)) &&
-            mukca_inertials_fit(&fits, chain, path, NULL) == MUKCA_OK && fits) {
+            mukca_inertials_fit(chain, path)) {
             const size_t used = strlen(text);
             snprintf(text + used, size - used, "%s%s", found++ ? " or " : "", path);
         }

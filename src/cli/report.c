@@ -304,7 +304,6 @@ static mukca_status prepare_arm(cli_call *call)
 static mukca_status run(cli_call *call)
 {
     const report_options *o = call->options;
-    cli_catch_interrupts();
     mukca_status status = check(call);
     if (status == MUKCA_OK) status = note_command(call);
     if (status == MUKCA_OK) status = o->fleet ? prepare_fleet(call) : prepare_arm(call);

@@ -84,7 +84,7 @@ static void answer_text(cli_call *call, const char *key, const char *format, va_
     if (key)
         cli_print_keyed(stream, key, text);
     else
-        cli_print_wrapped(stream, 0, text);
+        cli_print_wrapped(stream, text);
 }
 
 void cli_answer_wrapped(cli_call *call, const char *format, ...)

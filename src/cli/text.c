@@ -45,18 +45,16 @@ void cli_print_words(FILE *stream, int indent, int column, const char *text, siz
     fputc('\n', stream);
 }
 
-void cli_print_wrapped(FILE *stream, int indent, const char *text)
+void cli_print_wrapped(FILE *stream, const char *text)
 {
     while (*text) {
         size_t length = strcspn(text, "\n");
         if (length == 0)
             fputc('\n', stream);
         else if (*text == ' ')
-            fprintf(stream, "%*s%.*s\n", indent, "", (int)length, text);
-        else {
-            fprintf(stream, "%*s", indent, "");
-            cli_print_words(stream, indent, indent, text, length);
-        }
+            fprintf(stream, "%.*s\n", (int)length, text);
+        else
+            cli_print_words(stream, 0, 0, text, length);
         text += length + (text[length] == '\n');
     }
 }
@@ -70,7 +68,7 @@ void cli_print_keyed(FILE *stream, const char *key, const char *text)
 void cli_print_text(FILE *stream, const char *key, mukca_text *text)
 {
     if (text->used && key) cli_print_keyed(stream, key, text->at);
-    if (text->used && !key) cli_print_wrapped(stream, 0, text->at);
+    if (text->used && !key) cli_print_wrapped(stream, text->at);
     text->at[text->used = 0] = '\0';
 }
 

@@ -33,7 +33,6 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     if (!memory) return arena.used;
 
     mukca_observe_setup(&cost->observations, block, chain, data, fixed, n);
-    cost->chain = chain;
     cost->part = options->part ? options->part : cost;
     cost->parameters = parameters;
     cost->gradient = options->gradient;

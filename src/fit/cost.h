@@ -30,7 +30,6 @@ typedef struct {
 } mukca_cost_value;
 
 struct mukca_cost {
-    const mukca_chain *chain;
     const mukca_parameters *parameters;
     mukca_cost *part; /* with r, J and weight below; itself, unless the options had another */
     mukca_observations observations;

@@ -50,8 +50,7 @@ static void add(mukca_cross_training *result, int *count, double mae)
 static mukca_status train_on(run *r, int a, int b, bool all, mukca_error *error)
 {
     const int n = r->data->n_placements;
-    mukca_cross_training result = {
-        .scores = r->scores, .train = r->train, .mean = NAN, .low = NAN, .high = NAN};
+    mukca_cross_training result = {.scores = r->scores, .mean = NAN, .low = NAN, .high = NAN};
     int count = 0, n_test;
     memset(r->train, all, (size_t)n);
     r->train[a] = r->train[b] = 1;

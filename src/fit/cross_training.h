@@ -9,9 +9,8 @@ typedef struct {
     char name[2 * MUKCA_NAME_SIZE]; /* of these placements, + between; "all" */
     int placements;                 /* how many of them */
     int n;
-    const mukca_score *scores;  /* [n] of every placement with samples */
-    const unsigned char *train; /* [n_placements] 1: fitted to */
-    double mean, low, high;     /* MAE over the other placements and the test data, m; NaN: none */
+    const mukca_score *scores; /* [n] of every placement with samples */
+    double mean, low, high;    /* MAE over the other placements and the test data, m; NaN: none */
 } mukca_cross_training;
 
 /* Called after each fit; `share` of them are done; returning false interrupts. */

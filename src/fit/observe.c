@@ -80,7 +80,7 @@ size_t mukca_observe_setup(mukca_observations *o, void *memory, const mukca_chai
     mukca_arena arena = {.base = memory};
     const int n = data->n_rows, sockets = data->n_sockets;
     bool posed = false;
-    *o = (mukca_observations){.n_rows = n, .n_sockets = sockets, .max_free = max_free};
+    *o = (mukca_observations){.n_rows = n, .n_sockets = sockets};
     for (int i = 0; i < n; i++) {
         posed |= data->socket[i] < 0;
         o->oriented |= has_orientation(data, i);

@@ -22,7 +22,6 @@ typedef struct {
     int n_groups;    /* placements that have rows, and one more where there are pose rows */
     int n_residuals; /* rows of the Jacobian */
     int n_measured;  /* scalar measurements less one mean per socket: what parameters can use */
-    int max_free;    /* parameters that the workspace has room for */
     bool oriented;
     int *socket;        /* [n_rows] -1: a pose */
     double *share;      /* [n_rows] weight of the squared residual: 1 / rows of the group, or 0 */

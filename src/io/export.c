@@ -10,10 +10,10 @@
 #include "fit/refit.h"
 
 const mukca_exporter mukca_exporters[] = {
-#define ROW(name, endings, description) {#name, endings, description, &mukca_export_##name},
+#define ROW(name, endings, description) {#name, endings, &mukca_export_##name},
     MUKCA_EXPORT_LIST(ROW)
 #undef ROW
-        {NULL, NULL, NULL, NULL}};
+        {NULL, NULL, NULL}};
 
 int mukca_exporter_find(const char *path)
 {
@@ -70,7 +70,7 @@ static int keep_held(mukca_offsets *kept, const mukca_export_input *input,
             kept->effects[kept->n_effects++] = *effect;
             continue;
         }
-        const char *joint = mukca_export_joint(input, effect);
+        const char *joint = mukca_chain_joint_name(input->chain, effect->joint);
         needs |= mukca_effect_table[effect->kind]->needs;
         mukca_note_format(input->note, input->context,
                           "%s of %.60s is not exported: the format %s cannot represent it",

@@ -52,7 +52,7 @@ MUKCA_EXPORT_LIST(MUKCA_EXPORT_DECLARE)
 #undef MUKCA_EXPORT_DECLARE
 
 typedef struct {
-    const char *name, *endings, *description;
+    const char *name, *endings;
     const mukca_export_format *format;
 } mukca_exporter;
 
@@ -96,9 +96,6 @@ void mukca_export_numbers(FILE *stream, const double *values, int n, const char 
  * the URDF's own number. */
 void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,
                              int element);
-
-/* Name of an effect's joint, NULL where it has none. */
-const char *mukca_export_joint(const mukca_export_input *input, const mukca_effect *effect);
 
 /* Compare a file with what the input gives now: all numbers outside of comments and strings, in
  * order. */

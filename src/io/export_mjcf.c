@@ -72,7 +72,7 @@ static void gather(writer *w)
     const mukca_offsets *o = w->input->offsets;
     for (int e = 0; e < o->n_effects; e++) {
         double *sum = equivalent(w, &o->effects[e]);
-        const char *joint = mukca_export_joint(w->input, &o->effects[e]);
+        const char *joint = mukca_chain_joint_name(w->input->chain, o->effects[e].joint);
         if (sum)
             *sum += o->effects[e].coefficient[0];
         else

@@ -82,8 +82,3 @@ void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_inp
     for (int i = 0; i < 4; i++)
         if (fabs(origin->quaternion[i]) < smallest_component) origin->quaternion[i] = 0;
 }
-
-const char *mukca_export_joint(const mukca_export_input *input, const mukca_effect *effect)
-{
-    return mukca_chain_joint_name(input->chain, effect->joint);
-}

@@ -13,7 +13,7 @@ static void print_effects(FILE *stream, const mukca_export_input *input)
     if (input->offsets->n_effects > 0) fputs("effects:\n", stream);
     for (int e = 0; e < input->offsets->n_effects; e++) {
         const mukca_effect *effect = &input->offsets->effects[e];
-        const char *joint = mukca_export_joint(input, effect);
+        const char *joint = mukca_chain_joint_name(input->chain, effect->joint);
         for (int t = 0; t < effect->terms; t++) {
             char term[MUKCA_EFFECT_TEXT];
             mukca_effect_term_text(term, effect, t);

@@ -80,14 +80,12 @@ static mukca_status compare_row(void *context, const mukca_table *table, const i
     return MUKCA_OK;
 }
 
-mukca_status mukca_inertials_fit(bool *fits, const mukca_chain *chain, const char *path,
-                                 mukca_error *error)
+bool mukca_inertials_fit(const mukca_chain *chain, const char *path)
 {
     static const char *const names[] = {"link", "origin_x_m", "origin_y_m", "origin_z_m"};
     fit f = {.chain = chain};
-    const mukca_status status = mukca_table_read(path, names, 4, compare_row, &f, error);
-    *fits = status == MUKCA_OK && f.found > 0 && !f.other;
-    return status;
+    const mukca_status status = mukca_table_read(path, names, 4, compare_row, &f, NULL);
+    return status == MUKCA_OK && f.found > 0 && !f.other;
 }
 
 mukca_status mukca_inertials_read(mukca_inertial **rows, int *n, const char *path,

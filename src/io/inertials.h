@@ -19,9 +19,8 @@ bool mukca_inertials_names(const char *link, const char *name);
 
 /* Does the file belong to an arm of this geometry?  It does where each row with origin_x_m,
  * origin_y_m, origin_z_m names a link of the chain whose joint is there.  A file without these
- * columns fits nothing.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
-mukca_status mukca_inertials_fit(bool *fits, const mukca_chain *chain, const char *path,
-                                 mukca_error *error);
+ * columns, or that cannot be read, fits nothing. */
+bool mukca_inertials_fit(const mukca_chain *chain, const char *path);
 
 /* Read the table into a new list (*list, free it with free) of *n links.  Errors: MUKCA_INPUT (a
  * negative or absurd mass, a link that comes twice), MUKCA_MEMORY. */

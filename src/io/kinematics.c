@@ -17,11 +17,10 @@ enum { LARGEST_FILE = 1 << 20, DEEPEST = 4 };
 /* Differences from the URDF beyond these are no manufacturing tolerance of an arm: m, rad. */
 static const double most_shift = 0.02, most_turn = 0.1;
 
-const mukca_kinematics_layout mukca_kinematics_layouts[] = {
-    {.name = "Universal Robots", .root = "kinematics", .of_link = true},
+const mukca_kinematics_layout mukca_kinematics_layouts[3] = {
+    {.name = "Universal Robots", .root = "kinematics"},
     {.name = "Franka", .inner = "kinematic"},
-    {.name = "UFACTORY", .root = "kinematics"},
-    {.name = NULL}};
+    {.name = "UFACTORY", .root = "kinematics"}};
 
 /* Where the reader is: keys from the outermost mapping to the innermost. */
 typedef struct {

@@ -5,14 +5,12 @@
 
 #include "mukca/chain.h"
 
-/* How the YAML is laid out.  `root` holds the joints and `inner` their numbers, where not NULL.
- */
+/* How the YAML is laid out.  `root` holds the joints and `inner` their numbers, where not NULL. */
 typedef struct {
     const char *name, *root, *inner;
-    bool of_link; /* NAME is that of the child link, without _link; else that of the joint */
 } mukca_kinematics_layout;
 
-extern const mukca_kinematics_layout mukca_kinematics_layouts[]; /* ended by a NULL name */
+extern const mukca_kinematics_layout mukca_kinematics_layouts[3]; /* UR, Franka, UFACTORY */
 
 typedef struct {
     char name[MUKCA_NAME_SIZE];

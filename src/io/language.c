@@ -273,12 +273,12 @@ static void print_value(FILE *stream, const mukca_language *l, const mukca_chain
 }
 
 void mukca_language_print(FILE *stream, const mukca_language *l, const mukca_chain *chain,
-                          const double *q, bool alone)
+                          const double *q)
 {
     char pattern[PATTERN];
     int axis = 0;
     joint_pattern(pattern, l, chain);
-    if (alone) fputs(l->line[0], stream);
+    fputs(l->line[0], stream);
     for (const char *p = pattern; *p; p++) {
         if (*p != '#') {
             if (*p != '*') fputc(*p, stream);
@@ -289,7 +289,7 @@ void mukca_language_print(FILE *stream, const mukca_language *l, const mukca_cha
             fputs(l->empty[axis++ >= ROBOT_AXES], stream);
         }
     }
-    if (alone) fputs(l->line[1], stream);
+    fputs(l->line[1], stream);
 }
 
 /* Print the target's text with the numbers value[n], behind it those that it lacks. */

@@ -52,9 +52,9 @@ bool mukca_program_next(mukca_program_target *target, mukca_program_reader *read
 /* The most joints that a joint target has room for. */
 int mukca_language_axes(const mukca_language *language);
 
-/* Print q[n_joints] as a joint target; `alone`: as a whole line of a program, without its end. */
+/* Print q[n_joints] as a joint target: a whole line of a program, without its end. */
 void mukca_language_print(FILE *stream, const mukca_language *language, const mukca_chain *chain,
-                          const double *q, bool alone);
+                          const double *q);
 
 /* Print the text of the reader's target with the joints' values replaced by q[n_joints]; axes of
  * the target that the chain lacks stay. */

@@ -172,7 +172,6 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     median = check->rotations ? rotation_median(p) : 0;
     if (median <= 1.5 * best_turn) /* links that differ by nothing */
         best_turn = median, check->rotation_element = check->position_element;
-    check->rotation_median = best_turn;
     if (check->position_median > 0.1 && shuffled(p, check->position_median))
         return mukca_fail(error, MUKCA_INPUT,
                           "the poses belong to other rows' joint angles (median %.0f mm off, but "

@@ -5,9 +5,9 @@
 #include "recalibrate/recalibrate.h"
 
 typedef struct {
-    int rotations;                           /* samples with a quaternion */
-    int position_element, rotation_element;  /* whose child link the poses belong to */
-    double position_median, rotation_median; /* m, rad: measured to that link, nominal */
+    int rotations;                          /* samples with a quaternion */
+    int position_element, rotation_element; /* whose child link the poses belong to */
+    double position_median;                 /* m: measured to that link, nominal */
     mukca_quaternion_order order;
     mukca_frame base, tool; /* first guess: of the arm in the poses' frame, of these in the tip */
 } mukca_pose_check;

@@ -170,7 +170,7 @@ static double large_residual(const mukca_report *r)
     double *length = calloc((size_t)r->data.n_rows + 1, sizeof *length), result = 0;
     int n = 0;
     for (int i = 0; length && i < r->data.n_rows; i++) {
-        length[n] = mukca_report_length(r->residual + 3 * i);
+        length[n] = mukca_norm3(r->residual + 3 * i);
         n += isfinite(length[n]);
     }
     if (n > 0) result = mukca_stats_quantile(length, n, 0.9);

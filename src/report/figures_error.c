@@ -145,11 +145,6 @@ bool mukca_report_joints(mukca_plot *plot, const mukca_report *r, int index)
 
 /* ---- error of each sample in recording order, faults marked ---- */
 
-double mukca_report_length(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 /* A line and a name where each placement begins. */
 static void mark_placements(mukca_plot *plot, const mukca_dataset *data)
 {
@@ -176,7 +171,7 @@ bool mukca_report_samples(mukca_plot *plot, const mukca_report *r, int index)
     FILE *s = plot->script;
     fputs("$d << EOD\n", s);
     for (int k = 0; k < data->n_rows; k++) {
-        const double error = mukca_report_length(r->residual + 3 * k) * mm;
+        const double error = mukca_norm3(r->residual + 3 * k) * mm;
         if (!isfinite(error)) continue;
         fprintf(s, data->socket[k] % 2 > 0 ? "%d NaN %.5g\n" : "%d %.5g NaN\n", k + 1, error);
         most = fmax(most, error);
@@ -184,7 +179,7 @@ bool mukca_report_samples(mukca_plot *plot, const mukca_report *r, int index)
     fputs("EOD\n$f << EOD\n", s);
     for (int i = 0; i < r->diagnosed.diagnosis->n_faults; i++) {
         const int row = r->diagnosed.diagnosis->faults[i].data_row;
-        fprintf(s, "%d %.5g\n", row + 1, mukca_report_length(r->residual + 3 * row) * mm);
+        fprintf(s, "%d %.5g\n", row + 1, mukca_norm3(r->residual + 3 * row) * mm);
     }
     fputs("EOD\n", s);
     mark_placements(plot, data);

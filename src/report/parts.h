@@ -16,8 +16,6 @@ mukca_report_figure mukca_report_arm, mukca_report_centres;
 mukca_report_figure mukca_report_placements, mukca_report_convergence, mukca_report_generalisation,
     mukca_report_offsets;
 
-double mukca_report_length(const double v[3]); /* figures_error.c */
-
 /* Write a text or table. */
 typedef void mukca_report_text(FILE *out, const mukca_report *report);
 

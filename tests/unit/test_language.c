@@ -10,13 +10,13 @@ enum { RAPID, KRL, URSCRIPT };
 
 static mukca_chain chain;
 
-static char *print(int language, const double *q, bool alone)
+static char *print(int language, const double *q)
 {
     char *text = NULL;
     size_t size;
     FILE *stream = open_memstream(&text, &size);
     assert_non_null(stream);
-    mukca_language_print(stream, mukca_languages[language], &chain, q, alone);
+    mukca_language_print(stream, mukca_languages[language], &chain, q);
     assert_int_equal(fclose(stream), 0);
     return text;
 }
@@ -37,7 +37,7 @@ static void printed_targets_are_found(void **state)
         for (int l = 0; l < 3; l++) {
             gen3_chain(&chain);
             chain.n_joints = joints;
-            char *text = print(l, q, true);
+            char *text = print(l, q);
             mukca_program_target t;
             assert_true(find(&t, l, false, text));
             for (int j = 0; j < joints; j++) assert_close(t.q[j], q[j], 1.1e-8);
@@ -56,7 +56,7 @@ static void print_as_the_languages_have_it(void **state)
     gen3_chain(&chain);
     chain.n_joints = 6;
     for (int l = 0; l < 3; l++) {
-        char *text = print(l, q, true);
+        char *text = print(l, q);
         assert_string_equal(text, wanted[l]);
         free(text);
     }
@@ -71,7 +71,7 @@ static void lengths_are_in_millimetres(void **state)
     gen3_chain(&chain);
     chain.n_joints = 3;
     chain.element[0].type = MUKCA_PRISMATIC;
-    char *text = print(KRL, q, true);
+    char *text = print(KRL, q);
     assert_string_equal(text, "{A1 250.000000,A2 180.000000,A3 0.000000}");
     assert_true(find(&t, KRL, false, text));
     assert_close(t.q[0], 0.25, 1e-12);
