@@ -95,19 +95,6 @@ static void trace(void *context, const double *theta, const mukca_cost_value *va
     fputc('\n', t->stream);
 }
 
-static mukca_status check(cli_call *call)
-{
-    const calibrate_options *o = call->options;
-    const cli_common *c = call->common;
-    if (!o->trace) return MUKCA_OK;
-    if (mukca_output_same(o->trace, c->json) || mukca_output_same(o->trace, c->output))
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--trace and another output cannot both go to %s", o->trace);
-    mukca_status status = cli_keep_inputs(call, o->trace);
-    if (status != MUKCA_OK) return status;
-    return mukca_output_check(o->trace, c->force, &call->error);
-}
-
 /* A socket whose samples are all the same was recorded from a stream that had stopped. */
 static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
 {
@@ -256,7 +243,7 @@ static mukca_status run(cli_call *call)
     calibrate_result *r = &w->result;
     *r =
         (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
-    mukca_status status = check(call);
+    mukca_status status = cli_check_output(call, "--trace", o->trace);
     if (status == MUKCA_OK) status = cli_load(call);
     if (status == MUKCA_OK) note_logs(call, r->train);
     if (status == MUKCA_OK) status = check_moving(call, r->train);

@@ -374,6 +374,10 @@ mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_off
  * which cannot be repeated.  cli_load_model checks -o and --json.  Errors: MUKCA_USAGE. */
 mukca_status cli_keep_inputs(cli_call *call, const char *path);
 
+/* Check the output `path` (NULL: none) of another option before any long work: neither --json nor
+ * -o, not read here, writable. */
+mukca_status cli_check_output(cli_call *call, const char *option, const char *path);
+
 /* Write `root` (stolen) to --json, if that was given, or to `path`.  Errors: MUKCA_INPUT,
  * MUKCA_MEMORY (also: a value is missing, as memory failed while `root` was made). */
 mukca_status cli_write_json(cli_call *call, json_t *root);

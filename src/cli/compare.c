@@ -252,9 +252,7 @@ static mukca_status check_plot(cli_call *call)
     if (!plot_format(o->plot))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--plot %.100s: end the name in .svg, .png or .pdf", o->plot);
-    mukca_status status = cli_keep_inputs(call, o->plot);
-    if (status != MUKCA_OK) return status;
-    return mukca_output_check(o->plot, call->common->force, &call->error);
+    return cli_check_output(call, "--plot", o->plot);
 }
 
 static mukca_status draw(cli_call *call)

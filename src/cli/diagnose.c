@@ -132,21 +132,12 @@ static mukca_status prepare(cli_call *call)
 {
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
-    mukca_status status = MUKCA_OK;
     if (o->traits_only && !o->traits)
         return mukca_fail(&call->error, MUKCA_USAGE, "--traits-only needs --traits FILE");
     if (o->arm && !o->summary)
         return mukca_fail(&call->error, MUKCA_USAGE, "--arm is the label in --summary FILE");
-    if (o->summary) {
-        if (mukca_output_same(o->summary, call->common->json) ||
-            mukca_output_same(o->summary, call->common->output))
-            return mukca_fail(&call->error, MUKCA_USAGE,
-                              "--summary and another output cannot both go to %s", o->summary);
-        status = cli_keep_inputs(call, o->summary);
-        if (status == MUKCA_OK)
-            status = mukca_output_check(o->summary, call->common->force, &call->error);
-        if (status == MUKCA_OK) status = cli_arm_label(call, w->summary.arm, o->arm);
-    }
+    mukca_status status = cli_check_output(call, "--summary", o->summary);
+    if (status == MUKCA_OK && o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
     if (status == MUKCA_OK && o->traits)
         status =
             mukca_traits_read(&w->traits, o->traits, &call->session->model.chain, &call->error);

@@ -1,7 +1,7 @@
 /* Outputs: checked before long work, opened, and the files that several commands write. */
 #include <fnmatch.h>
-#include <string.h>
 
+#include "base/file.h"
 #include "cli/cli.h"
 
 /* Is `path` the input or, where that is a placement's folder, a file that is read there? */
@@ -9,7 +9,7 @@ static bool is_input(const char *path, const char *input)
 {
     char file[1300];
     if (!path || !input) return false;
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *name = mukca_file_name(path);
     if (fnmatch("hole_*.csv", name, 0) != 0) return mukca_output_same(path, input);
     snprintf(file, sizeof file, "%.1000s/%.255s", input, name);
     return mukca_output_same(path, input) || mukca_output_same(path, file);
@@ -30,6 +30,18 @@ mukca_status cli_keep_inputs(cli_call *call, const char *path)
     if (!same) return MUKCA_OK;
     return mukca_fail(&call->error, MUKCA_USAGE,
                       "%.120s is an input of this command; refusing to overwrite it", path);
+}
+
+mukca_status cli_check_output(cli_call *call, const char *option, const char *path)
+{
+    const cli_common *c = call->common;
+    if (!path) return MUKCA_OK;
+    if (mukca_output_same(path, c->json) || mukca_output_same(path, c->output))
+        return mukca_fail(&call->error, MUKCA_USAGE, "%s and another output cannot both go to %s",
+                          option, path);
+    mukca_status status = cli_keep_inputs(call, path);
+    if (status != MUKCA_OK) return status;
+    return mukca_output_check(path, c->force, &call->error);
 }
 
 mukca_status cli_check_outputs(cli_call *call)
