@@ -5,26 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
 #include "io/output.h"
 #include "io/rows.h"
 
 static const compensate_options defaults = {.format = -1};
 
-static const char *const formats[] = {"table",
-#define FORMAT_NAME(name, description) #name,
-                                      MUKCA_LANGUAGE_LIST(FORMAT_NAME)
-#undef FORMAT_NAME
-                                          NULL};
-
 static const cli_option options[] = {
     CLI_OPTION(
         compensate_options, poses, "poses", CLI_FLAG, NULL,
         "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry rz), not "
         "joint targets"),
-    CLI_CHOICE_OPTION(compensate_options, from, "from", "FORMAT", formats,
+    CLI_CHOICE_OPTION(compensate_options, from, "from", "FORMAT", compensate_formats,
                       "read the targets from tables (default) or from programs in this language"),
     {.name = "format",
      .letter = 'f',
@@ -32,7 +24,7 @@ static const cli_option options[] = {
      .argument = "FORMAT",
      .help = "write a table or lines of a program (default: as --from); a program in the language "
              "of --from keeps all of its other text",
-     .choices = formats,
+     .choices = compensate_formats,
      .offset = offsetof(compensate_options, format)},
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
@@ -106,19 +98,11 @@ static mukca_status open_poses(pose_table *p, const char *path, cli_call *call)
         if (i < 3 || (i >= p->first && i < p->end))
             status = mukca_table_require(&p->column[i], t, pose_names[plain][i], &call->error);
     if (status != MUKCA_OK) return status;
-    char list[160] = "";
-    int unknown = 0;
-    for (int c = 0; c < t->n_columns; c++) {
-        bool known = false;
+    bool known[MUKCA_TABLE_COLUMNS] = {false};
+    for (int c = 0; c < t->n_columns; c++)
         for (int i = 0; i < POSE_PLACES; i++)
-            known |= strcmp(t->header[c], pose_names[plain][i]) == 0;
-        const size_t used = strlen(list);
-        if (known) continue;
-        snprintf(list + used, sizeof list - used, "%s%s", unknown++ ? ", " : "", t->header[c]);
-    }
-    if (unknown)
-        mukca_note_format(cli_note, call, "%s: %d unknown column%s ignored: %s",
-                          mukca_file_shown(path), unknown, unknown > 1 ? "s" : "", list);
+            known[c] |= strcmp(t->header[c], pose_names[plain][i]) == 0;
+    mukca_table_note_unknown(t, known, cli_note, call);
     return MUKCA_OK;
 }
 
@@ -209,7 +193,7 @@ static mukca_status check_axes(cli_call *call, int format)
     if (n <= most) return MUKCA_OK;
     return mukca_fail(&call->error, MUKCA_INPUT,
                       "a target in %s has at most %d axes, and the chain has %d; check --tip",
-                      formats[format], most, n);
+                      compensate_formats[format], most, n);
 }
 
 static mukca_status run(cli_call *call)

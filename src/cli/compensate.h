@@ -7,10 +7,12 @@
 #include "io/language.h"
 #include "recalibrate/errors.h"
 
+extern const char *const compensate_formats[]; /* table, then the languages; ended by NULL */
+
 typedef struct {
     cli_common common;
     bool poses, position_only;
-    int from, format; /* index into formats; -1: as `from` */
+    int from, format; /* index into compensate_formats; -1: as `from` */
     double tolerance;
 } compensate_options;
 

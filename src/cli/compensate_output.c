@@ -5,6 +5,12 @@
 #include "base/note.h"
 #include "cli/compensate.h"
 
+const char *const compensate_formats[] = {"table",
+#define FORMAT_NAME(name, description) #name,
+                                          MUKCA_LANGUAGE_LIST(FORMAT_NAME)
+#undef FORMAT_NAME
+                                              NULL};
+
 void compensate_print_header(compensate_job *b, bool timed)
 {
     const mukca_chain *chain = &b->arm->chain;

@@ -7,12 +7,6 @@
 #include "base/note.h"
 #include "cli/compensate.h"
 
-static const char *const names[] = {
-#define NAME(name, description) #name,
-    MUKCA_LANGUAGE_LIST(NAME)
-#undef NAME
-};
-
 /* Count the poses of the line (with --poses: joint targets), which stay as they are.  Poses are
  * reached in postures near the joint targets before them. */
 static void read_other(compensate_job *b, mukca_program_reader *other, const char *line)
@@ -134,5 +128,5 @@ mukca_status compensate_program(compensate_job *b, const char *path)
     return mukca_fail(&call->error, MUKCA_INPUT,
                       "%s: no %s of %d axes is a target in %s; check --from, --tip and --poses",
                       mukca_file_shown(path), o->poses ? "pose for an arm" : "list",
-                      b->arm->chain.n_joints, names[o->from - 1]);
+                      b->arm->chain.n_joints, compensate_formats[o->from]);
 }

@@ -6,13 +6,15 @@
 #include "base/note.h"
 #include "base/number.h"
 #include "base/suggest.h"
+#include "base/text.h"
 #include "io/rows.h"
 
 static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca_error *error)
 {
     const mukca_table *t = &rows->table;
     const char *meant = NULL;
-    char list[64] = "";
+    char names[64] = "";
+    mukca_text list = MUKCA_TEXT(names);
     int best = 99;
     for (int c = 0; c < t->n_columns; c++) {
         double value;
@@ -26,8 +28,7 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
         if (mukca_chain_find_joint(rows->chain, t->header[c]) < 0 &&
             (mukca_suggest_better(&best, joint, t->header[c]) || (longer && !meant)))
             meant = t->header[c];
-        const size_t used = strlen(list);
-        snprintf(list + used, sizeof list - used, "%s%s", c ? ", " : "", t->header[c]);
+        mukca_text_put(&list, "%s%s", c ? ", " : "", t->header[c]);
     }
     if (meant)
         return mukca_table_fail(
@@ -38,7 +39,7 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
         error, t, -1,
         "no column for joint '%s' of the chain (columns: %s%s); name the columns "
         "as the URDF names the joints, or check --urdf and --tip",
-        joint, list, strlen(list) + 1 == sizeof list ? "..." : "");
+        joint, names, list.used + 1 == list.size ? "..." : "");
 }
 
 /* Columns of the header that are read; the others get a note. */
@@ -82,25 +83,14 @@ static mukca_status find_group(int *columns, const group *g, header *h, mukca_er
                             names[0], names[n - 1]);
 }
 
-static void note_unknown_columns(const header *h)
+static void note_unknown_columns(header *h)
 {
     const mukca_table *t = &h->rows->table;
-    const mukca_rows_options *o = &h->rows->options;
-    char list[120] = "";
-    int unknown = 0;
     for (int c = 0; c < t->n_columns; c++) {
         const char *dot = strrchr(t->header[c], '.');
-        const size_t used = strlen(list);
-        if (h->known[c] || (dot && strcmp(dot, ".spread") == 0)) continue; /* from mukca capture */
-        if (used + strlen(t->header[c]) + 8 < sizeof list)
-            snprintf(list + used, sizeof list - used, "%s%s", unknown ? ", " : "", t->header[c]);
-        else if (used < 3 || strcmp(list + used - 3, "...") != 0)
-            snprintf(list + used, sizeof list - used, ", ...");
-        unknown++;
+        h->known[c] |= dot && strcmp(dot, ".spread") == 0; /* from mukca capture */
     }
-    if (unknown)
-        mukca_note_format(o->note, o->context, "%s: %d unknown column%s ignored: %s",
-                          mukca_file_shown(t->path), unknown, unknown > 1 ? "s" : "", list);
+    mukca_table_note_unknown(t, h->known, h->rows->options.note, h->rows->options.context);
 }
 
 /* The ways to write a measured pose; `length`: m per unit, 0: by --units. */

@@ -8,6 +8,7 @@
 
 #include "base/cells.h"
 #include "base/file.h"
+#include "base/note.h"
 #include "base/number.h"
 #include "base/text.h"
 
@@ -218,6 +219,28 @@ mukca_status mukca_table_number(double *value, const mukca_table *t, int column,
         return MUKCA_OK;
     return mukca_table_fail(error, t, column, "%s%s", fault,
                             t->header || t->row > 1 ? "" : "; this file has no header line");
+}
+
+void mukca_table_note_unknown(const mukca_table *table, const bool *known, mukca_note_fn *note,
+                              void *context)
+{
+    char names[120] = "";
+    mukca_text list = MUKCA_TEXT(names);
+    int unknown = 0;
+    bool whole = true;
+    for (int c = 0; c < table->n_columns; c++) {
+        if (known[c]) continue;
+        const bool fits = list.used + strlen(table->header[c]) + 8 < list.size;
+        if (fits)
+            mukca_text_put(&list, "%s%s", unknown ? ", " : "", table->header[c]);
+        else if (whole)
+            mukca_text_put(&list, ", ...");
+        whole = fits;
+        unknown++;
+    }
+    if (unknown)
+        mukca_note_format(note, context, "%s: %d unknown column%s ignored: %s",
+                          mukca_file_shown(table->path), unknown, unknown > 1 ? "s" : "", names);
 }
 
 mukca_status mukca_table_read(const char *path, const char *const *names, int n,

@@ -65,6 +65,10 @@ mukca_status mukca_table_number(double *value, const mukca_table *table, int col
 mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
                               const char *format, ...) __attribute__((format(printf, 4, 5)));
 
+/* Note the columns with known[i] false: they are ignored. */
+void mukca_table_note_unknown(const mukca_table *table, const bool *known, mukca_note_fn *note,
+                              void *context);
+
 /* Take in the current row; column[i] is the index of the i-th required column. */
 typedef mukca_status mukca_table_row_fn(void *context, const mukca_table *table, const int *column,
                                         mukca_error *error);
