@@ -9,6 +9,12 @@
 /* No URDF, table or type description comes near 32 MiB. */
 enum { FIRST = 1 << 14, LARGEST = 1 << 25 };
 
+const char *mukca_file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 const char *mukca_file_shown(const char *path)
 {
     const size_t length = strlen(path);

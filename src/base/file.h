@@ -20,6 +20,9 @@ mukca_status mukca_file_read(char **text, const char *path, mukca_error *error);
  * earlier failures, and one of open_memstream can leave *text NULL.  `text` is NULL for a file. */
 bool mukca_file_close(FILE *stream, char *const *text);
 
+/* The path without its folder. */
+const char *mukca_file_name(const char *path);
+
 /* A path short enough for an error line: its last 100 characters. */
 const char *mukca_file_shown(const char *path);
 

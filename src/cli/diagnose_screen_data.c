@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/text.h"
 #include "cli/diagnose_screen.h"
 #include "math/stats.h"
@@ -28,15 +29,14 @@ static void put_fault(mukca_text *text, const mukca_diagnosed *r, const mukca_da
     const mukca_dataset *data = r->data;
     const double mm = 1e3 * f->size_m;
     bool creep = false;
-    const char *path = data->files ? data->files[f->file] : "the recording";
-    const char *file = strrchr(path, '/');
+    const char *file = data->files ? mukca_file_name(data->files[f->file]) : "the recording";
     for (int i = 0; i < r->diagnosis->n_causes; i++) {
         const mukca_cause *c = &r->diagnosis->causes[i];
         creep |= c->creep && c->socket == f->socket && c->row == f->row;
     }
     if (f->placement >= 0) mukca_text_put(text, "%s, ", data->placements[f->placement].name);
     if (f->socket >= 0) mukca_text_put(text, "socket %s, ", data->sockets[f->socket].label);
-    mukca_text_put(text, "row %d of %s: ", f->row, file ? file + 1 : path);
+    mukca_text_put(text, "row %d of %s: ", f->row, file);
     if (f->kind == MUKCA_FAULT_TOOL_MOTION)
         mukca_text_put(text,
                        creep ? "the tool crept by %.2f mm from here on; record this socket again"

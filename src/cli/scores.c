@@ -1,5 +1,6 @@
 /* Scores of a model on data, nominal and calibrated. */
 #include "cli/scores.h"
+#include "base/file.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -81,8 +82,7 @@ const char *cli_scores_name(char name[CLI_SCORES_NAME], const mukca_score *score
 {
     if (score->placement >= 0) return data->placements[score->placement].name;
     if (score->file < 0) return "poses";
-    const char *path = data->files[score->file], *slash = strrchr(path, '/');
-    snprintf(name, CLI_SCORES_NAME, "%.100s%s%s", slash ? slash + 1 : path,
+    snprintf(name, CLI_SCORES_NAME, "%.100s%s%s", mukca_file_name(data->files[score->file]),
              score->target < 0 ? "" : ":", score->target < 0 ? "" : data->targets[score->target]);
     mukca_utf8_mend(name);
     return name;

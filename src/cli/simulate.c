@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "io/dataset_write.h"
@@ -76,12 +75,6 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-static bool is_csv(const char *path)
-{
-    const size_t length = strlen(path);
-    return length > 4 && strcmp(path + length - 4, ".csv") == 0;
-}
-
 /* How the recording came about; without the secrets where there are labels. */
 static void describe(FILE *stream, const cli_simulation *s, const cli_simulate_options *o)
 {
@@ -113,7 +106,7 @@ static mukca_status write_data(cli_call *call, const char *path, const mukca_dat
                               ? mukca_output_open(&output, path, call->common->force, &call->error)
                               : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK)
-        mukca_dataset_write(output.stream, data, &s->model.chain, is_csv(path) ? ',' : '\t',
+        mukca_dataset_write(output.stream, data, &s->model.chain, mukca_dataset_separator(path),
                             comments);
     free(comments);
     return mukca_output_finish(&output, status, &call->error);

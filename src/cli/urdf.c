@@ -30,8 +30,7 @@ static const urdf_options defaults = {.convention = -1};
 /* The robot's name: that of the file, without folder and ending. */
 static void name_robot(mukca_chain *chain, const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    const char *file = slash ? slash + 1 : path;
+    const char *file = mukca_file_name(path);
     snprintf(chain->robot, sizeof chain->robot, "%.*s", (int)mukca_utf8_fit(file, 40), file);
     char *dot = strchr(chain->robot, '.');
     if (dot && dot > chain->robot) *dot = '\0';

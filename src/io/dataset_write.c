@@ -1,7 +1,15 @@
 /* Writing a dataset as a session file or a pose log. */
 #include "io/dataset_write.h"
 
+#include <string.h>
+
 enum { COLUMNS = 7 };
+
+char mukca_dataset_separator(const char *path)
+{
+    const size_t length = strlen(path);
+    return length > 4 && strcmp(path + length - 4, ".csv") == 0 ? ',' : '\t';
+}
 
 /* A block of columns: per joint (names NULL) or with names of their own. */
 typedef struct {

@@ -17,8 +17,7 @@ const mukca_exporter mukca_exporters[] = {
 
 int mukca_exporter_find(const char *path)
 {
-    const char *slash = path ? strrchr(path, '/') : NULL;
-    const char *dot = path ? strrchr(slash ? slash : path, '.') : NULL;
+    const char *dot = path ? strrchr(mukca_file_name(path), '.') : NULL;
     const size_t length = dot ? strlen(dot) : 0;
     if (length < 2) return 0;
     for (int i = 0; mukca_exporters[i].name; i++)

@@ -89,6 +89,12 @@ void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_expor
 /* Print a text in double quotes, escaped as C, JSON and YAML require. */
 void mukca_export_quoted(FILE *stream, const char *text);
 
+/* Print a text as an attribute's value in XML. */
+void mukca_export_escaped(FILE *stream, const char *text);
+
+/* Of a format that has no place for effects. */
+bool mukca_export_holds_none(const mukca_effect *effect);
+
 /* Print values[n], as short as they can be read back, with `separator` between them. */
 void mukca_export_numbers(FILE *stream, const double *values, int n, const char *separator);
 

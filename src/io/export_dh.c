@@ -57,13 +57,7 @@ static mukca_status write_modified(FILE *stream, const mukca_export_input *input
     return write_table(stream, input, MUKCA_DH_MODIFIED);
 }
 
-static bool holds(const mukca_effect *effect)
-{
-    (void)effect; /* four numbers per joint have no place for effects */
-    return false;
-}
-
 const mukca_export_format mukca_export_dh = {
-    .write = write_standard, .holds = holds, .comment = {"#", "\n"}};
+    .write = write_standard, .holds = mukca_export_holds_none, .comment = {"#", "\n"}};
 const mukca_export_format mukca_export_mdh = {
-    .write = write_modified, .holds = holds, .comment = {"#", "\n"}};
+    .write = write_modified, .holds = mukca_export_holds_none, .comment = {"#", "\n"}};

@@ -129,11 +129,5 @@ static mukca_status write_kinematics(FILE *stream, const mukca_export_input *inp
     return MUKCA_OK;
 }
 
-static bool holds(const mukca_effect *effect)
-{
-    (void)effect; /* origins have no place for effects */
-    return false;
-}
-
 const mukca_export_format mukca_export_kinematics = {
-    .write = write_kinematics, .holds = holds, .comment = {"#", "\n"}};
+    .write = write_kinematics, .holds = mukca_export_holds_none, .comment = {"#", "\n"}};

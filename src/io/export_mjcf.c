@@ -1,7 +1,6 @@
 /* The calibrated arm as a MuJoCo model: poses of bodies; springs for the compliance of joints,
  * links and base; stops for backlash. */
 #include <math.h>
-#include <string.h>
 
 #include "io/export.h"
 
@@ -31,17 +30,11 @@ static void numbers(const writer *w, const char *key, const double *values, int 
     fputc('"', w->stream);
 }
 
-/* An attribute, escaped as XML requires. */
+/* An attribute. */
 static void name(const writer *w, const char *key, const char *text, const char *suffix)
 {
     fprintf(w->stream, " %s=\"", key);
-    for (; *text; text++) {
-        const char *escaped = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : "&quot;";
-        if (strchr("&<\"", *text))
-            fputs(escaped, w->stream);
-        else
-            fputc((unsigned char)*text < ' ' ? ' ' : *text, w->stream);
-    }
+    mukca_export_escaped(w->stream, text);
     fprintf(w->stream, "%s\"", suffix);
 }
 

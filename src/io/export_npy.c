@@ -30,11 +30,7 @@ static mukca_status write_npy(FILE *stream, const mukca_export_input *input, muk
     return MUKCA_OK;
 }
 
-static bool holds(const mukca_effect *effect)
-{
-    (void)effect; /* zeros of joints have no place for effects */
-    return false;
-}
-
-const mukca_export_format mukca_export_npy = {
-    .write = write_npy, .holds = holds, .zeros_only = true, .comment = {"#", "\n"}};
+const mukca_export_format mukca_export_npy = {.write = write_npy,
+                                              .holds = mukca_export_holds_none,
+                                              .zeros_only = true,
+                                              .comment = {"#", "\n"}};

@@ -1,16 +1,10 @@
 /* What export formats share: provenance, numbers, names and the calibrated origin. */
 #include <math.h>
-#include <string.h>
 
+#include "base/file.h"
 #include "base/number.h"
 #include "io/export.h"
 #include "mukca/version.h"
-
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
 
 void mukca_export_quoted(FILE *stream, const char *text)
 {
@@ -21,6 +15,25 @@ void mukca_export_quoted(FILE *stream, const char *text)
         fputc(*text, stream);
     }
     fputc('"', stream);
+}
+
+void mukca_export_escaped(FILE *stream, const char *text)
+{
+    for (; *text; text++)
+        if (*text == '&')
+            fputs("&amp;", stream);
+        else if (*text == '<')
+            fputs("&lt;", stream);
+        else if (*text == '"')
+            fputs("&quot;", stream);
+        else
+            fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
+}
+
+bool mukca_export_holds_none(const mukca_effect *effect)
+{
+    (void)effect;
+    return false;
 }
 
 /* A name inside a comment of C or XML: without the characters that could end it. */
@@ -38,10 +51,10 @@ void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_expor
     char when[32];
     mukca_offsets_time(when);
     fprintf(stream, "%sWritten by mukca " MUKCA_VERSION " on %s from ", prefix, when);
-    print_plain(stream, base_name(input->urdf_path));
+    print_plain(stream, mukca_file_name(input->urdf_path));
     if (input->offsets_path) {
         fputs(" and ", stream);
-        print_plain(stream, base_name(input->offsets_path));
+        print_plain(stream, mukca_file_name(input->offsets_path));
     }
     fprintf(stream, ".\n%sRobot ", prefix);
     print_plain(stream, input->chain->robot);

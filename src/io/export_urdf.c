@@ -174,10 +174,5 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mu
     return status;
 }
 
-static bool holds(const mukca_effect *effect)
-{
-    (void)effect; /* a URDF has no place for effects */
-    return false;
-}
-
-const mukca_export_format mukca_export_urdf = {.write = write_urdf, .holds = holds};
+const mukca_export_format mukca_export_urdf = {.write = write_urdf,
+                                               .holds = mukca_export_holds_none};

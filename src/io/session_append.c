@@ -9,7 +9,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,28 +17,12 @@
 #include <unistd.h>
 
 #include "base/note.h"
+#include "base/text.h"
 #include "base/utf8.h"
+#include "io/dataset_write.h"
 #include "io/output.h"
 
 enum { LINE_SIZE = 8192, MAX_SESSION = 1 << 27 };
-
-/* A line under construction. */
-typedef struct {
-    char text[LINE_SIZE];
-    size_t length;
-} line;
-
-static void append(line *l, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-static void append(line *l, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    int n = vsnprintf(l->text + l->length, sizeof l->text - l->length, format, args);
-    va_end(args);
-    l->length += n < 0 ? 0 : (size_t)n;
-    if (l->length >= sizeof l->text) l->length = sizeof l->text - 1;
-}
 
 static mukca_status fail(const mukca_session *session, const char *what, mukca_error *error)
 {
@@ -111,18 +94,19 @@ static bool grow(mukca_session *session)
 mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
                                mukca_error *error)
 {
-    line l = {.length = 0};
+    char buffer[LINE_SIZE];
+    mukca_text line = MUKCA_TEXT(buffer);
     char s = session->separator;
     if (!grow(session)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    append(&l, "%s%c%s%c%.6f", row->placement, s, row->socket, s, row->time);
+    mukca_text_put(&line, "%s%c%s%c%.6f", row->placement, s, row->socket, s, row->time);
     const double *const columns[] = {row->q, row->spread, session->has_effort ? row->effort : NULL,
                                      session->has_command ? row->command : NULL};
     for (int k = 0; k < 4; k++)
         for (int j = 0; columns[k] && j < session->n_joints; j++)
-            append(&l, isfinite(columns[k][j]) ? "%c%.17g" : "%cnan", s, columns[k][j]);
-    append(&l, "\n");
+            mukca_text_put(&line, isfinite(columns[k][j]) ? "%c%.17g" : "%cnan", s, columns[k][j]);
+    mukca_text_put(&line, "\n");
     int64_t at = session->length;
-    mukca_status status = commit(session, l.text, l.length, error);
+    mukca_status status = commit(session, line.at, line.used, error);
     if (status == MUKCA_OK) session->row_at[session->n_rows++] = at;
     return status;
 }
@@ -139,17 +123,20 @@ mukca_status mukca_session_undo(mukca_session *session, const char *placement, c
         (void)!pwrite(fd, placement, 1, at); /* the row begins with it */
         return status;
     }
-    line l = {.length = 0};
-    append(&l, "# undone: row %d, placement %s, socket %s (the line that now begins with #)\n",
-           session->n_rows, placement, socket);
+    char buffer[LINE_SIZE];
+    mukca_text line = MUKCA_TEXT(buffer);
+    mukca_text_put(&line,
+                   "# undone: row %d, placement %s, socket %s (the line that now begins with #)\n",
+                   session->n_rows, placement, socket);
     session->n_rows--;
-    (void)commit(session, l.text, l.length, NULL); /* without it the row is undone all the same */
+    (void)commit(session, line.at, line.used, NULL); /* without it the row is undone all the same */
     return MUKCA_OK;
 }
 
 /* ---- beginning ---- */
 
-static void format_columns(line *l, const mukca_session *session, const mukca_session_head *head)
+static void format_columns(mukca_text *line, const mukca_session *session,
+                           const mukca_session_head *head)
 {
     const struct {
         const char *suffix;
@@ -159,11 +146,12 @@ static void format_columns(line *l, const mukca_session *session, const mukca_se
                   {".effort", head->has_effort},
                   {".command", head->has_command}};
     char s = session->separator;
-    append(l, "placement%csocket%ctime_s", s, s);
+    mukca_text_put(line, "placement%csocket%ctime_s", s, s);
     for (int g = 0; g < 4; g++)
         for (int j = 0; groups[g].there && j < session->n_joints; j++)
-            append(l, "%c%s%s", s, mukca_chain_joint_name(head->chain, j), groups[g].suffix);
-    append(l, "\n");
+            mukca_text_put(line, "%c%s%s", s, mukca_chain_joint_name(head->chain, j),
+                           groups[g].suffix);
+    mukca_text_put(line, "\n");
 }
 
 /* "# key: value" lines whose values must be the same on resume. */
@@ -186,20 +174,22 @@ static const char first_line[] = "# mukca session\n";
 static mukca_status write_header(mukca_session *session, const mukca_session_head *head,
                                  mukca_error *error)
 {
-    line l = {.length = 0};
+    char buffer[LINE_SIZE];
+    mukca_text line = MUKCA_TEXT(buffer);
     origin list[ORIGINS];
     mukca_output output;
-    append(&l, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, head->chain->robot,
-           head->chain->base, head->chain->tip);
+    mukca_text_put(&line, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, head->chain->robot,
+                   head->chain->base, head->chain->tip);
     list_origins(list, head);
-    for (int k = 0; k < ORIGINS; k++) append(&l, "%s%s\n", list[k].key, list[k].value);
-    append(&l, "# channel: %s (%s)\n", head->channel, head->type);
-    append(&l,
-           "# a row is the mean of a still window; .spread is the standard deviation within it\n");
-    format_columns(&l, session, head);
+    for (int k = 0; k < ORIGINS; k++) mukca_text_put(&line, "%s%s\n", list[k].key, list[k].value);
+    mukca_text_put(&line, "# channel: %s (%s)\n", head->channel, head->type);
+    mukca_text_put(
+        &line,
+        "# a row is the mean of a still window; .spread is the standard deviation within it\n");
+    format_columns(&line, session, head);
     mukca_status status = mukca_output_open(&output, session->path, true, error);
     if (status != MUKCA_OK) return status;
-    fputs(l.text, output.stream); /* checked by close */
+    fputs(line.at, output.stream); /* checked by close */
     return mukca_output_close(&output, error);
 }
 
@@ -211,7 +201,7 @@ static mukca_status prepare(mukca_session *session, const char *path,
     if (n >= sizeof session->path)
         return mukca_fail(error, MUKCA_INPUT, "%.100s...: the path is too long", path);
     memcpy(session->path, path, n + 1);
-    session->separator = n > 4 && strcmp(path + n - 4, ".csv") == 0 ? ',' : '\t';
+    session->separator = mukca_dataset_separator(path);
     session->n_joints = head->chain->n_joints;
     session->has_effort = head->has_effort;
     session->has_command = head->has_command;
@@ -280,9 +270,10 @@ static mukca_status check_comment(const mukca_session *session, const char *comm
 static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
                          const mukca_session_head *head, mukca_error *error)
 {
-    line columns = {.length = 0};
+    char buffer[LINE_SIZE];
+    mukca_text columns = MUKCA_TEXT(buffer);
     format_columns(&columns, session, head);
-    columns.text[columns.length - 1] = '\0';
+    columns.at[columns.used - 1] = '\0';
     *has_columns = false;
     for (char *at = text, *end; *at; at = end + 1) {
         end = strchr(at, '\n');
@@ -293,7 +284,7 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
             mukca_status status = check_comment(session, at, head, error);
             if (status != MUKCA_OK) return status;
         } else if (at[0] && !*has_columns) {
-            if (strcmp(at, columns.text) != 0)
+            if (strcmp(at, columns.at) != 0)
                 return mukca_fail(
                     error, MUKCA_INPUT,
                     "%s: other columns than those of this stream; begin another session",

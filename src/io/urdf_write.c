@@ -3,24 +3,10 @@
 
 #include "io/export.h"
 
-static void print_name(FILE *stream, const char *text)
-{
-    for (; *text; text++) {
-        const char *entity = *text == '&'   ? "&amp;"
-                             : *text == '<' ? "&lt;"
-                             : *text == '"' ? "&quot;"
-                                            : NULL;
-        if (entity)
-            fputs(entity, stream);
-        else if ((unsigned char)*text >= ' ')
-            fputc(*text, stream);
-    }
-}
-
 static void print_tag(FILE *stream, const char *start, const char *name, const char *end)
 {
     fputs(start, stream);
-    print_name(stream, name);
+    mukca_export_escaped(stream, name);
     fputs(end, stream);
 }
 
