@@ -7,7 +7,7 @@
 #include "diagnose/regression.h"
 #include "diagnose/ripple.h"
 
-enum { MUKCA_BATCH = 2 * MUKCA_MAX_COLUMNS }; /* columns that are treated together */
+enum { MUKCA_BATCH = MUKCA_MAX_COLUMNS + 8 }; /* columns that are treated together */
 
 /* E are the columns and W as in mukca_normal_equations. */
 typedef struct {

@@ -203,12 +203,17 @@ bool mukca_regression_solve(mukca_regression *m)
     return true;
 }
 
-void mukca_regression_refit(mukca_regression *m)
+void mukca_regression_weigh(mukca_regression *m)
 {
     mukca_regression_return(m);
     mukca_unknowns_set_geometry_prior(&m->unknowns, &m->recording);
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     choose_noise(m, MUKCA_FIT_ALL);
+}
+
+void mukca_regression_refit(mukca_regression *m)
+{
+    mukca_regression_weigh(m);
     for (int pass = 0; pass < 4; pass++) {
         if (!mukca_regression_solve(m)) return;
         const bool done = holds(m, 1);

@@ -59,6 +59,9 @@ void mukca_regression_return(mukca_regression *m);
  * False: the normal equations cannot be factored. */
 bool mukca_regression_solve(mukca_regression *m);
 
+/* Choose noise, AR(1) and prior scales by evidence on the frozen columns; no unknown changes. */
+void mukca_regression_weigh(mukca_regression *m);
+
 /* Fit all unknowns, as MUKCA_FIT_ALL, to the frozen columns; freezes anew where these do not hold
  * for the result. */
 void mukca_regression_refit(mukca_regression *m);
