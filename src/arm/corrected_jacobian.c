@@ -3,38 +3,42 @@
  * From the tip backwards, all rows of the Jacobian side by side.  A motion that moves the tip by J
  * where nothing answers, and brings M and N of equilibrium.h about, moves it by
  * J + by_M . M + by_N . N in all: what yields further in answers M, what yields further out N.
- * These sums hold what the answers do to the tip, which is found in the same way: a fixed point.
+ * These sums hold what the answers do to the tip, which is found in the same way.  Of by_N that
+ * begins with all answers, nothing is left in the end: three more rows, which begin with one unit
+ * each, show what to begin with, as all of this is linear.
  */
 #include "arm/corrected_jacobian.h"
 
 #include <string.h>
 
-/* Vectors of rows side by side, which hide each other's latency, and numbers of a column. */
+/* Rows of the Jacobian, then those of the units; UNIT(i, row): 1 in row i, else 0, from `row` on.
+ * With several lanes up to whole vectors, which hide each other's latency side by side. */
 #if MUKCA_LANES > 1
-enum { BESIDE = 2, COLUMN_ROWS = 8 };
+enum { UNITS = 6, ALL_ROWS = 12, BESIDE = 3 };
+static const double unit_row[9 + ALL_ROWS] = {[9] = 1};
+#define UNIT(i, row) LOAD_LANES(unit_row + 9 - (i) + (row))
 #else
-enum { BESIDE = 1, COLUMN_ROWS = 6 };
+enum { UNITS = 6, ALL_ROWS = 9, BESIDE = 1 };
+#define UNIT(i, row) ((i) == (row))
 #endif
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
 
-/* UNIT(i, row): 1 in row i, else 0, from `row` on. */
-static const double unit_row[6 + 8] = {[6] = 1};
-#define UNIT(i, row) LOAD_LANES(unit_row + 6 - (i) + (row))
-
 typedef struct {
-    LANES_ALIGNED double row[COLUMN_ROWS];
+    LANES_ALIGNED double row[ALL_ROWS];
 } column;
 
-/* Columns of joints as they turn, and as what their effects add turns with them, at `rate`. */
+/* The arm, how the base answers, and the sweep's results. */
 typedef struct {
-    column turn[MUKCA_MAX_JOINTS], tilt[MUKCA_MAX_JOINTS];
-    const double (*rate)[3];
-    LANES_ALIGNED columns base; /* its answer */
+    const mukca_equilibrium *e;
+    const mukca_effect_slopes *slopes;
+    LANES_ALIGNED columns base[2];  /* to motions of the tip, then to its own */
+    column joint[MUKCA_MAX_JOINTS]; /* as it turns where nothing answers; then the derivative */
+    column left[3];                 /* of by_N */
 } tip_columns;
 
-/* What the answers do to the tip: of the base by 1 N m, as part of by_M, and the sums. */
+/* What the answers do to the tip, as sums; and the joint before to this one's column. */
 typedef struct {
-    LANES_ALIGNED lanes base[3], by_M[3], by_N[3];
+    LANES_ALIGNED lanes by_M[3], by_N[3], before;
 } tip_answers;
 
 /* c += a x b; c -= a x b */
@@ -84,13 +88,65 @@ static void set_answer(columns *K, const double w[3], double side, double slope,
     }
 }
 
+/* out[3] := rows of the tip's motion by rotations about x, y and z, where the tip is at d from what
+ * turns, which has the first moment S. */
+PART void turn_frame(lanes out[3], const tip_answers *t, const double g[3], int row,
+                     const double d[3], const double S[3])
+{
+    const lanes shift[3] = {UNIT(0, row), UNIT(1, row), UNIT(2, row)};
+    for (int i = 0; i < 3; i++) out[i] = UNIT(3 + i, row);
+    take_cross(out, shift, d);
+    take_cross(out, t->by_M, S);
+    take_cross(out, t->by_N, g);
+}
+
+/* v := K v */
+PART void apply(lanes v[3], const columns *K)
+{
+    const lanes x = v[0], y = v[1], z = v[2];
+    for (int i = 0; i < 3; i++)
+        v[i] = COLUMN(K, 0, i) * x + COLUMN(K, 1, i) * y + COLUMN(K, 2, i) * z;
+}
+
+/* inverse := that of the matrix with these columns. */
+PART void invert(columns *inverse, const double of[3][3])
+{
+    double row[3][3];
+    for (int i = 0; i < 3; i++) mukca_cross(row[i], of[(i + 1) % 3], of[(i + 2) % 3]);
+    const double size = 1 / mukca_dot3(row[0], of[0]);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++) ((double *)inverse->column[k])[i] = size * row[i][k];
+}
+
+/* What the base's motion b becomes with the answers K to it: as it turns, by_M is b x g. */
+PART void close_base(columns *closed, const columns *K, const mukca_equilibrium *e)
+{
+    double own[3][3], of_row[MUKCA_LANES];
+    for (int row = 0; row < 3; row += MUKCA_LANES) {
+        const lanes unit[3] = {UNIT(0, row), UNIT(1, row), UNIT(2, row)};
+        lanes by_M[3] = {0}, v[3] = {0};
+        add_cross(by_M, unit, XYZ(e->gravity));
+        add_cross(v, by_M, XYZ(e->first));
+        apply(v, K);
+        for (int i = 0; i < 3; i++) {
+            v[i] += unit[i];
+            memcpy(of_row, &v[i], sizeof of_row);
+            for (int r = 0; r < MUKCA_LANES && row + r < 3; r++) own[row + r][i] = of_row[r];
+        }
+    }
+    invert(closed, (const double(*)[3])own);
+}
+
 /* Rotation vectors of joints that tilt in base coordinates, the slopes' as angular velocities; the
  * frames of joints that bend become their answers.  Under moments that are given nothing answers.
  */
 static void prepare(columns *base, mukca_equilibrium *e, mukca_effect_slopes *slopes)
 {
     if (!e->loaded) e->bend = 0;
-    if (e->bend != 0) set_answer(base, e->displacement.base, 1, e->bend, NULL);
+    if (e->bend != 0) {
+        set_answer(base, e->displacement.base, 1, e->bend, NULL);
+        close_base(base + 1, base, e);
+    }
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         double *rate = slopes->rotation[j], *w = e->displacement.rotation[j], across[3];
@@ -110,146 +166,101 @@ static void prepare(columns *base, mukca_equilibrium *e, mukca_effect_slopes *sl
     }
 }
 
-/* out[3] := rows of the tip's motion by rotations about x, y and z, where the tip is at d from what
- * turns, which has the first moment S. */
-PART void turn_frame(lanes out[3], const tip_answers *t, const double g[3], int row,
-                     const double d[3], const double S[3])
-{
-    const lanes shift[3] = {UNIT(0, row), UNIT(1, row), UNIT(2, row)};
-    for (int i = 0; i < 3; i++) out[i] = UNIT(3 + i, row);
-    take_cross(out, shift, d);
-    take_cross(out, t->by_M, S);
-    take_cross(out, t->by_N, g);
-}
-
-/* v := K v */
-PART void apply_answer(lanes v[3], const columns *K)
-{
-    const lanes x = v[0], y = v[1], z = v[2];
-    for (int i = 0; i < 3; i++)
-        v[i] = COLUMN(K, 0, i) * x + COLUMN(K, 1, i) * y + COLUMN(K, 2, i) * z;
-}
-
 /* Columns of the joints where nothing answers. */
-PART void set_columns(column *turn, const mukca_equilibrium *e)
+PART void set_columns(column *joint, const mukca_equilibrium *e)
 {
     const double *tip = XYZ(e->tip.column[3]);
     for (int j = 0; j < e->n_joints; j++) {
         const mukca_joint_posture *at = &e->joint[j];
         const double *axis = XYZ(at->axis), *p = XYZ(at->frame.column[3]);
         const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]};
-        memset(turn[j].row, 0, sizeof turn[j].row);
-        memcpy(turn[j].row + (at->slides ? 0 : 3), axis, 3 * sizeof *axis);
-        if (!at->slides) mukca_cross(turn[j].row, axis, d);
+        memset(joint[j].row, 0, sizeof joint[j].row);
+        memcpy(joint[j].row + (at->slides ? 0 : 3), axis, 3 * sizeof *axis);
+        if (!at->slides) mukca_cross(joint[j].row, axis, d);
     }
 }
 
-/* The base's answer as part of by_M. */
-PART void pass_base(tip_answers *t, const tip_columns *c, const mukca_equilibrium *e, int row,
-                    bool last)
+/* Nothing but units of by_N, and the base's answer. */
+PART void pass_base(tip_answers *t, const tip_columns *c, int row)
 {
+    const mukca_equilibrium *e = c->e;
     const double *g = XYZ(e->gravity);
-    for (int i = 0; i < 3; i++) t->by_M[i] = (lanes){0};
+    lanes base[3];
+    t->before = (lanes){0};
+    for (int i = 0; i < 3; i++) t->by_M[i] = (lanes){0}, t->by_N[i] = UNIT(UNITS + i, row);
     if (e->bend == 0) return;
-    add_cross(t->by_M, t->base, g);
-    if (last) return;
-    turn_frame(t->base, t, g, row, XYZ(e->tip.column[3]), XYZ(e->first));
-    apply_answer(t->base, &c->base);
-    for (int i = 0; i < 3; i++) t->by_M[i] = (lanes){0};
-    add_cross(t->by_M, t->base, g);
+    turn_frame(base, t, g, row, XYZ(e->tip.column[3]), XYZ(e->first));
+    apply(base, &c->base[0]);
+    apply(base, &c->base[1]);
+    add_cross(t->by_M, base, g);
 }
 
-/* What the joint answers becomes part of by_M, and no longer of by_N.  `last`: its columns get what
- * the answers add. */
-PART void pass_joint(tip_answers *t, tip_columns *c, const mukca_equilibrium *e, int j, int row,
-                     bool last)
+/* What the joint answers becomes part of by_M, and no longer of by_N; what it does to the tip is
+ * shared out to its column and its neighbours'. */
+PART void pass_joint(tip_answers *t, tip_columns *c, int j, int row)
 {
+    const mukca_equilibrium *e = c->e;
     const mukca_joint_posture *at = &e->joint[j];
     const double *M = XYZ(at->into_M), *N = XYZ(at->into_N), *p = XYZ(at->frame.column[3]);
-    const double *g = XYZ(e->gravity), *tip = XYZ(e->tip.column[3]);
-    const bool turns = last && at->turns;
-    if (turns || at->bend != 0) {
+    const double *g = XYZ(e->gravity), *tip = XYZ(e->tip.column[3]), *by = c->slopes->angle[j];
+    double *own = c->joint[j].row + row;
+    lanes rate = t->before;
+    if (at->turns || at->bend != 0) {
         const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]};
         lanes frame[3];
         turn_frame(frame, t, g, row, d, XYZ(at->first));
-        if (turns) STORE_LANES(c->tilt[j].row + row, DOT(frame, c->rate[j]));
+        if (at->turns) rate += DOT(frame, c->slopes->rotation[j]);
         if (at->bend != 0) {
-            apply_answer(frame, &at->frame);
+            apply(frame, &at->frame);
             add_cross(t->by_M, frame, g);
             take_cross(t->by_N, frame, XYZ(at->first));
         }
     }
-    if (!last && !at->yields) return;
-    const lanes turn = LOAD_LANES(c->turn[j].row + row) + DOT(t->by_M, M) + DOT(t->by_N, N);
-    if (last) STORE_LANES(c->turn[j].row + row, turn);
+    const lanes turn = LOAD_LANES(own) + DOT(t->by_M, M) + DOT(t->by_N, N);
     for (int i = 0; i < 3 && at->yields; i++) {
         t->by_M[i] += at->twist * N[i] * turn;
         t->by_N[i] -= at->twist * M[i] * turn;
     }
-}
-
-/* Outwards over the joints; in the end nothing should be left of by_N. */
-PART void sweep(tip_answers t[BESIDE], tip_columns *c, const mukca_equilibrium *e, int row,
-                bool last)
-{
-    for (int b = 0; b < BESIDE; b++) pass_base(&t[b], c, e, row + MUKCA_LANES * b, last);
-    for (int j = 0; j < e->n_joints; j++)
-        for (int b = 0; b < BESIDE; b++) pass_joint(&t[b], c, e, j, row + MUKCA_LANES * b, last);
-}
-
-/* by_N of all answers: what is left of it in the end is too much in the beginning, up to what is
- * left of that in turn. */
-PART void settle(tip_answers t[BESIDE], tip_columns *c, const mukca_equilibrium *e, int row)
-{
-    enum { ROUNDS = 8 };
-    lanes all[BESIDE][3];
-    double size = 0;
-    for (int b = 0; b < BESIDE; b++)
-        for (int i = 0; i < 3; i++) t[b].base[i] = all[b][i] = (lanes){0};
-    for (int round = 0; round < ROUNDS && e->loaded; round++) {
-        const double before = size;
-        lanes squares = {0};
-        double of_row[MUKCA_LANES];
-        for (int b = 0; b < BESIDE; b++)
-            for (int i = 0; i < 3; i++) t[b].by_N[i] = all[b][i];
-        sweep(t, c, e, row, false);
-        for (int b = 0; b < BESIDE; b++)
-            for (int i = 0; i < 3; i++) {
-                squares += t[b].by_N[i] * t[b].by_N[i];
-                all[b][i] -= t[b].by_N[i];
-            }
-        memcpy(of_row, &squares, sizeof of_row);
-        size = 0;
-        for (int r = 0; r < MUKCA_LANES; r++) size += of_row[r];
-        /* The next change is smaller than this at least as this than the one before, which the
-         * first two alone would show badly: g times three times that within 1e-12. */
-        if (round > 1 && !(size * size > 1e-27 * before)) break;
-    }
-    for (int b = 0; b < BESIDE; b++)
-        for (int i = 0; i < 3; i++) t[b].by_N[i] = all[b][i];
+    STORE_LANES(own, rate + by[1] * turn);
+    t->before = by[2] * turn;
+    if (j == 0) return;
+    own = c->joint[j - 1].row + row;
+    STORE_LANES(own, LOAD_LANES(own) + by[0] * turn);
 }
 
 MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
                                                 mukca_effect_slopes *slopes)
 {
-    const int n = e->n_joints;
+    const int n = e->n_joints, rows = e->loaded ? UNITS + 3 : UNITS;
+    double left[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    columns begin;
     tip_columns c;
-    tip_answers t[BESIDE];
-    c.rate = (const double(*)[3])slopes->rotation;
-    prepare(&c.base, e, slopes);
-    set_columns(c.turn, e);
-    for (int row = 0; row < 6; row += BESIDE * MUKCA_LANES) {
-        settle(t, &c, e, row);
-        sweep(t, &c, e, row, true);
-        for (int l = 0; l < n; l++)
-            for (int b = row; b < 6 && b < row + BESIDE * MUKCA_LANES; b += MUKCA_LANES) {
-                lanes rate = slopes->angle[l][1] * LOAD_LANES(c.turn[l].row + b);
-                if (e->joint[l].turns) rate += LOAD_LANES(c.tilt[l].row + b);
-                if (l > 0) rate += slopes->angle[l - 1][2] * LOAD_LANES(c.turn[l - 1].row + b);
-                if (l + 1 < n) rate += slopes->angle[l + 1][0] * LOAD_LANES(c.turn[l + 1].row + b);
-                double of_row[MUKCA_LANES];
-                memcpy(of_row, &rate, sizeof of_row);
-                for (int r = 0; r < MUKCA_LANES && b + r < 6; r++) J[(b + r) * n + l] = of_row[r];
-            }
+    c.e = e;
+    c.slopes = slopes;
+    prepare(c.base, e, slopes);
+    set_columns(c.joint, e);
+    for (int row = 0; row < rows; row += BESIDE * MUKCA_LANES) {
+        tip_answers t[BESIDE];
+        for (int b = 0; b < BESIDE; b++) pass_base(&t[b], &c, row + MUKCA_LANES * b);
+        for (int j = 0; j < n; j++)
+            for (int b = 0; b < BESIDE; b++) pass_joint(&t[b], &c, j, row + MUKCA_LANES * b);
+        for (int i = 0; i < 3; i++)
+            for (int b = 0; b < BESIDE; b++)
+                STORE_LANES(c.left[i].row + row + MUKCA_LANES * b, t[b].by_N[i]);
+    }
+    for (int k = 0; k < 9 && e->loaded; k++) left[k / 3][k % 3] = c.left[k % 3].row[UNITS + k / 3];
+    invert(&begin, (const double(*)[3])left);
+    for (int row = 0; row < UNITS; row += MUKCA_LANES) {
+        lanes x[3];
+        double of_row[MUKCA_LANES];
+        for (int i = 0; i < 3; i++) x[i] = LOAD_LANES(c.left[i].row + row);
+        apply(x, &begin);
+        for (int j = 0; j < n; j++) {
+            const double *unit = c.joint[j].row + UNITS;
+            const lanes rate = LOAD_LANES(c.joint[j].row + row) - DOT(x, unit);
+            memcpy(of_row, &rate, sizeof of_row);
+            for (int r = 0; r < MUKCA_LANES && row + r < UNITS; r++)
+                J[(row + r) * n + j] = of_row[r];
+        }
     }
 }
