@@ -6,7 +6,9 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 /* Length of the folder part of a path, with its slash; 0 where there is none. */
@@ -139,6 +141,14 @@ bool mukca_output_sync_folder(const char *path)
     close(file);
     errno = reason;
     return good;
+}
+
+bool mukca_output_lock(int file)
+{
+    const struct timespec pause = {.tv_nsec = 10000000};
+    for (int tries = 100; flock(file, LOCK_EX | LOCK_NB); tries--)
+        if (tries == 0 || errno != EWOULDBLOCK || nanosleep(&pause, NULL)) return false;
+    return true;
 }
 
 bool mukca_output_flush(FILE *stream)

@@ -42,6 +42,10 @@ bool mukca_output_flush(FILE *stream);
 /* Put the entry of the file `path` in its folder on disk; false: errno is the reason. */
 bool mukca_output_sync_folder(const char *path);
 
+/* Lock an open file against other programs; false: another one has it.  One that is killed while it
+ * starts a calculation leaves the lock to the child until that has begun: waits for 1 s. */
+bool mukca_output_lock(int file);
+
 /* Leave nothing behind; harmless on a zeroed or closed one. */
 void mukca_output_abort(mukca_output *output);
 

@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -217,7 +216,7 @@ static mukca_status open_file(mukca_session *session, mukca_error *error)
     session->fd = fd + 1;
     if (fstat(fd, &st) || !S_ISREG(st.st_mode))
         return mukca_fail(error, MUKCA_INPUT, "%s: not a regular file", session->path);
-    if (flock(fd, LOCK_EX | LOCK_NB))
+    if (!mukca_output_lock(fd))
         return mukca_fail(error, MUKCA_INPUT, "%s: another mukca is recording it", session->path);
     session->length = st.st_size;
     return MUKCA_OK;

@@ -12,7 +12,6 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -44,7 +43,7 @@ static mukca_status lock(mukca_server *s, mukca_error *error)
     int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (fd < 0) return fail(path, error);
     s->lock = fd + 1;
-    if (flock(fd, LOCK_EX | LOCK_NB)) {
+    if (!mukca_output_lock(fd)) {
         ssize_t n = pread(fd, holder, sizeof holder - 1, 0);
         long process = n > 0 ? strtol(holder, NULL, 10) : 0;
         return mukca_fail(error, MUKCA_INPUT,
