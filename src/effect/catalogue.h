@@ -69,6 +69,7 @@ typedef struct {
     const char *term_name[MUKCA_MAX_TERMS]; /* of several terms */
     /* the same where they depend on the variant, ended by NULL */
     const char *const *(*variant_terms)(const mukca_effect_variant *variant);
+    int (*read_old_term)(mukca_effect *effect, const char *text); /* of older tables; -1: not one */
     void (*describe)(char *text, size_t size, const mukca_effect *effect, const mukca_chain *chain);
     /* The i-th variant to try with a recording, at effect->joint; false: no more. */
     bool (*candidate)(mukca_effect *effect, const mukca_effect_survey *survey, int i);

@@ -71,8 +71,21 @@ static bool is_variant(const mukca_effect_variant *wanted)
     return false;
 }
 
+/* The number of older versions: the order; 10 + order in the turning frame; 100 + order of a cone.
+ */
+static bool from_number(mukca_effect_variant *variant, int number)
+{
+    variant->frame = number > 50   ? MUKCA_WOBBLE_CONE
+                     : number > 10 ? MUKCA_WOBBLE_TURNING
+                                   : MUKCA_WOBBLE_FIXED;
+    variant->order = number - (number > 50 ? 100 : number > 10 ? 10 : 0);
+    return is_variant(variant);
+}
+
 static bool read_wobble(mukca_effect_variant *variant, const char *text)
 {
+    int number;
+    if (mukca_effect_read_integer(&number, text, 1, 110)) return from_number(variant, number);
     for (int f = 0; f < 3; f++) {
         const size_t length = strlen(frame_name[f]);
         if (strncmp(text, frame_name[f], length) != 0) continue;
@@ -104,6 +117,26 @@ static const mukca_variant_ops motion = {
     .complete = complete_wobble,
 };
 
+/* "variant=12 term=2" */
+static int read_old_term(mukca_effect *effect, const char *text)
+{
+    char word[8];
+    int number, term;
+    const char *second = strchr(text, ' ');
+    if (strncmp(text, "variant=", 8) != 0 || !second || strncmp(second, " term=", 6) != 0)
+        return -1;
+    const size_t length = (size_t)(second - text) - 8;
+    if (length >= sizeof word) return -1;
+    memcpy(word, text + 8, length);
+    word[length] = '\0';
+    if (!mukca_effect_read_integer(&number, word, 1, 110) ||
+        !mukca_effect_read_integer(&term, second + 6, 0, 3) ||
+        !from_number(&effect->variant, number))
+        return -1;
+    effect->terms = effect->variant.frame == MUKCA_WOBBLE_CONE ? 2 : 4;
+    return term < effect->terms ? term : -1;
+}
+
 static bool wobble_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
     if (i >= VARIANTS || !mukca_survey_moved(effect, survey, 0)) return false;
@@ -125,5 +158,6 @@ const mukca_effect_ops mukca_axis_wobble_effect = {
     .by_angle = wobble_by_angle,
     .variant = &motion,
     .variant_terms = term_names,
+    .read_old_term = read_old_term,
     .candidate = wobble_candidate,
 };

@@ -130,8 +130,9 @@ double mukca_server_latency(const mukca_server_pose *pose, double p);
 void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *folder,
                        const char *name, const char *ending);
 
-/* Make the folder, hold it until mukca_server_close, and remove what is left of killed writers.
- * Errors: MUKCA_INPUT (also: another server holds it). */
+/* Make the folder, hold it until mukca_server_close, remove what is left of killed writers, and
+ * move the files of an earlier version to their places.  Errors: MUKCA_INPUT (also: another server
+ * holds it). */
 mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error);
 
 /* Whether a session may be called so: letters, digits, _ - and . but not first; at most 40. */

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -47,7 +48,7 @@ static void write_model(void)
     offsets.acceptance.given = offsets.acceptance.accepted = offsets.acceptance.converged = true;
     offsets.acceptance.error_nominal_m = 1e-3;
     offsets.acceptance.error_m = 1e-4;
-    FILE *file = create("in_use.tsv");
+    FILE *file = create("results/x.offsets.tsv");
     assert_int_equal(mukca_offsets_write(file, &offsets, &chain, NULL, NULL, &error), MUKCA_OK);
     fclose(file);
     file = create("state.tsv");
@@ -121,9 +122,15 @@ static int serve(long *used)
 
 static void poses_cost_no_allocation(void **state)
 {
+    static const char *const folders[] = {"results", "sessions"};
     long few, many;
     (void)state;
     assert_non_null(mkdtemp(folder));
+    for (int i = 0; i < 2; i++) {
+        char path[128];
+        path_of(path, folders[i]);
+        assert_int_equal(mkdir(path, 0777), 0);
+    }
     write_model();
     write_log(1000);
     assert_int_equal(serve(&few), 1000);
@@ -131,11 +138,10 @@ static void poses_cost_no_allocation(void **state)
     assert_int_equal(serve(&many), 30000);
     assert_true(few > 0);
     assert_int_equal(many, few);
-    static const char *const names[] = {"in",         "out",     "lock",    "state.tsv",
-                                        "in_use.tsv", "results", "sessions"};
+    static const char *const names[] = {"in", "out", "lock", "state.tsv", "results/x.offsets.tsv"};
     for (int i = 0; i < 7; i++) {
         char path[128];
-        path_of(path, names[i]);
+        path_of(path, i < 5 ? names[i] : folders[i - 5]);
         assert_int_equal(remove(path), 0);
     }
     rmdir(folder);
