@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/resolution.h"
+
 /* Ties: within half of MUKCA_TIE_MOST (20 to 1), or within it where the two do nearly the same
  * (canonical correlation after geometry is projected out). */
 #define TIE_CORRELATION 0.9
@@ -11,6 +13,7 @@
 #define UNKNOWN_SHARE 0.25
 /* Less than this changes no verdict. */
 #define LITTLE 0.05
+#define PI 3.14159265358979323846
 /* Half width of a 95 % interval in standard errors. */
 #define INTERVAL 1.959963984540054
 
@@ -189,6 +192,24 @@ static const mukca_contender *compare(mukca_standing *standing, double *share,
     return stand(standing, share, contest, h);
 }
 
+/* Fine ripple is sought among hundreds of orders, and can follow what smooth functions cannot:
+ * noise of a joint's angle, and the rounding of angles to steps.  Where postures come at even
+ * intervals, rounding is ripple of another order, of an amplitude up to that of a sawtooth, step /
+ * pi. */
+static void doubt_fine_ripple(mukca_cause *out, mukca_competition *contest, int index,
+                              double log_odds)
+{
+    const mukca_candidate *h = &contest->m->unknowns.cause[index].candidate;
+    const double *c = out->effect.coefficient;
+    if (h->kind != MUKCA_CANDIDATE_EFFECT || h->effect.variant.order <= MUKCA_SMOOTH_ORDER) return;
+    contest->tails.known = false;
+    const double gain = mukca_heavy_tails_gain(&contest->tails, contest->m, index, h);
+    out->probability /= 1 + exp(gain - log_odds);
+    if (PI * hypot(c[0], c[1]) <
+        mukca_resolution_step(contest->tails.scratch, &contest->m->recording, h->joint))
+        mukca_cause_doubt(out);
+}
+
 bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_competition *contest,
                           int index)
 {
@@ -209,6 +230,7 @@ bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_comp
         .held_out = MUKCA_SHRINK_NONE};
     add_ties(out, contest, index);
     tie_untested_flexibility(out, contest);
+    doubt_fine_ripple(out, contest, index, standing->log_odds);
     if (mukca_candidate_is_fault(h)) {
         out->socket = recording->groups[h->fault.group].socket;
         out->row = recording->data->row[h->fault.first];

@@ -1,4 +1,5 @@
-/* What correlated noise with heavy tails adds to the score of a candidate. */
+/* What noise that is not the same in all samples and directions adds to the score of a candidate.
+ */
 #ifndef MUKCA_DIAGNOSE_HEAVY_TAILS_H
 #define MUKCA_DIAGNOSE_HEAVY_TAILS_H
 
@@ -8,7 +9,8 @@ typedef struct {
     mukca_unknowns kept; /* to go back to */
     double *scratch;     /* [4 * n_rows] */
     bool known;          /* value[] is that of the present model without the candidate */
-    double value[2];     /* log likelihood under Gaussian noise, and with tails and memory */
+    /* log likelihoods under Gaussian noise, and with tails and memory, or noise of the joint */
+    double value[2];
 } mukca_heavy_tails;
 
 /* Memory comes from `pool`.  False: no memory. */
@@ -17,8 +19,10 @@ bool mukca_heavy_tails_create(mukca_heavy_tails *tails, mukca_pool *pool,
 
 /* By how much the log Bayes factor of a candidate, in the model without cause `without` (-1: in the
  * whole model), is higher under Gaussian noise than under noise that may have heavy tails and a
- * long memory.  The model is left as it was; set tails->known to false when it or `without` is
- * another one than the last time. */
+ * long memory, or for a function of a joint's angle, noise of a joint's angle.  The model is left
+ * as it was; set tails->known to false when it, `without` or the noise is another one than the last
+ * time.
+ */
 double mukca_heavy_tails_gain(mukca_heavy_tails *tails, mukca_regression *m, int without,
                               const mukca_candidate *candidate);
 

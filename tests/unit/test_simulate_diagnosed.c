@@ -221,11 +221,49 @@ static void test_heavy_tails(void **state)
     free(d);
 }
 
+/* Angles of one joint that are read in coarse steps: of hundreds of orders of ripple, none is sure.
+ */
+static void test_steps(void **state)
+{
+    (void)state;
+    const double step = 2e-3; /* rad */
+    int sure = 0;
+    mukca_diagnosis *d = malloc(sizeof *d);
+    assert_non_null(d);
+    for (int k = 0; k < 8; k++) {
+        scene s;
+        mukca_dataset data;
+        mukca_error error = {0};
+        const mukca_diagnose_options options = {.no_folds = true};
+        set_scene(&s, NULL, (uint64_t)(1 + k));
+        s.how.noise = 1e-4;
+        record(&data, &s);
+        for (int row = 0; row < data.n_rows; row++) {
+            double *q = data.q + row * s.chain.n_joints + 1 + k % 2;
+            *q = step * round(*q / step);
+        }
+        memset(d, 0, sizeof *d);
+        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
+        print_message("steps: %s, %d causes\n", mukca_verdict_name[d->verdict], d->n_causes);
+        for (int i = 0; i < d->n_causes; i++) {
+            const mukca_cause *cause = &d->causes[i];
+            if (cause->effect.kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
+            print_message("  joint %d order %d: %.2f\n", cause->effect.joint,
+                          cause->effect.variant.order, cause->probability);
+            sure += !cause->n_ties && !cause->or_unknown && cause->probability > 0.8;
+        }
+        mukca_diagnosis_free(d);
+        mukca_dataset_free(&data);
+    }
+    assert_int_equal(sure, 0);
+    free(d);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_diagnosed),
-                                       cmocka_unit_test(test_heavy_tails),
-                                       cmocka_unit_test(test_unlisted), cmocka_unit_test(test_tilt),
-                                       cmocka_unit_test(test_surprise)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_diagnosed), cmocka_unit_test(test_heavy_tails),
+        cmocka_unit_test(test_unlisted),  cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_tilt),      cmocka_unit_test(test_surprise)};
     return cmocka_run_group_tests_name("simulate diagnosed", tests, NULL, NULL);
 }
