@@ -186,13 +186,19 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     mukca_normal_equations *normal = &evidence->normal[index];
     const int size = linear->n_columns + 1, ld = linear->stride, *at = linear->at;
     bool same = normal->n + 1 == size && memcmp(normal->at, at, sizeof *at * (size_t)size) == 0;
-    if (unknowns->weight || normal->version != linear->version || normal->stride != ld) {
+    if (unknowns->weight || normal->version != linear->version) {
         same = false;
         lay_out(normal, recording, unknowns->weight);
         normal->done = 0;
-        normal->stride = ld;
         normal->version = unknowns->weight ? 0 : linear->version;
+    } else if (normal->stride != ld) {
+        const mukca_strides strides = {.columns = normal->done, .old = normal->stride, .new = ld};
+        mukca_linearisation_spread(normal->weighted, recording->n_samples * recording->dim,
+                                   &strides);
+        mukca_linearisation_spread(normal->all_gram, normal->done, &strides);
+        mukca_linearisation_spread(normal->all_distance, recording->n_pairs, &strides);
     }
+    normal->stride = ld;
     extend(normal, recording, linear, evidence->marginal);
     if (same) return normal;
     normal->n = linear->n_columns;
@@ -207,8 +213,9 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     return normal;
 }
 
-double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equations *normal,
-                               double sigma, double *mean)
+MUKCA_CLONES double mukca_evidence_evaluate(mukca_evidence *evidence,
+                                            const mukca_normal_equations *normal, double sigma,
+                                            double *mean)
 {
     const int n = normal->n, size = n + 1;
     const double precision = 1 / (sigma * sigma), *prior = evidence->prior;

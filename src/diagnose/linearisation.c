@@ -239,6 +239,13 @@ static void fill_y(mukca_linearisation *linear, const mukca_recording *recording
         linear->pair_columns[p * ld + at[n]] = recording->pairs[p].distance;
 }
 
+void mukca_linearisation_spread(double *x, int rows, const mukca_strides *s)
+{
+    for (int i = rows - 1; i > 0; i--) /* the last one first: they move to the back */
+        memmove(x + (size_t)i * (size_t)s->new, x + (size_t)i * (size_t)s->old,
+                sizeof *x * (size_t)s->columns);
+}
+
 /* Room behind the columns held for so many others; a stride that has too little grows. */
 static bool reserve(mukca_linearisation *linear, const mukca_recording *recording, int columns)
 {
@@ -246,12 +253,9 @@ static bool reserve(mukca_linearisation *linear, const mukca_recording *recordin
     if (held + columns <= old) return true;
     if (held + columns > linear->most) return false;
     linear->stride = held + columns + ROOM < linear->most ? held + columns + ROOM : linear->most;
-    double *const of[] = {linear->columns, linear->pair_columns};
-    const int rows[] = {recording->n_samples * recording->dim, recording->n_pairs};
-    for (int k = 0; k < 2; k++)
-        for (int i = rows[k] - 1; i > 0; i--) /* the last one first: they move to the back */
-            memmove(of[k] + (size_t)i * (size_t)linear->stride, of[k] + (size_t)i * (size_t)old,
-                    sizeof *of[k] * (size_t)held);
+    const mukca_strides strides = {.columns = held, .old = old, .new = linear->stride};
+    mukca_linearisation_spread(linear->columns, recording->n_samples * recording->dim, &strides);
+    mukca_linearisation_spread(linear->pair_columns, recording->n_pairs, &strides);
     return true;
 }
 

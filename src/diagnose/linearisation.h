@@ -47,6 +47,14 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
 bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_recording *recording,
                                 const mukca_unknowns *unknowns);
 
+/* Rows that get a larger stride; they have room for it. */
+typedef struct {
+    int columns, old, new;
+} mukca_strides;
+
+/* Move the rows of x[rows][old stride] apart. */
+void mukca_linearisation_spread(double *x, int rows, const mukca_strides *strides);
+
 /* Take y at the present unknowns; the columns stay.  False: there is no room for another column. */
 bool mukca_linearisation_refresh(mukca_linearisation *linear, const mukca_recording *recording,
                                  mukca_unknowns *unknowns);

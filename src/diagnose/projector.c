@@ -59,7 +59,7 @@ static void solve_eight(double *B, const mukca_projector *p)
 
 /* Rows [start, start + count) of Zt := (L^-1 D (WX)')' and u := W y - Zt z, at most EIGHT of one
  * group. */
-static void fill_rows(mukca_projector *p, int group, int start, int count)
+MUKCA_CLONES static void fill_rows(mukca_projector *p, int group, int start, int count)
 {
     const mukca_recording *r = &p->m->recording;
     const int n = p->n, d = r->dim, *at = p->m->linear.at;
@@ -119,8 +119,8 @@ MUKCA_CLONES static void fill(const batch *b, const mukca_projector *p, int e)
 }
 
 /* Projected G[k][k] and g[k] of one block of an entry, `column` columns on. */
-static void take_block(double *G, double *g, const batch *b, const mukca_projector *p, int e,
-                       int column)
+MUKCA_CLONES static void take_block(double *G, double *g, const batch *b, const mukca_projector *p,
+                                    int e, int column)
 {
     const mukca_products *x = b->entry[e].item->products;
     const int k = x->block, first = b->entry[e].first + column, at = b->entry[e].at + column;
@@ -255,33 +255,7 @@ static void find_samples(fault_span *span, const mukca_recording *r, const mukca
     span->to = hi;
 }
 
-/* T[3][n] and g[3] of a fault by itself. */
-static void project_fault(double *T, double *g, mukca_projector *p, const mukca_candidate *h,
-                          const fault_span *span)
-{
-    const mukca_recording *r = &p->m->recording;
-    const int n = p->n, *at = p->m->linear.at;
-    const size_t stride = (size_t)p->m->linear.stride;
-    double *B = p->T;
-    memset(B, 0, sizeof *B * (size_t)((n + 1) * EIGHT));
-    for (int i = span->from; i < span->to; i++) {
-        const double share = mukca_candidate_fault_share(h, r, r->order[i]);
-        const double *w = p->normal->weighted + (size_t)(i * r->dim) * stride;
-        for (int t = 0; t <= n; t++)
-            for (size_t c = 0; c < 3; c++)
-                B[EIGHT * (size_t)t + c] -= share * w[c * stride + (size_t)at[t]];
-    }
-    for (int t = 0; t <= n; t++)
-        for (int c = 0; c < 3; c++) B[EIGHT * t + c] *= p->factor[t];
-    for (int c = 0; c < 3; c++) add_distances(B + c, p, h->fault.group, c, -span->mean);
-    solve_eight(B, p);
-    for (int c = 0; c < 3; c++) {
-        for (int t = 0; t < n; t++) T[c * n + t] = B[EIGHT * t + c];
-        g[c] = B[EIGHT * n + c];
-    }
-}
-
-/* The same from the rows. */
+/* T[3][n] and g[3] of a fault from the rows. */
 MUKCA_CLONES static void sum_rows(double *T, double *g, const mukca_projector *p,
                                   const mukca_candidate *h, const fault_span *span)
 {
@@ -351,16 +325,13 @@ double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, doubl
     double *T = p->T + (n + 1) * EIGHT, G[9], g[3] = {0}, square;
     fault_span span;
     find_samples(&span, r, h);
-    if (p->have_rows && h->kind == MUKCA_CANDIDATE_STEP) {
+    if (h->kind == MUKCA_CANDIDATE_STEP) {
         sum_step(p, h->fault.group, span.from);
         T = p->step.T, square = p->step.square, span.mean = p->step.mean;
         memcpy(g, p->step.g, sizeof g);
     } else {
         square = sum_shares(&span, p, h);
-        if (p->have_rows)
-            sum_rows(T, g, p, h, &span);
-        else
-            project_fault(T, g, p, h, &span);
+        sum_rows(T, g, p, h, &span);
     }
     const double own =
         p->precision * (square - p->normal->ones[h->fault.group] * span.mean * span.mean);

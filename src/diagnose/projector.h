@@ -58,7 +58,7 @@ typedef struct {
 /* Log Bayes factors of n items from their products. */
 void mukca_projector_score(mukca_projector *p, const mukca_scored *item, int n);
 
-/* Log Bayes factor of a fault of one socket or row. */
+/* Log Bayes factor of a fault of one socket or row, from the rows. */
 double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, double *information);
 
 #endif

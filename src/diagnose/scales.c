@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/clones.h"
 #include "math/dense.h"
 
 /* Normal equations of the columns order[size - 1] that are left, and of y behind them. */
@@ -20,7 +21,7 @@ typedef struct {
 } marginal;
 
 /* All columns in the given order. */
-static void gather(marginal *out, const mukca_normal_equations *normal, double sigma)
+MUKCA_CLONES static void gather(marginal *out, const mukca_normal_equations *normal, double sigma)
 {
     const int size = normal->n + 1;
     const double precision = 1 / (sigma * sigma),

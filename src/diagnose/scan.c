@@ -139,8 +139,8 @@ static int weigh_rhos(mukca_regression *m, double *sigma, double *value, int wit
     return best;
 }
 
-/* A fault by itself costs as much as so many rows of the projector. */
-enum { ROWS_OF_A_FAULT = 8 };
+/* A fault by its columns costs as much as so many rows of the projector. */
+enum { ROWS_OF_A_FAULT = 4 };
 
 static int count_faults(const mukca_scan *scan)
 {
@@ -160,6 +160,7 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
     for (int j = 0; j < m->recording.chain->n_joints && pick; j++) pick_harmonics(scan, j);
     scan->n_scores = scan->all->count + scan->n_harmonic;
     if (count_faults(scan) > p->rows / ROWS_OF_A_FAULT) mukca_projector_rows(p);
+    const bool by_rows = p->have_rows;
     for (int j = -1; j < m->recording.chain->n_joints; j++) /* functions of one joint together */
         for (int k = 0; k < scan->n_scores; k++) {
             if (!scan->wanted[k]) continue;
@@ -167,10 +168,11 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
             const int joint = mukca_candidate_turns_joint(h) ? h->joint : -1;
             if (joint != j) continue;
             if (mukca_candidate_is_fault(h)) {
-                scan->value[k] = m->recording.keep[h->fault.first]
-                                     ? mukca_projector_fault(p, h, &scan->information[k])
-                                     : -HUGE_VAL;
-                continue;
+                const bool kept = m->recording.keep[h->fault.first];
+                if (!kept) scan->value[k] = -HUGE_VAL;
+                if (kept && by_rows)
+                    scan->value[k] = mukca_projector_fault(p, h, &scan->information[k]);
+                if (!kept || by_rows) continue;
             }
             mukca_products *x = products_of(scan, rho, k, h->terms);
             if (!x) return;
