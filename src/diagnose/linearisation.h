@@ -69,9 +69,17 @@ double mukca_linearisation_error(const mukca_linearisation *linear,
 void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_geometry *geometry,
                               const mukca_displacement *displacement);
 
-/* Columns of a candidate, E[n_samples][dim][ld], from E on. */
+/* Samples [start, end) of a recording. */
+typedef struct {
+    int start, end;
+} mukca_span;
+
+/* Columns of a candidate, E[n_samples][dim][ld], from E on; or of these samples alone. */
 void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
                                  const mukca_recording *recording,
                                  const mukca_candidate *candidate);
+void mukca_linearisation_columns_of(double *E, int ld, const mukca_linearisation *linear,
+                                    const mukca_recording *recording,
+                                    const mukca_candidate *candidate, mukca_span of);
 
 #endif

@@ -6,8 +6,14 @@
 #include "diagnose/unlisted.h"
 
 /* Levers [d][width] of a candidate's terms, width 1 or 3: of sample 0, and how far the next
- * sample's are behind.  Returns false where it has no such columns. */
-static bool levers_of(const double **lever, size_t *step, const mukca_linearisation *linear,
+ * sample's are behind. */
+typedef struct {
+    const double *first;
+    size_t step;
+} lever_rows;
+
+/* Returns false where it has no such columns. */
+static bool levers_of(lever_rows *out, const mukca_linearisation *linear,
                       const mukca_recording *recording, const mukca_candidate *h)
 {
     const size_t d = (size_t)recording->dim, n = (size_t)recording->chain->n_joints,
@@ -17,16 +23,13 @@ static bool levers_of(const double **lever, size_t *step, const mukca_linearisat
         return false;
     switch (mukca_candidate_site(h)) {
         case MUKCA_SITE_ANGLE:
-            *step = n * d;
-            *lever = linear->lever + joint * d;
+            *out = (lever_rows){linear->lever + joint * d, n * d};
             return true;
         case MUKCA_SITE_ROTATION:
-            *step = n * 3 * d;
-            *lever = linear->rotation_lever + joint * 3 * d;
+            *out = (lever_rows){linear->rotation_lever + joint * 3 * d, n * 3 * d};
             return true;
         case MUKCA_SITE_BASE:
-            *step = 3 * d;
-            *lever = linear->base_lever;
+            *out = (lever_rows){linear->base_lever, 3 * d};
             return true;
         default:
             return false;
@@ -34,16 +37,17 @@ static bool levers_of(const double **lever, size_t *step, const mukca_linearisat
 }
 
 /* E := levers times the basis functions. */
-MUKCA_CLONES static void turn_levers(double *E, int ld, const double *lever, size_t step,
-                                     const mukca_recording *recording, const mukca_candidate *h)
+MUKCA_CLONES static void turn_levers(double *E, int ld, const lever_rows *by,
+                                     const mukca_recording *recording, const mukca_candidate *h,
+                                     mukca_span of)
 {
     const int d = recording->dim, terms = h->terms, width = h->width_of_term;
     double b[3][MUKCA_MAX_COLUMNS];
-    for (int i = 0; i < recording->n_samples; i++, lever += step) {
+    for (int i = of.start; i < of.end; i++) {
         const float *basis = h->basis + (size_t)recording->order[i] * (size_t)(terms * width);
         for (int t = 0; t < terms; t++)
             for (int k = 0; k < 3; k++) b[k][t] = k < width ? (double)basis[width * t + k] : 0;
-        const double *l = lever;
+        const double *l = by->first + (size_t)i * by->step;
         for (int c = 0; c < d; c++, l += width, E += ld)
             if (width == 1)
                 for (int t = 0; t < terms; t++) E[t] = l[0] * b[0][t];
@@ -56,16 +60,23 @@ MUKCA_CLONES static void turn_levers(double *E, int ld, const double *lever, siz
 void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
                                  const mukca_recording *recording, const mukca_candidate *h)
 {
+    mukca_linearisation_columns_of(E, ld, linear, recording, h,
+                                   (mukca_span){0, recording->n_samples});
+}
+
+void mukca_linearisation_columns_of(double *E, int ld, const mukca_linearisation *linear,
+                                    const mukca_recording *recording, const mukca_candidate *h,
+                                    mukca_span of)
+{
     const int d = recording->dim, n_joints = recording->chain->n_joints, terms = h->terms;
     const int width = h->width_of_term, ldx = linear->stride;
-    size_t step;
-    const double *lever;
-    if (levers_of(&lever, &step, linear, recording, h)) {
-        turn_levers(E, ld, lever, step, recording, h);
+    lever_rows by;
+    if (levers_of(&by, linear, recording, h)) {
+        turn_levers(E, ld, &by, recording, h, of);
         return;
     }
-    for (int i = 0; i < recording->n_samples; i++) {
-        double *out = E + (size_t)i * (size_t)d * (size_t)ld;
+    for (int i = of.start; i < of.end; i++) {
+        double *out = E + (size_t)(i - of.start) * (size_t)d * (size_t)ld;
         const int row = recording->order[i];
         const double *levers = linear->lever + (size_t)(i * n_joints) * (size_t)d;
         for (int c = 0; c < d; c++) memset(out + c * ld, 0, sizeof *out * (size_t)terms);

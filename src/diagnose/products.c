@@ -79,9 +79,28 @@ typedef struct {
     const mukca_regression *m;
     const mukca_normal_equations *normal;
     const mukca_product_scratch *s;
-    int joint; /* -1: columns of the observations, else along the levers of this joint */
+    int joint;     /* -1: columns of the observations, else along the levers of this joint */
+    mukca_span of; /* samples that E has */
     batch b;
 } job;
+
+/* The samples in which W X is not 0 for columns held from `start` on: a fault's are those of its
+ * socket. */
+static mukca_span find_samples(const mukca_linearisation *linear, const mukca_recording *r,
+                               int start)
+{
+    mukca_span of = {r->n_samples, 0};
+    int columns = 0;
+    for (int c = 0; c < linear->n_causes; c++) {
+        const mukca_candidate *h = &linear->cause[c];
+        if (linear->at_cause[c] < start || !mukca_candidate_is_fault(h)) continue;
+        const mukca_group *group = &r->groups[h->fault.group];
+        if (group->start < of.start) of.start = group->start;
+        if (group->start + group->count > of.end) of.end = group->start + group->count;
+        columns += h->terms;
+    }
+    return start + columns == linear->n_held ? of : (mukca_span){0, r->n_samples};
+}
 
 /* What blocks of NEAR columns need of W'E and its transpose: of_w[d][k] and of_e[d][k] are the
  * products of column k with column k + d of the other matrix.  All are read to the next four. */
@@ -108,7 +127,7 @@ static void scatter(const job *j)
 {
     const batch *b = &j->b;
     const int held = j->m->linear.n_held, d = j->joint < 0 ? j->m->recording.dim : 1,
-              rows = j->m->recording.n_samples * d;
+              rows = (j->of.end - j->of.start) * d;
     double of_w[NEAR * MUKCA_BATCH], of_e[NEAR * MUKCA_BATCH];
     if (!b->start) multiply_near(of_w, of_e, j->s->W, j->s->E, b->width, rows);
     for (int e = 0; e < b->n; e++) {
@@ -141,7 +160,8 @@ static void finish_columns(const job *j)
 {
     const mukca_regression *m = j->m;
     const mukca_product_scratch *s = j->s;
-    const int width = j->b.width, start = j->b.start, held = m->linear.n_held;
+    const int width = j->b.width, start = j->b.start, held = m->linear.n_held, d = m->recording.dim,
+              ld = m->linear.stride;
     if (!start) {
         memset(s->along, 0, sizeof *s->along * (size_t)(m->recording.n_pairs * width));
         mukca_evidence_weigh(
@@ -150,9 +170,9 @@ static void finish_columns(const job *j)
             j->normal, &m->recording, &m->linear);
     }
     memset(s->C, 0, sizeof *s->C * (size_t)((held - start) * width));
-    mukca_dense_xty(s->C,
-                    (mukca_columns){j->normal->weighted + start, held - start, m->linear.stride},
-                    (mukca_columns){s->E, width, width}, m->recording.n_samples * m->recording.dim);
+    const double *weighted = j->normal->weighted + (size_t)(j->of.start * d) * (size_t)ld + start;
+    mukca_dense_xty(s->C, (mukca_columns){weighted, held - start, ld},
+                    (mukca_columns){s->E, width, width}, (j->of.end - j->of.start) * d);
     scatter(j);
 }
 
@@ -163,7 +183,8 @@ MUKCA_CLONES static void aim_levers(const job *j, int start)
     const mukca_recording *r = &m->recording;
     const int d = r->dim, n_joints = r->chain->n_joints, n = m->linear.n_held - start;
     double *diagonal = j->s->tri, *off = diagonal + r->n_samples;
-    for (int i = 0; i < r->n_samples; i++) {
+    const mukca_span of = find_samples(&m->linear, r, start);
+    for (int i = of.start; i < of.end; i++) {
         const double *lever = m->linear.lever + (size_t)(i * n_joints + j->joint) * (size_t)d;
         double square = 0, product = 0, *u = j->s->U + (size_t)i * (size_t)n;
         memset(u, 0, sizeof *u * (size_t)n);
@@ -208,8 +229,9 @@ MUKCA_CLONES static void finish_functions(const job *j, int aimed)
     const mukca_product_scratch *s = j->s;
     const int width = j->b.width, start = j->b.start, held = m->linear.n_held;
     memset(s->C, 0, sizeof *s->C * (size_t)((held - start) * width));
-    mukca_dense_xty(s->C, (mukca_columns){s->U + start - aimed, held - start, held - aimed},
-                    (mukca_columns){s->E, width, width}, r->n_samples);
+    const double *U = s->U + (size_t)j->of.start * (size_t)(held - aimed) + (start - aimed);
+    mukca_dense_xty(s->C, (mukca_columns){U, held - start, held - aimed},
+                    (mukca_columns){s->E, width, width}, j->of.end - j->of.start);
     if (!start) {
         const double *diagonal = s->tri, *off = diagonal + r->n_samples;
         for (int i = 0; i < r->n_samples; i++) {
@@ -261,9 +283,9 @@ static void put(batch *b, mukca_products *x, int first, int count)
 
 /* The functions of a candidate. */
 MUKCA_CLONES static void fill_functions(double *E, int ld, const mukca_candidate *h,
-                                        const mukca_recording *r)
+                                        const mukca_recording *r, mukca_span of)
 {
-    for (int i = 0; i < r->n_samples; i++, E += ld) {
+    for (int i = of.start; i < of.end; i++, E += ld) {
         const float *basis = h->basis + (size_t)r->order[i] * (size_t)h->terms;
         int t = 0;
         for (; t + 4 <= h->terms; t += 4) STORE4(E + t, WIDEN4(basis + t));
@@ -280,9 +302,9 @@ static void fill(const job *j, const mukca_candidate *const *candidate)
         const mukca_candidate *h = candidate[e];
         double *E = j->s->E + j->b.entry[e].at;
         if (j->joint < 0)
-            mukca_linearisation_columns(E, width, &j->m->linear, r, h);
+            mukca_linearisation_columns_of(E, width, &j->m->linear, r, h, j->of);
         else
-            fill_functions(E, width, h, r);
+            fill_functions(E, width, h, r, j->of);
     }
 }
 
@@ -290,7 +312,7 @@ void mukca_products_ripple(mukca_products *x, int joint, const int *order,
                            const mukca_regression *m, const mukca_normal_equations *normal,
                            const mukca_product_scratch *s)
 {
-    job j = {.m = m, .normal = normal, .s = s, .joint = joint};
+    job j = {.m = m, .normal = normal, .s = s, .joint = joint, .of = {0, m->recording.n_samples}};
     mukca_ripple wave = s->wave;
     aim_levers(&j, 0);
     mukca_ripple_start(&wave, &m->recording, joint);
@@ -338,6 +360,7 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
         j.joint = item[i].joint;
         j.b.n = j.b.width = 0;
         j.b.start = x->done;
+        j.of = find_samples(&m->linear, &m->recording, x->done);
         for (; i < n && item[i].joint == j.joint; i++) {
             mukca_products *next = item[i].products;
             if (next->done == held) continue;
@@ -361,7 +384,7 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
 void mukca_products_of(mukca_products *x, const mukca_candidate *h, const mukca_regression *m,
                        const mukca_normal_equations *normal, const mukca_product_scratch *s)
 {
-    job j = {.m = m, .normal = normal, .s = s, .joint = -1};
+    job j = {.m = m, .normal = normal, .s = s, .joint = -1, .of = {0, m->recording.n_samples}};
     put(&j.b, x, 0, x->columns);
     x->version = m->linear.version;
     x->done = m->linear.n_held;
