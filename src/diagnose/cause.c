@@ -121,6 +121,32 @@ static void tie_untested_flexibility(mukca_cause *out, const mukca_competition *
                         .correlation = NAN};
 }
 
+/* Is the only pair of sockets of a placement recorded one after the other?  What moves the tool, or
+ * a joint's zero, between the two does exactly what another distance does: it shares the place. */
+static void tie_moved_tool(mukca_cause *out, const mukca_recording *r)
+{
+    const mukca_socket_pair *pair = NULL;
+    const int placement = out->effect.placement;
+    int pairs = 0;
+    if (out->effect.kind != MUKCA_EFFECT_SOCKET_DISTANCE || placement < 0) return;
+    for (int p = 0; p < r->n_pairs; p++)
+        if (r->groups[r->pairs[p].a].placement == placement) pair = &r->pairs[p], pairs++;
+    if (pairs != 1) return;
+    const mukca_group *a = &r->groups[pair->a], *b = &r->groups[pair->b];
+    const int *row = r->order;
+    if (row[a->start] < row[b->start + b->count - 1] &&
+        row[b->start] < row[a->start + a->count - 1])
+        return;
+    out->probability *= 0.5;
+    add_tie(out,
+            (mukca_tie){
+                .effect = MUKCA_EFFECT_TOOL_MOTION,
+                .joint = -1,
+                .log_bayes_factor = out->log_bayes_factor,
+                .correlation = 1,
+                .rival = {.kind = MUKCA_EFFECT_TOOL_MOTION, .joint = -1, .placement = placement}});
+}
+
 static void add_ties(mukca_cause *out, const mukca_competition *contest, int index)
 {
     mukca_regression *m = contest->m;
@@ -230,6 +256,7 @@ bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_comp
         .held_out = MUKCA_SHRINK_NONE};
     add_ties(out, contest, index);
     tie_untested_flexibility(out, contest);
+    tie_moved_tool(out, recording);
     doubt_fine_ripple(out, contest, index, standing->log_odds);
     if (mukca_candidate_is_fault(h)) {
         out->socket = recording->groups[h->fault.group].socket;

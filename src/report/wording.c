@@ -111,11 +111,9 @@ typedef struct {
  * link depends on how the link is tilted and on nothing else, as the seat of a ball does. */
 static const particular *find_particular(const mukca_cause *cause, const mukca_diagnosed *r)
 {
-    static const particular moved =
-                                {"it differs from that of the other placements: the tool moved "
-                                 "between the recordings of "
-                                 "its sockets, or joint zeros slipped",
-                                 "fasten the tool and record this placement again"},
+    static const particular moved = {"it differs from that of the other placements",
+                                     "fasten the tool, check the joints for slip, and record this "
+                                     "placement again"},
                             tilted = {
                                 "the ball's position depends on the tilt of the last link: this "
                                 "link or the tool bends, or the ball's neck touches the socket",

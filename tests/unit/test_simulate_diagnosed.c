@@ -221,6 +221,34 @@ static void test_heavy_tails(void **state)
     free(d);
 }
 
+/* A joint that slips, or a tool that moves, between the two sockets of a placement is exactly
+ * another distance of these: both are said. */
+static void test_moved_tool(void **state)
+{
+    (void)state;
+    scene s;
+    mukca_dataset data;
+    mukca_error error = {0};
+    mukca_diagnosis *d = calloc(1, sizeof *d);
+    assert_non_null(d);
+    set_scene(&s, NULL, 3);
+    s.how.noise = 1e-4;
+    record(&data, &s);
+    for (int row = 0; row < data.n_rows; row++)
+        if (data.socket[row] == 3) data.q[row * s.chain.n_joints] += 8e-3;
+    if (mukca_diagnose(d, &s.chain, &data, &(mukca_diagnose_options){.no_folds = true}, &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(d->verdict, MUKCA_VERDICT_TIED);
+    assert_int_equal(d->n_causes, 1);
+    assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_SOCKET_DISTANCE);
+    assert_int_equal(d->causes[0].n_ties, 1);
+    assert_int_equal(d->causes[0].ties[0].effect, MUKCA_EFFECT_TOOL_MOTION);
+    assert_true(d->causes[0].probability > 0.45 && d->causes[0].probability <= 0.5);
+    mukca_diagnosis_free(d);
+    mukca_dataset_free(&data);
+    free(d);
+}
+
 /* Angles of one joint that are read in coarse steps: of hundreds of orders of ripple, none is sure.
  */
 static void test_steps(void **state)
@@ -262,8 +290,9 @@ static void test_steps(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_diagnosed), cmocka_unit_test(test_heavy_tails),
-        cmocka_unit_test(test_unlisted),  cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_tilt),      cmocka_unit_test(test_surprise)};
+        cmocka_unit_test(test_diagnosed),  cmocka_unit_test(test_heavy_tails),
+        cmocka_unit_test(test_unlisted),   cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_moved_tool), cmocka_unit_test(test_tilt),
+        cmocka_unit_test(test_surprise)};
     return cmocka_run_group_tests_name("simulate diagnosed", tests, NULL, NULL);
 }
