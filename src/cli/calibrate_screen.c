@@ -6,15 +6,8 @@
 
 #include "base/text.h"
 
-/* A nominal model that is this far off, m, has wrong units or columns: arms are built to 10 mm. */
-static const double far_off = 0.1;
-
 /* Smaller coefficients of a direction, whose largest is 1, are not printed. */
 static const double worth = 0.05;
-
-/* Below this the measured poses are the nominal model's own, m: trackers measure 0.05 mm at best.
- */
-static const double echo_limit = 5e-5;
 
 static int terms_of(const mukca_fit *fit, int direction)
 {
@@ -108,7 +101,7 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
                            "warning: no fixed joint ends the chain at %s, so the position of the "
                            "ball is not fitted; add it to the URDF as ball_link",
                            fit->chain.tip);
-    if (nominal->mae > far_off)
+    if (nominal->mae > CLI_FAR_OFF)
         cli_answer_wrapped(call,
                            "warning: the nominal model is %.0f mm off; check the units of the URDF "
                            "(m, rad) and the order of the columns",
@@ -121,7 +114,7 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
                            1e3 * nominal->distance_error, 1e3 * distance);
     for (int i = 0; i < r->train_scores.n; i++) {
         const mukca_score *poses = &r->train_scores.nominal[i];
-        if (poses->placement < 0 && poses->mae < echo_limit)
+        if (poses->placement < 0 && poses->mae < CLI_ECHO)
             cli_answer_wrapped(
                 call,
                 "warning: the measured poses repeat the nominal model (within %.2g mm): they seem "
@@ -230,7 +223,7 @@ void calibrate_print(cli_call *call, const calibrate_result *r)
     print_verdict(call, r);
     mukca_frame T;
     const bool foreign =
-        !r->offsets->acceptance.accepted && r->train_scores.nominal_mean.mae > far_off;
+        !r->offsets->acceptance.accepted && r->train_scores.nominal_mean.mae > CLI_FAR_OFF;
     if (foreign)
         cli_print_mismatch(call, r->train, calibrate_frame(&T, r, true),
                            calibrate_frame(&T, r, false));

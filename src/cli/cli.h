@@ -352,6 +352,13 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
 /* Condense the session's data to what a diagnosis can hold, and say so. */
 mukca_status cli_condense(cli_call *call);
 
+/* A nominal model that is this far off, m, has wrong units or columns: arms are built to 10 mm. */
+#define CLI_FAR_OFF 0.1
+
+/* Below this the measured poses are the nominal model's own, m: trackers measure 0.05 mm at best.
+ */
+#define CLI_ECHO 5e-5
+
 /* "180 samples, 3 placements", "1000 measured poses". */
 void cli_describe_data(char text[80], const mukca_dataset *data);
 

@@ -18,10 +18,6 @@ static const double useless_limit = 30e-3;
  * effect of the arm would pass for. */
 static const double worth_changing = 0.8;
 
-/* Below this the measured poses are the nominal model's own, m: trackers measure 0.05 mm at best.
- */
-static const double echo_limit = 5e-5;
-
 /* ---- the recording ---- */
 
 static void put_fault(mukca_text *text, const mukca_diagnosed *r, const mukca_data_fault *f)
@@ -62,7 +58,7 @@ void cli_screen_recording(FILE *stream, const mukca_diagnosed *r)
         cli_print_text(stream, i ? "" : "Faults", &text);
     }
     if (d->n_faults > MOST_LINES) cli_print_more(stream, d->n_faults - MOST_LINES);
-    if (r->data->n_sockets == 0 && d->nominal_m < echo_limit)
+    if (r->data->n_sockets == 0 && d->nominal_m < CLI_ECHO)
         cli_print_keyed(stream, "Poses",
                         "the measured poses repeat the nominal model: they seem to come from the "
                         "controller, not from a tracker, and contain no error of the arm");

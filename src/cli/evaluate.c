@@ -8,9 +8,6 @@
 #include "fit/cross_training.h"
 #include "fit/frames.h"
 
-/* No arm's origins are wrong by that much, m: the data are not those of this arm. */
-static const double far_off = 0.1;
-
 typedef struct {
     cli_common common;
     double max_mae;
@@ -119,7 +116,7 @@ static void print(cli_call *call, const evaluate_work *w)
     if (w->read_by_eye) cli_scores_print_rows(call, &w->data, &s->data, calibrated);
     if (tested) cli_scores_print(call, &w->test, "test", calibrated);
     if (tested && w->read_by_eye) cli_scores_print_rows(call, &w->test, &s->test, calibrated);
-    if (!calibrated && w->data.nominal_mean.mae > far_off)
+    if (!calibrated && w->data.nominal_mean.mae > CLI_FAR_OFF)
         cli_print_mismatch(call, &s->data, false, false);
     else if (!calibrated && !o->matrix)
         cli_answer_keyed(call, "Next", "mukca calibrate with these data");

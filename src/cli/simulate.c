@@ -157,23 +157,19 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const cli_simula
 static mukca_status run(cli_call *call)
 {
     const cli_simulate_options *o = call->options;
-    mukca_dataset data = {0}, test = {0};
-    cli_simulation *s = calloc(1, sizeof *s);
-    if (!s) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    cli_simulation *s = call->work;
+    mukca_dataset *data = &call->session->data, *test = &call->session->test;
     mukca_status status = cli_simulation_prepare(call, s);
     s->truth.acceptance.given = s->truth.acceptance.accepted = s->truth.acceptance.converged = true;
-    if (status == MUKCA_OK) status = record(call, &data, s, false);
-    if (status == MUKCA_OK && o->test) status = record(call, &test, s, true);
+    if (status == MUKCA_OK) status = record(call, data, s, false);
+    if (status == MUKCA_OK && o->test) status = record(call, test, s, true);
     if (status == MUKCA_OK)
-        status = write_data(call, call->common->output ? call->common->output : "-", &data, s);
-    if (status == MUKCA_OK && o->test) status = write_data(call, o->test, &test, s);
+        status = write_data(call, call->common->output ? call->common->output : "-", data, s);
+    if (status == MUKCA_OK && o->test) status = write_data(call, o->test, test, s);
     if (status == MUKCA_OK)
         status = cli_write_offsets(call, o->truth, &s->truth, &s->model.chain, NULL,
                                    "the true arm of a simulation");
-    if (status == MUKCA_OK && o->labels) status = cli_write_labels(call, s, &data);
-    mukca_dataset_free(&data);
-    mukca_dataset_free(&test);
-    free(s);
+    if (status == MUKCA_OK && o->labels) status = cli_write_labels(call, s, data);
     return status;
 }
 
@@ -207,4 +203,5 @@ const cli_command cli_command_simulate = {
     .options_size = sizeof(cli_simulate_options),
     .defaults = &defaults,
     .run = run,
+    .work_size = sizeof(cli_simulation),
 };

@@ -52,7 +52,7 @@ static void put_coefficient(mukca_text *text, const mukca_inherited *c, const mu
     const mukca_trait *t = c->trait;
     const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
     const double f = info->display_factor;
-    mukca_wording_effect(words, t->effect.kind, chain, t->effect.joint);
+    mukca_wording_effect(words, t->effect.kind, mukca_chain_joint_name(chain, t->effect.joint));
     mukca_text_put(
         text, "%s, %.3g urad/(N·m) [%.3g, %.3g]; fleet %.3g ± %.2g; %.0f %% from this arm", words,
         f * c->value, f * c->low, f * c->high, f * t->mean, f * t->spread, 100 * c->own);

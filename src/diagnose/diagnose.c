@@ -3,8 +3,8 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
+#include "base/clock.h"
 #include "diagnose/applied.h"
 #include "diagnose/cause.h"
 #include "diagnose/confounding.h"
@@ -52,13 +52,6 @@ typedef struct {
     double structure_m;
     const char *why; /* nothing can be tested */
 } steps;
-
-static double now_s(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* What is measured and handed on is the geometry with the named causes: an unknown function fits
  * these samples and says nothing of others. */
@@ -243,7 +236,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
                             const mukca_dataset *data, const mukca_diagnose_options *options,
                             mukca_error *error)
 {
-    const double started = now_s();
+    const double started = mukca_clock_seconds();
     mukca_recording_options recording_options = {
         .mass_spread = options->mass_spread > 0 ? options->mass_spread : 0.1,
         .distance_sigma = MUKCA_DISTANCE_SIGMA,
@@ -285,6 +278,6 @@ out:
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     mukca_regression_free(&m);
     if (status != MUKCA_OK) mukca_diagnosis_free(diagnosis);
-    diagnosis->elapsed_s = now_s() - started;
+    diagnosis->elapsed_s = mukca_clock_seconds() - started;
     return status;
 }

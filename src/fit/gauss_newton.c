@@ -1,8 +1,8 @@
 /* Damped Gauss-Newton, and what all solvers share. */
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
+#include "base/clock.h"
 #include "fit/solver.h"
 #include "math/dense.h"
 
@@ -14,13 +14,6 @@ const char *mukca_stop_text(mukca_stop stop)
 #undef STOP_TEXT
     };
     return text[stop];
-}
-
-double mukca_solver_clock(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 double mukca_solver_goal(double cost)
@@ -63,7 +56,7 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
     (void)error;
     if (!options) options = &none;
     const int limit = options->max_evaluations > 0 ? options->max_evaluations : 2000;
-    const double until = mukca_solver_clock() + MUKCA_SOLVER_SECONDS;
+    const double until = mukca_clock_seconds() + MUKCA_SOLVER_SECONDS;
     const int before = cost->evaluations;
     memset(outcome, 0, sizeof *outcome);
     value = mukca_cost_evaluate(&parts, g, cost, x);
@@ -71,7 +64,7 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
     if (options->progress) options->progress(options->context, cost->theta, &parts, 1);
     bool moved = true;
     while (outcome->stop == MUKCA_STOP_LIMIT && cost->evaluations - before < limit &&
-           mukca_solver_clock() < until) {
+           mukca_clock_seconds() < until) {
         if (options->stop && options->stop(options->context)) {
             outcome->stop = MUKCA_STOP_STOPPED;
             break;

@@ -12,6 +12,7 @@
 #include <nlopt.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "math/dense.h"
 
 typedef struct {
@@ -125,7 +126,7 @@ static mukca_status run_nlopt(nlopt_algorithm algorithm, double *x, mukca_solver
     const int n = cost->n;
     double *work = cost->scratch + 3 * n * n;
     mukca_status status = MUKCA_OK;
-    const double until = mukca_solver_clock() + MUKCA_SOLVER_SECONDS;
+    const double until = mukca_clock_seconds() + MUKCA_SOLVER_SECONDS;
     adapter a = {.cost = cost,
                  .options = options ? options : &none,
                  .outcome = outcome,
@@ -144,7 +145,7 @@ static mukca_status run_nlopt(nlopt_algorithm algorithm, double *x, mukca_solver
     if (!(a.unit > 0)) a.unit = 1;
     do {
         const int left = limit - (cost->evaluations - a.before);
-        const double seconds = until - mukca_solver_clock();
+        const double seconds = until - mukca_clock_seconds();
         outcome->stop = MUKCA_STOP_LIMIT;
         if (left <= 0 || seconds <= 0) break;
         status = run_round(&a, algorithm, left, seconds, error);

@@ -60,7 +60,4 @@ double mukca_solver_decrement(const double *L, const double *gradient, double *w
 /* The promised decrease below which nothing is left to gain. */
 double mukca_solver_goal(double cost);
 
-/* Monotonic clock, s. */
-double mukca_solver_clock(void);
-
 #endif

@@ -5,8 +5,8 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "base/clock.h"
 #include "lcm/log.h"
 
 enum { MAX_CHANNELS = 8, BURST = 256 /* events of a log at a time */ };
@@ -31,16 +31,9 @@ struct mukca_lcm_link {
     void *note_context;
 };
 
-static int64_t wall_clock(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_REALTIME, &t);
-    return (int64_t)t.tv_sec * 1000000 + t.tv_nsec / 1000;
-}
-
 int64_t mukca_lcm_link_clock(const mukca_lcm_link *link)
 {
-    return link->network ? wall_clock() : link->clock;
+    return link->network ? mukca_clock_wall() : link->clock;
 }
 
 bool mukca_lcm_link_replays(const mukca_lcm_link *link)
@@ -218,11 +211,11 @@ static mukca_status replay(mukca_lcm_link *link, int timeout_ms, int other, bool
         if (!link->started) {
             link->started = true;
             link->first = link->event.time;
-            link->first_wall = wall_clock();
+            link->first_wall = mukca_clock_wall();
         }
         if (link->speed > 0) {
             double wait = (double)(link->event.time - link->first) / link->speed -
-                          (double)(wall_clock() - link->first_wall);
+                          (double)(mukca_clock_wall() - link->first_wall);
             if (wait > 1000) {
                 wait_other(other, readable,
                            wait > 1e3 * timeout_ms ? timeout_ms : (int)(wait / 1e3));

@@ -15,9 +15,9 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "lcm/queue.h"
 
 enum { DATAGRAM = 65536 /* bytes: above the largest of UDP */, MAX_LOCAL = 64 };
@@ -44,13 +44,6 @@ struct mukca_lcm_multicast {
     uint32_t stranger; /* the last foreign sender */
     int64_t reported[MUKCA_LCM_DROPS + 2];
 };
-
-static int64_t wall_clock(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_REALTIME, &t);
-    return (int64_t)t.tv_sec * 1000000 + t.tv_nsec / 1000;
-}
 
 /* ---- who may send ---- */
 
@@ -102,7 +95,7 @@ static bool is_named(const mukca_lcm_multicast *m, const char *channel)
 
 static void take(mukca_lcm_multicast *m, size_t size, const struct sockaddr_in *from)
 {
-    int64_t now = wall_clock();
+    int64_t now = mukca_clock_wall();
     uint32_t address = ntohl(from->sin_addr.s_addr);
     mukca_lcm_packet packet;
     mukca_lcm_datagram datagram = {.data = m->datagram,

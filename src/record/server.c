@@ -4,8 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
+
+#include "base/clock.h"
 
 /* ---- commands ---- */
 
@@ -274,13 +275,6 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     return status ? status : mukca_recorder_start_log(&s->recorder, error);
 }
 
-static double monotonic(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Report a problem of the stream when it changes; `last` is the one before. */
 static void report_problem(mukca_recorder *r, char last[MUKCA_RECORDER_LINE])
 {
@@ -298,7 +292,7 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
     mukca_recorder *r = &s->recorder;
     mukca_status status = MUKCA_OK;
     char last[MUKCA_RECORDER_LINE] = "";
-    double published = monotonic();
+    double published = mukca_clock_seconds();
     bool unsaved = false;
     mukca_server_notify("READY=1");
     while (!r->hooks.interrupted()) {
@@ -308,7 +302,7 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
         report_problem(r, last);
         (void)begin(s, &problem); /* reports itself */
         mukca_server_finish_job(s, false);
-        double now = monotonic();
+        double now = mukca_clock_seconds();
         if (now - published < publish_period) continue;
         published = now;
         keep_place(s);

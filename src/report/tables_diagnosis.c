@@ -72,7 +72,7 @@ static void put_next_poses(FILE *out, const mukca_report *r)
     mukca_wording_cause(text, cause, &r->diagnosed);
     mukca_html_escape(out, text);
     fputs(" from ", out);
-    mukca_wording_effect(text, rival->kind, chain, rival->joint);
+    mukca_wording_effect(text, rival->kind, mukca_chain_joint_name(chain, rival->joint));
     mukca_html_escape(out, text);
     fputs(".</p>\n", out);
     joint_columns(columns, "placement|socket", chain);
@@ -122,7 +122,7 @@ static void put_ties(FILE *out, const mukca_diagnosed *d)
         const mukca_cause *cause = &d->diagnosis->causes[i];
         mukca_wording_cause(words, cause, d);
         for (const mukca_tie *tie = cause->ties; tie < cause->ties + cause->n_ties; tie++) {
-            mukca_wording_effect(rival, tie->effect, d->chain, tie->joint);
+            mukca_wording_effect(rival, tie->effect, mukca_chain_joint_name(d->chain, tie->joint));
             mukca_html_row(&table, "%s\t%s\t%.1f\t%.1f\t%.2f", words, rival,
                            cause->log_bayes_factor, tie->log_bayes_factor, tie->correlation);
         }
@@ -228,7 +228,7 @@ static void put_untestable(FILE *out, const mukca_report *r)
             snprintf(joints + used, sizeof joints - used, "%s%s", used ? ", " : "",
                      mukca_chain_joint_name(r->chain, tested[k].joint));
         }
-        mukca_wording_effect(name, tested[i].effect, r->chain, -1);
+        mukca_wording_effect(name, tested[i].effect, NULL);
         mukca_html_row(&table, "%s\t%s\t%s", name, joints, tested[i].why);
     }
     mukca_html_table_end(&table);
@@ -259,7 +259,7 @@ void mukca_report_put_limits(FILE *out, const mukca_report *r)
         bool any = false;
         for (int j = -1; j < r->chain->n_joints; j++) any |= isfinite(limit_of(d, effect, j));
         if (!any) continue;
-        mukca_wording_effect(name, (mukca_effect_kind)effect, r->chain, -1);
+        mukca_wording_effect(name, (mukca_effect_kind)effect, NULL);
         mukca_html_row(&table, "%s", name);
         for (int j = -1; j < r->chain->n_joints; j++)
             mukca_html_cells(&table, "%.2f", limit_of(d, effect, j) * MUKCA_REPORT_MM);

@@ -28,25 +28,22 @@ bool mukca_wording_on_arm(const mukca_cause *cause)
 
 /* ---- causes ---- */
 
-void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind,
-                          const mukca_chain *chain, int joint)
+void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind, const char *joint)
 {
     const mukca_effect_info *info = mukca_effect_table[kind];
-    text[0] = '\0';
-    put(text, "%s", info->title);
-    if (joint < 0) return;
-    put(text, " %s %s",
-        info->site == MUKCA_SITE_ROTATION && mukca_effect_has((int)kind, MUKCA_TRAIT_ELASTIC)
-            ? "before"
-            : "at",
-        mukca_chain_joint_name(chain, joint));
+    const bool bends = info->site == MUKCA_SITE_ROTATION && info->traits & MUKCA_TRAIT_ELASTIC;
+    snprintf(text, MUKCA_WORDING, "%s%s%s", info->title,
+             !joint  ? ""
+             : bends ? " before "
+                     : " at ",
+             joint ? joint : "");
 }
 
 void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
                          const mukca_diagnosed *r)
 {
     const mukca_effect *e = &cause->effect;
-    mukca_wording_effect(text, e->kind, r->chain, e->joint);
+    mukca_wording_effect(text, e->kind, mukca_chain_joint_name(r->chain, e->joint));
     char *end = text + strlen(text);
     mukca_effect_describe(end, (size_t)(text + MUKCA_WORDING - end), e, r->chain);
     const int placement = e->placement;
@@ -63,7 +60,8 @@ void mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
     mukca_wording_cause(text, cause, r);
     for (int t = 0; t < cause->n_ties; t++) {
         const bool last = t + 1 == cause->n_ties && !cause->or_unknown;
-        mukca_wording_effect(rival, cause->ties[t].effect, r->chain, cause->ties[t].joint);
+        mukca_wording_effect(rival, cause->ties[t].effect,
+                             mukca_chain_joint_name(r->chain, cause->ties[t].joint));
         put(text, "%s%s", last ? " or " : ", ", rival);
     }
     if (cause->or_unknown) put(text, " or an effect outside the catalogue");

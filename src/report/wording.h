@@ -22,9 +22,9 @@ bool mukca_wording_slides(const mukca_chain *chain, int joint);
 /* Does the cause act on the arm?  A moved tool does not. */
 bool mukca_wording_on_arm(const mukca_cause *cause);
 
-/* "joint compliance at joint_2", "link bending before joint_3", "base compliance". */
-void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind,
-                          const mukca_chain *chain, int joint);
+/* "joint compliance at joint_2", "link bending before joint_3"; joint NULL: "base
+ * compliance". */
+void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind, const char *joint);
 
 /* The same with what distinguishes the cause from others of its kind: "transmission ripple at
  * joint_2 (240 per turn)". */

@@ -9,11 +9,7 @@ static const double per = MUKCA_WORDING_PER_SPRING;
 void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *e,
                                 const mukca_fleet *f)
 {
-    snprintf(text, MUKCA_WORDING, "%s%s%s", mukca_effect_table[e->kind]->title,
-             e->joint < 0                           ? ""
-             : e->kind == MUKCA_EFFECT_LINK_BENDING ? " before "
-                                                    : " at ",
-             e->joint < 0 ? "" : f->model.joint[e->joint]);
+    mukca_wording_effect(text, e->kind, e->joint < 0 ? NULL : f->model.joint[e->joint]);
 }
 
 void mukca_wording_fleet_shared(char text[MUKCA_WORDING], const mukca_shared *s,

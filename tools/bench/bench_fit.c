@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "fit/fit.h"
 #include "fit/nlopt_adapter.h"
 #include "io/dataset_load.h"
@@ -47,13 +48,13 @@ static void time_solvers(bench *b)
             double J = 0;
             for (int i = 0; i < b->repeats; i++) {
                 mukca_solver_outcome outcome;
-                const double start = mukca_solver_clock();
+                const double start = mukca_clock_seconds();
                 void *memory = malloc(
                     mukca_cost_setup(&cost, NULL, &b->chain, &b->parameters, &b->data, &options));
                 mukca_cost_setup(&cost, memory, &b->chain, &b->parameters, &b->data, &options);
                 memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
                 (*solver)->run(x, &outcome, &cost, NULL, NULL);
-                b->times[i] = mukca_solver_clock() - start;
+                b->times[i] = mukca_clock_seconds() - start;
                 J = mukca_cost_evaluate(NULL, NULL, &cost, x);
                 free(memory);
             }
@@ -94,14 +95,14 @@ static void time_kernels(bench *b, int times)
     memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
     for (int kernel = 0; kernel < 3; kernel++) {
         for (int i = 0; i < b->repeats; i++) {
-            const double start = mukca_solver_clock();
+            const double start = mukca_clock_seconds();
             for (int call = 0; call < CALLS; call++) {
                 if (kernel < 2)
                     mukca_cost_evaluate(NULL, kernel ? g : NULL, &cost, x);
                 else
                     mukca_cost_normal(cost.scratch, &cost, x, false);
             }
-            b->times[i] = (mukca_solver_clock() - start) / CALLS;
+            b->times[i] = (mukca_clock_seconds() - start) / CALLS;
         }
         printf("kernel %s %d %.6g\n", names[kernel], data.n_rows, median(b->times, b->repeats));
     }
