@@ -10,28 +10,16 @@
 #include <cmocka.h>
 
 #include "arm/inverse.h"
+#include "gen3.h"
 #include "math/random.h"
 
-/* A 7-axis arm with offset elbow and wrist, limits of 2.5 rad. */
+/* The Gen3 with limits of 2.5 rad. */
 static void make_arm(mukca_chain *chain, mukca_geometry *geometry)
 {
-    static const double origin[8][6] = {
-        {0, 0, 0.3, 0, 0, 0},       {0, 0, 0, -M_PI_2, 0, 0},        {0, -0.37, 0, M_PI_2, 0, 0},
-        {0.04, 0, 0, M_PI_2, 0, 0}, {-0.04, 0.35, 0, -M_PI_2, 0, 0}, {0, 0, 0, M_PI_2, 0, 0},
-        {0.06, 0, 0, M_PI_2, 0, 0}, {0.06, 0, 0.16, 0, 0, 0}};
-    memset(chain, 0, sizeof *chain);
-    chain->n_elements = 8;
-    chain->n_joints = 7;
-    for (int k = 0; k < 8; k++) {
-        mukca_element *e = &chain->element[k];
-        e->type = k < 7 ? MUKCA_REVOLUTE : MUKCA_FIXED;
-        e->joint = k < 7 ? k : -1;
-        e->axis[2] = 1;
-        e->lower = -2.5;
-        e->upper = 2.5;
-        memcpy(e->xyz, origin[k], sizeof e->xyz);
-        memcpy(e->rpy, origin[k] + 3, sizeof e->rpy);
-        if (k < 7) chain->joint_element[k] = k;
+    gen3_chain(chain);
+    for (int k = 0; k < 7; k++) {
+        chain->element[k].lower = -2.5;
+        chain->element[k].upper = 2.5;
     }
     mukca_geometry_set(geometry, chain, NULL);
 }

@@ -6,24 +6,9 @@
 #include "fit/cost.h"
 #include "fit/identify.h"
 #include "fit/solver.h"
+#include "gen3.h"
 #include "math/random.h"
 #include "noalloc.h"
-
-static void make_arm(mukca_chain *chain)
-{
-    memset(chain, 0, sizeof *chain);
-    chain->n_elements = 8;
-    chain->n_joints = 7;
-    for (int k = 0; k < 8; k++) {
-        mukca_element *e = &chain->element[k];
-        e->type = k < 7 ? MUKCA_REVOLUTE : MUKCA_FIXED;
-        e->joint = k < 7 ? k : -1;
-        e->axis[2] = 1;
-        e->xyz[0] = 0.05 * k, e->xyz[2] = 0.2;
-        e->rpy[0] = k % 2 ? M_PI_2 : -M_PI_2;
-        if (k < 7) chain->joint_element[k] = k;
-    }
-}
 
 static void test_nothing_allocated(void **state)
 {
@@ -37,7 +22,7 @@ static void test_nothing_allocated(void **state)
     mukca_identification identification;
     mukca_solver_outcome outcome;
     double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE], position[3], J[6 * 7], sum = 0;
-    make_arm(&chain);
+    gen3_chain(&chain);
     mukca_random_seed(&random, 6);
     assert_int_equal(mukca_dataset_create(&data, ROWS, 7, 2, 1, NULL), MUKCA_OK);
     data.distances = calloc(1, sizeof *data.distances);
