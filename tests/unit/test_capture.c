@@ -1,16 +1,9 @@
 /* Recording from a stream: still windows, refusals, samples that are due, remarks. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "capture/capture.h"
+#include "close.h"
 #include "math/random.h"
 
 static mukca_chain chain;

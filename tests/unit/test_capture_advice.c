@@ -1,17 +1,10 @@
 /* What a session is worth so far: a simulated operator with a perturbed 7-axis arm. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "arm/inverse.h"
 #include "capture/capture.h"
+#include "close.h"
 #include "math/random.h"
 
 static const double noise = 1e-4; /* m, of the ball in its seat */

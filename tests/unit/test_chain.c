@@ -1,20 +1,13 @@
 /* Rotations, forward kinematics, Jacobians and gravity moments against each other and against
  * numerical differentiation. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "close.h"
 #include "effect/survey.h"
 #include "mukca/chain.h"
 #include "mukca/effect.h"
 #include "mukca/gravity.h"
 
-#define assert_close(a, b, tol) assert_true(!!(fabs((double)(a) - (double)(b)) <= (tol)))
 #define PI 3.14159265358979323846
 
 static unsigned seed = 12345;

@@ -1,15 +1,9 @@
 /* Inverse kinematics: every pose that an arm can take is found again, limits hold, effects count.
  */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "arm/inverse.h"
+#include "close.h"
 #include "gen3.h"
 #include "math/random.h"
 

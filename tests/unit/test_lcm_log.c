@@ -1,19 +1,14 @@
 /* Event logs: ours is read by liblcm and the other way round; damage is skipped; links replay them.
  */
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <cmocka.h>
 #include <lcm/lcm.h>
 
+#include "close.h"
 #include "lcm/link.h"
 #include "lcm/log.h"
 

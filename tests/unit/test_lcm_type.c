@@ -1,15 +1,8 @@
 /* LCM message types: fingerprints against lcm-gen's, the .lcm reader, and the bounded decoder. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "close.h"
 #include "lcm/decode.h"
 #include "lcm/description.h"
 #include "lcm/message.h"

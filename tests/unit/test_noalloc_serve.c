@@ -1,18 +1,12 @@
 /* `mukca serve --publish-pose` allocates nothing per message: a long log costs as many calls of the
  * allocator as a short one. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "cli/cli.h"
+#include "close.h"
 #include "io/urdf.h"
 #include "lcm/log.h"
 #include "noalloc.h"

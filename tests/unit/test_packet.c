@@ -1,15 +1,10 @@
 /* LCM's UDP protocol: messages as liblcm sends them come whole, hostile datagrams cost nothing; the
  * queue behind it keeps its bounds. */
 #include <malloc.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "close.h"
 #include "lcm/queue.h"
 #include "lcm/wire.h"
 
