@@ -26,43 +26,41 @@ static bool is_named(const mukca_chain *chain, const char *file)
 }
 
 /* Append the files of a folder that fit; `named`: only those that the arm's names confirm. */
-static int list(char *text, size_t size, const mukca_chain *chain, const char *folder, bool named)
+static bool list(mukca_text *text, const mukca_chain *chain, const char *folder, bool named)
 {
     struct dirent **entries;
-    int found = 0;
     const int n = scandir(folder, &entries, NULL, alphasort);
     for (int i = 0; i < n; i++) {
         const char *name = entries[i]->d_name;
         char path[1400];
         snprintf(path, sizeof path, "%.1100s/%.255s", folder, name);
         if (strstr(name, ".tsv") && (!named || is_named(chain, name)) &&
-            mukca_inertials_fit(chain, path)) {
-            const size_t used = strlen(text);
-            snprintf(text + used, size - used, "%s%s", found++ ? " or " : "", path);
-        }
+            mukca_inertials_fit(chain, path))
+            mukca_text_put(text, "%s%s", text->used ? " or " : "", path);
         free(entries[i]);
     }
     if (n >= 0) free(entries);
-    return found;
+    return text->used > 0;
 }
 
 void cli_suggest_inertials(cli_call *call, const mukca_chain *chain)
 {
-    char program[1024], folder[1100], whole[PATH_MAX], text[2048] = "";
+    char program[1024], folder[1100], whole[PATH_MAX], files[2048];
+    mukca_text text = MUKCA_TEXT(files);
     if (chain->n_masses > 0) return;
     const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
     program[length > 0 ? length : 0] = '\0';
     char *slash = strrchr(program, '/');
     if (!slash) return;
     *slash = '\0';
-    for (size_t i = 0; i < sizeof folders / sizeof *folders && !*text; i++) {
+    for (size_t i = 0; i < sizeof folders / sizeof *folders && !text.used; i++) {
         snprintf(folder, sizeof folder, "%s%s", program, folders[i]);
-        if (realpath(folder, whole) && !list(text, sizeof text, chain, whole, true))
-            list(text, sizeof text, chain, whole, false);
+        if (realpath(folder, whole) && !list(&text, chain, whole, true))
+            list(&text, chain, whole, false);
     }
-    if (*text)
+    if (text.used)
         mukca_note_format(cli_note, call,
                           "the URDF has no link masses; those of an arm of this geometry: "
                           "--inertials %s",
-                          text);
+                          files);
 }

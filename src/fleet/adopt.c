@@ -8,8 +8,6 @@
 #include "diagnose/folds.h"
 #include "diagnose/test_data.h"
 
-#define INTERVAL 1.959963984540054
-
 /* Prior sigma of a coefficient that no fleet knows, rad/(N m): the usual sizes of
  * mukca_sizes_spring. */
 #define WIDE 30e-6
@@ -111,11 +109,12 @@ static void list_coefficients(task *t)
                          sigma = mukca_regression_standard_error(t->m, mukca_unknowns_column(u, c),
                                                                  &one, 1),
                          kept = sigma * cause->candidate.unit[0] / cause->scale;
-            a->list[a->n++] = (mukca_inherited){.trait = trait,
-                                                .value = value,
-                                                .low = fmax(value - INTERVAL * sigma, 0),
-                                                .high = value + INTERVAL * sigma,
-                                                .own = fmax(1 - kept * kept, 0)};
+            a->list[a->n++] =
+                (mukca_inherited){.trait = trait,
+                                  .value = value,
+                                  .low = fmax(value - MUKCA_FLEET_INTERVAL * sigma, 0),
+                                  .high = value + MUKCA_FLEET_INTERVAL * sigma,
+                                  .own = fmax(1 - kept * kept, 0)};
         }
     }
 }

@@ -8,6 +8,9 @@
  * before the first. */
 enum { MUKCA_FLEET_TERMS = 2 * MUKCA_MAX_JOINTS };
 
+/* Sigmas on each side of a 95 % interval: the 0.975 quantile of the normal distribution. */
+#define MUKCA_FLEET_INTERVAL 1.959963984540054
+
 /* Prior of a coefficient, rad/(N m). */
 typedef struct {
     double mean, sigma;

@@ -13,8 +13,6 @@ enum {
                    changes it by less than its own uncertainty */
 };
 
-#define INTERVAL 1.959963984540054
-
 /* How far an arm may depart, prior sigmas, rad/(N m): as soft as the usual springs of
  * mukca_sizes_spring. */
 static const double sizes[] = {30e-6, 100e-6, 300e-6};
@@ -61,7 +59,7 @@ static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             variance -= row[i] * row[j] * (W[i * n + j] - shrink * W[i * n + k] * W[k * n + j]);
-    const double half = INTERVAL * sqrt(fmax(variance, 0));
+    const double half = MUKCA_FLEET_INTERVAL * sqrt(fmax(variance, 0));
     d->mean = c->mean[k];
     d->value = d->mean + own;
     d->low = fmax(d->value - half, 0), d->high = d->value + half;

@@ -13,8 +13,6 @@ enum { T = MUKCA_FLEET_TERMS };
 static const double sizes[] = {10e-6, 30e-6, 100e-6, 300e-6};
 enum { SIZES = sizeof sizes / sizeof *sizes };
 
-#define INTERVAL 1.959963984540054
-
 /* Of a set: nothing in a sum, and far from the smallest number. */
 #define LEAST_LOG_WEIGHT (-200.0)
 
@@ -141,7 +139,8 @@ void mukca_population_average(mukca_population *p)
     visit(&a, take);
     for (int i = 0; i < n; i++) {
         const double present = a.present[i], value = a.mean[i] / present;
-        const double half = INTERVAL * sqrt(fmax(a.square[i * n + i] / present - value * value, 0));
+        const double half =
+            MUKCA_FLEET_INTERVAL * sqrt(fmax(a.square[i * n + i] / present - value * value, 0));
         p->probability[i] = present / a.total;
         p->value[i] = fmax(value, 0);
         p->low[i] = fmax(value - half, 0), p->high[i] = fmax(value + half, 0);

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "report/html.h"
 #include "report/parts.h"
 
@@ -216,7 +217,8 @@ static void put_untestable(FILE *out, const mukca_report *r)
                               .style = "cards",
                               .columns = "effect|joints|reason"};
     for (int i = 0; i < n; i++) {
-        char name[MUKCA_WORDING], joints[MUKCA_MAX_JOINTS * (MUKCA_NAME_SIZE + 2)] = "";
+        char name[MUKCA_WORDING], names[MUKCA_MAX_JOINTS * (MUKCA_NAME_SIZE + 2)] = "";
+        mukca_text joints = MUKCA_TEXT(names);
         int first = 0;
         while (first < i && !same_reason(&tested[first], &tested[i])) first++;
         if (tested[i].testable || first < i ||
@@ -224,12 +226,11 @@ static void put_untestable(FILE *out, const mukca_report *r)
             continue;
         for (int k = i; k < n; k++) {
             if (tested[k].joint < 0 || !same_reason(&tested[k], &tested[i])) continue;
-            const size_t used = strlen(joints);
-            snprintf(joints + used, sizeof joints - used, "%s%s", used ? ", " : "",
-                     mukca_chain_joint_name(r->chain, tested[k].joint));
+            mukca_text_put(&joints, "%s%s", joints.used ? ", " : "",
+                           mukca_chain_joint_name(r->chain, tested[k].joint));
         }
         mukca_wording_effect(name, tested[i].effect, NULL);
-        mukca_html_row(&table, "%s\t%s\t%s", name, joints, tested[i].why);
+        mukca_html_row(&table, "%s\t%s\t%s", name, names, tested[i].why);
     }
     mukca_html_table_end(&table);
 }
