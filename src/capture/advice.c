@@ -132,9 +132,8 @@ static mukca_status workspace_take(workspace *w, const mukca_capture *capture,
 {
     const int n = capture->model.parameters.n;
     memset(w, 0, sizeof *w);
-    const size_t need = mukca_observe_setup(&w->observations, NULL, capture->chain, rows, NULL, n);
+    mukca_observe_setup(&w->observations, &w->pool, capture->chain, rows, NULL, n);
     const int m = w->observations.n_residuals;
-    void *memory = mukca_pool_take(&w->pool, need, 1);
     w->n = n;
     w->m = m;
     w->J = MUKCA_TAKE(&w->pool, double, (m > 3 * PROBES ? m : 3 * PROBES) * n);
@@ -144,9 +143,7 @@ static mukca_status workspace_take(workspace *w, const mukca_capture *capture,
     w->x = MUKCA_TAKE(&w->pool, double, n);
     w->start = MUKCA_TAKE(&w->pool, double, n);
     w->step = MUKCA_TAKE(&w->pool, double, n);
-    if (w->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_observe_setup(&w->observations, memory, capture->chain, rows, NULL, n);
-    return MUKCA_OK;
+    return w->pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
 }
 
 /* The noise by which the residuals are explained, less what the parameters took up. */

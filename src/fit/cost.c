@@ -5,34 +5,31 @@
 
 #include "math/dense.h"
 
-size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain,
-                        const mukca_parameters *parameters, const mukca_dataset *data,
-                        const mukca_cost_options *options)
+bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chain,
+                      const mukca_parameters *parameters, const mukca_dataset *data,
+                      const mukca_cost_options *options)
 {
     const mukca_cost_options none = {0};
     double nominal[MUKCA_MAX_FREE];
-    mukca_arena arena = {.base = memory};
     if (!options) options = &none;
     mukca_chain_theta(nominal, chain);
     const double *fixed = options->nominal_means ? nominal : NULL;
     const int n = parameters->n, all = MUKCA_PARAMETERS * chain->n_elements;
     memset(cost, 0, sizeof *cost);
-    const size_t inner = mukca_observe_setup(&cost->observations, NULL, chain, data, fixed, n);
-    void *block = MUKCA_CARVE(&arena, char, inner);
+    if (!mukca_observe_setup(&cost->observations, pool, chain, data, fixed, n)) return false;
     const int m = cost->observations.n_residuals;
-    cost->theta = MUKCA_CARVE(&arena, double, all);
-    cost->nominal = MUKCA_CARVE(&arena, double, n);
+    cost->theta = MUKCA_TAKE(pool, double, all);
+    cost->nominal = MUKCA_TAKE(pool, double, n);
     if (!options->part) {
-        cost->r = MUKCA_CARVE(&arena, double, m);
-        cost->J = MUKCA_CARVE(&arena, double, m *n);
-        cost->weight = MUKCA_CARVE(&arena, double, m);
+        cost->r = MUKCA_TAKE(pool, double, m);
+        cost->J = MUKCA_TAKE(pool, double, m *n);
+        cost->weight = MUKCA_TAKE(pool, double, m);
     }
-    cost->scratch = MUKCA_CARVE(&arena, double, 3 * n * n + 6 * n);
-    cost->held = MUKCA_CARVE(&arena, double, n *n);
-    cost->held_at = MUKCA_CARVE(&arena, double, n);
-    if (!memory) return arena.used;
+    cost->scratch = MUKCA_TAKE(pool, double, 3 * n * n + 6 * n);
+    cost->held = MUKCA_TAKE(pool, double, n *n);
+    cost->held_at = MUKCA_TAKE(pool, double, n);
+    if (pool->failed) return false;
 
-    mukca_observe_setup(&cost->observations, block, chain, data, fixed, n);
     cost->part = options->part ? options->part : cost;
     cost->parameters = parameters;
     cost->gradient = options->gradient;
@@ -43,7 +40,7 @@ size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain
     memcpy(cost->theta, options->theta ? options->theta : nominal, (size_t)all * sizeof *nominal);
     mukca_parameters_pack(cost->nominal, parameters, nominal);
     if (!options->part) mukca_observe_weights(cost->weight, &cost->observations, cost->pair_weight);
-    return arena.used;
+    return true;
 }
 
 static double along(const double *v, const double *x, int n)

@@ -49,11 +49,11 @@ struct mukca_cost {
     double *scratch;    /* [3][n][n] and [6][n] for solvers */
 };
 
-/* Carve from `memory`, or with memory = NULL count the bytes.  `options` may be NULL; chain and
- * parameters must outlive the cost, and it must stay where it is. */
-size_t mukca_cost_setup(mukca_cost *cost, void *memory, const mukca_chain *chain,
-                        const mukca_parameters *parameters, const mukca_dataset *data,
-                        const mukca_cost_options *options);
+/* Take memory from the pool; false: it failed.  `options` may be NULL; chain and parameters must
+ * outlive the cost, and it must stay where it is. */
+bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chain,
+                      const mukca_parameters *parameters, const mukca_dataset *data,
+                      const mukca_cost_options *options);
 
 /* Hold near x[n], from now on, each direction of the parameters without regularisation that the
  * data determine less than lambda would: samples that are nearly alike would throw the ball

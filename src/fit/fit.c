@@ -27,35 +27,24 @@ static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, d
 typedef struct {
     mukca_cost cost, part;
     mukca_dataset samples; /* of the part; empty where it is all */
-    void *memory[2];
+    mukca_pool pool;
 } workspace;
-
-static void *set_up(mukca_cost *cost, const mukca_fit *fit, const mukca_dataset *data,
-                    const mukca_cost_options *options)
-{
-    void *memory =
-        malloc(mukca_cost_setup(cost, NULL, &fit->chain, &fit->parameters, data, options));
-    if (memory) mukca_cost_setup(cost, memory, &fit->chain, &fit->parameters, data, options);
-    return memory;
-}
 
 static mukca_status take_workspace(workspace *w, mukca_fit *fit, const mukca_dataset *data,
                                    mukca_cost_options options, mukca_error *error)
 {
     const size_t n = (size_t)fit->parameters.n;
-    bool room = true;
     options.theta = fit->theta;
     if (data->n_rows > MUKCA_FIT_PART) {
         const mukca_status status = mukca_part_take(&w->samples, data, MUKCA_FIT_PART, error);
         if (status != MUKCA_OK) return status;
-        w->memory[0] = set_up(&w->part, fit, &w->samples, &options);
+        mukca_cost_setup(&w->part, &w->pool, &fit->chain, &fit->parameters, &w->samples, &options);
         options.part = &w->part;
-        room = w->memory[0] != NULL;
         fit->n_part = w->samples.n_rows;
     }
-    if (room) w->memory[1] = set_up(&w->cost, fit, data, &options);
+    mukca_cost_setup(&w->cost, &w->pool, &fit->chain, &fit->parameters, data, &options);
     fit->memory = malloc((n * n + MUKCA_IDENTIFY_WORK(n)) * sizeof *fit->memory);
-    if (w->memory[1] && fit->memory) return MUKCA_OK;
+    if (!w->pool.failed && fit->memory) return MUKCA_OK;
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows, %d parameters", data->n_rows,
                       fit->parameters.n);
 }
@@ -85,7 +74,7 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
                            const mukca_fit_options *options, mukca_error *error)
 {
     const mukca_fit_options none = {0};
-    workspace w = {.memory = {NULL}};
+    workspace w = {.pool = {NULL, false}};
     mukca_status status;
     if (!options) options = &none;
     memset(fit, 0, sizeof *fit);
@@ -100,7 +89,7 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     if (status != MUKCA_OK) return status;
     status = take_workspace(&w, fit, data, options->cost, error);
     if (status == MUKCA_OK) status = minimise(fit, &w.cost, options, error);
-    for (int i = 0; i < 2; i++) free(w.memory[i]);
+    mukca_pool_free(&w.pool);
     mukca_dataset_free(&w.samples);
     if (status != MUKCA_OK) mukca_fit_free(fit);
     return status;

@@ -74,10 +74,9 @@ static void load_rows(mukca_observations *o, const mukca_dataset *data)
     }
 }
 
-size_t mukca_observe_setup(mukca_observations *o, void *memory, const mukca_chain *chain,
-                           const mukca_dataset *data, const double *fixed, int max_free)
+bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_chain *chain,
+                         const mukca_dataset *data, const double *fixed, int max_free)
 {
-    mukca_arena arena = {.base = memory};
     const int n = data->n_rows, sockets = data->n_sockets;
     bool posed = false;
     *o = (mukca_observations){.n_rows = n, .n_sockets = sockets};
@@ -88,28 +87,27 @@ size_t mukca_observe_setup(mukca_observations *o, void *memory, const mukca_chai
     for (int p = 0; p < data->n_distances; p++) o->n_pairs += pair_usable(data, p);
     o->n_residuals = (o->oriented ? 6 : 3) * n + o->n_pairs;
 
-    mukca_sweep_carve(&o->sweep, &arena, chain, n);
+    mukca_sweep_take(&o->sweep, pool, chain, n);
     const int padded = n + MUKCA_SWEEP_PADDING;
-    o->socket = MUKCA_CARVE(&arena, int, n);
-    o->share = MUKCA_CARVE(&arena, double, n);
-    o->count = MUKCA_CARVE(&arena, double, sockets);
-    o->mean = MUKCA_CARVE(&arena, double, 3 * sockets);
-    o->mean_rows = MUKCA_CARVE(&arena, double, 3 * sockets * max_free);
-    o->pair = MUKCA_CARVE(&arena, int, 2 * o->n_pairs);
-    o->pair_distance = MUKCA_CARVE(&arena, double, o->n_pairs);
-    o->pair_residual = MUKCA_CARVE(&arena, double, o->n_pairs);
-    o->pair_direction = MUKCA_CARVE(&arena, double, 3 * o->n_pairs);
-    o->residual = MUKCA_CARVE(&arena, double, 3 * padded);
-    if (posed) o->target = MUKCA_CARVE(&arena, double, 3 * n);
+    o->socket = MUKCA_TAKE(pool, int, n);
+    o->share = MUKCA_TAKE(pool, double, n);
+    o->count = MUKCA_TAKE(pool, double, sockets);
+    o->mean = MUKCA_TAKE(pool, double, 3 * sockets);
+    o->mean_rows = MUKCA_TAKE(pool, double, 3 * sockets * max_free);
+    o->pair = MUKCA_TAKE(pool, int, 2 * o->n_pairs);
+    o->pair_distance = MUKCA_TAKE(pool, double, o->n_pairs);
+    o->pair_residual = MUKCA_TAKE(pool, double, o->n_pairs);
+    o->pair_direction = MUKCA_TAKE(pool, double, 3 * o->n_pairs);
+    o->residual = MUKCA_TAKE(pool, double, 3 * padded);
+    if (posed) o->target = MUKCA_TAKE(pool, double, 3 * n);
     if (o->oriented) {
-        o->turn_share = MUKCA_CARVE(&arena, double, n);
-        o->aim = MUKCA_CARVE(&arena, double, 9 * n);
-        o->turn_residual = MUKCA_CARVE(&arena, double, 3 * padded);
+        o->turn_share = MUKCA_TAKE(pool, double, n);
+        o->aim = MUKCA_TAKE(pool, double, 9 * n);
+        o->turn_residual = MUKCA_TAKE(pool, double, 3 * padded);
     }
-    double *fixed_mean = fixed ? MUKCA_CARVE(&arena, double, 3 * sockets) : NULL;
-    if (!memory) return arena.used;
+    double *fixed_mean = fixed ? MUKCA_TAKE(pool, double, 3 * sockets) : NULL;
+    if (pool->failed) return false;
 
-    memset(memory, 0, arena.used);
     load_counts(o, data);
     load_rows(o, data);
     mukca_sweep_load(&o->sweep, chain, data->q);
@@ -118,7 +116,7 @@ size_t mukca_observe_setup(mukca_observations *o, void *memory, const mukca_chai
         memcpy(fixed_mean, o->mean, 3 * (size_t)sockets * sizeof *fixed_mean);
         o->fixed_mean = fixed_mean;
     }
-    return arena.used;
+    return true;
 }
 
 static void predict_pairs(mukca_observations *o)

@@ -40,11 +40,12 @@ typedef struct {
     double *mean_rows;      /* [n_sockets][3][max_free] scratch */
 } mukca_observations;
 
-/* Carve everything from `memory` and load the data, or with memory = NULL only count: returns the
- * bytes.  The dataset may be freed afterwards.  Needs data->n_rows >= 1.  The means of the sockets
- * are those predicted by `fixed` [6 * n_elements] (older closed-chain method), NULL: their own. */
-size_t mukca_observe_setup(mukca_observations *observations, void *memory, const mukca_chain *chain,
-                           const mukca_dataset *data, const double *fixed, int max_free);
+/* Take memory from the pool and load the data; false: the pool failed.  The dataset may be freed
+ * afterwards.  Needs data->n_rows >= 1.  The means of the sockets are those predicted by `fixed`
+ * [6 * n_elements] (older closed-chain method), NULL: their own. */
+bool mukca_observe_setup(mukca_observations *observations, mukca_pool *pool,
+                         const mukca_chain *chain, const mukca_dataset *data, const double *fixed,
+                         int max_free);
 
 /* Those of the sweep's open window, [3][padded]. */
 static inline double *mukca_observe_window(double *residual, const mukca_sweep *sweep)

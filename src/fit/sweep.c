@@ -16,7 +16,7 @@ static void align_axis(double A[9], const double axis[3])
     for (int i = 0; i < 3; i++) A[3 * i] = e1[i], A[3 * i + 1] = e2[i], A[3 * i + 2] = axis[i];
 }
 
-void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows)
+void mukca_sweep_take(mukca_sweep *sweep, mukca_pool *pool, const mukca_chain *chain, int rows)
 {
     const int n = chain->n_elements, joints = chain->n_joints;
     const int padded = (rows + LANES - 1) / LANES * LANES;
@@ -33,10 +33,10 @@ void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain
         sweep->joint[k] = e->joint;
         align_axis(sweep->align[k + 1], e->type == MUKCA_FIXED ? identity + 6 : e->axis);
     }
-    sweep->turns = MUKCA_CARVE(arena, double, 2L * joints * padded);
-    sweep->x = MUKCA_CARVE(arena, double, 3 * widest);
-    sweep->w = MUKCA_CARVE(arena, double, n * 3 * widest);
-    sweep->Q = MUKCA_CARVE(arena, double, 9 * widest);
+    sweep->turns = MUKCA_TAKE(pool, double, 2L * joints * padded);
+    sweep->x = MUKCA_TAKE(pool, double, 3 * widest);
+    sweep->w = MUKCA_TAKE(pool, double, n * 3 * widest);
+    sweep->Q = MUKCA_TAKE(pool, double, 9 * widest);
 }
 
 void mukca_sweep_open(mukca_sweep *sweep, int window)

@@ -10,7 +10,7 @@
 #ifndef MUKCA_FIT_SWEEP_H
 #define MUKCA_FIT_SWEEP_H
 
-#include "base/arena.h"
+#include "base/pool.h"
 #include "fit/parameters.h"
 
 typedef enum { MUKCA_GRADIENT_FD, MUKCA_GRADIENT_ANALYTIC } mukca_gradient;
@@ -32,8 +32,8 @@ typedef struct {
     double *Q; /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
 } mukca_sweep;
 
-/* Carve the arrays for `rows` samples. */
-void mukca_sweep_carve(mukca_sweep *sweep, mukca_arena *arena, const mukca_chain *chain, int rows);
+/* Take the arrays for `rows` samples. */
+void mukca_sweep_take(mukca_sweep *sweep, mukca_pool *pool, const mukca_chain *chain, int rows);
 
 /* Joint angles q[n_rows][n_joints]; opens the last window. */
 void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q);

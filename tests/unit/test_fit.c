@@ -238,14 +238,13 @@ static void test_stops(void **state)
         mukca_solver_outcome outcome;
         mukca_fit_options options = {.solver = mukca_solver_table[s], .limits.stop = stop_at_once};
         assert_int_equal(mukca_fit_run(&fit, &chain, &data, &options, NULL), MUKCA_INTERRUPTED);
-        void *memory = malloc(mukca_cost_setup(&cost, NULL, &chain, &parameters, &data, NULL));
-        assert_non_null(memory);
-        mukca_cost_setup(&cost, memory, &chain, &parameters, &data, NULL);
+        mukca_pool pool = {0};
+        assert_true(mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, NULL));
         memcpy(x, cost.nominal, sizeof x);
         x[3] = NAN;
         assert_int_equal(mukca_solver_table[s]->run(x, &outcome, &cost, NULL, NULL), MUKCA_OK);
         assert_int_equal(outcome.stop, MUKCA_STOP_NOT_FINITE);
-        free(memory);
+        mukca_pool_free(&pool);
     }
     mukca_dataset_free(&data);
 }
@@ -293,15 +292,6 @@ static void test_null_space(void **state)
     mukca_dataset_free(&data);
 }
 
-static void set_up(mukca_cost *cost, void **memory, const mukca_chain *chain,
-                   const mukca_parameters *parameters, const mukca_dataset *data,
-                   const mukca_cost_options *options)
-{
-    *memory = malloc(mukca_cost_setup(cost, NULL, chain, parameters, data, options));
-    assert_non_null(*memory);
-    mukca_cost_setup(cost, *memory, chain, parameters, data, options);
-}
-
 /* Standard errors over noise from a part of the samples are those of all of them. */
 static void compare_precision(const mukca_chain *chain, const mukca_dataset *data, int most)
 {
@@ -309,14 +299,15 @@ static void compare_precision(const mukca_chain *chain, const mukca_dataset *dat
     mukca_dataset samples;
     mukca_cost all, part, bounded;
     mukca_identification id[2];
-    void *memory[3];
+    mukca_pool pool = {0};
     double work[MUKCA_IDENTIFY_WORK(MUKCA_MAX_FREE)];
     assert_int_equal(mukca_parameters_select(&p, chain, NULL, NULL), MUKCA_OK);
     assert_int_equal(mukca_part_take(&samples, data, most, NULL), MUKCA_OK);
     assert_true(samples.n_rows <= most && samples.n_rows > most / 3);
-    set_up(&all, &memory[0], chain, &p, data, NULL);
-    set_up(&part, &memory[1], chain, &p, &samples, NULL);
-    set_up(&bounded, &memory[2], chain, &p, data, &(mukca_cost_options){.part = &part});
+    assert_true(mukca_cost_setup(&all, &pool, chain, &p, data, NULL));
+    assert_true(mukca_cost_setup(&part, &pool, chain, &p, &samples, NULL));
+    assert_true(
+        mukca_cost_setup(&bounded, &pool, chain, &p, data, &(mukca_cost_options){.part = &part}));
     assert_int_equal(mukca_identify(&id[0], NULL, &all, all.nominal, work, NULL), MUKCA_OK);
     assert_int_equal(mukca_identify(&id[1], NULL, &bounded, all.nominal, work, NULL), MUKCA_OK);
     assert_int_equal(id[0].rank, id[1].rank);
@@ -326,7 +317,7 @@ static void compare_precision(const mukca_chain *chain, const mukca_dataset *dat
         if (id[0].identifiable[i])
             assert_close(id[1].sigma[i] / id[0].sigma[i], 1, 5 / sqrt(2.0 * most));
     }
-    for (int i = 0; i < 3; i++) free(memory[i]);
+    mukca_pool_free(&pool);
     mukca_dataset_free(&samples);
 }
 
@@ -375,7 +366,7 @@ static void test_long(void **state)
     mukca_parameters p;
     mukca_cost cost;
     mukca_fit fit[2];
-    void *memory;
+    mukca_pool pool = {0};
     double truth[MUKCA_MAX_FREE], x[2][MUKCA_MAX_FREE], g[MUKCA_MAX_FREE];
     const mukca_frame tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     make_arm(&chain);
@@ -384,7 +375,7 @@ static void test_long(void **state)
     for (int i = 0; i < 6 * chain.n_elements; i++) truth[i] += 1e-3 * mukca_random_normal(&random);
     track(&data, &chain, truth, &tracker, MUKCA_FIT_PART + 1000, false, 1e-4, &random);
     assert_int_equal(mukca_parameters_select(&p, &chain, NULL, NULL), MUKCA_OK);
-    set_up(&cost, &memory, &chain, &p, &data, NULL);
+    assert_true(mukca_cost_setup(&cost, &pool, &chain, &p, &data, NULL));
     for (int s = 0; s < 2; s++) { /* slsqp, lbfgs */
         const mukca_fit_options options = {.solver = mukca_solver_table[s]};
         assert_int_equal(mukca_fit_run(&fit[s], &chain, &data, &options, NULL), MUKCA_OK);
@@ -396,7 +387,7 @@ static void test_long(void **state)
         assert_true(mukca_solver_decrement(cost.scratch, g, x[s], p.n) <= 1e-8 * value);
         mukca_fit_free(&fit[s]);
     }
-    free(memory);
+    mukca_pool_free(&pool);
     mukca_dataset_free(&data);
 }
 

@@ -128,9 +128,8 @@ static void check_point(const mukca_chain *chain, const mukca_dataset *data, con
     options.theta = theta;
     for (int kind = 0; kind < 2; kind++) {
         options.gradient = kind ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD;
-        void *memory = malloc(mukca_cost_setup(&cost, NULL, chain, &parameters, data, &options));
-        assert_non_null(memory);
-        mukca_cost_setup(&cost, memory, chain, &parameters, data, &options);
+        mukca_pool pool = {0};
+        assert_true(mukca_cost_setup(&cost, &pool, chain, &parameters, data, &options));
         const double J = mukca_cost_evaluate(&parts, got[kind], &cost, x);
         assert_close(J, (double)value, 1e-12 * (double)value);
         assert_close(parts.inconsistency + parts.distortion + parts.regularisation, J, 1e-15 * J);
@@ -163,7 +162,7 @@ static void check_point(const mukca_chain *chain, const mukca_dataset *data, con
                 assert_close(cost.J[i * n + c], (high[i] - high[m + i]) / 2e-5, 2e-8);
         }
         free(high);
-        free(memory);
+        mukca_pool_free(&pool);
     }
 }
 
@@ -267,24 +266,20 @@ static void test_poses_and_frames(void **state)
     }
 }
 
-/* Derivatives of the tip's position, then orientation; free *memory. */
-static const double *tip_jacobian(void **memory, const mukca_chain *chain, const double *theta,
+/* Derivatives of the tip's position, then orientation. */
+static const double *tip_jacobian(mukca_pool *pool, const mukca_chain *chain, const double *theta,
                                   const double *q, int rows)
 {
     mukca_sweep sweep;
     mukca_parameters parameters;
-    mukca_arena arena = {.base = NULL};
     assert_int_equal(mukca_parameters_select(&parameters, chain, &(mukca_selection){0}, NULL),
                      MUKCA_OK);
-    mukca_sweep_carve(&sweep, &arena, chain, rows);
-    const size_t room = (arena.used + 63) / 64 * 64, one = 3 * (size_t)(rows * parameters.n);
-    *memory = malloc(room + 2 * one * sizeof(double));
-    assert_non_null(*memory);
-    arena = (mukca_arena){.base = *memory};
-    mukca_sweep_carve(&sweep, &arena, chain, rows);
+    const size_t one = 3 * (size_t)(rows * parameters.n);
+    double *J = MUKCA_TAKE(pool, double, 2 * one);
+    mukca_sweep_take(&sweep, pool, chain, rows);
+    assert_false(pool->failed);
     mukca_sweep_load(&sweep, chain, q);
     mukca_sweep_origins(&sweep, theta);
-    double *J = (double *)(void *)((char *)*memory + room);
     for (int v = 0; v < sweep.n_windows; v++) {
         mukca_sweep_open(&sweep, v);
         mukca_sweep_forward(&sweep);
@@ -301,25 +296,24 @@ static void test_windows(void **state)
     (void)state;
     mukca_random random;
     mukca_chain chain;
-    void *memory[2];
+    mukca_pool pool = {0};
     double theta[MUKCA_MAX_FREE];
     static double q[MANY * JOINTS];
     mukca_random_seed(&random, 5);
     make_arm(&chain, &random, true);
     off_nominal(theta, &chain, &random);
     for (int i = 0; i < MANY * JOINTS; i++) q[i] = 4 * mukca_random_uniform(&random) - 2;
-    const double *all = tip_jacobian(&memory[0], &chain, theta, q, MANY);
+    const double *all = tip_jacobian(&pool, &chain, theta, q, MANY);
     const int starts[] = {0, MUKCA_SWEEP_WINDOW - FEW / 2, MANY - FEW};
     for (int i = 0; i < 3; i++) {
-        const double *few = tip_jacobian(&memory[1], &chain, theta, q + starts[i] * JOINTS, FEW);
+        const double *few = tip_jacobian(&pool, &chain, theta, q + starts[i] * JOINTS, FEW);
         mukca_parameters p;
         mukca_parameters_select(&p, &chain, &(mukca_selection){0}, NULL);
         for (int turned = 0; turned < 2; turned++)
             assert_memory_equal(all + 3 * p.n * (turned * MANY + starts[i]),
                                 few + 3 * p.n * turned * FEW, sizeof *few * 3 * FEW * (size_t)p.n);
-        free(memory[1]);
     }
-    free(memory[0]);
+    mukca_pool_free(&pool);
 }
 
 int main(void)

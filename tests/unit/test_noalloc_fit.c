@@ -32,14 +32,13 @@ static void test_nothing_allocated(void **state)
     for (int i = 0; i < ROWS; i++) data.socket[i] = i % 2;
     for (int i = 0; i < 7 * ROWS; i++) data.q[i] = mukca_random_normal(&random);
     assert_int_equal(mukca_parameters_select(&parameters, &chain, NULL, NULL), MUKCA_OK);
-    void *memory = malloc(mukca_cost_setup(&cost, NULL, &chain, &parameters, &data, NULL));
+    mukca_pool pool = {0};
+    assert_true(mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, NULL));
     double *work = malloc(MUKCA_IDENTIFY_WORK(parameters.n) * sizeof *work);
-    assert_non_null(memory);
     assert_non_null(work);
 
     assert_true(calls > 0); /* the wrapping works */
     calls = 0;
-    mukca_cost_setup(&cost, memory, &chain, &parameters, &data, NULL);
     memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
     sum += mukca_cost_evaluate(NULL, NULL, &cost, x);
     sum += mukca_cost_evaluate(NULL, g, &cost, x);
@@ -56,7 +55,7 @@ static void test_nothing_allocated(void **state)
     assert_true(isfinite(sum));
     assert_true(outcome.iterations > 0);
     free(work);
-    free(memory);
+    mukca_pool_free(&pool);
     mukca_dataset_free(&data);
 }
 

@@ -49,14 +49,14 @@ static void time_solvers(bench *b)
             for (int i = 0; i < b->repeats; i++) {
                 mukca_solver_outcome outcome;
                 const double start = mukca_clock_seconds();
-                void *memory = malloc(
-                    mukca_cost_setup(&cost, NULL, &b->chain, &b->parameters, &b->data, &options));
-                mukca_cost_setup(&cost, memory, &b->chain, &b->parameters, &b->data, &options);
+                mukca_pool pool = {0};
+                if (!mukca_cost_setup(&cost, &pool, &b->chain, &b->parameters, &b->data, &options))
+                    abort();
                 memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
                 (*solver)->run(x, &outcome, &cost, NULL, NULL);
                 b->times[i] = mukca_clock_seconds() - start;
                 J = mukca_cost_evaluate(NULL, NULL, &cost, x);
-                free(memory);
+                mukca_pool_free(&pool);
             }
             printf("solve %s %s %.17g %.6g\n", (*solver)->name, kind ? "analytic" : "fd", J,
                    median(b->times, b->repeats));
@@ -90,8 +90,8 @@ static void time_kernels(bench *b, int times)
     mukca_cost cost;
     double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE];
     if (repeat(&data, &b->data, times) != MUKCA_OK) return;
-    void *memory = malloc(mukca_cost_setup(&cost, NULL, &b->chain, &b->parameters, &data, NULL));
-    mukca_cost_setup(&cost, memory, &b->chain, &b->parameters, &data, NULL);
+    mukca_pool pool = {0};
+    if (!mukca_cost_setup(&cost, &pool, &b->chain, &b->parameters, &data, NULL)) abort();
     memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
     for (int kernel = 0; kernel < 3; kernel++) {
         for (int i = 0; i < b->repeats; i++) {
@@ -106,7 +106,7 @@ static void time_kernels(bench *b, int times)
         }
         printf("kernel %s %d %.6g\n", names[kernel], data.n_rows, median(b->times, b->repeats));
     }
-    free(memory);
+    mukca_pool_free(&pool);
     mukca_dataset_free(&data);
 }
 
