@@ -113,14 +113,16 @@ for page in $pages; do
         open { print >file }' "$page"
 done
 loose() { tr -s ' ' | sed -E 's/[0-9]+(\.[0-9]+)?/#/g; s/^ //'; }
-previous=
+previous='' without=''
 for block in block-*; do
     case $block in
     *.sh)
         previous=
         page=${block#block-?-} page=${page%-*}
         name="example of $page: $(head -n 1 "$block" | cut -c 1-60)"
-        if grep -q '^parallel ' "$block" && ! command -v parallel >/dev/null; then
+        # what follows on a page may need its results
+        grep -q '^parallel ' "$block" && ! command -v parallel >/dev/null && without=$page
+        if [ "$page" = "$without" ]; then
             echo "skip $name (no GNU parallel)"
             continue
         fi
