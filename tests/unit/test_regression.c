@@ -363,8 +363,8 @@ static void widen_columns(mukca_regression *m, const mukca_product_item *item, i
     assert_true(m->linear.stride > stride);
 }
 
-/* Scores of all candidates in one batch, after other causes joined the columns held, are those of
- * their columns one by one. */
+/* Scores of all candidates in one batch, after other causes and then a fault joined the columns
+ * held, are those of their columns one by one. */
 static void held_products(void **state)
 {
     fixture *f = *state;
@@ -373,6 +373,7 @@ static void held_products(void **state)
     enum { MOST = 60 };
     const mukca_candidate *cause =
         find(f, MUKCA_CANDIDATE_EFFECT, MUKCA_EFFECT_JOINT_COMPLIANCE, 1);
+    const mukca_candidate *fault = find(f, MUKCA_CANDIDATE_STEP, 0, -1);
     mukca_products x[MOST] = {0};
     mukca_product_item item[MOST];
     mukca_scored scored[MOST];
@@ -381,7 +382,7 @@ static void held_products(void **state)
     for (int i = 0; i < f->all.count && n < MOST; i += 1 + f->all.first_unlisted / MOST) {
         const mukca_candidate *h = &f->all.list[i];
         const int joint = mukca_candidate_turns_joint(h) ? h->joint : -1;
-        if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE) continue;
+        if (h->kind == MUKCA_CANDIDATE_DISTANCE) continue;
         item[n] = (mukca_product_item){h, joint, &x[n]};
         scored[n] = (mukca_scored){&x[n], h, &value[n], &information[n]};
         n++;
@@ -389,8 +390,9 @@ static void held_products(void **state)
     assert_true(n > 20);
     mukca_regression_freeze(m);
     const unsigned version = m->linear.version;
-    for (int with = 0; with < 2; with++) {
-        if (with) {
+    for (int with = 0; with < 3; with++) {
+        if (with == 2) assert_true(mukca_unknowns_add(&m->unknowns, fault));
+        if (with == 1) {
             widen_columns(m, item, n);
             assert_true(mukca_unknowns_add(&m->unknowns, cause));
         }
@@ -407,7 +409,7 @@ static void held_products(void **state)
                          1e-6 * (1 + fabs(value[i])));
     }
     assert_int_equal(m->linear.version, version); /* nothing was linearised again */
-    mukca_unknowns_drop(&m->unknowns, 0);
+    m->unknowns.n_causes = 0;
     mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
 }
 
