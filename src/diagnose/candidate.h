@@ -44,8 +44,10 @@ typedef enum {
     MUKCA_ARGUMENT_SOFTENING, /* that torque times time */
     MUKCA_ARGUMENT_MOVE,      /* direction of its last move */
     MUKCA_ARGUMENT_TIME,
-    MUKCA_ARGUMENT_SAMPLE,   /* 1 from that sample on at which a socket moved, else 0 */
-    MUKCA_ARGUMENT_PLACEMENT /* 1 in one placement, else 0 */
+    MUKCA_ARGUMENT_SAMPLE,    /* 1 from that sample on at which a socket moved, else 0 */
+    MUKCA_ARGUMENT_PAYLOAD,   /* torque of the outermost mass, in one placement or in all */
+    MUKCA_ARGUMENT_PLACEMENT, /* 1 in one placement, else 0 */
+    MUKCA_ARGUMENT_MOMENT     /* about a joint's origin, three components */
 } mukca_argument;
 
 /* Classes compete as equals: the catalogue's effects, then the two rivals of all of them. */

@@ -162,6 +162,12 @@ static void list_unlisted(lister *l)
                                             .placement = -1,
                                             .simple = {(mukca_argument)a, .other = k}});
             }
+    for (int j = 0; j < n && r->have_torques && r->n_bodies; j++)
+        for (int p = -1; p < (placements ? r->data->n_placements : 0); p++)
+            append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
+                                        .joint = j,
+                                        .placement = p,
+                                        .simple = {MUKCA_ARGUMENT_PAYLOAD, .other = j}});
     for (int j = 0; j < n; j++) /* a slip of the first joint is a moved socket */
         if (u->slot_element[0] <= r->chain->joint_element[j])
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
@@ -188,6 +194,8 @@ static void list_unlisted(lister *l)
             append(l, h);
             h.simple.argument = MUKCA_ARGUMENT_TIME;
             append(l, h);
+            h.simple.argument = MUKCA_ARGUMENT_MOMENT;
+            if (r->have_moments) append(l, h);
             h.simple.argument = MUKCA_ARGUMENT_PLACEMENT;
             for (h.placement = 0; placements && h.placement < r->data->n_placements; h.placement++)
                 append(l, h);

@@ -89,11 +89,14 @@ static bool contends(const mukca_scan *scan, int index, const mukca_accepted *ca
     return false;
 }
 
-/* Is it a spring that softens, at the joint of an accepted spring?  Both are one cause. */
+/* Is it another spring at the joint of an accepted spring: one that softens, bends along a link or
+ * carries an unknown load?  Both are one cause. */
 static bool is_same_spring(const mukca_candidate *h, const mukca_candidate *cause)
 {
-    return h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE && h->joint == cause->joint &&
-           h->simple.argument == MUKCA_ARGUMENT_SOFTENING &&
+    const mukca_argument argument = h->simple.argument;
+    return h->kind != MUKCA_CANDIDATE_UNLISTED_TILT && h->joint == cause->joint &&
+           (argument == MUKCA_ARGUMENT_SOFTENING || argument == MUKCA_ARGUMENT_PAYLOAD ||
+            argument == MUKCA_ARGUMENT_MOMENT) &&
            mukca_effect_has(mukca_candidate_class(cause), MUKCA_TRAIT_ELASTIC);
 }
 

@@ -3,8 +3,9 @@
  * The catalogue is not complete.  What it lacks is, as what it has, mostly a simple function of one
  * argument that acts at one place.  So every argument that an arm has is tried at every place: the
  * angle of a joint (linear, once per turn, and its half of the travel), its load (linear, its side,
- * and times time), its last move, time, and the placement; at the angle of each joint and at each
- * frame, which shifts or turns.  A ball that is not round, or that its socket does not hold, and a
+ * times time, and by what an unknown payload adds), its last move, time, and the placement; at the
+ * angle of each joint and at each frame, which shifts or turns, as a link that bends all along does
+ * by the moment at its end.  A ball that is not round, or that its socket does not hold, and a
  * tool that rattles move by the tilt of the tool.
  * These candidates are never accepted.  They share the probability of a name that they could
  * replace.
@@ -12,10 +13,11 @@
 #include "diagnose/unlisted.h"
 
 #include <math.h>
+#include <string.h>
 
 static int values_of(mukca_argument argument)
 {
-    return argument == MUKCA_ARGUMENT_WAVE ? 2 : 1;
+    return argument == MUKCA_ARGUMENT_WAVE ? 2 : argument == MUKCA_ARGUMENT_MOMENT ? 3 : 1;
 }
 
 int mukca_unlisted_terms(const mukca_candidate *h)
@@ -24,7 +26,7 @@ int mukca_unlisted_terms(const mukca_candidate *h)
 }
 
 /* The argument's functions at a row; middle: of the joint's travel. */
-static void evaluate(double value[2], const mukca_candidate *h, const mukca_recording *r, int row,
+static void evaluate(double value[3], const mukca_candidate *h, const mukca_recording *r, int row,
                      double middle)
 {
     const mukca_joint_state state = mukca_recording_state(r, row);
@@ -49,6 +51,11 @@ static void evaluate(double value[2], const mukca_candidate *h, const mukca_reco
         case MUKCA_ARGUMENT_SOFTENING:
             value[0] = state.torque[j] * state.time;
             break;
+        case MUKCA_ARGUMENT_PAYLOAD:
+            value[0] = h->placement < 0 || state.placement == h->placement
+                           ? r->torque[((row + 1) * r->n_bodies - 1) * r->chain->n_joints + j]
+                           : 0;
+            break;
         case MUKCA_ARGUMENT_MOVE:
             value[0] = tanh(state.move[j] / 0.02);
             break;
@@ -61,6 +68,9 @@ static void evaluate(double value[2], const mukca_candidate *h, const mukca_reco
         case MUKCA_ARGUMENT_PLACEMENT:
             value[0] = state.placement == h->placement;
             break;
+        case MUKCA_ARGUMENT_MOMENT:
+            memcpy(value, state.moment[j], sizeof state.moment[j]);
+            break;
     }
 }
 
@@ -70,7 +80,7 @@ void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
     double travel[2];
     mukca_recording_travel(travel, r, h->simple.other);
     for (int row = 0; row < r->data->n_rows; row++) {
-        double value[2];
+        double value[3];
         evaluate(value, h, r, row, 0.5 * (travel[0] + travel[1]));
         for (int t = 0; t < h->terms; t++) h->basis[row * h->terms + t] = (float)value[t / axes];
     }
