@@ -11,6 +11,7 @@ expect "a longer link is 2 mm of axis distance at its joint alone" awk '
 refuse 3 'has 3 joints .* has 2 ' compare arm.urdf two.urdf
 refuse 3 'nix.urdf: cannot read' compare arm.urdf nix.urdf
 refuse 2 'end the name in .svg, .png or .pdf' compare arm.urdf longer.urdf --plot x.gif
+refuse 2 '--plot and another output cannot both go to' compare arm.urdf longer.urdf --plot x.svg --json ./x.svg
 refuse 2 'is an input of this command' compare arm.urdf longer.urdf --json arm.urdf --force
 refuse 3 'no offsets table, or one of an older version' compare arm.urdf session.tsv
 {
