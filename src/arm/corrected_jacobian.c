@@ -31,7 +31,8 @@ typedef struct {
 typedef struct {
     const mukca_equilibrium *e;
     const mukca_effect_slopes *slopes;
-    LANES_ALIGNED columns base[2];  /* to motions of the tip, then to its own */
+    LANES_ALIGNED columns base;     /* to motions of the tip, ... */
+    double closed[3][3];            /* ... then to its own */
     column joint[MUKCA_MAX_JOINTS]; /* as it turns where nothing answers; then the derivative */
     column left[3];                 /* of by_N */
 } tip_columns;
@@ -108,18 +109,23 @@ PART void apply(lanes v[3], const columns *K)
         v[i] = COLUMN(K, 0, i) * x + COLUMN(K, 1, i) * y + COLUMN(K, 2, i) * z;
 }
 
-/* inverse := that of the matrix with these columns. */
-PART void invert(columns *inverse, const double of[3][3])
+/* v := m v, by rows */
+PART void multiply(lanes v[3], const double m[3][3])
 {
-    double row[3][3];
-    for (int i = 0; i < 3; i++) mukca_cross(row[i], of[(i + 1) % 3], of[(i + 2) % 3]);
-    const double size = 1 / mukca_dot3(row[0], of[0]);
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 3; i++) ((double *)inverse->column[k])[i] = size * row[i][k];
+    const lanes of[3] = {v[0], v[1], v[2]};
+    for (int i = 0; i < 3; i++) v[i] = DOT(of, m[i]);
+}
+
+/* inverse, by rows := that of the matrix with these columns. */
+PART void invert(double inverse[3][3], const double of[3][3])
+{
+    for (int i = 0; i < 3; i++) mukca_cross(inverse[i], of[(i + 1) % 3], of[(i + 2) % 3]);
+    const double size = 1 / mukca_dot3(inverse[0], of[0]);
+    for (int k = 0; k < 9; k++) inverse[k / 3][k % 3] *= size;
 }
 
 /* What the base's motion b becomes with the answers K to it: as it turns, by_M is b x g. */
-PART void close_base(columns *closed, const columns *K, const mukca_equilibrium *e)
+PART void close_base(double closed[3][3], const columns *K, const mukca_equilibrium *e)
 {
     double own[3][3], of_row[MUKCA_LANES];
     for (int row = 0; row < 3; row += MUKCA_LANES) {
@@ -140,12 +146,12 @@ PART void close_base(columns *closed, const columns *K, const mukca_equilibrium 
 /* Rotation vectors of joints that tilt in base coordinates, the slopes' as angular velocities; the
  * frames of joints that bend become their answers.  Under moments that are given nothing answers.
  */
-static void prepare(columns *base, mukca_equilibrium *e, mukca_effect_slopes *slopes)
+static void prepare(tip_columns *c, mukca_equilibrium *e, mukca_effect_slopes *slopes)
 {
     if (!e->loaded) e->bend = 0;
     if (e->bend != 0) {
-        set_answer(base, e->displacement.base, 1, e->bend, NULL);
-        close_base(base + 1, base, e);
+        set_answer(&c->base, e->displacement.base, 1, e->bend, NULL);
+        close_base(c->closed, &c->base, e);
     }
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
@@ -190,8 +196,8 @@ PART void pass_base(tip_answers *t, const tip_columns *c, int row)
     for (int i = 0; i < 3; i++) t->by_M[i] = (lanes){0}, t->by_N[i] = UNIT(UNITS + i, row);
     if (e->bend == 0) return;
     turn_frame(base, t, g, row, XYZ(e->tip.column[3]), XYZ(e->first));
-    apply(base, &c->base[0]);
-    apply(base, &c->base[1]);
+    apply(base, &c->base);
+    multiply(base, c->closed);
     add_cross(t->by_M, base, g);
 }
 
@@ -232,12 +238,11 @@ MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
                                                 mukca_effect_slopes *slopes)
 {
     const int n = e->n_joints, rows = e->loaded ? UNITS + 3 : UNITS;
-    double left[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    columns begin;
+    double left[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, begin[3][3];
     tip_columns c;
     c.e = e;
     c.slopes = slopes;
-    prepare(c.base, e, slopes);
+    prepare(&c, e, slopes);
     set_columns(c.joint, e);
     for (int row = 0; row < rows; row += BESIDE * MUKCA_LANES) {
         tip_answers t[BESIDE];
@@ -249,12 +254,12 @@ MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
                 STORE_LANES(c.left[i].row + row + MUKCA_LANES * b, t[b].by_N[i]);
     }
     for (int k = 0; k < 9 && e->loaded; k++) left[k / 3][k % 3] = c.left[k % 3].row[UNITS + k / 3];
-    invert(&begin, (const double(*)[3])left);
+    invert(begin, (const double(*)[3])left);
     for (int row = 0; row < UNITS; row += MUKCA_LANES) {
         lanes x[3];
         double of_row[MUKCA_LANES];
         for (int i = 0; i < 3; i++) x[i] = LOAD_LANES(c.left[i].row + row);
-        apply(x, &begin);
+        multiply(x, (const double(*)[3])begin);
         for (int j = 0; j < n; j++) {
             const double *unit = c.joint[j].row + UNITS;
             const lanes rate = LOAD_LANES(c.joint[j].row + row) - DOT(x, unit);
