@@ -29,12 +29,12 @@ typedef struct {
 
 /* The arm, how the base answers, and the sweep's results. */
 typedef struct {
-    const mukca_equilibrium *e;
-    const mukca_effect_slopes *slopes;
-    LANES_ALIGNED columns base;     /* to motions of the tip, ... */
-    double closed[3][3];            /* ... then to its own */
+    LANES_ALIGNED columns base;     /* to motions of the tip */
     column joint[MUKCA_MAX_JOINTS]; /* as it turns where nothing answers; then the derivative */
     column left[3];                 /* of by_N */
+    double closed[3][3];            /* the base: to its own motions */
+    const mukca_equilibrium *e;
+    const mukca_effect_slopes *slopes;
 } tip_columns;
 
 /* What the answers do to the tip, as sums; and the joint before to this one's column. */
