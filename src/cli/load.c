@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/note.h"
 #include "base/number.h"
 #include "cli/cli.h"
@@ -202,6 +203,23 @@ static mukca_status drop_training(cli_call *call, mukca_dataset *test, const muk
                       "--test: every row is also training data; test on other recordings");
 }
 
+/* A clock that was set, or sessions one after the other in a file: drift would be that of neither.
+ */
+static void note_falling_time(cli_call *call, const mukca_dataset *data)
+{
+    const double least = 60; /* s; drift takes minutes */
+    for (int row = 1; data->time && row < data->n_rows; row++) {
+        const double back = data->time[row - 1] - data->time[row];
+        if (data->file[row] != data->file[row - 1] || !(back > least)) continue;
+        mukca_note_format(
+            cli_note, call,
+            "row %d of %s: time_s falls by %.0f s, and joint_drift is tested with it; "
+            "correct it, or write each session to a file of its own",
+            data->row[row], mukca_file_shown(data->files[data->file[row]]), back);
+        return;
+    }
+}
+
 mukca_status cli_load(cli_call *call)
 {
     cli_session *s = call->session;
@@ -213,8 +231,9 @@ mukca_status cli_load(cli_call *call)
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, &s->model, &call->common->test);
     if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
-    if (status == MUKCA_OK && call->command->group == CLI_UNDERSTAND)
-        cli_suggest_inertials(call, &s->model.chain);
+    if (status != MUKCA_OK || call->command->group != CLI_UNDERSTAND) return status;
+    cli_suggest_inertials(call, &s->model.chain);
+    note_falling_time(call, &s->data);
     return status;
 }
 

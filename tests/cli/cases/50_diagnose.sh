@@ -165,3 +165,8 @@ awk -F'\t' -v OFS='\t' -v CONVFMT=%.9f '/^p[0-9]/ && n++ >= 77 { $7 += 4e-3 } { 
 run $d slip.tsv --json - -q
 expect "a slip is not a moved tool for certain" \
     sh -c "! tr -d ' \n' <'$scratch/out' | grep -q 'tool_motion\"[^{}]*probability\":\(1\|0\.9\)'"
+
+# a clock that was set back in mid-session
+awk -F'\t' -v OFS='\t' '/^p[0-9]/ && n++ >= 50 { $3 -= 3600 } { print }' still.tsv >set.tsv
+run $d set.tsv
+expect "times that fall are noted with their row" grep -q 'row 51 of set.tsv: time_s falls by 35[0-9]* s' "$scratch/err"
