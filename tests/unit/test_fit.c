@@ -240,7 +240,7 @@ static void test_stops(void **state)
         assert_int_equal(mukca_fit_run(&fit, &chain, &data, &options, NULL), MUKCA_INTERRUPTED);
         mukca_pool pool = {0};
         assert_true(mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, NULL));
-        memcpy(x, cost.nominal, sizeof x);
+        memcpy(x, cost.nominal, (size_t)parameters.n * sizeof *x);
         x[3] = NAN;
         assert_int_equal(mukca_solver_table[s]->run(x, &outcome, &cost, NULL, NULL), MUKCA_OK);
         assert_int_equal(outcome.stop, MUKCA_STOP_NOT_FINITE);
