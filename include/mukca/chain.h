@@ -19,8 +19,8 @@
 extern "C" {
 #endif
 
-/* Capacities.  For a controller with little memory the library and the program may be compiled with
- * smaller ones, both alike: -DMUKCA_MAX_ELEMENTS=12 (docs/realtime.md). */
+/* Capacities.  A controller with little memory may use smaller ones; compile the library and the
+ * program with the same values: -DMUKCA_MAX_ELEMENTS=12 (docs/realtime.md). */
 #ifndef MUKCA_MAX_ELEMENTS
 #define MUKCA_MAX_ELEMENTS 48
 #endif
@@ -47,11 +47,11 @@ typedef struct {
     char name[MUKCA_NAME_SIZE];  /* of the URDF joint */
     char child[MUKCA_NAME_SIZE]; /* its child link */
     mukca_joint_type type;
-    int joint;           /* index among the actuated joints, -1 where fixed */
+    int joint;           /* index among the actuated joints; -1: fixed */
     double xyz[3];       /* nominal origin, m */
     double rpy[3];       /* nominal origin, rad */
     double axis[3];      /* unit, in the joint frame */
-    double lower, upper; /* rad or m; -HUGE_VAL, HUGE_VAL where unlimited */
+    double lower, upper; /* rad or m; -HUGE_VAL, HUGE_VAL: unlimited */
 } mukca_element;
 
 /* A point mass that moves with the child frame of `element`. */
@@ -63,10 +63,10 @@ typedef struct {
 
 typedef struct {
     char robot[MUKCA_NAME_SIZE], base[MUKCA_NAME_SIZE], tip[MUKCA_NAME_SIZE];
-    char urdf_sha256[65];       /* lower-case hex; empty where not from a file */
+    char urdf_sha256[65];       /* lower-case hex; empty: not from a file */
     char kinematics_sha256[65]; /* of the factory file that replaced origins; empty: none */
-    char kinematics_hash[MUKCA_NAME_SIZE]; /* UR's mark of the robot in that file; empty: none */
-    uint64_t urdf_geometry; /* hash of the origins before it, which name the model; 0: none */
+    char kinematics_hash[MUKCA_NAME_SIZE]; /* UR's robot identifier in that file; empty: none */
+    uint64_t urdf_geometry; /* hash of the origins in the URDF, which name the model; 0: none */
     int n_elements, n_joints, n_masses;
     mukca_element element[MUKCA_MAX_ELEMENTS];
     int joint_element[MUKCA_MAX_JOINTS]; /* element of each actuated joint */
@@ -81,7 +81,7 @@ typedef struct {
     double axis[MUKCA_MAX_ELEMENTS][3];
     signed char type[MUKCA_MAX_ELEMENTS]; /* mukca_joint_type */
     signed char joint[MUKCA_MAX_ELEMENTS];
-    signed char axis_z[MUKCA_MAX_ELEMENTS]; /* +1, -1: the axis is exactly +z, -z; 0: it is not */
+    signed char axis_z[MUKCA_MAX_ELEMENTS]; /* +1, -1: axis exactly +z, -z; 0: any other axis */
 } mukca_geometry;
 
 /* Names of the six parameters, in order: x y z roll pitch yaw. */
@@ -93,7 +93,7 @@ extern const char *const mukca_joint_type_name[4];
 /* Name of an actuated joint; NULL for -1. */
 const char *mukca_chain_joint_name(const mukca_chain *chain, int joint);
 
-/* Index of the actuated joint (element) with that name, -1 where there is none. */
+/* Index of the actuated joint (element) with that name, -1 if there is none. */
 int mukca_chain_find_joint(const mukca_chain *chain, const char *name);
 int mukca_chain_find_element(const mukca_chain *chain, const char *name);
 
@@ -106,7 +106,7 @@ void mukca_geometry_set(mukca_geometry *geometry, const mukca_chain *chain, cons
 /* The inverse: theta[6 * n_elements] from origins, RPY near the nominal ones. */
 void mukca_geometry_theta(double *theta, const mukca_chain *chain, const mukca_geometry *geometry);
 
-/* Corrections of one configuration beyond its geometry: what unmodelled effects do (effect.h).
+/* Displacement of one configuration by unmodelled effects (effect.h), on top of its geometry.
  * Zeroed: none.  Rotations are small but applied exactly (exponential map). */
 typedef struct {
     double q[MUKCA_MAX_JOINTS];           /* added to the encoder's angle, rad or m */
@@ -120,8 +120,8 @@ typedef struct {
 void mukca_fk_position(double position[3], const mukca_geometry *geometry, const double *q,
                        const mukca_displacement *displacement);
 
-/* Positions [rows][3] for q[rows][n_joints], without displacements: bit by bit those of
- * mukca_fk_position, several rows at a time. */
+/* Positions [rows][3] for q[rows][n_joints], without displacements: bitwise equal to those of
+ * mukca_fk_position, computed several rows at a time. */
 void mukca_fk_positions(double *positions, const mukca_geometry *geometry, const double *q,
                         int rows);
 
@@ -129,18 +129,19 @@ void mukca_fk_positions(double *positions, const mukca_geometry *geometry, const
 void mukca_fk_pose(mukca_frame *T_base_tip, const mukca_geometry *geometry, const double *q,
                    const mukca_displacement *displacement);
 
-/* Frame of each element before its joint turns (origin applied): before[n_elements], and the tip.
- * `tip` may be NULL. */
+/* Frame of each element before its joint's motion (origin applied), before[n_elements], and the
+ * tip.  `tip` may be NULL. */
 void mukca_fk_frames(mukca_frame *before, mukca_frame *tip, const mukca_geometry *geometry,
                      const double *q, const mukca_displacement *displacement);
 
 /* Geometric Jacobian of the tip in base coordinates, J[6][n_joints] row-major: linear velocity
- * (m/rad or m/m) first, then angular.  `T_base_tip` (may be NULL) is the pose it belongs to. */
+ * (m/rad or m/m) first, then angular.  `T_base_tip` (may be NULL): the pose at q. */
 void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip, const mukca_geometry *geometry,
                        const double *q, const mukca_displacement *displacement);
 
-/* Parameter Jacobian of the tip's position: J[3][6 * n_elements] row-major, by x y z roll pitch yaw
- * of each element (m/m, m/rad).  `theta` must be the one that `geometry` was set from. */
+/* Parameter Jacobian of the tip's position, J[3][6 * n_elements] row-major, with respect to x y z
+ * roll pitch yaw of each element (m/m, m/rad).  `theta` must be the one that `geometry` was set
+ * from. */
 void mukca_fk_parameter_jacobian(double *J, double position[3], const mukca_geometry *geometry,
                                  const double *theta, const double *q);
 

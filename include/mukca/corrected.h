@@ -1,10 +1,10 @@
-/* The corrected arm for controllers: load an offsets table once, then ask for positions, poses and
- * Jacobians with everything that was found.
+/* The corrected arm for controllers: load an offsets table once, then compute positions, poses and
+ * Jacobians with the calibrated geometry and the identified effects.
  *
- * An offsets table holds the whole chain in its comment lines, so that neither the URDF nor an XML
- * parser is needed.  Nothing here but mukca_corrected_load allocates, locks, or reads or writes
- * anything but its arguments: a model may be used by many threads at once.  Without the functions
- * that load a file, libmukca_rt is enough.
+ * The comment lines of an offsets table contain the whole chain: neither the URDF nor an XML parser
+ * is needed.  Except for the functions that load a file, nothing here allocates, locks or touches
+ * anything but its arguments: several threads may share a model.  These functions need
+ * libmukca_core; the others are also in libmukca_rt.
  */
 #ifndef MUKCA_CORRECTED_H
 #define MUKCA_CORRECTED_H
@@ -15,8 +15,8 @@
 extern "C" {
 #endif
 
-/* A program that was compiled with other capacities than the library must not run: it does not
- * link, for the names below are then others. */
+/* The names below depend on the capacities: a program compiled with other capacities than the
+ * library does not link. */
 #if MUKCA_MAX_ELEMENTS != 48 || MUKCA_MAX_JOINTS != 16 || MUKCA_MAX_MASSES != 96 || \
     MUKCA_MAX_EFFECTS != 48
 #define MUKCA_SIZED_NAME(name, e, j, m, f) name##_##e##_##j##_##m##_##f
@@ -30,44 +30,44 @@ extern "C" {
 #define mukca_corrected_jacobian MUKCA_NAME(mukca_corrected_jacobian)
 #endif
 
-/* Caller's memory; some 30 kB. */
+/* Some 30 kB of the caller's memory. */
 typedef struct {
     mukca_chain chain;
     mukca_geometry geometry; /* calibrated */
     int n_effects;
     mukca_effect effects[MUKCA_MAX_EFFECTS];
-    bool judged, accepted; /* the table has a verdict; its calibration passed */
+    bool judged, accepted; /* the table has a verdict; its calibration was accepted */
 } mukca_corrected;
 
 /* Fill `model` from the `size` bytes of an offsets table in memory (as `mukca calibrate -o` writes
- * it).  A table whose calibration did not pass is refused (`judged`, and not `accepted`); one
- * without a verdict, of an older release or made by hand, is read.  Errors: MUKCA_INPUT, with the
- * line. */
+ * it).  A table whose calibration was not accepted (`judged`, not `accepted`) is an error; a table
+ * without a verdict, from an older release or written by hand, is loaded.  Errors: MUKCA_INPUT,
+ * with the line. */
 mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, size_t size,
                                    mukca_error *error);
 
 /* The same from a file (libmukca_core).  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error);
 
-/* As the above, with a table whose calibration did not pass where `accept_failed`: not for the
- * control of an arm. */
+/* The same; with `accept_failed` a table whose calibration was not accepted is loaded, too.  Not
+ * for the control of an arm. */
 mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, size_t size,
                                        bool accept_failed, mukca_error *error);
 mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, bool accept_failed,
                                       mukca_error *error);
 
-/* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state`: what some
- * effects need in addition to q (last move, time since the start, command); NULL: none.  With
- * effects, angles beyond 2^20 rad give NaN. */
+/* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state`: further inputs of
+ * some effects (last move, time since the start, command); NULL: none.  With effects, angles beyond
+ * 2^20 rad give NaN. */
 void mukca_corrected_position(double position[3], const mukca_corrected *model, const double *q,
                               const mukca_joint_state *state);
 
 void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model, const double *q,
                           const mukca_joint_state *state);
 
-/* Derivative of the pose by q, J[6][n_joints] row-major: linear (m/rad, m/m), then angular, in base
- * coordinates.  What the effects change with q is included, exact to 1e-11; last move, command and
- * what else `state` holds stand still.  `T_base_tip` may be NULL. */
+/* Derivative of the pose with respect to q, J[6][n_joints] row-major: linear (m/rad, m/m), then
+ * angular, in base coordinates.  The derivatives of the effects are included, exact to 1e-11; last
+ * move, command and the other members of `state` are constant.  `T_base_tip` may be NULL. */
 void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,
                               const double *q, const mukca_joint_state *state);
 

@@ -1,4 +1,4 @@
-/* Recorded rows: joint angles with a socket label or a measured tip pose, and what came with them.
+/* Recorded samples: joint angles with a socket label or a measured tip pose, and optional readings.
  */
 #ifndef MUKCA_DATASET_H
 #define MUKCA_DATASET_H
@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-/* One ball seat of one placement of the tool.  Rows of a socket are in recording order. */
+/* One ball seat of one placement of the tool.  Samples of a socket are in recording order. */
 typedef struct {
     int placement;
     char label[MUKCA_NAME_SIZE];
@@ -29,13 +29,13 @@ typedef struct {
     double distance;
 } mukca_distance;
 
-/* All arrays are owned by the dataset (mukca_dataset_free); optional ones are NULL where no file
- * had the column and hold NaN in the rows of files that lacked it. */
+/* All arrays are owned by the dataset (mukca_dataset_free); an optional one is NULL if no file has
+ * the column, and NaN in the samples of files without it. */
 typedef struct {
     int n_rows, n_joints, n_sockets, n_placements, n_distances, n_files;
     double *q;           /* [n_rows][n_joints], rad or m, in the chain's joint order */
-    int *socket;         /* [n_rows] index into sockets, -1 for a row of a pose log */
-    int *row;            /* [n_rows] 1-based data row in its file */
+    int *socket;         /* [n_rows] index into sockets, -1: sample of a pose log */
+    int *row;            /* [n_rows] 1-based number of the data row in its file */
     int *file;           /* [n_rows] index into files */
     int *target;         /* [n_rows] index into targets, -1: none named; or NULL */
     double *time;        /* [n_rows] s, or NULL */
@@ -43,16 +43,16 @@ typedef struct {
     double *payload;     /* [n_rows] kg at the tip beyond the model, or NULL */
     double *effort;      /* [n_rows][n_joints] N m, or NULL */
     double *command;     /* [n_rows][n_joints] rad, or NULL */
-    double *reading;     /* [n_rows][n_joints] rad: where q are commands, what was read; or NULL */
+    double *reading;     /* [n_rows][n_joints] rad, angles read, where q are commands; or NULL */
     bool by_command;     /* q are commanded angles */
     double *velocity;    /* [n_rows][n_joints] rad/s, or NULL */
-    double *position;    /* [n_rows][3] measured tip, m, or NULL (NaN: not measured in this row) */
+    double *position;    /* [n_rows][3] measured tip, m, or NULL (NaN: not in this sample) */
     double *quaternion;  /* [n_rows][4] measured tip, w first, or NULL (NaN likewise) */
     mukca_socket *sockets;
     mukca_placement *placements;
-    mukca_distance *distances; /* every pair of sockets of a placement whose distance is known */
+    mukca_distance *distances; /* every pair of sockets of a placement with a known distance */
     char (*files)[512];
-    int n_targets; /* of pose logs: each its own point on the tool */
+    int n_targets; /* of pose logs: each a different point on the tool */
     char (*targets)[MUKCA_NAME_SIZE];
 } mukca_dataset;
 
@@ -61,30 +61,30 @@ typedef struct {
 mukca_status mukca_dataset_create(mukca_dataset *data, int n_rows, int n_joints, int n_sockets,
                                   int n_placements, mukca_error *error);
 
-/* Free all arrays and zero the structure; harmless on a zeroed one. */
+/* Free all arrays and zero the structure; a zeroed one is allowed. */
 void mukca_dataset_free(mukca_dataset *data);
 
-/* Copy of the rows whose keep[row] is not 0; sockets, placements and distances stay as they are
- * (so indices stay valid).  Errors: MUKCA_MEMORY. */
+/* Copy of the samples with nonzero keep[row]; sockets, placements and distances are copied
+ * unchanged, and their indices stay valid.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                                   const unsigned char *keep, mukca_error *error);
 
-/* Take the commanded angles for q: of the rows that have some; without any, q are commands already.
- * What was read goes to `reading`.  Errors: MUKCA_MEMORY. */
+/* Replace q by the commanded angles where a sample has some; without any, q are taken as commands.
+ * The angles read are kept in `reading`.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error);
 
-/* State of a row (row_state.h).  Call it for all rows in order, from row 0; each file is a
- * recording of its own.  The result points into `rows` and is valid until the next call. */
+/* Joint state of a sample (row_state.h).  Call it for all samples in order, from 0; each file is a
+ * separate recording.  The result points into `rows` and is valid until the next call. */
 const mukca_joint_state *mukca_dataset_state(mukca_row_state *rows, const mukca_dataset *data,
                                              int row);
 
-/* Target of a row, -1 where none is named. */
+/* Target of a sample, -1: none named. */
 static inline int mukca_dataset_target(const mukca_dataset *data, int row)
 {
     return data->target ? data->target[row] : -1;
 }
 
-/* Placement of a row, -1 for a row of a pose log. */
+/* Placement of a sample, -1: sample of a pose log. */
 static inline int mukca_dataset_placement(const mukca_dataset *data, int row)
 {
     return data->socket[row] < 0 ? -1 : data->sockets[data->socket[row]].placement;

@@ -1,8 +1,8 @@
-/* The catalogue of unmodelled effects: what each does to the arm, as one table.
+/* The catalogue of unmodelled effects, with the displacement of the arm by each, as one table.
  *
- * An effect turns the state of the joints into a small displacement that is linear in its
- * coefficients: displacement = sum_t coefficient[t] * basis_t(state).  The same forward model is
- * fitted, simulated, exported and compensated; src/diagnose decides which effect is present.
+ * An effect maps the state of the joints to a small displacement, linear in its coefficients:
+ * displacement = sum_t coefficient[t] * basis_t(state).  The same forward model is fitted,
+ * simulated, exported and compensated; src/diagnose decides which effects are present.
  */
 #ifndef MUKCA_EFFECT_H
 #define MUKCA_EFFECT_H
@@ -44,32 +44,32 @@ typedef enum {
         MUKCA_EFFECT_COUNT
 } mukca_effect_kind;
 
-/* What an effect needs in the data (bits). */
+/* Data that an effect requires (bits). */
 enum {
     MUKCA_NEEDS_MASSES = 1,     /* link masses (URDF or --inertials), or measured efforts */
     MUKCA_NEEDS_ORDER = 2,      /* samples in recording order */
-    MUKCA_NEEDS_PLACEMENTS = 4, /* two placements or more */
+    MUKCA_NEEDS_PLACEMENTS = 4, /* at least two placements */
     MUKCA_NEEDS_SOCKETS = 8,    /* socket data (not a pose log) */
-    MUKCA_NEEDS_COMMANDS = 16   /* angles that were commanded, not read */
+    MUKCA_NEEDS_COMMANDS = 16   /* commanded angles, not readings */
 };
 
-/* What the rest of the program may ask of an effect (bits). */
+/* Traits of an effect that the rest of the program uses (bits). */
 enum {
     MUKCA_TRAIT_ELASTIC = 1,          /* proportional to gravity's moment: a spring */
     MUKCA_TRAIT_PLAY = 2,             /* free motion between two stops */
-    MUKCA_TRAIT_PERIODIC = 4,         /* sines of the joint's angle; turning joints only */
+    MUKCA_TRAIT_PERIODIC = 4,         /* sines of the joint's angle; rotary joints only */
     MUKCA_TRAIT_OWN_ANGLE = 8,        /* a function of the joint's own angle */
     MUKCA_TRAIT_OTHER_ANGLE = 16,     /* a function of another joint's angle */
     MUKCA_TRAIT_OF_TIME = 32,         /* a function of time */
-    MUKCA_TRAIT_SMOOTH = 64,          /* in the angles, periodic ones at low order only */
+    MUKCA_TRAIT_SMOOTH = 64,          /* in the angles; periodic effects: low orders only */
     MUKCA_TRAIT_PER_PLACEMENT = 128,  /* acts in one placement */
-    MUKCA_TRAIT_RECORDING_FAULT = 256 /* of the data, not of the arm: nothing to apply */
+    MUKCA_TRAIT_RECORDING_FAULT = 256 /* of the data, not of the arm: nothing to correct */
 };
 
 /* Where the displacement acts. */
 typedef enum {
     MUKCA_SITE_ANGLE,    /* angle of one joint, about its axis */
-    MUKCA_SITE_ROTATION, /* rotation vector of one joint's frame, before it turns */
+    MUKCA_SITE_ROTATION, /* rotation vector of one joint's frame, before its rotation */
     MUKCA_SITE_BASE,     /* rotation vector of the base */
     MUKCA_SITE_ANGLES,   /* all joints' angles together */
     MUKCA_SITE_TIP,      /* shift in the tip's frame */
@@ -79,27 +79,27 @@ typedef enum {
 
 typedef struct {
     const char *name;  /* as in the contract, the JSON and the offsets table */
-    const char *title; /* for people: "joint compliance" */
+    const char *title; /* for display: "joint compliance" */
     mukca_effect_site site;
     int terms;                /* coefficients, at most MUKCA_MAX_TERMS */
     const char *unit;         /* of the coefficients, SI */
-    double display_factor;    /* times this ... */
-    const char *display_unit; /* ... is what people are shown */
-    bool nonnegative;         /* physics wants coefficient[0] >= 0 */
+    double display_factor;    /* displayed value = coefficient * display_factor, */
+    const char *display_unit; /* in this unit */
+    bool nonnegative;         /* physical only with coefficient[0] >= 0 */
     int needs, traits;        /* MUKCA_NEEDS_*, MUKCA_TRAIT_* */
-    const char *sentence;     /* for people: what happens in the arm */
-    const char *remedy;       /* what to do; NULL: compensate it, inspect the transmission */
+    const char *sentence;     /* for display: the mechanism in the arm */
+    const char *remedy;       /* for display; NULL: compensate it, inspect the transmission */
 } mukca_effect_info;
 
 extern const mukca_effect_info *const mukca_effect_table[MUKCA_EFFECT_COUNT];
 
-/* Whether an effect exists for sockets or placements only: a pose log has neither. */
+/* True for an effect of sockets or placements only: a pose log has neither. */
 static inline bool mukca_effect_of_sockets(mukca_effect_kind kind)
 {
     return (mukca_effect_table[kind]->needs & (MUKCA_NEEDS_SOCKETS | MUKCA_NEEDS_PLACEMENTS)) != 0;
 }
 
-/* Duration of a sample whose time is not recorded, s: people take some 8 s per sample. */
+/* Duration of a sample without recorded time, s: recording by hand takes some 8 s per sample. */
 #define MUKCA_SECONDS_PER_ROW 8.0
 
 /* A capacity, as in chain.h. */
@@ -116,7 +116,7 @@ typedef enum {
     MUKCA_WOBBLE_CONE     /* a conical motion, two terms; order -2, -1, 2 or 3 */
 } mukca_wobble_frame;
 
-/* Which of several forms an effect has; each effect uses one or two members, the rest are zero. */
+/* Variant of an effect; each effect uses one or two members, the others are zero. */
 typedef struct {
     int order;                /* gear_harmonic (2 .. 400), axis_wobble: per turn of the joint */
     mukca_wobble_frame frame; /* axis_wobble */
@@ -126,34 +126,34 @@ typedef struct {
     double time_constant;     /* joint_drift: T of 1 - exp(-t / T), s; 0: linear, per 1000 s */
 } mukca_effect_variant;
 
-/* One effect at work. */
+/* One effect with its coefficients. */
 typedef struct {
     mukca_effect_kind kind;
-    int joint;     /* -1 where the effect has none */
+    int joint;     /* -1: none */
     int placement; /* MUKCA_TRAIT_PER_PLACEMENT: index into the dataset's placements, else -1 */
     int terms;
     mukca_effect_variant variant;
     double coefficient[MUKCA_MAX_TERMS];
 } mukca_effect;
 
-/* One configuration as the forward models use it.  Pointers may be NULL where no effect in use
- * needs them (then that effect does nothing). */
+/* Input of the forward models: one configuration.  A pointer may be NULL; effects that need it then
+ * have no influence. */
 typedef struct {
     const double *q;      /* [n_joints] encoder angles */
-    const double *move;   /* [n_joints] q minus q of the row before; 0 in a session's first row */
+    const double *move;   /* [n_joints] q minus q of the previous sample; 0 in a session's first */
     const double *torque; /* [n_joints] holding torque, N m */
     const double (*moment)[3]; /* [n_joints] holding moment in the joint frames, N m */
     const double *base_moment; /* [3] */
     const double *command;     /* [n_joints] commanded angles, or NULL */
     double time;               /* s since the session's start */
     double payload_kg;         /* at the tip, beyond the model */
-    int placement;             /* index, -1 where unknown */
+    int placement;             /* index, -1: unknown */
 } mukca_joint_state;
 
-/* Kind by its name, -1 (as int) where unknown. */
+/* Kind by its name; -1 (as int): unknown. */
 int mukca_effect_find(const char *name);
 
-/* Has the effect one of these traits?  False for a kind that is none of the catalogue's. */
+/* Does the effect have one of these traits?  False for a kind outside the catalogue. */
 bool mukca_effect_has(int kind, int traits);
 
 /* Does the effect act at one joint (sites ANGLE and ROTATION)? */
@@ -168,46 +168,45 @@ bool mukca_effect_same(const mukca_effect *a, const mukca_effect *b);
 /* Number of coefficients of an effect's variant. */
 int mukca_effect_terms(const mukca_effect *effect);
 
-/* Basis of an effect at a state: basis[terms][3].  Site ANGLE fills [t][0] only (rad about the
- * axis); site ANGLES is mukca_effect_direction's; SOCKET and DISTANCE give zeros.
- * `axis` [3] of the joint, may be NULL for an effect without one. */
+/* Basis of an effect at a state, basis[terms][3].  Site ANGLE fills [t][0] only (rad about the
+ * axis); for site ANGLES use mukca_effect_direction; SOCKET and DISTANCE yield zeros.  `axis` [3]:
+ * of the joint; may be NULL for an effect without a joint. */
 void mukca_effect_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
                         const double axis[3], const mukca_joint_state *state);
 
-/* Basis of an effect of site ANGLES: direction[n_joints], zero for other effects. */
+/* Basis of an effect of site ANGLES, direction[n_joints]; zero for other effects. */
 void mukca_effect_direction(double *direction, int n_joints, const mukca_effect *effect,
                             const mukca_joint_state *state);
 
-/* displacement += what `effect` does at `state`.  No allocation, no locks. */
+/* Add the displacement by `effect` at `state`.  No allocation, no locks. */
 void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *effect,
                         const mukca_chain *chain, const mukca_joint_state *state);
 
-/* Displacement of `n` effects at a bare configuration q: computes the moments it needs itself, at
- * the place where the arm comes to rest under them (a fixed point to 1e-12 rad).
- * `state` supplies move, time, placement, command, payload_kg (may be NULL: all zero). */
+/* Displacement by `n` effects at configuration q, with the gravity moments of the arm in static
+ * equilibrium (a fixed point, to 1e-12 rad).  `state` supplies move, time, placement, command,
+ * payload_kg (may be NULL: all zero). */
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
                                 int n, const mukca_chain *chain, const mukca_geometry *geometry,
                                 const double *q, const mukca_joint_state *state);
 
 /* Set variant and terms from text ("160", "300mNm", "turning2"; NULL: the usual variant), for an
- * effect whose kind and joint are set.  Returns NULL, or what the text should have been. */
+ * effect whose kind and joint are set.  Returns NULL, or a description of the expected text. */
 const char *mukca_effect_set_variant(mukca_effect *effect, const char *text, int n_joints);
 
-/* Text of the variant as mukca_effect_set_variant reads it; "" where the effect has one form. */
+/* Text of the variant as mukca_effect_set_variant reads it; "" for an effect without variants. */
 void mukca_effect_variant_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *effect);
 
 /* Text of one term of an effect for the offsets table's `term` column ("order=240 sin"), and back.
  * Parsing sets variant, terms and placement of an effect whose kind and joint are set and returns
- * the term's index, -1 when the text is not of this kind or names a joint that is not there. */
+ * the term's index, -1 if the text is not of this kind or names a joint that does not exist. */
 void mukca_effect_term_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *effect, int term);
 int mukca_effect_term_parse(mukca_effect *effect, const char *text, int n_joints);
 
-/* What distinguishes an effect from others of its kind, for people: " (240 per turn)"; "" where
- * nothing does. */
+/* Difference of an effect from others of its kind, for display: " (240 per turn)"; "": none. */
 void mukca_effect_describe(char *text, size_t size, const mukca_effect *effect,
                            const mukca_chain *chain);
 
-/* SI unit of an effect's coefficients there: "rad", or "m" where the joint slides. */
+/* SI unit of an effect's coefficients at its joint: "rad", or "m" at a prismatic joint. */
 const char *mukca_effect_unit(const mukca_effect *effect, const mukca_chain *chain);
 
 #ifdef __cplusplus

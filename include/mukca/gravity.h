@@ -11,13 +11,13 @@ extern "C" {
 /* Gravity load of the joints in one configuration, N m. */
 typedef struct {
     double moment[MUKCA_MAX_JOINTS]
-                 [3];                /* about each joint's origin, in its frame before it turns */
-    double torque[MUKCA_MAX_JOINTS]; /* its part about the axis; prismatic: force along it, N */
+                 [3]; /* about each joint's origin, in its frame before its rotation */
+    double torque[MUKCA_MAX_JOINTS]; /* component about the axis; prismatic: force along it, N */
     double base[3];                  /* the same about the base origin, in the base frame */
 } mukca_gravity_load;
 
-/* Mass kg[n_elements] and first moment first[n_elements][3] (kg m, child frame) of what moves with
- * each element; `mass_scale` and `payload_kg` as below. */
+/* Mass kg[n_elements] and first moment first[n_elements][3] (kg m, child frame) of the bodies that
+ * move with each element; `mass_scale` and `payload_kg` as below. */
 void mukca_chain_masses(double *kg, double (*first)[3], const mukca_chain *chain,
                         const double *mass_scale, double payload_kg);
 
@@ -27,7 +27,7 @@ void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
                          const mukca_geometry *geometry, const double *q, const double *mass_scale,
                          double payload_kg);
 
-/* The same where the displacement has moved the arm to. */
+/* The same for the displaced arm. */
 void mukca_chain_moments_displaced(mukca_gravity_load *load, const mukca_chain *chain,
                                    const mukca_geometry *geometry, const double *q,
                                    const mukca_displacement *displacement, double payload_kg);

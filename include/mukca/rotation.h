@@ -15,18 +15,18 @@ typedef struct {
     double p[3];
 } mukca_frame;
 
-/* R = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it (rad). */
+/* R = Rz(yaw) Ry(pitch) Rx(roll), the convention of URDF (rad). */
 void mukca_rotation_from_rpy(double R[9], const double rpy[3]);
 
-/* Derivatives of mukca_rotation_from_rpy by roll, pitch, yaw: dR[i] = dR/drpy[i]. */
+/* Derivatives of mukca_rotation_from_rpy with respect to roll, pitch, yaw: dR[i] = dR/drpy[i]. */
 void mukca_rotation_from_rpy_derivative(double dR[3][9], const double rpy[3]);
 
-/* RPY of a rotation; at pitch = +-90 deg roll is set to 0 (the pair is not unique there).
- * `near` (may be NULL) picks the equivalent triple closest to it. */
+/* RPY of a rotation; at pitch = +-90 deg roll is set to 0 (gimbal lock).  `near` (may be NULL):
+ * return the equivalent triple closest to it. */
 void mukca_rotation_to_rpy(double rpy[3], const double R[9], const double near[3]);
 
-/* R = exp([w]x): rotation by |w| rad about w; exact to rounding also for |w| -> 0;
- * NaN beyond 2^20 rad. */
+/* R = exp([w]x): rotation by |w| rad about w; accurate to rounding, also for |w| -> 0; NaN beyond
+ * 2^20 rad. */
 void mukca_rotation_exp(double R[9], const double w[3]);
 
 /* Rotation vector of R, |w| in [0, pi]; accurate near 0 and near pi. */
@@ -41,22 +41,21 @@ double mukca_rotation_between(const double A[9], const double B[9]);
 /* R about a unit axis by angle (Rodrigues). */
 void mukca_rotation_about(double R[9], const double axis[3], double angle);
 
-/* Unit quaternion (w, x, y, z), w >= 0, of a rotation, and back (normalised first; zero gives I).
- */
+/* Unit quaternion (w, x, y, z), w >= 0, of a rotation, and back (normalised first; 0 yields I). */
 void mukca_rotation_to_quaternion(double q[4], const double R[9]);
 void mukca_rotation_from_quaternion(double R[9], const double q[4]);
 
-/* The rotation R that makes sum |b - R a|^2 least, from H = sum a b' (Kabsch 1976); points on one
- * line do not change R. */
+/* The rotation R that minimises sum |b - R a|^2, from H = sum a b' (Kabsch 1976); R is left
+ * unchanged if the points lie on one line. */
 void mukca_rotation_nearest(double R[9], const double H[9]);
 
-/* Two unit vectors e1, e2 with e1 x e2 = axis (unit), chosen without branches that jump near z. */
+/* Two unit vectors e1, e2 with e1 x e2 = axis (unit), without a jump near +-z. */
 void mukca_rotation_transverse(double e1[3], double e2[3], const double axis[3]);
 
 /* C = A B for frames; C may be A or B. */
 void mukca_frame_multiply(mukca_frame *C, const mukca_frame *A, const mukca_frame *B);
 
-/* Small inline kernels.  Outputs must not overlap inputs unless said. */
+/* Small inline kernels.  Outputs must not overlap inputs. */
 static inline void mukca_mat3_mul(double C[9], const double A[9], const double B[9])
 {
     for (int i = 0; i < 3; i++)

@@ -1,8 +1,9 @@
-/* The state of a row from the rows before it: one accumulator for files, streams and datasets.
+/* Joint state of a sample from the samples before it: one accumulator for files, streams and
+ * datasets.
  *
- * Feed the rows of one recording in order; start again for each file.  A missing time continues at
- * MUKCA_SECONDS_PER_ROW from the last known one.  A joint whose command is missing counts as
- * commanded to where it is: this row shows no lag of that joint.
+ * Feed the samples of one recording in order; start again for each file.  A missing time continues
+ * at MUKCA_SECONDS_PER_ROW from the last known one.  A joint without a command counts as commanded
+ * to its reading: the sample shows no lag of that joint.
  */
 #ifndef MUKCA_ROW_STATE_H
 #define MUKCA_ROW_STATE_H
@@ -13,42 +14,42 @@
 extern "C" {
 #endif
 
-/* What was recorded of one row. */
+/* Recorded values of one sample. */
 typedef struct {
     const double *q;       /* [n_joints] encoder angles, rad or m */
     const double *command; /* [n_joints] or NULL; NaN: missing */
     double time;           /* s on any clock; NaN: missing */
     double payload_kg;     /* NaN: missing, taken as 0 */
-    int placement;         /* index, -1 where unknown */
-    int number;            /* of the row in its file: skipped rows take time, too */
+    int placement;         /* index, -1: unknown */
+    int number;            /* row in the file: skipped rows take time, too */
 } mukca_row_reading;
 
-/* `state` belongs to the last row and points into this structure: do not copy it. */
+/* `state` is that of the last sample and points into this structure: do not copy it. */
 typedef struct {
     mukca_joint_state state; /* torque and moments stay NULL */
     int n_joints, rows;
     int number;    /* of the last row */
-    double start;  /* time of the recording's start on its clock; NaN while unknown */
-    double window; /* rad or m: 0 for rows, see mukca_row_state_stream */
+    double start;  /* time of the recording's start on its clock; NaN: unknown so far */
+    double window; /* rad or m; 0: samples, see mukca_row_state_stream */
     double q[MUKCA_MAX_JOINTS], before[MUKCA_MAX_JOINTS];
     double move[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
 } mukca_row_state;
 
-/* Begin a recording of rows: the move is the angles minus those of the row before, 0 in the first.
- */
+/* Begin a recording of samples: the move is the angles minus those of the previous sample (0 in the
+ * first sample). */
 void mukca_row_state_start(mukca_row_state *rows, int n_joints);
 
-/* Begin a stream of joint states that come while the arm moves.  The move of a joint is then its
- * travel since it last turned back, at most 0.1 rad (or m): the play operator of Prandtl and
- * Ishlinskii.  Unlike differences of successive states it does not depend on their rate, and it
- * keeps the direction of approach while the arm stands still. */
+/* Begin a stream of joint states of a moving arm.  The move of a joint is then its travel since its
+ * last reversal, at most 0.1 rad (or m): the play operator of Prandtl and Ishlinskii.  Unlike
+ * differences of successive states it does not depend on their rate, and it keeps the direction of
+ * approach during standstill. */
 void mukca_row_state_stream(mukca_row_state *rows, int n_joints);
 
-/* The next row; returns its state, valid until the next call. */
+/* Add the next sample; returns its state, valid until the next call. */
 const mukca_joint_state *mukca_row_state_next(mukca_row_state *rows,
                                               const mukca_row_reading *reading);
 
-/* Replace the angles of the last row: the posture that a search tries, or that was sent. */
+/* Replace the angles of the last sample by a trial posture of a search, or by the one sent. */
 const mukca_joint_state *mukca_row_state_set(mukca_row_state *rows, const double *q);
 
 #ifdef __cplusplus

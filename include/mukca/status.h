@@ -9,16 +9,16 @@ extern "C" {
 /* The values are the exit codes of the program. */
 typedef enum {
     MUKCA_OK = 0,
-    MUKCA_NEGATIVE = 1, /* done, and the answer is a negative verdict */
+    MUKCA_NEGATIVE = 1, /* completed with a negative verdict */
     MUKCA_USAGE = 2,
     MUKCA_INPUT = 3,
     MUKCA_TRANSPORT = 4, /* or time-out */
     MUKCA_UNIDENTIFIABLE = 5,
-    MUKCA_MEMORY = 6, /* or an output was not written whole */
+    MUKCA_MEMORY = 6, /* or an output was not written completely */
     MUKCA_INTERRUPTED = 130
 } mukca_status;
 
-/* One line for people: what is wrong, where (file, line, column, joint), and what to do. */
+/* One line for display: what is wrong, where (file, line, column, joint), and what to do. */
 typedef struct {
     mukca_status status;
     char text[256];
@@ -27,9 +27,8 @@ typedef struct {
 /* Receives the warnings of a function, each one line without a newline.  NULL: no warnings. */
 typedef void mukca_note_fn(void *context, const char *text);
 
-/* Fill `error` (may be NULL) with a printf-formatted line (cut at 255 characters, control
- * characters replaced by ?) and return `status`, so that callers can write
- * `return mukca_fail(...)`. */
+/* Fill `error` (may be NULL) with a printf-formatted line (truncated to 255 characters, control
+ * characters replaced by ?) and return `status`, for `return mukca_fail(...)`. */
 mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
