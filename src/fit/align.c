@@ -1,4 +1,4 @@
-/* Frames of measured poses from a closed form. */
+/* Alignment of measured poses to the arm: closed form, then robust Gauss-Newton. */
 #include "fit/align.h"
 
 #include <math.h>
@@ -8,11 +8,11 @@
 #include "math/dense.h"
 #include "math/stats.h"
 
-/* A nominal arm is off by some millimetres (prior of the geometry): the scale of the errors that an
- * alignment has to live with, m, and the rotation that makes as much at an arm's length of 1 m. */
+/* Scale of the nominal model's errors (prior of the geometry: some millimetres), m; also the
+ * rotation, rad, that displaces the tip by as much at an arm's length of 1 m. */
 #define MODEL_ERROR 5e-3
-/* A target is mounted within a hand's reach of the flange, m: decides only what the postures leave
- * open. */
+/* A target is mounted within a hand's reach of the flange, m: matters only in directions that the
+ * postures do not determine. */
 #define TARGET_REACH 0.3
 enum { MOST_STEPS = 30 };
 
@@ -20,7 +20,7 @@ enum { MOST_STEPS = 30 };
 typedef struct {
     mukca_frame tip, measured;
     double weight;
-    bool turned; /* orientation measured, too */
+    bool turned; /* orientation was measured */
 } pose;
 
 typedef struct {
@@ -29,8 +29,8 @@ typedef struct {
     bool tracker, target, turned;
 } problem;
 
-/* Orientation of the target: relative turns of the measurement are those of the tip seen from the
- * target, so their axes differ by its rotation (Park and Martin 1994). */
+/* Orientation of the target: the relative rotations of the measurements are those of the tip in
+ * target coordinates; their axes differ by the target's rotation (Park and Martin 1994). */
 static void turn_target(mukca_alignment *a, const problem *p)
 {
     double H[9] = {0};
@@ -44,7 +44,7 @@ static void turn_target(mukca_alignment *a, const problem *p)
             mukca_mat3_tmul(measured, x->measured.R, y->measured.R);
             mukca_rotation_log(u, tip);
             mukca_rotation_log(v, measured);
-            /* near half a turn the axis may flip; a wrong row turns by another angle */
+            /* near half a turn the axis may flip; a faulty sample has another angle */
             const double tu = mukca_norm3(u), tv = mukca_norm3(v);
             if (tu > 3.0 || fabs(tu - tv) > 0.05) continue;
             for (int r = 0; r < 3; r++)
@@ -54,7 +54,7 @@ static void turn_target(mukca_alignment *a, const problem *p)
     if (used >= 2) mukca_rotation_nearest(a->target.R, H);
 }
 
-/* Orientation of the tracker by the orientations, the target's being known. */
+/* Orientation of the tracker from the measured orientations; that of the target is known. */
 static void turn_tracker(mukca_alignment *a, const problem *p)
 {
     double H[9] = {0};
@@ -71,7 +71,7 @@ static void turn_tracker(mukca_alignment *a, const problem *p)
 }
 
 /* Position of the target in the tip's frame from positions alone: tracker' (measured - offset) =
- * tip.p + tip.R target is linear in the nine elements of tracker', its turned offset and the
+ * tip.p + tip.R target is linear in the nine elements of tracker', the rotated offset and the
  * target. */
 static void place_target(mukca_alignment *a, const problem *p)
 {
@@ -94,7 +94,7 @@ static void place_target(mukca_alignment *a, const problem *p)
         row[12 + c] = 1 / TARGET_REACH;
         mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
     }
-    for (int i = N - 1; i >= 12; i--) { /* the target's three are the last ones */
+    for (int i = N - 1; i >= 12; i--) { /* the target's three unknowns are the last */
         double sum = R[i * SIZE + N];
         for (int k = i + 1; k < N; k++) sum -= R[i * SIZE + k] * x[k];
         x[i] = fabs(R[i * SIZE + i]) > 0 ? sum / R[i * SIZE + i] : 0;
@@ -102,7 +102,7 @@ static void place_target(mukca_alignment *a, const problem *p)
     memcpy(a->target.p, x + 12, sizeof a->target.p);
 }
 
-/* Tracker from positions, the target's being known (Horn). */
+/* Pose of the tracker from positions; the target's position is known (Horn). */
 static void orient_tracker(mukca_alignment *a, const problem *p)
 {
     double mean[2][3] = {{0}}, H[9] = {0}, turned[3], total = 0;
@@ -130,7 +130,7 @@ static void orient_tracker(mukca_alignment *a, const problem *p)
     for (int r = 0; r < 3; r++) a->tracker.p[r] = mean[0][r] / total - turned[r];
 }
 
-/* Position residual of a pose, and the lever at which the tracker's rotation turns it. */
+/* Position residual of a pose, and its lever arm for the rotation of the tracker. */
 static void residual(double r[3], double lever[3], const mukca_alignment *a, const pose *e)
 {
     double at[3], target[3];
@@ -140,8 +140,8 @@ static void residual(double r[3], double lever[3], const mukca_alignment *a, con
     for (int c = 0; c < 3; c++) r[c] = e->measured.p[c] - a->tracker.p[c] - lever[c];
 }
 
-/* One Gauss-Newton step of the free positions and of the tracker's rotation (orientations have
- * settled the target's); returns its largest element. */
+/* One Gauss-Newton step of the free positions and of the tracker's rotation (the target's is
+ * determined by the orientations); returns its largest element. */
 static double refine(mukca_alignment *a, const problem *p)
 {
     enum { N = 9, SIZE = N + 1 };
@@ -164,7 +164,7 @@ static double refine(mukca_alignment *a, const problem *p)
             mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
         }
     }
-    for (int c = 0; c < N; c++) { /* keeps what nothing determines where it is */
+    for (int c = 0; c < N; c++) { /* weak prior for undetermined directions */
         double row[SIZE] = {0};
         row[c] = c < 6 ? 1e-6 : 1 / TARGET_REACH;
         row[N] = c < 6 ? 0 : -a->target.p[c - 6] / TARGET_REACH;
@@ -187,8 +187,8 @@ static double refine(mukca_alignment *a, const problem *p)
     return step;
 }
 
-/* Robust weights of the present alignment, heavy-tailed as the screening's; returns the median
- * distance, m.  `length` is scratch for one number a pose. */
+/* Robust weights from the residuals of the alignment, with the heavy-tailed weighting of the
+ * screening; returns the median distance, m.  `length`: scratch, one number per pose. */
 static double weigh(const mukca_alignment *a, problem *p, double *length)
 {
     double lever[3], r[3];
@@ -204,7 +204,8 @@ static double weigh(const mukca_alignment *a, problem *p, double *length)
     return median;
 }
 
-/* Closed form, then Gauss-Newton; `guess` starts the target at the linear system's solution. */
+/* Closed form, then Gauss-Newton; with `guess` the target starts at the solution of the linear
+ * system. */
 static void solve(mukca_alignment *a, problem *p, bool guess, double *length)
 {
     for (int i = 0; i < p->n; i++) p->poses[i].weight = 1;

@@ -1,14 +1,14 @@
-/* Labels of two sockets that were recorded in one. */
+/* Pairs of socket labels that were recorded in one socket. */
 #include "fit/coincide.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Samples whose predictions differ by less than a printed socket repeats (0.1 to 0.2 mm) are of one
- * posture, m: they say nothing of sockets. */
+/* Samples whose predictions differ by less than the repeatability of a printed socket (0.1 to 0.2
+ * mm) are of one posture and carry no information on sockets, m. */
 static const double least_scatter = 5e-5;
 
-/* The predictions of a socket: sums, then mean and sum of squares about it. */
+/* The predictions of a socket: sums first, then the mean and the sum of squares about it. */
 typedef struct {
     int count;
     double mean[3], squares;

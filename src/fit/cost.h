@@ -19,10 +19,10 @@ typedef struct {
     double lambda;           /* 0: MUKCA_LAMBDA; negative: no regularisation */
     bool nominal_means;      /* of sockets (older closed-chain method), not their own */
     bool no_distortion;      /* no distances between sockets */
-    mukca_gradient gradient; /* how an element's derivative is taken */
+    mukca_gradient gradient; /* method of an element's derivative */
     const double *theta;     /* [6 * n_elements] values of frozen parameters; NULL: nominal */
-    mukca_cost *part;        /* of samples that stand for all (part.h): Hessian and precision are
-                                theirs, and no Jacobian of all samples is held; NULL: none */
+    mukca_cost *part; /* cost of a representative part of the samples (part.h), used for Hessian and
+                         precision, without a Jacobian of all samples; NULL: none */
 } mukca_cost_options;
 
 typedef struct {
@@ -31,7 +31,7 @@ typedef struct {
 
 struct mukca_cost {
     const mukca_parameters *parameters;
-    mukca_cost *part; /* with r, J and weight below; itself, unless the options had another */
+    mukca_cost *part; /* the owner of r, J and weight below: this cost or that of the options */
     mukca_observations observations;
     mukca_gradient gradient;
     double lambda;      /* times the number of placements */
@@ -49,23 +49,23 @@ struct mukca_cost {
     double *scratch;    /* [3][n][n] and [6][n] for solvers */
 };
 
-/* Take memory from the pool; false: it failed.  `options` may be NULL; chain and parameters must
- * outlive the cost, and it must stay where it is. */
+/* Allocate from the pool; false: out of memory.  `options` may be NULL.  Chain and parameters must
+ * outlive the cost; the cost must not be moved. */
 bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chain,
                       const mukca_parameters *parameters, const mukca_dataset *data,
                       const mukca_cost_options *options);
 
-/* Hold near x[n], from now on, each direction of the parameters without regularisation that the
- * data determine less than lambda would: samples that are nearly alike would throw the ball
- * kilometres away.  The term is as for the others, lambda (v'(x - x0))^2. */
+/* From here on regularise towards x[n] each direction v of the unregularised parameters that the
+ * data determine less than lambda would: nearly identical samples would otherwise move the ball by
+ * kilometres.  The term is lambda (v'(x - x0))^2, as for the regularised parameters. */
 void mukca_cost_hold(mukca_cost *cost, const double *x);
 
 /* J at x[n], m^2; its parts and its gradient[n] may be NULL.  Allocates nothing. */
 double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost *cost,
                            const double *x);
 
-/* Half the Gauss-Newton Hessian, H[n][n] = J'WJ + lambda I on what is regularised or held; with
- * `data_only` without lambda.  Leaves the weighted Jacobian in cost->part->J. */
+/* Half the Gauss-Newton Hessian, H[n][n] = J'WJ + lambda I for the regularised or held directions;
+ * without lambda if `data_only`.  Leaves the weighted Jacobian in cost->part->J. */
 void mukca_cost_normal(double *H, mukca_cost *cost, const double *x, bool data_only);
 
 #endif

@@ -12,12 +12,12 @@ typedef struct {
     const mukca_dataset *data, *test;
     mukca_cross_training_fn *report;
     void *context;
-    unsigned char *train, *keep; /* [n_placements], [n_rows] 1: fitted to */
+    unsigned char *train, *keep; /* [n_placements], [n_rows] 1: used for training */
     mukca_score *scores, *test_scores;
     int done, total;
 } run;
 
-/* Fit to the marked placements; score all of them, *n_test of the test data. */
+/* Fit to the marked placements; score all placements, and *n_test of the test data. */
 static mukca_status fit_marked(int *n, int *n_test, const run *r, mukca_error *error)
 {
     mukca_dataset part = {0};

@@ -9,15 +9,15 @@
 #include "fit/part.h"
 
 enum {
-    BLOCKS = 5,      /* of consecutive samples, which resemble each other; as in diagnose */
-    MOST_FOLDS = 10, /* placements are put together beyond that */
-    /* Of more samples than this a part is fitted and predicted: their mean error is known to 1 %,
-     * and no geometry has so many parameters that the fit would suffer. */
+    BLOCKS = 5,      /* of consecutive samples, which are correlated; as in diagnose */
+    MOST_FOLDS = 10, /* more placements are merged */
+    /* Beyond this number only a part of the samples is fitted and predicted: enough for the
+     * parameters of any geometry, and its mean error is known to 1 %. */
     MOST_SAMPLES = 10000
 };
 
-/* fold[n_rows]: placements; of a single placement, and of measured poses, blocks of each socket
- * in the order of recording; -1: the sample is not used.  Returns their number; keep[n_rows] is
+/* fold[n_rows]: the placements; for a single placement and for measured poses, blocks of each
+ * socket in recording order; -1: sample not used.  Returns the number of folds; keep[n_rows] is
  * scratch. */
 static int assign(int *fold, bool *placements, const mukca_dataset *data, unsigned char *keep)
 {
@@ -55,7 +55,7 @@ typedef struct {
     int rows;
 } sums;
 
-/* Add the errors of a model on the held-out samples. */
+/* Add the errors of a model in the held-out samples. */
 static mukca_status add_scores(double *sum, int *rows, const mukca_model *model,
                                const mukca_dataset *held, mukca_error *error)
 {

@@ -1,5 +1,4 @@
-/* Held-out error of a calibration: each fold of the samples is left out, and predicted by a fit of
- * the others. */
+/* Held-out error of a calibration: each fold of the samples is predicted by a fit to the others. */
 #ifndef MUKCA_FIT_CROSS_VALIDATION_H
 #define MUKCA_FIT_CROSS_VALIDATION_H
 
@@ -7,10 +6,10 @@
 
 typedef struct {
     int folds;            /* 0: too few samples, the errors are NaN */
-    int samples;          /* of a long recording, that were predicted; 0: all */
+    int samples;          /* samples predicted, of a long recording; 0: all */
     bool placements;      /* folds are placements; else blocks of consecutive samples */
-    double nominal, mean; /* mean errors (mukca_score.mae) of all samples when left out, m; nominal
-                             with the free frames aligned */
+    double nominal, mean; /* mean held-out errors (mukca_score.mae) of all samples, m; nominal with
+                             the free frames aligned */
 } mukca_cross_validation;
 
 /* Fit as mukca_fit_run does, by Gauss-Newton from options->start.  Errors: those of mukca_fit_run.

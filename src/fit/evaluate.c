@@ -1,4 +1,4 @@
-/* How well a model agrees with data. */
+/* Errors of a model on data. */
 #include "fit/evaluate.h"
 
 #include <math.h>
@@ -60,8 +60,8 @@ bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data)
     return true;
 }
 
-/* Scores of the rows of a placement, of all poses, or of one log; `rows` stays 0 where there are
- * none. */
+/* Score of the samples of one placement, of all poses, or of one log; `rows` stays 0 without
+ * samples. */
 static mukca_score score_part(mukca_score score, double (*mean)[3], const int *count,
                               const mukca_frame *tips, const mukca_dataset *data)
 {
@@ -103,7 +103,7 @@ static mukca_score score_part(mukca_score score, double (*mean)[3], const int *c
     return score;
 }
 
-/* Add a value to a mean that is kept as sum and count. */
+/* Add a finite value to the sum and the count of a mean. */
 static void add(double *sum, int *count, double value)
 {
     if (!isfinite(value)) return;

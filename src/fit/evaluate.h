@@ -1,13 +1,13 @@
-/* How well a model agrees with data: consistency and distance errors per placement. */
+/* Errors of a model on data: consistency and distance errors per placement. */
 #ifndef MUKCA_FIT_EVALUATE_H
 #define MUKCA_FIT_EVALUATE_H
 
 #include "fit/fit.h"
 #include "mukca/effect.h"
 
-/* Of the rows of one placement, or of all pose rows together, or the mean over those. */
+/* Score of one placement, of all measured poses together, or the mean over those. */
 typedef struct {
-    int placement;    /* index; -1: the rows of pose logs */
+    int placement;    /* index; -1: samples of pose logs */
     int file, target; /* of one pose log (mukca_model.by_log), target -1: none named; else -1 */
     int rows;
     double mae; /* mean distance of a sample from its socket's mean, or from the measurement, m */
@@ -22,26 +22,26 @@ typedef struct {
     const double *theta;         /* [6 * n_elements]; NULL: nominal */
     const mukca_effect *effects; /* [n_effects], their placements those of the data; may be NULL */
     int n_effects;
-    bool by_log; /* one score for each pose log (a target in a file), not one for all */
+    bool by_log; /* one score per pose log (a target in a file) instead of one for all */
 } mukca_model;
 
-/* Pose of the tip in each row: tips[n_rows]. */
+/* Pose of the tip in each sample: tips[n_rows]. */
 void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data);
 
-/* Move the tips to their targets, where these have names: the mean place of each in the tip's
- * frame, by the measured positions.  False: no memory. */
+/* Shift each tip to its named target, whose position in the tip's frame is the mean over the
+ * measured positions.  False: out of memory. */
 bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data);
 
-/* Room for the scores of a dataset. */
+/* Maximum number of scores of a dataset. */
 static inline size_t mukca_evaluate_room(const mukca_dataset *data)
 {
     return (size_t)data->n_placements + 1 + (size_t)data->n_files * ((size_t)data->n_targets + 1);
 }
 
 /* Scores of `data`.  scores[mukca_evaluate_room], or [n_placements + 1] without by_log, gets one
- * entry for each placement that has rows, then one for the poses, or for each log.  Targets with
- * names are placed on the tip by these data before they are judged; `mean` (may be NULL) the mean
- * over them (rows: the sum).  Returns their number, -1 when out of memory. */
+ * entry per placement with samples, then one for the poses, or one per log.  The position of a
+ * named target on the tip is first estimated from these data.  `mean` (may be NULL) gets the mean
+ * over the entries (rows: the sum).  Returns their number, -1: out of memory. */
 int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data);
 

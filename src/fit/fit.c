@@ -17,16 +17,16 @@ static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, d
     mukca_cost_normal(H, cost, x, false);
     mukca_solver_factorise(H, n);
     fit->to_gain = mukca_solver_decrement(H, g, g + n, n) / (value > 0 ? value : 1);
-    /* (1 nm)^2: what rounding leaves in a fit to data without noise */
+    /* (1 nm)^2: rounding in a fit to data without noise */
     fit->converged = fit->to_gain * value <= 1e-9 * value + 1e-18;
     fit->n_measured = cost->observations.n_measured;
     return mukca_identify(&fit->identification, fit->null_space, cost, x, work, error);
 }
 
-/* The cost of the data and, of a long recording, of the part that its Hessian is of. */
+/* Cost of all samples and, for a long recording, of the part from which the Hessian is computed. */
 typedef struct {
     mukca_cost cost, part;
-    mukca_dataset samples; /* of the part; empty where it is all */
+    mukca_dataset samples; /* of the part; empty if it is all */
     mukca_pool pool;
 } workspace;
 

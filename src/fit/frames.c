@@ -47,7 +47,7 @@ mukca_status mukca_frames_start(double *theta, const mukca_chain *chain, const m
     mukca_chain_theta(theta, chain);
     if (!base && !tool) return MUKCA_OK;
     mukca_geometry_set(&geometry, chain, NULL);
-    if (data->n_targets > 1) { /* the frames of one */
+    if (data->n_targets > 1) { /* align with the samples of the first target */
         keep = malloc((size_t)data->n_rows);
         for (int i = 0; i < data->n_rows && keep; i++) keep[i] = data->target[i] == data->target[0];
     }

@@ -1,4 +1,4 @@
-/* Damped Gauss-Newton, and what all solvers share. */
+/* Damped Gauss-Newton, and functions shared by all solvers. */
 #include <math.h>
 #include <string.h>
 
@@ -83,7 +83,7 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
         const double next = mukca_cost_evaluate(&parts, g_trial, cost, trial);
         moved = next < value;
         if (!moved) {
-            if (promised <= 1e-9 * value) { /* the model is right; rounding is in the way */
+            if (promised <= 1e-9 * value) { /* at the limit of rounding */
                 outcome->stop = MUKCA_STOP_TOLERANCE;
                 break;
             }

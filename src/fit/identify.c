@@ -1,4 +1,4 @@
-/* Which parameters the data identify, and how well. */
+/* Identifiability of the parameters and their standard errors. */
 #include "fit/identify.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 
 #include "math/dense.h"
 
-/* How much of the samples of a socket, or of the poses (-1), is in the part. */
+/* Fraction of a socket's samples, or of the poses (-1), that is in the part. */
 static double share_in_part(const mukca_cost *cost, int socket)
 {
     const mukca_observations *all = &cost->observations, *part = &cost->part->observations;
@@ -17,9 +17,9 @@ static double share_in_part(const mukca_cost *cost, int socket)
     return poses / of;
 }
 
-/* B[n][n] = covariance of J'W r for unit noise of every coordinate of all samples: each row acts on
- * its own residual and, through its socket's mean, on the distances.  Spoils the weighted Jacobian.
- */
+/* B[n][n] = covariance of J'W r for unit noise of every coordinate of all samples: each sample acts
+ * on its own residual and, through the mean of its socket, on the distances.  Overwrites the
+ * weighted Jacobian. */
 static void score_covariance(double *B, mukca_cost *cost)
 {
     mukca_cost *part = cost->part;
@@ -46,10 +46,10 @@ static void score_covariance(double *B, mukca_cost *cost)
     mukca_dense_syrk(B, n, part->J, first_pair, n);
 }
 
-enum { BLOCK = 32 }; /* rows that are absorbed at a time */
+enum { BLOCK = 32 }; /* rows absorbed at a time */
 
-/* R[n + 3][n + 3]: triangular factor of the weighted Jacobian in part->J, and next to it of how
- * turning the whole arm about x, y, z changes the residuals. */
+/* R[n + 3][n + 3]: triangular factor of the weighted Jacobian in part->J, augmented by the
+ * derivatives of the residuals with respect to rotations of the whole arm about x, y, z. */
 static void factorise(double *R, double *block, const mukca_cost *part)
 {
     const mukca_observations *o = &part->observations;
@@ -70,9 +70,9 @@ static void factorise(double *R, double *block, const mukca_cost *part)
     }
 }
 
-/* A rotation of the whole arm rotates all residuals and leaves the cost as it is: data of sockets
- * do not identify it, although the residuals change to first order.  Where the free parameters can
- * rotate the arm, project that out of the factor of the Jacobian, R[n + 3][n + 3]. */
+/* A rotation of the whole arm rotates all residuals without a change of the cost: data of sockets
+ * do not identify it, although the residuals change to first order.  If the free parameters can
+ * rotate the arm, project this rotation out of the factor of the Jacobian, R[n + 3][n + 3]. */
 static void project_out_turning(double *R, int n)
 {
     const int wide = n + 3;
@@ -84,7 +84,7 @@ static void project_out_turning(double *R, int n)
     if (mukca_dense_svd(T, s, V, 3, 3) != 0) return;
     for (int c = 0; c < 3; c++) {
         double *v = u[found], length = 0;
-        if (!(s[c] <= 1e-6 * sqrt(size))) continue; /* no motion of the parameters does the same */
+        if (!(s[c] <= 1e-6 * sqrt(size))) continue; /* the parameters cannot rotate the arm */
         for (int i = 0; i < n; i++) {
             v[i] = 0;
             for (int a = 0; a < 3; a++) v[i] += R[i * wide + n + a] * V[3 * a + c];
@@ -139,9 +139,9 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     double squares = mukca_observe_squares(&distances, o, false);
     if (pairs) squares += distances;
     factorise(R, s, cost->part);
-    score_covariance(B, cost); /* spoils the Jacobian */
+    score_covariance(B, cost); /* overwrites the Jacobian */
     if (!o->target && !o->fixed_mean)
-        project_out_turning(R, n); /* measured poses and fixed means identify it */
+        project_out_turning(R, n); /* measured poses and fixed means identify that rotation */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
     if (mukca_dense_svd(R, s, V, n, n) != 0)
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");

@@ -1,4 +1,4 @@
-/* The tip's derivatives by the free parameters, one posture at a time. */
+/* Derivatives of the tip with respect to the free parameters, one posture at a time. */
 #include "fit/linearisation.h"
 
 #include <string.h>

@@ -1,9 +1,9 @@
-/* The geometry at a point of its parameters, and the tip's derivatives by the free ones there.
+/* The geometry at given parameters, and the derivatives of the tip with respect to the free ones.
  *
- * One row at a time, for what looks at single postures: capture's advice and planning.  The
- * calibration differentiates all rows at once (sweep.h); the tests compare the two.  The diagnosis
- * has columns of its own (diagnose/linearisation.c): local frames, in which its prior is the same
- * for every joint, and levers for the effects.
+ * One posture at a time, for the advice while recording and for planning.  The calibration
+ * differentiates all samples at once (sweep.h); the tests compare the two.  The diagnosis has its
+ * own columns (diagnose/linearisation.c): in local frames, with the same prior at every joint, and
+ * with lever arms for the effects.
  */
 #ifndef MUKCA_FIT_LINEARISATION_H
 #define MUKCA_FIT_LINEARISATION_H
@@ -22,11 +22,11 @@ typedef struct {
 mukca_status mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
                                       const double *theta, mukca_error *error);
 
-/* Move to theta[6 * n_elements], which may be at->theta itself. */
+/* Move to theta[6 * n_elements], at->theta itself is allowed. */
 void mukca_linearisation_move(mukca_linearisation *at, const double *theta);
 
-/* Position of the tip, m (may be NULL), and its derivatives J[3][ld] by the n free parameters (m/m,
- * m/rad), in the first n columns. */
+/* Position of the tip, m (may be NULL), and its Jacobian J[3][ld] with respect to the n free
+ * parameters (m/m, m/rad), in the first n columns. */
 void mukca_linearisation_tip(double *J, int ld, double position[3], const mukca_linearisation *at,
                              const double *q);
 

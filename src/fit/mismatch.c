@@ -1,4 +1,4 @@
-/* Data that do not fit the arm: the mix-up of joint columns that would explain it. */
+/* Data that do not fit the arm: search for a mix-up of joint columns that explains the error. */
 #include "fit/mismatch.h"
 
 #include <math.h>
@@ -7,13 +7,14 @@
 
 #include "fit/align.h"
 
-/* The largest errors of origins in practice are 1 cm at the tip, those of a wrong column 10 cm and
- * more: below this share of the error a change is no coincidence. */
+/* Ratio of the errors after and before a change below which the change is no coincidence: real
+ * errors of origins reach 1 cm at the tip, those of a wrong column 10 cm and more. */
 static const double explained = 0.2;
-/* A change that is less simple must be better by this factor: reversing a joint that hardly moves
- * the ball changes the error by less. */
+/* A less simple change must reduce the error by this factor: reversing a joint with little
+ * influence on the ball changes the error by less. */
 static const double simpler = 0.5;
-/* All patterns of reversed joints are tried up to this number of joints, else one joint only. */
+/* MOST_PATTERNS: up to this number of joints, all patterns of reversed joints are tried; beyond,
+ * single joints. */
 enum { MOST_PATTERNS = 8, MOST_SAMPLES = 500 };
 
 typedef struct {
@@ -21,10 +22,10 @@ typedef struct {
     mukca_dataset *data;
     const double *q; /* as recorded */
     bool free_base, free_tool;
-    bool failed; /* no memory */
+    bool failed; /* out of memory */
 } search;
 
-/* Error of the nominal model, m: the mean; the median of poses with free frames. */
+/* Error of the nominal model, m: the mean, or the median for poses with free frames. */
 static double measure(search *s)
 {
     if (s->data->n_sockets == 0 && (s->free_base || s->free_tool)) {
@@ -43,7 +44,7 @@ static double measure(search *s)
     return s->failed ? (double)NAN : mean.mae;
 }
 
-/* Keep the change if it is worth it. */
+/* Keep the change if it reduces the error by enough. */
 static void try(mukca_mismatch *best, search *s, const mukca_mismatch *change)
 {
     const mukca_dataset *d = s->data;

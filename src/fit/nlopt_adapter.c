@@ -1,10 +1,10 @@
 /* SLSQP and LBFGS of NLopt in whitened variables.
  *
  * x = x0 + s L^-T y with L L' half the Gauss-Newton Hessian at the start and s = sqrt(J0 / 2), so
- * that f(y) = J / J0 is of order one and its Hessian near the identity: without it LBFGS crawls and
- * stops at its built-in gradient tolerance.  Once J has fallen far below J0 the variables are
- * whitened anew, at the best point so far: the metric fits there better, and f is of order one
- * again.
+ * that f(y) = J / J0 is of order one and its Hessian near the identity: without whitening LBFGS
+ * converges slowly and stops at its built-in gradient tolerance.  Once J is far below J0 the
+ * variables are whitened again at the best point so far, with the local metric, and f is of order
+ * one again.
  */
 #include "fit/nlopt_adapter.h"
 
@@ -21,17 +21,17 @@ typedef struct {
     mukca_solver_outcome *outcome;
     nlopt_opt opt;
     double *L;         /* [n][n] */
-    double *start;     /* [n] where it was whitened */
+    double *start;     /* [n] centre of the whitening */
     double *x, *g, *y; /* [n] scratch */
     double *best;      /* [n] best point seen */
     double best_value, scale, unit;
     int before;
     bool decided; /* outcome->stop is final */
-    bool anew;    /* stopped to be whitened anew */
+    bool anew;    /* stopped for new whitening */
 } adapter;
 
-/* Fall of the cost that calls for new whitening: a tenth of it has a third of the residuals, so
- * that the metric is more of the data than of the start. */
+/* Decrease of the cost that triggers new whitening: at a tenth of the cost the residuals are a
+ * third, and the metric depends more on the data than on the start. */
 static const double fall = 0.1;
 
 static void decide(adapter *a, mukca_stop stop)
@@ -63,7 +63,7 @@ static double objective(unsigned n_unsigned, const double *y, double *gradient, 
             slope += gradient[i] * gradient[i];
         }
     }
-    if (!isfinite(value) || !isfinite(slope)) { /* NLopt would not stop */
+    if (!isfinite(value) || !isfinite(slope)) { /* NLopt does not stop at NaN */
         decide(a, MUKCA_STOP_NOT_FINITE);
         return HUGE_VAL;
     }

@@ -1,4 +1,4 @@
-/* Solvers of the NLopt library, and the table of all solvers.  The one place that knows NLopt; not
+/* Solvers of the NLopt library, and the table of all solvers.  The only file that uses NLopt; not
  * part of the core library. */
 #ifndef MUKCA_FIT_NLOPT_ADAPTER_H
 #define MUKCA_FIT_NLOPT_ADAPTER_H

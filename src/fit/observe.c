@@ -1,4 +1,4 @@
-/* Observations to residuals and the gradient of their squares. */
+/* Residuals of the observations and the gradient of their sum of squares. */
 #include "fit/observe.h"
 
 #include <math.h>
@@ -131,7 +131,7 @@ static void predict_pairs(mukca_observations *o)
     }
 }
 
-/* Of the open window. */
+/* For the open window. */
 static void predict_orientations(mukca_observations *o)
 {
     const mukca_sweep *s = &o->sweep;
@@ -148,7 +148,8 @@ static void predict_orientations(mukca_observations *o)
     }
 }
 
-/* Predictions of the open window to the residuals' place, and to the sums of the sockets. */
+/* Store the predictions of the open window as residuals, and add them to the sums of the
+ * sockets. */
 static void predict_positions(mukca_observations *o)
 {
     const mukca_sweep *s = &o->sweep;
@@ -160,7 +161,7 @@ static void predict_positions(mukca_observations *o)
             for (int a = 0; a < 3; a++) o->mean[3 * socket[i] + a] += s->x[a * padded + i];
 }
 
-/* Predictions of the open window to residuals. */
+/* Turn the predictions of the open window into residuals. */
 static void subtract(mukca_observations *o)
 {
     const mukca_sweep *s = &o->sweep;
@@ -221,7 +222,7 @@ double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted
     return sum;
 }
 
-/* What a pair's residual adds to the adjoint of the rows of socket s. */
+/* Contribution of the pairs' residuals to the adjoint of each sample of socket s. */
 static void pair_adjoint(double add[3], const mukca_observations *o, int s, double weight)
 {
     add[0] = add[1] = add[2] = 0;
@@ -232,13 +233,13 @@ static void pair_adjoint(double add[3], const mukca_observations *o, int s, doub
     }
 }
 
-/* Adjoints of the positions in the open window, summed by element; socket[n_sockets][3] is what
- * the pairs add. */
+/* Adjoints of the positions in the open window, summed by element; socket[n_sockets][3] is the
+ * contribution of the pairs. */
 static void add_positions(mukca_adjoint *adjoint, mukca_observations *o, const double *socket)
 {
     mukca_sweep *s = &o->sweep;
     const double *residual = mukca_observe_window(o->residual, s);
-    double *h = s->x; /* the predictions are residuals by now */
+    double *h = s->x; /* free: the predictions are residuals by now */
     memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
     for (int i = 0; i < s->rows; i++) {
         const int row = s->from + i, at = o->socket[row];
@@ -271,7 +272,7 @@ static void sum_adjoints(mukca_adjoint *position, mukca_adjoint *orientation, mu
     memset(orientation, 0, sizeof *orientation);
     for (int v = 0; v < o->sweep.n_windows; v++) {
         mukca_sweep_open(&o->sweep, v);
-        if (o->sweep.n_windows > 1) mukca_sweep_forward(&o->sweep); /* else it is still there */
+        if (o->sweep.n_windows > 1) mukca_sweep_forward(&o->sweep); /* else still valid */
         add_positions(position, o, socket);
         if (o->oriented) add_orientations(orientation, o);
     }

@@ -1,9 +1,9 @@
-/* Observations to residuals and their Jacobian: one interface for sockets and for measured poses.
+/* Residuals of the observations and their Jacobian: one interface for sockets and measured poses.
  *
  * Residuals, in metres (docs/method.md, 3): 3 per sample in the dataset's order, prediction minus
  * the mean of its socket's predictions, or minus the measured position; then, if `oriented`, 3 per
- * sample of the rotation from the measured orientation times MUKCA_METRES_PER_RADIAN; then one per
- * pair of sockets.  What was not measured is zero and has weight zero.
+ * sample, the rotation vector from the measured orientation times MUKCA_METRES_PER_RADIAN; then one
+ * per pair of sockets.  Residuals of missing measurements are zero, with weight zero.
  */
 #ifndef MUKCA_FIT_OBSERVE_H
 #define MUKCA_FIT_OBSERVE_H
@@ -12,56 +12,55 @@
 #include "fit/sweep.h"
 #include "mukca/dataset.h"
 
-/* Weight of orientations against positions: trackers measure 0.1 mm and 1 mrad at their best, and a
- * tool of 0.1 m turns one into the other. */
+/* Weight of orientations against positions: good trackers measure to 0.1 mm and 1 mrad, which are
+ * equivalent at the end of a tool of 0.1 m. */
 #define MUKCA_METRES_PER_RADIAN 0.1
 
 typedef struct {
     mukca_sweep sweep;
     int n_rows, n_sockets, n_pairs;
-    int n_groups;    /* placements that have rows, and one more where there are pose rows */
+    int n_groups;    /* placements with samples, plus one if there are measured poses */
     int n_residuals; /* rows of the Jacobian */
-    int n_measured;  /* scalar measurements less one mean per socket: what parameters can use */
+    int n_measured;  /* scalar measurements less one mean per socket */
     bool oriented;
-    int *socket;        /* [n_rows] -1: a pose */
-    double *share;      /* [n_rows] weight of the squared residual: 1 / rows of the group, or 0 */
-    double *turn_share; /* [n_rows] the same of the orientation, NULL unless oriented */
-    double *count;      /* [n_sockets] rows of each */
-    double *mean;       /* [n_sockets][3] of the predictions in use */
-    double *fixed_mean; /* [n_sockets][3] or NULL */
-    double *target;     /* [n_rows][3] measured positions, NULL where all rows are of sockets */
-    double *aim;        /* [n_rows][9] measured orientations, NULL unless oriented */
-    int *pair;          /* [n_pairs][2] */
-    double *pair_distance;  /* [n_pairs] known, m */
-    double *pair_residual;  /* [n_pairs] */
+    int *socket;           /* [n_rows] -1: a pose */
+    double *share;         /* [n_rows] weight of the squared residual: 1 / samples of group, or 0 */
+    double *turn_share;    /* [n_rows] the same for the orientation, NULL unless oriented */
+    double *count;         /* [n_sockets] samples of each */
+    double *mean;          /* [n_sockets][3] of the predictions in use */
+    double *fixed_mean;    /* [n_sockets][3] or NULL */
+    double *target;        /* [n_rows][3] measured positions, NULL if all samples are of sockets */
+    double *aim;           /* [n_rows][9] measured orientations, NULL unless oriented */
+    int *pair;             /* [n_pairs][2] */
+    double *pair_distance; /* [n_pairs] known, m */
+    double *pair_residual; /* [n_pairs] */
     double *pair_direction; /* [n_pairs][3] unit, from b to a */
     double *residual;       /* [windows][3][padded] */
     double *turn_residual;  /* [windows][3][padded], NULL unless oriented */
     double *mean_rows;      /* [n_sockets][3][max_free] scratch */
 } mukca_observations;
 
-/* Take memory from the pool and load the data; false: the pool failed.  The dataset may be freed
- * afterwards.  Needs data->n_rows >= 1.  The means of the sockets are those predicted by `fixed`
- * [6 * n_elements] (older closed-chain method), NULL: their own. */
+/* Allocate from the pool and load the data; false: out of memory.  The dataset may be freed
+ * afterwards.  Needs data->n_rows >= 1.  The means of the sockets are those predicted by `fixed` [6
+ * * n_elements] (older closed-chain method); NULL: those of the predictions in use. */
 bool mukca_observe_setup(mukca_observations *observations, mukca_pool *pool,
                          const mukca_chain *chain, const mukca_dataset *data, const double *fixed,
                          int max_free);
 
-/* Those of the sweep's open window, [3][padded]. */
+/* Residuals of the open window, [3][padded]. */
 static inline double *mukca_observe_window(double *residual, const mukca_sweep *sweep)
 {
     return residual + 3L * sweep->from;
 }
 
-/* Residuals at theta[6 * n_elements], kept inside. */
+/* Compute the residuals at theta[6 * n_elements]; stored in `observations`. */
 void mukca_observe_predict(mukca_observations *observations, const double *theta);
 
-/* Sum of the squares, m^2: of the rows, weighted or each once, and of the pairs (NULL: not wanted).
- */
+/* Sum of the squares, m^2, of the samples, weighted or not, and of the pairs (NULL: not wanted). */
 double mukca_observe_squares(double *pairs, mukca_observations *observations, bool weighted);
 
-/* gradient[n] of that sum by the free parameters, pairs counted `pair_weight` times; theta must be
- * the one of the last prediction. */
+/* gradient[n] of the weighted sum with respect to the free parameters, pairs times `pair_weight`;
+ * theta must be that of the last prediction. */
 void mukca_observe_gradient(double *gradient, mukca_observations *observations, const double *theta,
                             const mukca_parameters *parameters, mukca_gradient kind,
                             double pair_weight);
@@ -71,7 +70,7 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *observati
                              const double *theta, const mukca_parameters *parameters,
                              mukca_gradient kind);
 
-/* Square roots of the weights of the rows, weight[n_residuals]; pairs have pair_weight. */
+/* Square roots of the weights of the residuals, weight[n_residuals]; pairs have pair_weight. */
 void mukca_observe_weights(double *weight, const mukca_observations *observations,
                            double pair_weight);
 

@@ -24,7 +24,7 @@ static void turn_rows_of(double *J, int n, const double w[3])
     }
 }
 
-/* Subtract the socket's mean and turn rotations to rotation vectors; rows of one sample. */
+/* Rows of one sample: subtract the mean of its socket, convert rotations to rotation vectors. */
 static void finish_rows(double *J, double *JO, const mukca_observations *o, int n, int row)
 {
     const double *mean = o->mean_rows + 3L * o->socket[row] * n;
@@ -50,7 +50,7 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
     double *JO = o->oriented ? J + 3 * o->n_rows * n : NULL;
     for (int v = 0; v < sweep->n_windows; v++) {
         mukca_sweep_open(sweep, v);
-        if (sweep->n_windows > 1) mukca_sweep_forward(sweep); /* else it is still there */
+        if (sweep->n_windows > 1) mukca_sweep_forward(sweep); /* else still valid */
         const long at = 3 * sweep->from * n;
         mukca_sweep_jacobian(J + at, JO ? JO + at : NULL, sweep, theta, parameters, kind);
     }

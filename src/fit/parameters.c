@@ -1,4 +1,4 @@
-/* Free and frozen parameters: the default set, the lists that change it, packing. */
+/* Free and frozen parameters: default set, lists of the user, packing. */
 #include "fit/parameters.h"
 
 #include <stdio.h>
@@ -23,7 +23,7 @@ static int find_parameter(const char *name)
     return -1;
 }
 
-/* Set the marks that one item of a list means. */
+/* Mark the parameters of one item of a list. */
 static mukca_status mark_item(unsigned char *mark, const mukca_chain *chain,
                               const unsigned char *standard, const char *item, unsigned char value,
                               mukca_error *error)

@@ -1,4 +1,4 @@
-/* Which parameters of the geometry are fitted, and which of them are regularised. */
+/* Free parameters of the geometry, and those of them that are regularised. */
 #ifndef MUKCA_FIT_PARAMETERS_H
 #define MUKCA_FIT_PARAMETERS_H
 
@@ -9,36 +9,36 @@ enum {
     MUKCA_PARAMETER_TEXT = MUKCA_NAME_SIZE + 8 /* "joint.parameter" */
 };
 
-/* What users ask for; zeroed means the default set.  A list is comma-separated; an item is
+/* The user's selection; zeroed: the default set.  A list is comma-separated; an item is
  *     joint              all six parameters of that URDF joint (fixed joints may be named too)
  *     parameter          x y z roll pitch or yaw, of every joint of the default set
  *     joint.parameter    one number
- * Where a joint has the name of a parameter, the joint is meant.  `free` replaces the default set;
- * with a leading + it adds to it.  `freeze` is taken away afterwards. */
+ * A joint with the name of a parameter takes precedence.  `free` replaces the default set; with a
+ * leading + it adds to the set.  `freeze` is applied last. */
 typedef struct {
     const char *free;    /* NULL: the default set */
     const char *freeze;  /* NULL: nothing */
-    bool regularise_tip; /* of the last fixed joint, too */
+    bool regularise_tip; /* also regularise the last fixed joint */
 } mukca_selection;
 
 typedef struct {
     int n;                                     /* free parameters */
-    short index[MUKCA_MAX_FREE];               /* of each, into theta; ascending */
-    unsigned char regularised[MUKCA_MAX_FREE]; /* of each: 1: towards nominal */
+    short index[MUKCA_MAX_FREE];               /* [n] index into theta, ascending */
+    unsigned char regularised[MUKCA_MAX_FREE]; /* [n] 1: towards nominal */
 } mukca_parameters;
 
 /* The default set: the origins of the actuated joints and of the last fixed joint before the tip
- * (not regularised), plus what the selection changes.  Frames that mukca_chain_with_frames added
- * are always in the set unless frozen, never regularised.  Errors: MUKCA_USAGE (unknown name,
- * nothing free). */
+ * (not regularised), as changed by the selection.  Frames that mukca_chain_with_frames added are
+ * always in the set unless frozen, never regularised.  Errors: MUKCA_USAGE (unknown name, nothing
+ * free). */
 mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_chain *chain,
                                      const mukca_selection *selection, mukca_error *error);
 
-/* x[n] from theta[6 * n_elements], and back (frozen entries of theta are left alone). */
+/* x[n] from theta[6 * n_elements], and back (frozen entries of theta are unchanged). */
 void mukca_parameters_pack(double *x, const mukca_parameters *parameters, const double *theta);
 void mukca_parameters_unpack(double *theta, const mukca_parameters *parameters, const double *x);
 
-/* "joint.parameter" of entry `index` of theta. */
+/* Name "joint.parameter" of entry `index` of theta. */
 void mukca_parameters_text(char text[MUKCA_PARAMETER_TEXT], const mukca_chain *chain, int index);
 
 /* Element of the last fixed joint before the tip, -1 where that joint is actuated. */

@@ -1,4 +1,4 @@
-/* A part of a long recording that stands for all of it. */
+/* A representative part of a long recording. */
 #include "fit/part.h"
 
 #include <stdlib.h>
@@ -10,7 +10,7 @@ int mukca_part_mark(unsigned char *keep, const mukca_dataset *data, int most)
     const size_t places = (size_t)data->n_placements + 1, sockets = (size_t)data->n_sockets + 1;
     int *rows = calloc(places + sockets, sizeof *rows);
     if (!rows) return -1;
-    int *seen = rows + places; /* samples of each socket, and first of the poses */
+    int *seen = rows + places; /* samples so far of the poses, then of each socket */
     for (int i = 0; i < data->n_rows; i++) rows[mukca_dataset_placement(data, i) + 1]++;
     for (size_t g = 0; g < places; g++) groups += rows[g] > 0;
     for (int i = 0; i < data->n_rows; i++) {

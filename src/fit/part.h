@@ -1,12 +1,13 @@
-/* A part of a long recording that stands for all of it. */
+/* A representative part of a long recording. */
 #ifndef MUKCA_FIT_PART_H
 #define MUKCA_FIT_PART_H
 
 #include "mukca/dataset.h"
 
-/* keep[n_rows] = 1 for some `most` samples or fewer: of each placement, and of the measured poses,
- * an equal share of `most`, or all; of a longer one every k-th sample of each socket, so that its
- * sockets keep their proportions.  Returns the number kept.  Errors: -1, out of memory. */
+/* Set keep[n_rows] to 1 for at most some `most` samples: an equal share of `most` for each
+ * placement and for the measured poses, or all of its samples if fewer.  Of a longer placement
+ * every k-th sample of each socket, which preserves the proportions of its sockets.  Returns the
+ * number kept, -1: out of memory. */
 int mukca_part_mark(unsigned char *keep, const mukca_dataset *data, int most);
 
 /* Copy of the part.  Errors: MUKCA_MEMORY. */

@@ -1,4 +1,4 @@
-/* A Gaussian prior of the geometry, and its posterior given rows. */
+/* Gaussian prior of the geometry and its posterior given samples. */
 #include "fit/posterior.h"
 
 #include "math/dense.h"
@@ -22,7 +22,7 @@ void mukca_posterior_factor(double *L, const double *gram, const double *sigma, 
 {
     for (int i = 0; i < n * n; i++) L[i] = gram[i] / (noise * noise);
     for (int i = 0; i < n; i++) L[i * n + i] += 1 / (sigma[i] * sigma[i]);
-    mukca_dense_cholesky(L, n); /* positive: every parameter has a prior */
+    mukca_dense_cholesky(L, n); /* positive definite: every parameter has a prior */
 }
 
 double mukca_posterior_variance(const double *L, double *a, int n)

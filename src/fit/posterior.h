@@ -1,26 +1,26 @@
-/* What is known of the geometry: a Gaussian prior, and its posterior given rows.
+/* Gaussian prior of the geometry and its posterior given samples.
  *
- * Information form: L L' = J'J / noise^2 + diag(1 / sigma^2).  Planning keeps the inverse of it,
- * a covariance that single rows are added to and taken from (plan/state.c), from the same prior.
- * The diagnosis chooses its priors by the evidence (diagnose/evidence.c).
+ * Information form: L L' = J'J / noise^2 + diag(1 / sigma^2).  Planning maintains the inverse, a
+ * covariance with single samples added and removed (plan/state.c), from the same prior.  The
+ * diagnosis chooses its priors by the evidence (diagnose/evidence.c).
  */
 #ifndef MUKCA_FIT_POSTERIOR_H
 #define MUKCA_FIT_POSTERIOR_H
 
 #include "fit/linearisation.h"
 
-/* Prior standard deviations of a robot as it comes, m and rad: 1 to 8 mm and mrad were measured on
- * eleven arms (docs/method.md). */
+/* Prior standard deviations of an uncalibrated robot, m and rad: 1 to 8 mm and mrad were measured
+ * on eleven arms (docs/method.md). */
 #define MUKCA_PRIOR_LENGTH 3e-3
 #define MUKCA_PRIOR_ANGLE 3e-3
 
-/* The same of a tool that was mounted by hand (last fixed joint), m and rad. */
+/* The same for a tool mounted by hand (last fixed joint), m and rad. */
 #define MUKCA_PRIOR_TOOL 2e-2
 
-/* sigma[n] of the free parameters. */
+/* Prior sigma[n] of the free parameters. */
 void mukca_posterior_prior(double *sigma, const mukca_linearisation *at);
 
-/* L[n][n], the Cholesky factor of the information: gram[n][n] is J'J of the rows. */
+/* L[n][n], the Cholesky factor of the information; gram[n][n] is J'J of the samples. */
 void mukca_posterior_factor(double *L, const double *gram, const double *sigma, double noise,
                             int n);
 

@@ -1,4 +1,4 @@
-/* The arm with its effects, approximated by a model that cannot hold them. */
+/* Approximation of the arm with its effects by a model that cannot represent them. */
 #include "fit/refit.h"
 
 #include <math.h>
@@ -10,23 +10,23 @@
 
 enum {
     DRAWN = 800,     /* postures; half are fitted: 9 * 400 rows for at most 6 * 16 unknowns */
-    RECORDED = 2000, /* at most, of the data */
+    RECORDED = 2000, /* maximum of postures from the data */
     MARKS = 9,       /* numbers of a pose: three points */
-    ROUNDS = 4       /* of Gauss-Newton: effects are small, two are enough */
+    ROUNDS = 4       /* Gauss-Newton iterations; effects are small, two are enough */
 };
 
-/* m from the tip to the two other points of a pose: an angle counts by what it moves at the end of
- * a usual tool. */
+/* Distance from the tip to the two other points of a pose, m: weight of an angle by the
+ * displacement at the end of a typical tool. */
 static const double tool_length = 0.1;
-/* rad or m; forward differences, whose error the next round removes */
+/* Of forward differences, rad or m; their error is removed by the next iteration. */
 static const double step = 1e-6;
-/* Share of the largest curvature that is added to all: what no posture shows stays as it is. */
+/* Ridge relative to the largest curvature: parameters that no posture determines stay unchanged. */
 static const double ridge = 1e-9;
 
 typedef struct {
     const mukca_refit_task *task;
     int n_rows, n_unknowns;
-    double *q;      /* [n_rows][n_joints], the fitted ones first */
+    double *q;      /* [n_rows][n_joints], postures to fit first */
     double *target; /* [n_rows][MARKS] of the arm */
     double *J;      /* [fitted][MARKS][n_unknowns] */
     double *residual;
@@ -34,7 +34,7 @@ typedef struct {
     int fitted;
 } problem;
 
-/* Three points of the tool. */
+/* Three points of the tool as marks of a pose. */
 static void find_marks(double marks[MARKS], const mukca_refit_task *task,
                        const mukca_geometry *geometry, const double *q, bool whole)
 {
@@ -52,7 +52,7 @@ static void find_marks(double marks[MARKS], const mukca_refit_task *task,
     }
 }
 
-/* Points of the model in posture `row`. */
+/* Marks of the model in posture `row`. */
 static void model_marks(double marks[MARKS], const problem *p, const mukca_geometry *geometry,
                         const double *zeros, int row)
 {
@@ -62,7 +62,7 @@ static void model_marks(double marks[MARKS], const problem *p, const mukca_geome
     find_marks(marks, p->task, geometry, q, false);
 }
 
-/* The unknown of that index: a number of refit->theta or refit->zeros. */
+/* Pointer to the unknown of that index, in refit->theta or refit->zeros. */
 static double *unknown(mukca_refit *refit, const mukca_refit_task *task, int index)
 {
     if (task->kind == MUKCA_REFIT_ZEROS) return &refit->zeros[index];
@@ -113,7 +113,7 @@ static void improve(problem *p, mukca_refit *refit)
     for (int i = 0; i < n; i++) *unknown(refit, p->task, i) += p->g[i];
 }
 
-/* Mean and largest distance of the tips in the postures that are not fitted. */
+/* Mean and largest distance between the tips in the held-out postures. */
 static double score(double *largest, const problem *p, const mukca_refit *refit)
 {
     mukca_geometry geometry;
@@ -150,7 +150,7 @@ static void set_postures(problem *p)
     }
 }
 
-/* Zeros: the origins are nominal but for those that do not move (the tool). */
+/* With MUKCA_REFIT_ZEROS the origins are nominal, except fixed ones (the tool). */
 static void start(mukca_refit *refit, const mukca_refit_task *task)
 {
     const size_t one = MUKCA_PARAMETERS * sizeof *refit->theta;

@@ -1,4 +1,4 @@
-/* Kernels of a sweep: 3x3 matrices on arrays that run along the samples. */
+/* Kernels of a sweep: 3x3 matrices times arrays that run along the samples. */
 #ifndef MUKCA_FIT_ROWS_H
 #define MUKCA_FIT_ROWS_H
 

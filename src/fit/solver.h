@@ -7,17 +7,17 @@
 /* Zeroed means the defaults. */
 typedef struct {
     int max_evaluations;         /* 0: 2000 */
-    bool (*stop)(void *context); /* asked before each evaluation; NULL: never */
-    /* called with each theta[6 * n_elements] that is better than all before; may be NULL */
+    bool (*stop)(void *context); /* called before each evaluation, true: stop; may be NULL */
+    /* Called with each theta[6 * n_elements] better than all before; may be NULL. */
     void (*progress)(void *context, const double *theta, const mukca_cost_value *value,
                      int evaluations);
-    void *context; /* of both */
+    void *context; /* of both functions */
 } mukca_solver_options;
 
-/* Time limit of a solver, s: a fit that converges needs less than a second. */
+/* Time limit of a solver, s: a converging fit needs less than a second. */
 #define MUKCA_SOLVER_SECONDS 60.0
 
-/* Why it stopped is a result, not an error. */
+/* Reasons to stop: a result, not an error. */
 #define MUKCA_STOP_LIST(X)                              \
     X(GRADIENT, "the gradient vanished")                \
     X(TOLERANCE, "no further decrease within rounding") \
@@ -50,14 +50,15 @@ typedef struct {
 
 extern const mukca_solver mukca_solver_gauss_newton;
 
-/* For solvers: L[n][n] with L L' = H + a ridge that keeps flat directions solvable; H in place. */
+/* For solvers: replace H[n][n] by L with L L' = H + ridge; the ridge keeps flat directions
+ * solvable. */
 void mukca_solver_factorise(double *H, int n);
 
-/* For solvers: g' H^-1 g / 4, the decrease of the cost that a Gauss-Newton step promises; L as
+/* For solvers: g' H^-1 g / 4, the predicted decrease of the cost by a Gauss-Newton step; L as
  * above, work[n]. */
 double mukca_solver_decrement(const double *L, const double *gradient, double *work, int n);
 
-/* The promised decrease below which nothing is left to gain. */
+/* Predicted decrease below which a solver stops. */
 double mukca_solver_goal(double cost);
 
 #endif

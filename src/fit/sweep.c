@@ -6,7 +6,7 @@
 #include "fit/rows.h"
 #include "math/sincos.h"
 
-/* A with A e_z = axis; the identity where the axis is z already. */
+/* A with A e_z = axis; the identity if the axis is z. */
 static void align_axis(double A[9], const double axis[3])
 {
     double e1[3], e2[3];
@@ -55,7 +55,7 @@ static void load_window(mukca_sweep *sweep, const mukca_chain *chain, const doub
     const int padded = sweep->padded, last = sweep->rows - 1;
     for (int j = 0; j < sweep->n_joints; j++) {
         double *angle = sweep->x, *sine = sweep->sine + j * padded;
-        for (int i = 0; i < padded; i++) /* padding repeats the last row */
+        for (int i = 0; i < padded; i++) /* padding repeats the last sample */
             angle[i] = q[(i < last ? i : last) * sweep->n_joints + j];
         if (mukca_joint_turns(sweep->type[chain->joint_element[j]]))
             mukca_sincos(sine, sweep->cosine + j * padded, angle, padded);
@@ -100,7 +100,7 @@ MUKCA_CLONES void mukca_sweep_forward(mukca_sweep *sweep)
 
 #define SUM4(v) (((v)[0] + (v)[1]) + ((v)[2] + (v)[3]))
 
-/* sum[3] of h, and outer[9] of h w', over all rows. */
+/* sum[3] of h and outer[9] of h w', over all samples. */
 MUKCA_INLINE void sum_rows(double sum[3], double outer[9], const double *h, const double *w,
                            int padded)
 {
@@ -143,8 +143,8 @@ void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_
         mukca_rotation_from_rpy_derivative(dR, rpy);
         return;
     }
-    /* Central differences of fourth order: the element's entries are sines and cosines, so that
-     * this step balances rounding (1e-13) and truncation (h^4 / 30). */
+    /* Central differences of fourth order: the entries are sines and cosines, for which this step
+     * balances rounding (1e-13) and truncation (h^4 / 30). */
     static const double step = 1e-3;
     for (int i = 0; i < 3; i++) {
         double R[9], at[3] = {rpy[0], rpy[1], rpy[2]};

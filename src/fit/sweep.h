@@ -1,11 +1,11 @@
 /* Sweeps over many samples at once: predictions, adjoint gradient, Jacobian (docs/method.md, 2).
  *
- * Samples are swept in windows, one open at a time: what a sweep keeps of a window stays in the
- * cache, and memory does not grow by it.  All arrays run along the samples of the open window
- * (structure of arrays, padded to a multiple of 8).  Each joint
- * frame is first turned so that its axis is z: with A_k e_z = axis_k,
- * u_k = (A_{k-1}' R_k A_k) Rz(q) u_{k+1} + A_{k-1}' p_k is the tip in element k's parent frame.
- * Sines and cosines of the joint angles are constants of a fit and are computed once.
+ * Samples are processed in windows, one open at a time: the intermediate results of a window stay
+ * in the cache, and their memory does not grow with the samples.  All arrays run along the samples
+ * of the open window (structure of arrays, padded to a multiple of 8).  Each joint frame is first
+ * rotated to make its axis z: with A_k e_z = axis_k, u_k = (A_{k-1}' R_k A_k) Rz(q) u_{k+1} +
+ * A_{k-1}' p_k is the tip in element k's parent frame.  Sines and cosines of the joint angles are
+ * constants of a fit and are computed once.
  */
 #ifndef MUKCA_FIT_SWEEP_H
 #define MUKCA_FIT_SWEEP_H
@@ -15,7 +15,7 @@
 
 typedef enum { MUKCA_GRADIENT_FD, MUKCA_GRADIENT_ANALYTIC } mukca_gradient;
 
-/* Samples of a window: their 1 MB of a Jacobian of 48 columns stays in the cache. */
+/* Samples of a window: 1 MB of a Jacobian with 48 columns, which stays in the cache. */
 enum { MUKCA_SWEEP_WINDOW = 1024, MUKCA_SWEEP_PADDING = 7 /* at most, of the last one */ };
 
 typedef struct {
@@ -24,35 +24,35 @@ typedef struct {
     double align[MUKCA_MAX_ELEMENTS + 1][9];                   /* A_{k-1} at k; align[0] = I */
     double R[MUKCA_MAX_ELEMENTS][9], p[MUKCA_MAX_ELEMENTS][3]; /* aligned origins in use */
     double *turns; /* [n_windows][2][n_joints][padded] sines and cosines of all samples */
-    /* of the open window: */
-    int from, rows, padded; /* its samples are from, from + 1, ..., from + rows - 1 */
+    /* Of the open window: */
+    int from, rows, padded; /* samples from, from + 1, ..., from + rows - 1 */
     double *sine, *cosine;  /* [n_joints][padded]; prismatic: sine holds q */
     double *x;              /* [3][padded] predicted tip, until mukca_sweep_jacobian */
-    double *w; /* [n_elements][3][padded] tip in the frame behind the origin of each element */
+    double *w; /* [n_elements][3][padded] tip in the frame after the origin of each element */
     double *Q; /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
 } mukca_sweep;
 
-/* Take the arrays for `rows` samples. */
+/* Allocate the arrays for `rows` samples from the pool. */
 void mukca_sweep_take(mukca_sweep *sweep, mukca_pool *pool, const mukca_chain *chain, int rows);
 
-/* Joint angles q[n_rows][n_joints]; opens the last window. */
+/* Load joint angles q[n_rows][n_joints]; opens the last window. */
 void mukca_sweep_load(mukca_sweep *sweep, const mukca_chain *chain, const double *q);
 
-/* Open a window, 0 <= window < n_windows: the functions below are about its samples. */
+/* Open a window, 0 <= window < n_windows: the functions below apply to its samples. */
 void mukca_sweep_open(mukca_sweep *sweep, int window);
 
-/* Origins from theta[6 * n_elements]. */
+/* Set the origins from theta[6 * n_elements]. */
 void mukca_sweep_origins(mukca_sweep *sweep, const double *theta);
 
-/* x and w for the origins in use. */
+/* Compute x and w for the origins in use. */
 void mukca_sweep_forward(mukca_sweep *sweep);
 
-/* Q: the tip's orientation in the base, for the origins in use. */
+/* Compute Q, the tip's orientation in the base, for the origins in use. */
 void mukca_sweep_orientations(mukca_sweep *sweep);
 
-/* Sums over the samples that the gradient needs, per element, in true (not aligned) coordinates:
- * of the adjoints in its parent frame (the derivative by its translation), and of their outer
- * products with w (to be multiplied with a derivative of its rotation). */
+/* Sums over the samples for the gradient, per element, in true (not aligned) coordinates: of the
+ * adjoints in its parent frame (derivative with respect to its translation), and of their outer
+ * products with w (to be multiplied by a derivative of its rotation). */
 typedef struct {
     double sum[MUKCA_MAX_ELEMENTS][3], outer[MUKCA_MAX_ELEMENTS][9];
 } mukca_adjoint;
@@ -61,16 +61,16 @@ typedef struct {
  * padding), and add to the sums.  Needs mukca_sweep_forward. */
 void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep);
 
-/* dR[3][9]: derivatives of an element's rotation by roll, pitch, yaw: analytic, or by central
- * differences.  (Positions are linear in the translation, whose derivative is exact.) */
+/* dR[3][9]: derivatives of an element's rotation with respect to roll, pitch, yaw, analytic or by
+ * central differences.  (Positions are linear in the translation, whose derivative is exact.) */
 void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_gradient gradient);
 
 /* Angular velocity of a rotation R with derivative dR: the antisymmetric part of dR R'. */
 void mukca_sweep_spin(double omega[3], const double dR[9], const double R[9]);
 
-/* Derivatives of the tip's position by the n free parameters at theta, J[3 * rows][n], and of its
- * orientation (as a rotation vector in base coordinates), JO[3 * rows][n] or NULL.
- * Needs mukca_sweep_forward; overwrites x and Q. */
+/* Jacobians with respect to the n free parameters at theta: of the tip's position, J[3 * rows][n],
+ * and of its orientation (rotation vector in base coordinates), JO[3 * rows][n] or NULL. Needs
+ * mukca_sweep_forward; overwrites x and Q. */
 void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep, const double *theta,
                           const mukca_parameters *parameters, mukca_gradient gradient);
 

@@ -3,7 +3,8 @@
 
 #include "fit/rows.h"
 
-/* Q := Q R Rz(q) for every row: the rows of Q are x[3][padded] vectors times R from the right. */
+/* Q := Q R Rz(q) for every sample: the rows of Q are vectors x[3][padded], multiplied by R from the
+ * right. */
 MUKCA_INLINE void frames_times(double *Q, const double R[9], const mukca_sweep *sweep, int k)
 {
     double Rt[9];
@@ -40,8 +41,8 @@ void mukca_sweep_spin(double omega[3], const double dR[9], const double R[9])
     omega[2] = 0.5 * (spin[3] - spin[1]);
 }
 
-/* Column `column` of J: row i gets Q_i v_i.  v[3] is the same for all rows, or `each` has one,
- * v[3][padded]. */
+/* Column `column` of J: sample i gets Q_i v_i.  v[3] is the same for all samples; with `each`,
+ * v[3][padded] has one per sample. */
 MUKCA_INLINE void column_rows(double *J, int ld, int column, const double *v, bool each,
                               const mukca_sweep *sweep)
 {

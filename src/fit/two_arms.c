@@ -1,4 +1,4 @@
-/* The base of one arm in that of another: absolute orientation (Horn 1987), weighted. */
+/* Pose of one arm's base in that of another: weighted absolute orientation (Horn 1987). */
 #include "fit/two_arms.h"
 
 #include <math.h>
@@ -9,10 +9,10 @@
 
 enum { FREE = 6, SIZE = FREE + 1, MOST_STEPS = 30 };
 
-/* A micrometre: simulated arms without noise have no scatter. */
+/* (1 um)^2: lower bound, for simulated arms without noise. */
 static const double least_variance = 1e-12;
-/* Sockets on one line leave the turn about it open: columns whose part of their own is below this
- * share, as by a lever of 1 mm over 1 m. */
+/* Sockets on one line do not determine the rotation about it.  Smallest ratio of a column's
+ * component orthogonal to the others and its length: a lever arm of 1 mm in 1 m. */
 static const double least_share = 1e-3;
 
 static double variance_of(const mukca_shared_socket *s)
@@ -20,7 +20,7 @@ static double variance_of(const mukca_shared_socket *s)
     return fmax(s->variance[0] + s->variance[1], least_variance);
 }
 
-/* Closed form, all sockets alike. */
+/* Closed form, with equal weights. */
 static void start(mukca_frame *pose, const mukca_shared_socket *s, int n)
 {
     double mean[2][3] = {{0}}, H[9] = {0}, turned[3];
@@ -35,7 +35,7 @@ static void start(mukca_frame *pose, const mukca_shared_socket *s, int n)
     for (int a = 0; a < 3; a++) pose->p[a] = mean[0][a] - turned[a];
 }
 
-/* Residual of a socket, and the lever at which the rotation turns it, both in the left base. */
+/* Residual of a socket and its lever arm for the rotation, both in the left base. */
 static void residual(double r[3], double lever[3], const mukca_frame *pose,
                      const mukca_shared_socket *s)
 {
@@ -43,7 +43,7 @@ static void residual(double r[3], double lever[3], const mukca_frame *pose,
     for (int a = 0; a < 3; a++) r[a] = s->at[0][a] - pose->p[a] - lever[a];
 }
 
-/* R[FREE][SIZE]: triangular factor of the weighted equations; shift first, then the turn. */
+/* R[FREE][SIZE]: triangular factor of the weighted equations; translation first, then rotation. */
 static void absorb(double *R, const mukca_frame *pose, const mukca_shared_socket *s, int n)
 {
     memset(R, 0, FREE * SIZE * sizeof *R);
@@ -82,7 +82,8 @@ static void solve(double x[FREE], const double *R, const double b[FREE])
     }
 }
 
-/* 97.5 % quantile of Student's t (Abramowitz and Stegun 26.7.5), to 1 % from 3 degrees on. */
+/* 97.5 % quantile of Student's t (Abramowitz and Stegun 26.7.5), to 1 % from 3 degrees of freedom
+ * on. */
 static double student(int freedom)
 {
     const double z = 1.959963985, z2 = z * z, f = freedom;
@@ -90,7 +91,7 @@ static double student(int freedom)
                 (((3 * z2 + 19) * z2 + 17) * z2 - 15) / (384 * f * f * f));
 }
 
-/* Errors of the pose from the factor R of the last step. */
+/* Standard errors and intervals of the pose from the factor R of the last step. */
 static void judge(mukca_two_arms *out, const double *R, const mukca_shared_socket *s, int n)
 {
     double chi2 = 0, squares = 0, noise = 0;
