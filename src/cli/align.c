@@ -1,4 +1,4 @@
-/* mukca align: the base of one arm in that of another, from sessions at the same sockets. */
+/* mukca align: pose of one arm's base in that of another, from sessions at the same sockets. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,7 +59,7 @@ static void release(void *work)
     free(w->socket);
 }
 
-/* Predicted ball of each sample: means by socket, and the scatter about them. */
+/* Predicted ball positions: mean per socket, and variance about the means. */
 static mukca_status find_means(cli_call *call, side *s)
 {
     const mukca_dataset *d = &s->data;

@@ -65,14 +65,14 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-/* What the trace needs at each iteration. */
+/* State of the trace, used at each iteration. */
 typedef struct {
     FILE *stream;
     const mukca_fit *fit; /* its chain is complete before the solver starts */
     const mukca_dataset *train, *test;
     mukca_score *scores;
     int iteration;
-    bool exhausted; /* out of memory: values are missing */
+    bool exhausted; /* out of memory: the trace is incomplete */
 } tracer;
 
 static void trace_scores(tracer *t, const double *theta, const mukca_dataset *data)
@@ -95,7 +95,7 @@ static void trace(void *context, const double *theta, const mukca_cost_value *va
     fputc('\n', t->stream);
 }
 
-/* A socket whose samples are all the same was recorded from a stream that had stopped. */
+/* Refuse sockets with identical samples: the joint states had stopped while recording. */
 static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
 {
     const size_t n = (size_t)d->n_joints;
@@ -201,7 +201,7 @@ typedef struct {
     mukca_traits traits;
     calibrate_result result;
     double
-        nominal[MUKCA_MAX_THETA]; /* of the chain, its free frames aligned to the training data */
+        nominal[MUKCA_MAX_THETA]; /* of the chain, with free frames aligned to the training data */
 } calibrate_work;
 
 static void release(void *work)
@@ -212,7 +212,7 @@ static void release(void *work)
     mukca_fit_free(&w->fit);
 }
 
-/* Several pose logs have one frame and one target here. */
+/* Note that several pose logs share one frame and one target here. */
 static void note_logs(cli_call *call, const mukca_dataset *data)
 {
     const calibrate_options *o = call->options;

@@ -1,4 +1,4 @@
-/* The calibration for people: one screen, the verdict first. */
+/* The screen of a calibration, the verdict first. */
 #include "cli/calibrate.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 
-/* Smaller coefficients of a direction, whose largest is 1, are not printed. */
+/* Smallest coefficient of a null-space direction that is printed; the largest is 1. */
 static const double worth = 0.05;
 
 static int terms_of(const mukca_fit *fit, int direction)
@@ -25,7 +25,7 @@ static void print_list(cli_call *call, const char *title, const mukca_text *l)
     cli_print_words(stream, 4, 4, l->at, l->used);
 }
 
-/* Parameters that are alone in their direction, by joint: "panda_joint1 (x y z roll)". */
+/* Parameters that are not identifiable by themselves, by joint: "panda_joint1 (x y z roll)". */
 static void list_alone(mukca_text *l, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, hidden = n - fit->identification.rank;
@@ -47,7 +47,7 @@ static void list_alone(mukca_text *l, const mukca_fit *fit)
     if (last >= 0) mukca_text_put(l, ")");
 }
 
-/* "panda_joint2.y~panda_joint3.z": only a combination of them is identifiable.  Each once: several
+/* "panda_joint2.y~panda_joint3.z": identifiable only in combination.  Without repetitions: several
  * directions may begin alike. */
 static void list_together(mukca_text *l, const mukca_fit *fit)
 {
@@ -70,7 +70,7 @@ static void list_together(mukca_text *l, const mukca_fit *fit)
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
-    char text[2][8192] = {"", ""}; /* what does not fit is cut off */
+    char text[2][8192] = {"", ""}; /* longer lists are truncated */
     mukca_text alone = MUKCA_TEXT(text[0]), together = MUKCA_TEXT(text[1]);
     cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.", rank, n,
                        rank < n ? "; the others stay near nominal by regularisation" : "");
@@ -190,7 +190,7 @@ bool calibrate_frame(mukca_frame *T, const calibrate_result *r, bool base)
     return true;
 }
 
-/* Base and target as a hand-eye calibration gives them. */
+/* Base and target as the results of a hand-eye calibration. */
 static void print_frames(cli_call *call, const calibrate_result *r)
 {
     static const char *const keys[2] = {"Target", "Base"};

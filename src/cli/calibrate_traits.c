@@ -1,4 +1,5 @@
-/* calibrate --traits: the mean elasticity of the arm's fleet out of the angles before the fit. */
+/* calibrate --traits: correct the angles for the mean elasticity of the arm's fleet before the
+ * fit. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,11 +8,11 @@
 #include "fleet/correct.h"
 #include "io/traits.h"
 
-/* Log Bayes factor from which the traits are used: 3 to 1; less is not worth more than a bare
- * mention (R. Kass, A. Raftery, Bayes factors, J. Am. Stat. Assoc. 90, 1995). */
+/* Least log Bayes factor for the use of the traits: odds of 3 to 1; less is "not worth more than a
+ * bare mention" (R. Kass, A. Raftery, Bayes factors, J. Am.  Stat.  Assoc. 90, 1995). */
 #define LEAST_EVIDENCE 1.1
 
-/* The data, and their angles as recorded. */
+/* The data with their recorded angles. */
 typedef struct {
     mukca_dataset *data[2];
     double *angles[2];
@@ -34,7 +35,7 @@ static bool keep(recorded *r, cli_session *s)
     return true;
 }
 
-/* The data as recorded, less a share of what the traits say. */
+/* Correct the recorded angles by a share of the traits' mean displacement. */
 static void correct(const recorded *r, const mukca_chain *chain, const mukca_traits *traits,
                     double share)
 {
@@ -55,7 +56,7 @@ static void exchange(mukca_fit *a, mukca_fit *b)
     *b = kept;
 }
 
-/* Log Bayes factor of a fit against another with as many unknowns, by the residuals' variances. */
+/* Log Bayes factor between two fits with equal numbers of unknowns, from the residual variances. */
 static double log_evidence(const mukca_fit *fit, const mukca_fit *other)
 {
     const double freedom = fmax(fit->n_measured - fit->identification.rank, 1);
@@ -65,8 +66,8 @@ static double log_evidence(const mukca_fit *fit, const mukca_fit *other)
 mukca_status calibrate_use_traits(cli_call *call, calibrate_result *r, mukca_fit *fit,
                                   const mukca_traits *traits, const mukca_fit_options *options)
 {
-    /* An arm stiffer than half the mean is better off without; between that and the mean, half of
-     * it fits better than all. */
+    /* Fractions of the mean to try.  An arm with less than half the mean compliance fits best with
+     * none of it; half fits best in between. */
     static const double shares[] = {1, 0.5};
     cli_session *s = call->session;
     const mukca_chain *chain = &s->model.chain;

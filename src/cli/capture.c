@@ -1,5 +1,4 @@
-/* `mukca capture`: record a session from LCM, triggered by key, by LCM message, or by standing
- * still. */
+/* `mukca capture`: record a session from LCM, triggered by key, LCM message or standstill. */
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,15 +22,15 @@ typedef struct {
     mukca_recorder recorder;
     cli_call *call;
     const capture_options *options;
-    int keys;  /* terminal that keys come from; -1: none */
+    int keys;  /* terminal to read keys from; -1: none */
     bool view; /* standard error is a terminal */
     cli_capture_view terminal;
     double redrawn, published; /* s */
     bool finished;
 } session;
 
-static const double redraw_period = 0.1;  /* s: smooth for the eye */
-static const double publish_period = 0.5; /* s: data/lcm/mukca_status.lcm promises it */
+static const double redraw_period = 0.1;  /* s; appears smooth */
+static const double publish_period = 0.5; /* s; specified in data/lcm/mukca_status.lcm */
 
 /* ---- hooks and keys ---- */
 
@@ -75,10 +74,10 @@ static void read_keys(session *s)
     char keys[16];
     ssize_t n = read(s->keys, keys, sizeof keys);
     for (ssize_t i = 0; i < n; i++) press(s, keys[i]);
-    if (n == 0) s->keys = -1; /* hung up: would spin */
+    if (n == 0) s->keys = -1; /* hangup: reading on would spin */
 }
 
-/* Ask on the terminal whether a mapping by order is right. */
+/* Ask for confirmation of a mapping by order on the terminal. */
 static mukca_status confirm_map(session *s)
 {
     char text[2048], answer[16] = "";
@@ -125,7 +124,7 @@ static mukca_status loop(session *s)
         }
         if (s->options->rows && r->session.n_rows >= s->options->rows) s->finished = true;
     }
-    return status == MUKCA_NEGATIVE ? MUKCA_OK : status; /* the log's end */
+    return status == MUKCA_NEGATIVE ? MUKCA_OK : status; /* end of the log */
 }
 
 static json_t *summary(const session *s)
@@ -153,7 +152,7 @@ static json_t *summary(const session *s)
                      "more_rows_help", (int)r->advice.more_rows_help);
 }
 
-/* Placements with two sockets of two samples or more: what a calibration can use. */
+/* Number of placements that a calibration can use: at least two sockets with two samples each. */
 static int count_finished(const mukca_capture *c)
 {
     const mukca_dataset *rows = &c->rows;
@@ -167,7 +166,7 @@ static int count_finished(const mukca_capture *c)
     return finished;
 }
 
-/* The command that goes on with this session, with the options that name the arm. */
+/* Print the next command for this session, with the options that specify the arm. */
 static void print_next(const session *s)
 {
     const capture_options *o = s->options;
@@ -204,7 +203,7 @@ static void conclude(session *s)
     if (r->session.n_rows) print_next(s);
 }
 
-/* A recording that was given as an argument: the command that feeds it to this one. */
+/* Refuse a recording as an argument; print the command that pipes it into this one. */
 static mukca_status refuse_file(const session *s)
 {
     const char *file = s->call->arguments.items[0], *dot = strrchr(file, '.');
@@ -254,7 +253,7 @@ static mukca_status check_usage(const session *s)
     return MUKCA_OK;
 }
 
-/* Model, stream, mapping, session file, raw log. */
+/* Prepare model, stream, mapping, session file and raw log. */
 static mukca_status prepare(session *s)
 {
     cli_call *call = s->call;
@@ -277,7 +276,8 @@ static mukca_status prepare(session *s)
     return status ? status : mukca_recorder_start_log(r, &call->error);
 }
 
-/* Keys come from standard input, or past it from the terminal where it brings joint states. */
+/* Keys are read from standard input, or from the terminal if standard input delivers joint
+ * states. */
 static int find_terminal(bool lines)
 {
     if (!lines) return isatty(STDIN_FILENO) ? STDIN_FILENO : -1;
@@ -351,7 +351,7 @@ const cli_command cli_command_capture = {
     .group = CLI_MEASURE,
     .summary = "record a session from live joint states (LCM, or lines)",
     .synopsis = "",
-    .max_arguments = 1, /* a file, which gets an answer */
+    .max_arguments = 1, /* a file, refused with a hint */
     .description =
         "Listens to the joint states of the robot. A sample is recorded when you press a, on a "
         "message on MUKCA_TRIGGER (--trigger), or when the arm stands still with its ball in a "

@@ -14,10 +14,10 @@ void cli_capture_enter(cli_capture_view *v, int terminal)
     v->terminal = terminal;
     if (tcgetattr(terminal, &v->saved)) return;
     struct termios raw = v->saved;
-    raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO); /* ISIG stays: ^C ends the session cleanly */
+    raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO); /* ISIG stays set: ^C ends the session cleanly */
     raw.c_cc[VMIN] = 0;
     raw.c_cc[VTIME] = 0;
-    raw.c_cc[VSUSP] = raw.c_cc[VQUIT] = _POSIX_VDISABLE; /* they would leave it in this mode */
+    raw.c_cc[VSUSP] = raw.c_cc[VQUIT] = _POSIX_VDISABLE; /* would leave the terminal in raw mode */
     v->raw = tcsetattr(terminal, TCSAFLUSH, &raw) == 0;
 }
 
@@ -33,7 +33,7 @@ void cli_capture_erase(cli_capture_view *v)
     v->drawn = 0;
 }
 
-/* One line of the view, cut at the width of the terminal so that it stays one. */
+/* One line of the view, truncated to the width of the terminal. */
 __attribute__((format(printf, 3, 4))) static void draw(cli_capture_view *v, int width,
                                                        const char *format, ...)
 {

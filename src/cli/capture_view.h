@@ -6,15 +6,15 @@
 
 #include "record/recorder.h"
 
-/* Zeroed: as the shell left it. */
+/* Zeroed: terminal unchanged. */
 typedef struct {
     struct termios saved;
     int terminal;
-    bool raw;  /* keys come one by one, without echo */
+    bool raw;  /* unbuffered keys, without echo */
     int drawn; /* lines of the view on the screen */
 } cli_capture_view;
 
-/* Set the terminal of that descriptor to single keys, and back. */
+/* Set the terminal `terminal` (descriptor) to single keys, and restore it. */
 void cli_capture_enter(cli_capture_view *view, int terminal);
 void cli_capture_leave(cli_capture_view *view);
 

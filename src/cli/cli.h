@@ -1,5 +1,5 @@
 /* The command framework: tables of commands and options that drive parsing, help, man page and
- * completion, and what commands share.
+ * completion, and functions shared by commands.
  *
  * A command is one file src/cli/<name>.c that defines `const cli_command cli_command_<name>`, and
  * one line in CLI_COMMAND_LIST (commands.c).
@@ -22,7 +22,7 @@
 #include "mukca/effect.h"
 #include "mukca/status.h"
 
-/* The order of the work; title of each group in help. */
+/* Groups of commands in the order of the work, with their titles in help. */
 #define CLI_GROUP_LIST(X)                                          \
     X(MEASURE, "Measure: record or simulate the arm")              \
     X(CALIBRATE, "Calibrate: fit the model to the arm")            \
@@ -41,15 +41,15 @@ typedef struct {
     int n;
 } cli_list;
 
-/* Type of the member at `offset`, and the text that it takes. */
+/* Type of the member at `offset`, and its valid text. */
 typedef enum {
     CLI_FLAG,     /* bool; no argument */
     CLI_TEXT,     /* const char *; the last one given wins */
     CLI_NUMBER,   /* double; finite */
     CLI_INTEGER,  /* int */
     CLI_CHOICE,   /* int; index into `choices` */
-    CLI_POSITIVE, /* double; finite, above 0 (0 means not given) */
-    CLI_VECTOR,   /* double[3]; X,Y,Z, finite, not all 0 (which means not given) */
+    CLI_POSITIVE, /* double; finite, above 0 (0: not given) */
+    CLI_VECTOR,   /* double[3]; X,Y,Z, finite, not all 0 (all 0: not given) */
     CLI_TEXTS,    /* cli_list; one text each time, repeatable */
     CLI_REST      /* cli_list; all arguments that follow, up to the next option or `--` */
 } cli_kind;
@@ -59,8 +59,8 @@ typedef struct {
     char letter;      /* 0: none */
     cli_kind kind;
     const char *argument;       /* its name in help, NULL for a flag */
-    const char *help;           /* one sentence without a full stop; it states the default */
-    const char *const *choices; /* CLI_CHOICE: names, ended by NULL */
+    const char *help;           /* one sentence without a full stop, with the default */
+    const char *const *choices; /* CLI_CHOICE: names, terminated by NULL */
     double least, most;         /* range of a number; both 0: any */
     size_t offset;              /* of the member in the command's options */
 } cli_option;
@@ -82,7 +82,7 @@ typedef struct {
         .choices = (list), .offset = offsetof(type, member)                          \
     }
 
-/* The contract's common options: the first member of every command's options struct. */
+/* Options common to all commands: the first member of every command's options struct. */
 typedef struct {
     const char *urdf, *base, *tip, *inertials, *kinematics, *offsets, *distances, *json, *output,
         *payload;
@@ -95,7 +95,8 @@ typedef struct {
     bool inverse_poses, force, accept_failed, quiet, verbose;
 } cli_common;
 
-/* Rows of option tables for them.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION: help text. */
+/* Rows of option tables for the common options.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION:
+ * help text. */
 #define CLI_COMMON(member, short_name, value, metavar, text)                             \
     {                                                                                    \
         .name = #member, .letter = (short_name), .kind = (value), .argument = (metavar), \
@@ -170,45 +171,45 @@ typedef struct {
         .name = NULL    \
     }
 
-/* The common options that mean the same everywhere, ended as a table is; -o is each command's own.
- */
+/* Common options with the same meaning in all commands, as a complete table; -o differs by
+ * command. */
 extern const cli_option cli_common_options[];
-extern const char *const cli_angles[], *const cli_maps[]; /* of --angles, --map; ended by NULL */
-bool cli_is_common(const cli_option *option); /* is it one of them, with the same text? */
+extern const char *const cli_angles[], *const cli_maps[]; /* of --angles, --map; NULL ends each */
+bool cli_is_common(const cli_option *option);             /* one of them, with the same text? */
 
 typedef struct cli_call cli_call;
 
-/* Do the command's work.  Returns the exit code; where it is an error, call->error holds the line
- * to print (empty: nothing to add). */
+/* Run the command.  Returns the exit code; on errors, call->error is the line to print (empty:
+ * none). */
 typedef mukca_status cli_run_fn(cli_call *call);
 
 typedef struct {
     const char *name;
     cli_group group;
-    const char *summary;              /* one line without a final stop */
-    const char *synopsis;             /* positional arguments, "DATA..."; "" where none */
+    const char *summary;              /* one line without a full stop */
+    const char *synopsis;             /* positional arguments, "DATA..."; "": none */
     int min_arguments, max_arguments; /* of positionals; -1: any number */
-    const char *description;          /* paragraphs parted by an empty line; wrapped by help */
-    const char *example;              /* real commands, one a line; each is run by a test */
+    const char *description;          /* paragraphs separated by empty lines; wrapped by help */
+    const char *example;              /* valid commands, one per line; a test runs each */
     const cli_option *options;
-    size_t options_size;  /* of the options struct, which begins with cli_common */
+    size_t options_size;  /* of the options struct, first member cli_common */
     bool targets;         /* pose logs may have several targets */
     const void *defaults; /* an options struct, or NULL: zeroed */
     cli_run_fn *run;
     size_t work_size;            /* of call->work, or 0 */
-    void (*release)(void *work); /* frees what it holds; NULL: nothing */
+    void (*release)(void *work); /* frees its members; NULL: nothing to free */
 } cli_command;
 
-/* The arm from --urdf, --base, --tip, --inertials, --gravity, --offsets. */
+/* The arm specified by --urdf, --base, --tip, --inertials, --gravity, --offsets. */
 typedef struct {
     mukca_chain chain;
-    mukca_chain urdf; /* the chain before --kinematics replaced its origins */
+    mukca_chain urdf; /* the chain with the URDF's origins, before --kinematics */
     mukca_kinematics kinematics;
-    mukca_offsets offsets;   /* of --offsets; without: theta nominal, no effects */
+    mukca_offsets offsets;   /* of --offsets; default: nominal theta, no effects */
     mukca_geometry geometry; /* of offsets.theta */
 } cli_model;
 
-/* What a command reads. */
+/* Inputs of a command. */
 typedef struct {
     cli_model model;
     mukca_dataset data, test; /* DATA..., --test */
@@ -217,8 +218,8 @@ typedef struct {
 struct cli_call {
     const cli_command *command;
     void *options;        /* the command's options struct */
-    cli_common *common;   /* the same memory */
-    int argc;             /* as given, after the command's name */
+    cli_common *common;   /* its first member */
+    int argc;             /* arguments after the command's name */
     char **argv;          /* [argc] */
     cli_list arguments;   /* positionals */
     cli_session *session; /* zeroed, filled by cli_load; freed after the run */
@@ -226,10 +227,10 @@ struct cli_call {
     mukca_error error;
     double started, progressed; /* s, monotonic: the start, the last progress line */
     bool showing;               /* a progress line is on the screen */
-    bool printed;               /* standard output holds the table that -o would name */
+    bool printed;               /* standard output is the table, without -o */
 };
 
-/* All commands, ended by NULL. */
+/* All commands, terminated by NULL. */
 extern const cli_command *const cli_commands[];
 
 /* ---- parsing and help (parse.c, commands.c, text.c, help.c, completion.c) ---- */
@@ -241,28 +242,28 @@ void cli_call_free(cli_call *call);
 
 const cli_command *cli_find_command(const char *name); /* NULL: none */
 
-/* The error where `option` names no effect: MUKCA_USAGE. */
+/* Error for a `name` that is no effect, with a suggestion: MUKCA_USAGE. */
 mukca_status cli_fail_effect(mukca_error *error, const char *option, const char *name);
 
-/* Run the parsed command with zeroed call->session and call->work, which are freed again. */
+/* Run the parsed command with zeroed call->session and call->work; frees both. */
 mukca_status cli_run(cli_call *call);
 
 enum { CLI_WIDTH = 79 }; /* columns */
 
-/* Print `text` wrapped to 79 columns; empty lines part paragraphs, lines that begin with a space
- * are kept as they are. */
+/* Print `text` wrapped to 79 columns; empty lines separate paragraphs, lines that begin with a
+ * space are printed unchanged. */
 void cli_print_wrapped(FILE *stream, const char *text);
 
-/* "Cause   text": a bold key of 8 columns, the text wrapped after it. */
+/* "Cause   text": a bold key of 8 columns, then the wrapped text. */
 void cli_print_keyed(FILE *stream, const char *key, const char *text);
 
-/* Print the text, if there is any: after a key, or (NULL) as lines; and empty it. */
+/* Print the text, if any, after a key or (NULL) as plain lines, and clear it. */
 void cli_print_text(FILE *stream, const char *key, mukca_text *text);
 
 /* "and 3 more; --json lists them all" */
 void cli_print_more(FILE *stream, int n);
 
-/* Words of text[length] alike, from `column` on, with a line feed. */
+/* Print the words of text[length], wrapped, from `column` on, with a line feed. */
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length);
 
 void cli_print_overview(FILE *stream); /* `mukca help` */
@@ -271,27 +272,28 @@ void cli_print_command_help(FILE *stream, const cli_command *command);
 void cli_print_effects(FILE *stream); /* `mukca help effects` */
 void cli_format_option(char *text, size_t size, const cli_option *option); /* "-o, --output FILE" */
 
-/* The commands of an example, each line longer than `width` columns broken with a backslash. */
+/* The commands of an example; lines longer than `width` columns are broken with a backslash. */
 void cli_print_example(FILE *stream, int indent, int width, const char *example);
 
-/* "command [options] DATA...", --urdf among them where the command needs it. */
+/* "command [options] DATA...", including --urdf if required. */
 void cli_format_usage(char *text, size_t size, const cli_command *command);
 
-/* `mukca completion bash|zsh|man|options` (hidden): scripts and the man page from the tables. */
+/* `mukca completion bash|zsh|man|options` (hidden): scripts and man page, generated from the
+ * tables. */
 mukca_status cli_completion(mukca_error *error, const char *what);
 
-/* ---- what people read (terminal.c) ---- */
+/* ---- terminal output (terminal.c) ---- */
 
-/* Open the table that a command writes to -o, else to standard output. */
+/* Open the output table of a command: -o, or standard output. */
 mukca_status cli_output_open(cli_call *call, mukca_output *output);
 
-/* Where the answer for people goes: standard output, or standard error where a machine reads
- * standard output (--json -, -o -, or a table opened by cli_output_open).  NULL with -q.  Ask anew
- * for each piece: it clears a progress line. */
+/* Stream of the readable answer: standard output, or standard error if standard output is
+ * machine-readable (--json -, -o -, or a table opened by cli_output_open).  NULL with -q.  Call it
+ * for each piece of output: it clears a progress line. */
 FILE *cli_answer_stream(cli_call *call);
 
-/* printf to that stream; the second wraps whole lines, as cli_print_wrapped does, the third after a
- * key. */
+/* printf to that stream; the second wraps like cli_print_wrapped, the third like
+ * cli_print_keyed. */
 void cli_answer(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void cli_answer_wrapped(cli_call *call, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
@@ -304,44 +306,43 @@ void cli_note(void *call, const char *text);
 /* printf to standard error; silent with -q. */
 void cli_log(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Progress on a terminal once the command has run for 2 s; `done` of `total`. */
+/* Show progress on a terminal, from 2 s of run time on; `done` of `total`. */
 void cli_progress(cli_call *call, const char *what, double done, double total);
 
 /* Seconds since the command began. */
 double cli_elapsed(const cli_call *call);
 
-/* Escape sequences for headings, "" where the stream is no terminal or NO_COLOR is set. */
+/* Escape sequences for headings, "" if the stream is no terminal or NO_COLOR is set. */
 const char *cli_bold(FILE *stream);
 const char *cli_plain(FILE *stream);
 
-/* Catch SIGINT and SIGTERM (a second one kills); true once one has come: leave with
- * MUKCA_INTERRUPTED. */
+/* Catch SIGINT and SIGTERM (a second one kills); true after the first: return MUKCA_INTERRUPTED. */
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 
-/* Callbacks for the library's long runs; the context of the second is the call. */
+/* Callbacks for long functions of the library; the context of the second is the call. */
 bool cli_stop(void *context);
 bool cli_show_progress(void *call, double share, const char *doing);
 
-/* ---- what commands read and write (load.c, outputs.c, json.c) ---- */
+/* ---- inputs and outputs of commands (load.c, outputs.c, json.c) ---- */
 
-/* Check the outputs, then fill call->session: the model, DATA where there are arguments, --test
- * where it is given.  Errors: those of the functions below. */
+/* Check the outputs, then fill call->session: the model, DATA if there are arguments, --test if
+ * given.  Errors: those of the functions below. */
 mukca_status cli_load(cli_call *call);
 
 /* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_load_model(cli_call *call, cli_model *model);
 
-/* Where the arm has no masses: note which files of data/inertials, beside the program or installed,
- * are those of an arm of its geometry. */
+/* For an arm without masses, note the files of data/inertials (source tree or installed) that match
+ * its geometry. */
 void cli_suggest_inertials(cli_call *call, const mukca_chain *chain);
 
-/* Read an offsets table under --force and --accept-failed.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
+/* Read an offsets table, subject to --force and --accept-failed.  Errors: MUKCA_INPUT,
+ * MUKCA_MEMORY. */
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukca_chain *chain,
                               const char *path);
 
-/* The format of the tables that are read, from --units, --map and --inverse-poses.  Errors:
- * MUKCA_USAGE. */
+/* Format of input tables from --units, --map and --inverse-poses.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 
 /* Read DATA paths for the model's chain; --distance, --distances and --payload apply.  Free with
@@ -349,23 +350,23 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
-/* Condense the session's data to what a diagnosis can hold, and say so. */
+/* Condense the session's data to the capacity of a diagnosis, with a note. */
 mukca_status cli_condense(cli_call *call);
 
-/* A nominal model that is this far off, m, has wrong units or columns: arms are built to 10 mm. */
+/* Error of the nominal model that indicates wrong units or columns, m: arms are built to 10 mm. */
 #define CLI_FAR_OFF 0.1
 
-/* Below this the measured poses are the nominal model's own, m: trackers measure 0.05 mm at best.
- */
+/* Error below which the measured poses were computed from the nominal model, m: trackers measure
+ * 0.05 mm at best. */
 #define CLI_ECHO 5e-5
 
 /* "180 samples, 3 placements", "1000 measured poses". */
 void cli_describe_data(char text[80], const mukca_dataset *data);
 
-/* The positional arguments; where there are none, standard input, with a note at a terminal. */
+/* The positional arguments, or standard input if there are none, with a note at a terminal. */
 cli_list cli_inputs(cli_call *call);
 
-/* Check that the masses are there that the effects of --offsets need.  Errors: MUKCA_INPUT. */
+/* Check that the arm has the masses that the effects of --offsets need.  Errors: MUKCA_INPUT. */
 mukca_status cli_check_effects(cli_call *call, const cli_model *model);
 
 /* Check --json and -o before any long work: not both `-`, not existing without --force, folder
@@ -377,24 +378,24 @@ mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_off
                                const mukca_chain *chain, const mukca_dataset *data,
                                const char *comments);
 
-/* Refuse an output `path` (NULL: none) that is read here: not even --force overwrites a recording,
+/* Refuse an output `path` (NULL: none) that is an input: not even --force overwrites a recording,
  * which cannot be repeated.  cli_load_model checks -o and --json.  Errors: MUKCA_USAGE. */
 mukca_status cli_keep_inputs(cli_call *call, const char *path);
 
-/* Check the output `path` (NULL: none) of another option before any long work: neither --json nor
- * -o, not read here, writable. */
+/* Check the output `path` (NULL: none) of another option before any long work: different from
+ * --json and -o, no input, writable. */
 mukca_status cli_check_output(cli_call *call, const char *option, const char *path);
 
-/* Write `root` (stolen) to --json, if that was given, or to `path`.  Errors: MUKCA_INPUT,
- * MUKCA_MEMORY (also: a value is missing, as memory failed while `root` was made). */
+/* Write `root` (reference stolen) to --json, if given, or to `path`.  Errors: MUKCA_INPUT,
+ * MUKCA_MEMORY (also if `root` is incomplete after a failed allocation). */
 mukca_status cli_write_json(cli_call *call, json_t *root);
 mukca_status cli_write_json_to(cli_call *call, const char *path, json_t *root);
 
-/* Let jansson's memory be watched, before it is first used; whether an allocation has failed. */
+/* Monitor jansson's allocations, from before its first use; true if one has failed. */
 void cli_json_watch(void);
 bool cli_json_incomplete(void);
 
-/* The rows of an offsets table as JSON objects: the contract's `parameters`. */
+/* The rows of an offsets table as JSON objects (`parameters` in the output). */
 json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain);
 
 /* The verdict of an offsets table as a JSON object; null for NULL. */
@@ -407,7 +408,7 @@ json_t *cli_json_reals(const double *values, int n);
 /* A pose: position_m, and quaternion, w first. */
 json_t *cli_json_frame(const mukca_frame *frame);
 
-/* An object of such numbers: key, value, key, value, ... */
+/* A JSON object of numbers: key, value, key, value, ... */
 #define cli_json_numbers(...) cli_json_numbers_until(__VA_ARGS__, (const char *)NULL)
 json_t *cli_json_numbers_until(const char *key, double value, ...) __attribute__((sentinel));
 

@@ -1,4 +1,4 @@
-/* mukca compare: two models of one arm, independently of gauge. */
+/* mukca compare: differences of two models of one arm, independent of gauge. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +25,7 @@ static const cli_option options[] = {
 
 typedef struct {
     mukca_corrected arm[2];
-    mukca_acceptance verdict[2]; /* not given: no table */
+    mukca_acceptance verdict[2]; /* zeroed: no table */
     mukca_offsets offsets;
     mukca_comparison comparison;
 } compare_work;
@@ -44,7 +44,7 @@ static bool is_yaml(const char *path)
     return dot && (strcmp(dot, ".yaml") == 0 || strcmp(dot, ".yml") == 0);
 }
 
-/* A factory file: its origins in place of those of --urdf. */
+/* Load a factory file: its origins replace those of --urdf. */
 static mukca_status load_factory(cli_call *call, mukca_chain *chain, const char *path)
 {
     mukca_kinematics kinematics;
@@ -58,8 +58,8 @@ static mukca_status load_factory(cli_call *call, mukca_chain *chain, const char 
     return mukca_kinematics_apply(chain, &kinematics, path, cli_note, call, &call->error);
 }
 
-/* Which kind of file is it?  XML is a URDF, YAML a factory file; an offsets table holds its chain,
- * or belongs to --urdf. */
+/* Load a model by its kind of file: XML is a URDF, YAML a factory file; an offsets table contains
+ * its chain or applies to --urdf. */
 static mukca_status load(cli_call *call, int side)
 {
     compare_work *w = call->work;
@@ -88,7 +88,7 @@ static mukca_status load(cli_call *call, int side)
     return MUKCA_OK;
 }
 
-/* The arms must have as many joints; those are paired in order. */
+/* The arms must have equal numbers of joints, which are paired in order. */
 static mukca_status check_pairs(cli_call *call)
 {
     const compare_work *w = call->work;
@@ -118,7 +118,7 @@ static mukca_status check_pairs(cli_call *call)
     return MUKCA_OK;
 }
 
-/* The same origins in both chains, and no element more? */
+/* Do both chains have the same elements with the same origins? */
 static bool same_origins(const mukca_chain *a, const mukca_chain *b)
 {
     for (int k = 0; k < a->n_elements && k < b->n_elements; k++)
@@ -129,8 +129,8 @@ static bool same_origins(const mukca_chain *a, const mukca_chain *b)
     return a->n_elements == b->n_elements;
 }
 
-/* A note where UR's hashes say that the factory files of A and B are of two robots, or that not
- * both are the factory's. */
+/* Note if, by UR's hashes, the factory files of A and B belong to two robots or one is not the
+ * factory's. */
 static void note_hashes(cli_call *call)
 {
     const compare_work *w = call->work;
@@ -150,7 +150,7 @@ static void note_hashes(cli_call *call)
 
 static void print_number(cli_call *call, double value)
 {
-    if (isfinite(value)) /* and no -0.0000 */
+    if (isfinite(value)) /* avoids -0.0000 */
         cli_answer(call, " %12.4f", fabs(value) < 5e-8 ? 0 : 1e3 * value);
     else
         cli_answer(call, " %12s", "-");
@@ -235,7 +235,7 @@ static json_t *as_json(const cli_call *call)
                      "elapsed_s", cli_elapsed(call));
 }
 
-/* The figure's format by its ending; NULL: none. */
+/* Format of a figure by its file ending; NULL: unknown. */
 static const char *plot_format(const char *path)
 {
     static const char *const formats[] = {"svg", "png", "pdf"};
@@ -273,7 +273,7 @@ static mukca_status run(cli_call *call)
 {
     const compare_options *o = call->options;
     compare_work *w = call->work;
-    call->common->accept_failed = true; /* a table that did not pass is compared, too */
+    call->common->accept_failed = true; /* also compare a table that was not accepted */
     if (call->common->kinematics)
         return mukca_fail(&call->error, MUKCA_USAGE, "--kinematics: give the file as A or as B");
     mukca_status status = cli_keep_inputs(call, call->common->json);

@@ -68,7 +68,7 @@ static mukca_status from_joints(compensate_job *b, const char *path)
     return status;
 }
 
-/* The columns of a table of poses: the position, and one way to give the orientation. */
+/* The columns of a table of poses: the position, and one form of the orientation. */
 enum { POSE_PLACES = 10 };
 static const char *const pose_names[2][POSE_PLACES] = {
     {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "rx", "ry", "rz"},
@@ -76,7 +76,7 @@ static const char *const pose_names[2][POSE_PLACES] = {
 typedef struct {
     mukca_table table;
     int column[POSE_PLACES];
-    int first, end;       /* of the orientation's columns: 3 to 7, 7 to 10, or none */
+    int first, end;       /* orientation columns: 3 to 7, 7 to 10, or none */
     double length, angle; /* units of the position and of a rotation vector: m, rad */
 } pose_table;
 
@@ -185,7 +185,7 @@ static json_t *as_json(const cli_call *call, const compensate_tally *t)
                      counts, "elapsed_s", cli_elapsed(call));
 }
 
-/* A target of the language has an axis for each joint. */
+/* Check that targets of the language have an axis for each joint. */
 static mukca_status check_axes(cli_call *call, int format)
 {
     const int n = call->session->model.chain.n_joints;

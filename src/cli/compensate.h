@@ -1,4 +1,4 @@
-/* What the compensate command's files share. */
+/* Declarations shared by the files of the compensate command. */
 #ifndef MUKCA_CLI_COMPENSATE_H
 #define MUKCA_CLI_COMPENSATE_H
 
@@ -7,7 +7,7 @@
 #include "io/language.h"
 #include "recalibrate/errors.h"
 
-extern const char *const compensate_formats[]; /* table, then the languages; ended by NULL */
+extern const char *const compensate_formats[]; /* table, then the languages; terminated by NULL */
 
 typedef struct {
     cli_common common;
@@ -19,11 +19,11 @@ typedef struct {
 typedef struct {
     mukca_moments before, after;
     long count[MUKCA_REACH_COUNT], rows;
-    /* of a program: targets of the kind that was not asked for, and those with missing numbers */
+    /* Of a program: targets of the other kind, and targets with missing numbers. */
     long other, incomplete;
 } compensate_tally;
 
-/* One run: where the targets go, and what has been counted. */
+/* One run: output and counters. */
 typedef struct {
     cli_call *call;
     FILE *stream;
@@ -31,16 +31,16 @@ typedef struct {
     const mukca_language *from, *to; /* NULL: tables */
     mukca_compensator compensator;
     compensate_tally tally;
-    bool headed; /* the table's header is written */
+    bool headed; /* the table's header has been written */
 } compensate_job;
 
-/* A path begins: the targets of one file. */
+/* Begin a path: the targets of one file. */
 void compensate_start(compensate_job *job, bool oriented);
 
-/* The table's header, once. */
+/* Print the table's header, once. */
 void compensate_print_header(compensate_job *job, bool timed);
 
-/* A corrected target as a row of the table or a line of a program. */
+/* Print a corrected target as a row of the table or a line of a program. */
 void compensate_put(compensate_job *job, const double *q, const mukca_compensation *c);
 
 /* Count a target of line `line` of `path`. */

@@ -1,4 +1,4 @@
-/* Corrected targets as rows of a table or lines of a program, and their count. */
+/* Output of corrected targets as rows of a table or lines of a program, and their counters. */
 #include <stdio.h>
 
 #include "base/file.h"
@@ -30,7 +30,7 @@ void compensate_count(compensate_job *b, const mukca_compensation *c, const char
     t->count[c->reach]++;
     mukca_moments_add(&t->before, c->position_before);
     mukca_moments_add(&t->after, c->position_error);
-    if (b->to && c->reach != MUKCA_REACH_OK) /* a table has the status in a column */
+    if (b->to && c->reach != MUKCA_REACH_OK) /* tables have a status column */
         mukca_note_format(cli_note, b->call, "%s:%d: %s%s", mukca_file_shown(path), line,
                           mukca_reach_sentence[c->reach],
                           o->poses && b->from == b->to ? "; the pose stays as it is" : "");

@@ -1,4 +1,4 @@
-/* Targets of robot programs corrected where they stand. */
+/* Correction of targets in place, in robot programs. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,8 +7,8 @@
 #include "base/note.h"
 #include "cli/compensate.h"
 
-/* Count the poses of the line (with --poses: joint targets), which stay as they are.  Poses are
- * reached in postures near the joint targets before them. */
+/* Count the poses of the line (with --poses: joint targets), which remain unchanged.  Joint targets
+ * also select the postures for the poses after them. */
 static void read_other(compensate_job *b, mukca_program_reader *other, const char *line)
 {
     mukca_program_target t;
@@ -19,8 +19,8 @@ static void read_other(compensate_job *b, mukca_program_reader *other, const cha
     }
 }
 
-/* What is left in a program.  Joint targets come first: with them corrected, poses are reached in
- * nearly the postures that they will have. */
+/* Note the uncorrected targets of a program.  Joint targets are corrected first: the robot then
+ * reaches the poses in nearly their final postures. */
 static void note_program(const compensate_job *b, const char *path)
 {
     const compensate_options *o = b->call->options;
@@ -42,8 +42,8 @@ static void note_program(const compensate_job *b, const char *path)
                           mukca_file_shown(path), b->tally.incomplete);
 }
 
-/* A corrected target of a program in its place.  The pose is the one that takes the nominal model
- * to q, and so the arm to what was meant: a linear move stays one. */
+/* Replace a target of a program by the corrected one.  A pose becomes that of the nominal model at
+ * q, which takes the real arm to the intended pose; a linear move stays linear. */
 static void put_in_place(const compensate_job *b, const mukca_program_reader *r,
                          const mukca_program_target *t, const double *q)
 {
@@ -73,7 +73,7 @@ static mukca_status correct_line(compensate_job *b, mukca_program_reader *r, con
             continue;
         }
         for (int j = 0; j < r->chain->n_joints && !r->pose; j++)
-            if (fabs(t.q[j]) > 4 * M_PI) /* as in tables: no joint turns twice */
+            if (fabs(t.q[j]) > 4 * M_PI) /* as in tables */
                 return mukca_fail(&b->call->error, MUKCA_INPUT,
                                   "%s:%d: joint '%s' is %g rad, more than two turns; check --from",
                                   mukca_file_shown(path), number,
@@ -84,7 +84,7 @@ static mukca_status correct_line(compensate_job *b, mukca_program_reader *r, con
                     : mukca_compensate_joints(q, &b->compensator, &reading);
         if (in_place) {
             fwrite(line + at, 1, t.begin - at, b->stream);
-            if (r->pose && c.reach != MUKCA_REACH_OK) /* as it was: a robot would go elsewhere */
+            if (r->pose && c.reach != MUKCA_REACH_OK) /* unchanged: another target would be wrong */
                 fwrite(line + t.begin, 1, t.end - t.begin, b->stream);
             else
                 put_in_place(b, r, &t, q);

@@ -6,7 +6,7 @@
 #include "cli/cli.h"
 #include "record/server.h"
 
-/* Lines of the case for values that are words of a list, not files. */
+/* Cases of the script for values from a list of words. */
 static void print_bash_values(const cli_command *c, const cli_option *o)
 {
     const bool effect = o->argument && strncmp(o->argument, "EFFECT", 6) == 0;
@@ -55,7 +55,7 @@ static bool print_bash(void)
     return true;
 }
 
-/* Print text with `special` characters behind a backslash. */
+/* Print text with its `special` characters escaped by a backslash. */
 static void print_escaped(const char *text, const char *special)
 {
     for (; *text; text++) {
@@ -108,7 +108,7 @@ static bool print_zsh(void)
     return true;
 }
 
-/* Text for roff: hyphens and backslashes escaped, a leading dot or quote defused. */
+/* Text for roff: hyphens and backslashes escaped, also a leading dot or quote. */
 static void print_roff(const char *text, size_t length)
 {
     bool start = true;
@@ -197,7 +197,7 @@ static bool print_man(void)
     return good;
 }
 
-/* command, option, letter, argument: for tests that documents agree. */
+/* command, option, letter, argument: for tests of the documents. */
 static bool print_options(void)
 {
     puts("command\toption\tletter\targument");
@@ -208,7 +208,7 @@ static bool print_options(void)
     return true;
 }
 
-/* command and one line of its example, for the test that runs them. */
+/* command and one line of its example, for the test that runs the examples. */
 static bool print_examples(void)
 {
     for (const cli_command *const *c = cli_commands; *c; c++) printf("%s\n", (*c)->example);

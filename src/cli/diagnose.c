@@ -62,7 +62,7 @@ typedef struct {
     mukca_diagnose_options options;
     mukca_diagnosis diagnosis;
     mukca_next_poses next;
-    mukca_offsets offsets; /* with the chain of its rows */
+    mukca_offsets offsets; /* with the chain of its elements */
     mukca_chain chain;
     mukca_summary summary;
     mukca_traits traits;
@@ -100,8 +100,8 @@ static mukca_status write_offsets(cli_call *call, const mukca_diagnosed *r)
     return cli_write_offsets(call, call->common->output, &w->offsets, &w->chain, r->data, comments);
 }
 
-/* Summary, traits and the direction of gravity need the regression, the first two with the
- * diagnosed causes. */
+/* Analyses that need the regression: summary and traits, with the diagnosed causes, and direction
+ * of gravity. */
 static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagnosis *d,
                           mukca_error *error)
 {
@@ -127,7 +127,7 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
     return status == MUKCA_OK ? mukca_mounting_compare(&w->options, m, d, error) : status;
 }
 
-/* Checks before the long work, and the traits. */
+/* Checks before the long work; reads the traits. */
 static mukca_status prepare(cli_call *call)
 {
     const diagnose_options *o = call->options;
@@ -159,7 +159,7 @@ static mukca_status write_summary(cli_call *call)
     return mukca_output_finish(&output, status, &call->error);
 }
 
-/* Exchange the errors of the arm's own fit and those with the traits. */
+/* Swap the errors of the fit without traits and those of the fit with traits. */
 static void exchange(mukca_diagnosis *d, mukca_adoption *a)
 {
     const double explained = d->explained_m, test = d->test_explained_m;
@@ -167,7 +167,7 @@ static void exchange(mukca_diagnosis *d, mukca_adoption *a)
     a->explained_m = explained, a->test_explained_m = test;
 }
 
-/* Summary, offsets table and JSON; the last two are of the fit with the traits. */
+/* Write summary, offsets table and JSON; the last two with the results of the fit with traits. */
 static mukca_status write_results(cli_call *call, const mukca_diagnosed *r)
 {
     diagnose_work *w = call->work;

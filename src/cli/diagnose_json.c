@@ -1,4 +1,4 @@
-/* The diagnosis as JSON, field by field as the contract has it. */
+/* The diagnosis as JSON (mukca.diagnose/1). */
 #include <math.h>
 
 #include "cli/diagnose.h"
@@ -81,7 +81,8 @@ static json_t *placements_array(const double *mae, int n, const mukca_dataset *d
     return array;
 }
 
-/* Poses, q in the order of the chain's joints, rad or m, and which two causes they distinguish. */
+/* Next poses, q in the order of the chain's joints, rad or m, and the two causes that they
+ * distinguish. */
 static json_t *next_poses_array(const mukca_diagnosed *r)
 {
     json_t *array = json_array();
@@ -105,7 +106,7 @@ static json_t *next_poses_array(const mukca_diagnosed *r)
     return array;
 }
 
-/* Several pose logs: which frames each has of its own. */
+/* Several pose logs: the frames that differ between them. */
 static json_t *logs_object(const mukca_logs *logs)
 {
     static const char *const cases[] = {"shared", "base", "tool", "both"};
@@ -117,7 +118,7 @@ static json_t *logs_object(const mukca_logs *logs)
                      "tool_per_log", logs->tool_per_log, "log_evidence", evidence);
 }
 
-/* Both streams of angles, joint by joint. */
+/* Comparison of the two streams of angles, joint by joint. */
 static json_t *streams_object(const mukca_streams *s, const mukca_diagnosed *r)
 {
     if (s->n_joints == 0) return json_null();

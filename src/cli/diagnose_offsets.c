@@ -1,4 +1,4 @@
-/* The offsets table of a diagnosis: geometry, and the causes that act on the arm. */
+/* Offsets table of a diagnosis: geometry, and the causes that act on the arm. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "cli/diagnose.h"
 #include "fit/frames.h"
 
-/* A parameter counts as identifiable where the data at least halve its prior uncertainty. */
+/* A parameter counts as identifiable if the data at least halve its prior uncertainty. */
 static void fill_geometry(mukca_offsets *o, const mukca_applied *a, const mukca_chain *arm,
                           int shift)
 {
@@ -39,7 +39,7 @@ static void judge(mukca_offsets *o, const mukca_chain *chain, const mukca_diagno
 {
     const mukca_diagnosis *d = r->diagnosis;
     mukca_acceptance *a = &o->acceptance;
-    a->converged = true; /* else nothing was fitted */
+    a->converged = true; /* otherwise nothing was fitted */
     a->noise_m = d->sigma_m;
     a->parameters = a->identified = 0;
     for (int i = 0; i < MUKCA_PARAMETERS * chain->n_elements; i++) {
@@ -82,7 +82,7 @@ mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *le
     for (int e = 0; e < a->n_effects; e++) {
         if ((mukca_effect_table[a->effects[e].kind]->needs & MUKCA_NEEDS_MASSES) &&
             chain->n_masses == 0) {
-            ++*left_out; /* measured efforts showed it; other samples have none */
+            ++*left_out; /* found by measured efforts, which other samples lack */
             continue;
         }
         o->effects[o->n_effects] = a->effects[e];

@@ -1,16 +1,16 @@
-/* The diagnosis for people: one screen of 80 columns, causes first. */
+/* The screen of a diagnosis: 80 columns, causes first. */
 #include <math.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "cli/diagnose_screen.h"
 
-/* causes with a line of their own: the screen holds some 30 lines */
+/* MOST_CAUSES: causes with a separate line, on a screen of some 30 lines. */
 enum { MOST_CAUSES = 8, TEXT = 1024 };
 
-/* Held-out errors this much above what is expected are worth a sentence (2 %: the standard
- * deviation of the rms of some thousand coordinates). */
-static const double worth_telling = 1.02;
+/* Ratio of held-out errors to their expectation above which a sentence is printed (2 %: the
+ * standard deviation of the rms of some thousand coordinates). */
+static const double worth_reporting = 1.02;
 
 /* ---- causes ---- */
 
@@ -83,7 +83,7 @@ static void print_rest(FILE *stream, const mukca_diagnosis *d)
     const bool unexplained = d->unexplained && !unknown;
     if (!unknown)
         mukca_text_put(&text, unexplained ? "unexplained structure" : "nothing above the noise");
-    if ((unexplained || unknown) && d->surprise > worth_telling && isfinite(d->surprise))
+    if ((unexplained || unknown) && d->surprise > worth_reporting && isfinite(d->surprise))
         mukca_text_put(&text,
                        "%sheld-out errors are %.2f times those expected from noise and the "
                        "uncertainty of the geometry",
@@ -166,7 +166,7 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
                    : causes == 2 ? "geometry and both causes"
                                  : "geometry and all causes",
                    d->explained_m, remark);
-    if (d->structure_m < d->explained_m) /* where it predicts something */
+    if (d->structure_m < d->explained_m) /* if it reduces the error */
         print_step(stream, "and unexplained structure", d->structure_m, "");
     print_step(stream, "noise floor", d->noise_floor_m, "");
     if (r->test && isfinite(d->test_geometry_m))

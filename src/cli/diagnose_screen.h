@@ -1,4 +1,4 @@
-/* Parts of the diagnosis screen that are about the recording. */
+/* Parts of the diagnosis screen about the recording. */
 #ifndef MUKCA_CLI_DIAGNOSE_SCREEN_H
 #define MUKCA_CLI_DIAGNOSE_SCREEN_H
 
@@ -10,7 +10,8 @@ void cli_screen_logs(FILE *stream, const mukca_diagnosed *diagnosed);
 void cli_screen_streams(FILE *stream, const mukca_diagnosed *diagnosed);
 void cli_screen_recording(FILE *stream, const mukca_diagnosed *diagnosed);
 
-/* Detection limits, and what cannot be tested.  `caveat`: missing masses have been mentioned. */
+/* Detection limits and effects not testable.  `caveat`: missing masses have been mentioned
+ * already. */
 void cli_screen_limits(FILE *stream, const mukca_diagnosed *diagnosed, bool caveat);
 
 #endif

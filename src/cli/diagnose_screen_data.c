@@ -1,4 +1,4 @@
-/* The diagnosis for people: what was recorded, and what it can show. */
+/* The screen of a diagnosis: the recording and its detection limits. */
 #include <math.h>
 #include <string.h>
 
@@ -7,15 +7,15 @@
 #include "cli/diagnose_screen.h"
 #include "math/stats.h"
 
-/* faults and reasons with a line of their own: the screen holds some 30 lines */
+/* MOST_LINES: faults and reasons with a separate line, on a screen of some 30 lines. */
 enum { MOST_LINES = 6, TEXT = 1024 };
 
 /* A joint whose effects must be larger than this to be detected (rad rms, 1.7 degrees) counts as
  * not testable: no cause of a calibrated arm is that large. */
 static const double useless_limit = 30e-3;
 
-/* The other stream of angles is recommended where it leaves that much less: a fifth is more than an
- * effect of the arm would pass for. */
+/* The other stream of angles is recommended if its residual is below this fraction: effects of the
+ * arm account for less than a fifth. */
 static const double worth_changing = 0.8;
 
 /* ---- the recording ---- */
@@ -75,7 +75,8 @@ void cli_screen_recording(FILE *stream, const mukca_diagnosed *r)
 
 /* ---- detection limits ---- */
 
-/* "Not testable: joint_drift, joint_scale (REASON)", with the joints where the reason is theirs. */
+/* "Not testable: joint_drift, joint_scale (REASON)", with the joints if the reason concerns only
+ * these. */
 static void print_reason(FILE *stream, const mukca_diagnosed *r, const mukca_tested *of)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -106,7 +107,7 @@ static void print_reason(FILE *stream, const mukca_diagnosed *r, const mukca_tes
     cli_print_text(stream, NULL, &text);
 }
 
-/* Median of the detection limits of a joint's effects, rad; NaN where it has none. */
+/* Median of the detection limits of a joint's effects, rad; NaN: none. */
 static double joint_limit(const mukca_diagnosis *d, int joint)
 {
     double limit[MUKCA_EFFECT_COUNT] = {0};
@@ -134,7 +135,7 @@ void cli_screen_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
     cli_print_text(stream, NULL, &text);
     for (int i = 0, lines = 0; i < d->n_tested && lines < MOST_LINES; i++) {
         const mukca_tested *t = &d->tested[i];
-        /* readings need no word about errors of commands */
+        /* with readings, errors of commands are not mentioned */
         bool printed =
             t->testable || (r->data->n_sockets == 0 && mukca_effect_of_sockets(t->effect)) ||
             (mukca_effect_table[t->effect]->needs & MUKCA_NEEDS_COMMANDS && !r->data->by_command) ||
@@ -151,7 +152,7 @@ void cli_screen_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
                 MUKCA_SECONDS_PER_ROW);
 }
 
-/* Both streams of angles: how they differ, and which was fitted. */
+/* Both streams of angles: their differences, and the one that was fitted. */
 void cli_screen_streams(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_streams *s = &r->diagnosis->streams;
@@ -180,7 +181,7 @@ void cli_screen_streams(FILE *stream, const mukca_diagnosed *r)
     cli_print_text(stream, "Angles", &text);
 }
 
-/* Several pose logs: which of the free frames they share; several targets. */
+/* Several pose logs: free frames that they share; several targets. */
 void cli_screen_logs(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_logs *logs = &r->diagnosis->logs;

@@ -1,4 +1,4 @@
-/* mukca evaluate: how well a nominal or calibrated model agrees with data. */
+/* mukca evaluate: errors of a nominal or calibrated model on data. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,12 +36,12 @@ static const cli_option options[] = {
 typedef struct {
     cli_call *call;
     FILE *stream;  /* NULL: JSON only */
-    json_t *json;  /* array */
-    double sum[3]; /* of the errors after training on one, on two, on all placements */
+    json_t *json;  /* JSON array */
+    double sum[3]; /* of the errors after training on one, two and all placements */
     int have[3];
 } matrix;
 
-/* One line of the table. */
+/* Write one line of the table. */
 static bool write_line(void *context, const mukca_cross_training *t, double share)
 {
     matrix *m = context;
@@ -91,7 +91,7 @@ static mukca_status write_matrix(cli_call *call, FILE *stream, json_t *json)
 
 typedef struct {
     cli_scores data, test;
-    bool read_by_eye; /* standard output is a terminal: no table of all digits */
+    bool read_by_eye; /* standard output is a terminal: no table with all digits */
 } evaluate_work;
 
 static void print(cli_call *call, const evaluate_work *w)
@@ -161,8 +161,8 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
     return status;
 }
 
-/* The arm with its offsets, on a chain that can take the frames that a fit of measured poses adds
- * (zero where the table has none). */
+/* The arm with its offsets, on a chain with the additional frames of measured poses (zero if the
+ * table has none). */
 static mukca_status load_model(cli_call *call, cli_model *model)
 {
     cli_common *c = call->common;
@@ -176,8 +176,7 @@ static mukca_status load_model(cli_call *call, cli_model *model)
     status = mukca_chain_with_frames(chain, chain, true, true, &call->error);
     if (status == MUKCA_OK) status = cli_read_offsets(call, &model->offsets, chain, offsets);
     if (status != MUKCA_OK) return status;
-    mukca_rotation_from_rpy(turn,
-                            model->offsets.theta + 3); /* of the base in the tracker's frame */
+    mukca_rotation_from_rpy(turn, model->offsets.theta + 3); /* base in the tracker's frame */
     memcpy(gravity, chain->gravity, sizeof gravity);
     mukca_mat3_vec(chain->gravity, turn, gravity);
     mukca_geometry_set(&model->geometry, chain, model->offsets.theta);
@@ -200,7 +199,7 @@ static mukca_status run(cli_call *call)
     if (o->matrix && call->common->offsets)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--matrix trains from the nominal model: leave out --offsets");
-    call->common->accept_failed = true; /* a table that did not pass is evaluated, too */
+    call->common->accept_failed = true; /* also evaluate a table that was not accepted */
     mukca_status status = cli_check_outputs(call);
     w->read_by_eye = isatty(STDOUT_FILENO) && !o->matrix && !call->common->output &&
                      !call->common->json && !call->common->quiet;

@@ -1,4 +1,4 @@
-/* mukca export: the calibrated model in the formats of others. */
+/* mukca export: the calibrated model in other formats. */
 #include <string.h>
 
 #include "cli/cli.h"
@@ -74,9 +74,9 @@ static mukca_status run(cli_call *call)
     cli_model model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, &model);
-    if (status == MUKCA_OK && call->arguments.n) /* its chain has the factory's origins still */
+    if (status == MUKCA_OK && call->arguments.n) /* its chain still has the factory's origins */
         status = cli_load_data(call, &call->session->data, &model, &call->arguments);
-    model.chain = model.urdf; /* what is exported replaces the URDF's origins */
+    model.chain = model.urdf; /* the exported origins replace the URDF's */
     const mukca_export_input input = {.urdf_path = c->urdf,
                                       .offsets_path = c->offsets,
                                       .chain = &model.chain,

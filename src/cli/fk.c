@@ -22,7 +22,7 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-/* Displacement by the effects of --offsets in this row. */
+/* Displacement by the effects of --offsets in one row. */
 static void displace(mukca_displacement *displacement, mukca_row_state *states,
                      const cli_model *model, const mukca_rows *rows, const mukca_row *row)
 {

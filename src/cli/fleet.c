@@ -47,7 +47,7 @@ mukca_status cli_fleet_read(cli_call *call, cli_fleet *w)
     return status == MUKCA_OK ? mukca_fleet_gather(&w->fleet, &call->error) : status;
 }
 
-/* The summaries in the order of their hashes: the same bytes however they were joined before. */
+/* Write the summaries in the order of their hashes: the bytes do not depend on previous merges. */
 static mukca_status write_partial(FILE *stream, const mukca_fleet *fleet, mukca_error *error)
 {
     mukca_status status = MUKCA_OK;
@@ -75,7 +75,7 @@ static mukca_status write_output(cli_call *call)
     return mukca_output_finish(&output, status, &call->error);
 }
 
-/* ---- as JSON ---- */
+/* ---- JSON ---- */
 
 static json_t *joint_name(const mukca_fleet *f, int joint)
 {
@@ -148,7 +148,7 @@ static json_t *result_json(const cli_fleet *w)
                      effects, "orders", orders, "departures", departures, "arms", arms);
 }
 
-/* ---- for people ---- */
+/* ---- screen ---- */
 
 static void print_shared(cli_call *call, const cli_fleet *w)
 {

@@ -8,10 +8,10 @@
 typedef struct {
     mukca_fleet fleet;
     mukca_fleet_result result;
-    const char *path; /* of the file that is being read */
+    const char *path; /* file being read */
 } cli_fleet;
 
-/* Read all arguments, and gather them. */
+/* Read all arguments and pool the summaries. */
 mukca_status cli_fleet_read(cli_call *call, cli_fleet *fleet);
 void cli_fleet_free(void *fleet);
 

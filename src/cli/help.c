@@ -40,7 +40,7 @@ void cli_format_usage(char *text, size_t size, const cli_command *command)
              *command->synopsis ? " " : "", command->synopsis);
 }
 
-/* Length of what stays on one line: words up to the next option or pipe. */
+/* Length of an unbreakable piece: words up to the next option or pipe. */
 static size_t piece_length(const char *text)
 {
     size_t n = strcspn(text, " \n");

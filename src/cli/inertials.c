@@ -1,4 +1,4 @@
-/* The file of link masses that fits an arm whose URDF has none. */
+/* Search for a file of link masses that matches an arm without masses in its URDF. */
 #include "io/inertials.h"
 
 #include <dirent.h>
@@ -10,11 +10,11 @@
 #include "base/note.h"
 #include "cli/cli.h"
 
-/* Folders of such files, from that of the program: in the source folder, and installed. */
+/* Folders of such files relative to the program: in the source tree, and installed. */
 static const char *const folders[] = {"/../data/inertials", "/../../data/inertials",
                                       "/../share/mukca/inertials"};
 
-/* Is the name of the file without its ending part of a name of the arm? */
+/* Does a name of the arm contain the name of the file without its ending? */
 static bool is_named(const mukca_chain *chain, const char *file)
 {
     char stem[MUKCA_NAME_SIZE];
@@ -25,7 +25,7 @@ static bool is_named(const mukca_chain *chain, const char *file)
     return strstr(chain->robot, stem) != NULL;
 }
 
-/* Append the files of a folder that fit; `named`: only those that the arm's names confirm. */
+/* Append the files of a folder that match; `named`: only those confirmed by the arm's names. */
 static bool list(mukca_text *text, const mukca_chain *chain, const char *folder, bool named)
 {
     struct dirent **entries;

@@ -1,4 +1,4 @@
-/* Results as JSON: what several commands write. */
+/* JSON shared by several commands. */
 #include "cli/cli.h"
 
 #include <math.h>
@@ -8,8 +8,8 @@
 
 #include "base/utf8.h"
 
-/* jansson's functions fail one by one, and a member that could not be added is only missing: one
- * flag for all of them. */
+/* Set by any failed allocation: jansson reports failures per function, and a member that could not
+ * be added is merely missing. */
 static bool incomplete;
 
 static void *allocate(size_t size)
@@ -58,7 +58,7 @@ json_t *cli_json_numbers_until(const char *key, double value, ...)
 json_t *cli_json_text(const char *text)
 {
     if (!text || mukca_utf8_valid(text)) return text ? json_string(text) : json_null();
-    char *mended = strdup(text); /* a file's name; jansson takes UTF-8 only */
+    char *mended = strdup(text); /* a file name; jansson accepts only UTF-8 */
     if (mended)
         mukca_utf8_mend(mended);
     else

@@ -1,4 +1,4 @@
-/* The options with which other commands read the arm and the session of a live recording. */
+/* Options for other commands to read the arm and the session of a live recording. */
 #include "cli/live.h"
 
 #include <stdio.h>
@@ -7,7 +7,7 @@ void cli_live_arguments(cli_live_words *words, const cli_common *c, const cli_li
 {
     const double *g = c->gravity;
     const bool tilted = g[0] != 0 || g[1] != 0 || g[2] != 0;
-    /* 15 digits are those that were typed */
+    /* 15 digits reproduce the decimal input */
     snprintf(words->distance, sizeof words->distance, "%.15g", c->distance);
     snprintf(words->gravity, sizeof words->gravity, "%.15g,%.15g,%.15g", g[0], g[1], g[2]);
     const char *const options[][2] = {

@@ -5,7 +5,7 @@
 #include "cli/cli.h"
 #include "record/recorder.h"
 
-/* A member `live` of the options of both commands. */
+/* Member `live` of the options of both commands. */
 typedef struct {
     mukca_recorder_options recorder;
     cli_list types; /* .lcm files */
@@ -59,16 +59,16 @@ typedef struct {
         CLI_OPTION(type, live.recorder.prefix, "prefix", CLI_TEXT, "NAME",                         \
                    "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")
 
-/* Words for the command line of another command, the last NULL. */
+/* Words for the command line of another command, terminated by NULL. */
 typedef struct {
     const char *word[24];
     char distance[32], gravity[96];
 } cli_live_words;
 
-/* The options that name the arm and the tool: whoever reads the session needs the same. */
+/* The options that specify arm and tool, required to read the session. */
 void cli_live_arguments(cli_live_words *words, const cli_common *common, const cli_live *live);
 
-/* What the recorder needs from the other options. */
+/* Copy common options that the recorder needs. */
 static inline void cli_live_complete(cli_live *live, const cli_common *common)
 {
     live->recorder.types = live->types.items;

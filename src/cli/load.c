@@ -1,4 +1,4 @@
-/* The arm and the data that the common options name. */
+/* Loading of the arm and the data given by the common options. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +15,7 @@
 #include "io/output.h"
 #include "io/urdf.h"
 
-/* Larger values are in mm/s^2 or wrong; no arm works at 100 g. */
+/* Larger values are in mm/s^2 or wrong: no arm works at 100 g. */
 static const double most_gravity = 1e3; /* m/s^2 */
 
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukca_chain *chain,
@@ -73,7 +73,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     return status;
 }
 
-/* The masses of --payload, one of each path of `paths`, into payload[paths->n]. */
+/* Masses of --payload, payload[paths->n], one per path. */
 static mukca_status read_payload(double *payload, cli_call *call, const cli_list *paths)
 {
     const char *text = call->common->payload;
@@ -164,7 +164,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     return status;
 }
 
-/* Distances of sockets that coincide are not used; without any other there is no scale. */
+/* Remove the distances of coincident sockets; without any other, the scale is undetermined. */
 static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const cli_model *model)
 {
     double *apart = malloc(((size_t)data->n_distances + 1) * sizeof *apart);
@@ -193,7 +193,7 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
     return mukca_fail(&call->error, MUKCA_INPUT, "%s; record them again in two sockets", text);
 }
 
-/* Training data prove nothing as test data. */
+/* Remove training data from the test data. */
 static mukca_status drop_training(cli_call *call, mukca_dataset *test, const mukca_dataset *data)
 {
     const bool any = test->n_rows > 0;
@@ -203,8 +203,8 @@ static mukca_status drop_training(cli_call *call, mukca_dataset *test, const muk
                       "--test: every row is also training data; test on other recordings");
 }
 
-/* A clock that was set, or sessions one after the other in a file: drift would be that of neither.
- */
+/* Note a time that falls: a clock that was set, or several sessions in one file, would be mistaken
+ * for drift. */
 static void note_falling_time(cli_call *call, const mukca_dataset *data)
 {
     const double least = 60; /* s; drift takes minutes */

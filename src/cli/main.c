@@ -1,4 +1,4 @@
-/* The program: finds the command, parses its options, runs it, and reports its error. */
+/* main(): find the command, parse its options, run it, report its error. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -47,7 +47,7 @@ static mukca_status help(const char *topic)
 static mukca_status run_command(const cli_command *command, int argc, char **argv)
 {
     cli_call call = {.command = command, .argc = argc, .argv = argv};
-    call.started = cli_elapsed(&call); /* since 0: the clock */
+    call.started = cli_elapsed(&call); /* reads the clock: started is 0 */
     bool wants_help;
     mukca_status status = cli_parse(&call, &wants_help, argc, argv);
     if (status == MUKCA_OK && wants_help)
@@ -91,8 +91,8 @@ static mukca_status dispatch(int argc, char **argv)
     return command ? run_command(command, argc - 2, argv + 2) : unknown_command(word);
 }
 
-/* A file opened while a standard stream is closed would take its number and get its text.  The
- * stand-in cannot be written, so that a lost result is an error. */
+/* A file opened while a standard stream is closed would get its descriptor and its output.  The
+ * stand-in is read-only: output that would be lost is a write error. */
 static void occupy_standard_streams(void)
 {
     int file;
@@ -101,13 +101,12 @@ static void occupy_standard_streams(void)
     if (file >= 0) close(file);
 }
 
-/* Zeroed memory that comes from the kernel costs nothing until it is used.  glibc takes it from
- * there for large blocks, but no longer once one of that size was freed, unless the limit is set.
- */
+/* Fix the threshold for mmap.  Zeroed pages from the kernel cost nothing until used, but glibc
+ * raises the threshold, and clears recycled memory, once a large block was freed. */
 static void keep_large_blocks_apart(void)
 {
 #ifdef __GLIBC__
-    mallopt(M_MMAP_THRESHOLD, 128 * 1024); /* its initial value */
+    mallopt(M_MMAP_THRESHOLD, 128 * 1024); /* glibc's initial value */
 #endif
 }
 

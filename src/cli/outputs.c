@@ -1,10 +1,10 @@
-/* Outputs: checked before long work, opened, and the files that several commands write. */
+/* Outputs of commands: checks before long work, opening, files written by several commands. */
 #include <fnmatch.h>
 
 #include "base/file.h"
 #include "cli/cli.h"
 
-/* Is `path` the input or, where that is a placement's folder, a file that is read there? */
+/* Is `path` the input or, if the input is a placement's folder, one of the files read in it? */
 static bool is_input(const char *path, const char *input)
 {
     char file[1300];
@@ -88,7 +88,7 @@ mukca_status cli_write_json_to(cli_call *call, const char *path, json_t *root)
     if (status == MUKCA_OK &&
         (json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) != 0 ||
          fputc('\n', output.stream) == EOF) &&
-        !ferror(output.stream)) /* which mukca_output_close reports with its reason */
+        !ferror(output.stream)) /* mukca_output_close reports the reason */
         status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     json_decref(root);
     return mukca_output_finish(&output, status, &call->error);

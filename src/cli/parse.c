@@ -61,7 +61,7 @@ mukca_status cli_fail_effect(mukca_error *error, const char *option, const char 
                       mukca_suggest_text(text, meant, "`mukca help effects` lists them"));
 }
 
-/* Number at the start of *text up to `stop` exactly; *text moves behind that. */
+/* Number at *text, followed by `stop`; *text advances past it. */
 static bool parse_number(double *value, const char **text, char stop)
 {
     char *end;
@@ -88,7 +88,7 @@ static mukca_status out_of_memory(cli_call *call)
     return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
 }
 
-/* ", in m", by the argument's name in help; "" where it has no unit. */
+/* ", in m", by the argument's name in help; "": no unit. */
 static const char *unit_words(const cli_option *option)
 {
     static const char *const table[][2] = {{"M", ", in m"},     {"S", ", in s"},
@@ -139,7 +139,7 @@ static void describe_range(char text[64], const cli_option *option)
         snprintf(text, 64, ", %.7g to %.7g", option->least, option->most);
 }
 
-/* Store a value of a kind that text can be wrong for; false where it is. */
+/* Parse and store a value; false: invalid text. */
 static bool store(void *at, const cli_option *option, const char *text)
 {
     double *v = at;
@@ -173,7 +173,7 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
     void *at = member(call, option);
     char list[160] = "", range[64];
     mukca_text names = MUKCA_TEXT(list);
-    if (!*text) /* as of an unset variable in a script */
+    if (!*text) /* from an unset variable in a script */
         return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s, and not an empty text",
                           option->name, option->argument);
     if (option->kind == CLI_TEXTS || option->kind == CLI_REST)
@@ -186,7 +186,7 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
                       wanted[option->kind], list, range, unit_words(option));
 }
 
-/* Length of the longest beginning of argv that holds no option. */
+/* Number of arguments before the first option. */
 static int count_plain(int argc, char **argv)
 {
     int n = 0;
@@ -194,8 +194,8 @@ static int count_plain(int argc, char **argv)
     return n;
 }
 
-/* One option at argv[0] with the value in `inlined` (or NULL) or in what follows; *used gets the
- * arguments that it takes. */
+/* One option at argv[0] with the value in `inlined` (or NULL) or in the next arguments; *used:
+ * number of arguments consumed. */
 static mukca_status take_option(cli_call *call, int *used, const cli_option *option,
                                 const char *inlined, int argc, char **argv)
 {

@@ -1,4 +1,4 @@
-/* mukca plan: the next postures to record, for accuracy or to separate two causes. */
+/* mukca plan: the next postures to record, for accuracy or to distinguish two causes. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

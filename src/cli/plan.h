@@ -1,4 +1,4 @@
-/* What the files of `mukca plan` share. */
+/* Declarations shared by the files of `mukca plan`. */
 #ifndef MUKCA_CLI_PLAN_H
 #define MUKCA_CLI_PLAN_H
 
@@ -21,23 +21,23 @@ typedef struct {
     const mukca_dataset *data; /* likewise */
     int n_sockets;
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
-    mukca_place known[CLI_MAX_PLACES]; /* names of the placements that causes may refer to */
+    mukca_place known[CLI_MAX_PLACES]; /* placements that causes may name */
     cli_simulated causes;
     mukca_diagnosis diagnosis;
     mukca_plan_options options;
     mukca_plan plan;
-    double payload;  /* kg that the proposed postures need; 0: none */
-    double unloaded; /* evidence of as many postures without it */
+    double payload;  /* kg, for the proposed postures; 0: none */
+    double unloaded; /* evidence from equally many postures without payload */
     int n_places;
     mukca_plan_place places[CLI_PLAN_MAX_PLACES];
 } cli_plan;
 
-/* Write the postures, or the proposed placements, as a table to -o or standard output. */
+/* Write the postures or the proposed placements as a table to -o or standard output. */
 mukca_status cli_plan_write(cli_plan *plan);
 
 json_t *cli_plan_json(const cli_plan *plan);
 
-/* One screen for people. */
+/* Print one screen. */
 void cli_plan_print(cli_plan *plan);
 
 #endif

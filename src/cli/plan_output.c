@@ -1,10 +1,10 @@
-/* Planned postures as a table, as JSON and for people. */
+/* Planned postures as a table, as JSON and on the screen. */
 #include <math.h>
 
 #include "cli/plan.h"
 #include "io/output.h"
 
-/* The poses as a session file whose rows are yet to be recorded. */
+/* The postures as rows of a session file, to be recorded. */
 mukca_status cli_plan_write(cli_plan *r)
 {
     const cli_common *c = r->call->common;

@@ -39,7 +39,7 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-/* Folders (and standard input) are held in memory, pose logs are read as a stream. */
+/* Folders (and standard input) are kept in memory, pose logs are read as a stream. */
 typedef struct {
     const char *files[256], *folders[256];
     int n_files, n_folders, n_logs;
@@ -89,7 +89,7 @@ static void close_input(pose_input *in)
     mukca_dataset_free(&in->data);
 }
 
-/* Note what the first rows show, and end the arm at the link that the poses are of. */
+/* Note the findings in the first rows, and end the arm at the link that the poses refer to. */
 static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_options *o,
                       const mukca_chain *chain)
 {
@@ -111,7 +111,7 @@ static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_opt
     o->tool = c->tool;
 }
 
-/* A quarter of all weight for the work volume. */
+/* A quarter of the total weight for the work volume. */
 static mukca_status weigh_target(pose_input *target, long rows, mukca_error *error)
 {
     long n = 0;
@@ -174,8 +174,8 @@ static mukca_status fit_models(cli_call *call, recalibrate_work *w)
     return status;
 }
 
-/* The verdict on the log; outliers must not decide it.  Residuals with tails heavier than 1.5 times
- * those of normal noise (mukca_recalibration.tail) are judged with Huber weights. */
+/* Verdict on the log, robust to outliers.  Residuals with tails heavier than 1.5 times those of
+ * normal noise (mukca_recalibration.tail) are fitted again with Huber weights. */
 static mukca_status judge(cli_call *call, recalibrate_work *w)
 {
     cli_recalibrated *r = &w->result;
@@ -197,7 +197,8 @@ static mukca_status judge(cli_call *call, recalibrate_work *w)
     return mukca_recalibrate_constants(&r->constants, r->robust, &task, &call->error);
 }
 
-/* Sigma of a joint's roll, pitch, yaw for a turn by `sigma` about `axis` in its frame. */
+/* Add the variances of a joint's roll, pitch, yaw due to a rotation with standard deviation `sigma`
+ * about `axis` in its frame. */
 static void add_turn_sigma(double sigma2[3], const mukca_geometry *geometry,
                            const mukca_chain *chain, int k, const double axis[3], double sigma)
 {
@@ -245,7 +246,7 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
     }
 }
 
-/* The error on test data, else on the log as generalized cross-validation predicts it elsewhere
+/* Error on test data or, without these, its prediction from the log by generalised cross-validation
  * (Golub, Heath, Wahba 1979): the residual over 1 - unknowns / equations. */
 static void judge_offsets(mukca_offsets *o, const cli_recalibrated *r, const mukca_chain *chain)
 {
@@ -280,7 +281,7 @@ static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
     return status;
 }
 
-/* The error where the poses contain no calibration. */
+/* Error: the poses contain no information about the arm. */
 static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
 {
     const mukca_oracle *o = &r->oracle;
@@ -292,7 +293,7 @@ static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
         1e3 * o->position_nominal, 1e3 * o->position_left);
 }
 
-/* Open the logs, find out what they measure, and fit. */
+/* Open the logs, determine what they measure, and fit. */
 static mukca_status recalibrate(cli_call *call, recalibrate_work *w)
 {
     const recalibrate_options *o = call->options;

@@ -1,4 +1,4 @@
-/* The re-calibration as JSON: the contract's mukca.recalibrate/1. */
+/* The re-calibration as JSON (mukca.recalibrate/1). */
 #include <math.h>
 
 #include "cli/recalibrate.h"
@@ -21,7 +21,7 @@ void cli_constant_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_constants *con
         mukca_unknown_text(text, u, chain);
 }
 
-/* Less than 1 mrad (or mm) is the noise of an encoder at rest. */
+/* A range below 1 mrad (or mm) is noise of an encoder at rest. */
 bool cli_never_moved(const mukca_recalibration *f, int j)
 {
     return f->highest[j] - f->lowest[j] < 1e-3;

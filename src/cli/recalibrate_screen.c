@@ -1,4 +1,4 @@
-/* The re-calibration for people: verdict, the tables of the paper, and what was written. */
+/* The screen of a re-calibration: verdict, the tables of the paper, files written. */
 #include <math.h>
 #include <string.h>
 
@@ -72,7 +72,7 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
     }
 }
 
-/* The largest offset of each kind (joint zeros, the arm's lengths, the tool) that is identified. */
+/* The largest identifiable offset of each kind: joint zeros, lengths of the arm, tool. */
 static void print_largest(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
 {
     char text[MUKCA_UNKNOWN_TEXT], words[400] = "";

@@ -1,4 +1,4 @@
-/* mukca report: calibrate, diagnose, or pool a fleet, and show it all on one page. */
+/* mukca report: calibrate and diagnose an arm, or pool a fleet, and write one page. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -64,7 +64,7 @@ typedef struct {
     mukca_fit fit;
     mukca_offsets offsets;
     mukca_diagnosis diagnosis;
-    mukca_chain diagnosed; /* of the offsets of a diagnosis */
+    mukca_chain diagnosed; /* chain of a diagnosis' offsets */
     mukca_next_poses next;
     mukca_pool pool;
     mukca_score *scores; /* scratch of `watch` */
@@ -94,7 +94,7 @@ static void watch(void *work, const double *theta, const mukca_cost_value *value
         (mukca_report_step){{train.std, train.distance_error, test.std, test.distance_error}};
 }
 
-/* The geometry of the diagnosis, which fits the place of each target. */
+/* Use the geometry of the diagnosis, which includes the position of each target. */
 static mukca_status take_diagnosed(cli_call *call)
 {
     const report_options *o = call->options;
@@ -106,7 +106,7 @@ static mukca_status take_diagnosed(cli_call *call)
                                  &call->error);
 }
 
-/* Fit, or take the table of --offsets. */
+/* Fit, or use the table of --offsets. */
 static mukca_status calibrate(cli_call *call)
 {
     const report_options *o = call->options;
@@ -167,7 +167,7 @@ static mukca_status diagnose(cli_call *call)
                                    &call->error);
 }
 
-/* The command line that makes this page again, and the time. */
+/* Note the command line that reproduces this page, and the time. */
 static mukca_status note_command(cli_call *call)
 {
     report_work *w = call->work;
@@ -180,7 +180,7 @@ static mukca_status note_command(cli_call *call)
     return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
 }
 
-/* Paths and hashes of all that was read. */
+/* Note paths and hashes of all inputs. */
 static mukca_status provenance(cli_call *call)
 {
     report_work *w = call->work;
@@ -279,7 +279,7 @@ static mukca_status prepare_arm(cli_call *call)
     report_options *o = call->options;
     const cli_session *s = call->session;
     report_work *w = call->work;
-    call->common->accept_failed = true; /* the page shows a table that did not pass, too */
+    call->common->accept_failed = true; /* also report on a table that was not accepted */
     w->page = (mukca_report){.chain = &s->model.chain,
                              .offsets = &w->offsets,
                              .train = &s->data,

@@ -10,8 +10,8 @@
 #include "base/utf8.h"
 #include "fit/mismatch.h"
 
-/* Parameters of the URDF in those of a chain that may have elements in addition (frames of pose
- * logs). */
+/* Copy the parameters of the URDF to those of a chain that may have additional elements (frames of
+ * pose logs). */
 static void take_urdf_theta(double *theta, const mukca_chain *chain, const mukca_chain *urdf)
 {
     for (int k = 0; k < chain->n_elements; k++) {
@@ -212,7 +212,7 @@ void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_bas
 {
     const mukca_chain *chain = &call->session->model.chain;
     mukca_mismatch m;
-    mukca_error error; /* a hint: without memory there is none */
+    mukca_error error; /* only a hint: omitted if out of memory */
     char text[400] = "";
     mukca_text what = MUKCA_TEXT(text);
     if (mukca_mismatch_find(&m, chain, data, free_base, free_tool, &error) != MUKCA_OK || !m.found)

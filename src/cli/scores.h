@@ -1,4 +1,4 @@
-/* Scores of a model on data, nominal and calibrated, as calibrate and evaluate show them. */
+/* Scores of a model on data, nominal and calibrated, as printed by calibrate and evaluate. */
 #ifndef MUKCA_CLI_SCORES_H
 #define MUKCA_CLI_SCORES_H
 
@@ -6,10 +6,10 @@
 #include "fit/evaluate.h"
 
 typedef struct {
-    const double *nominal_theta; /* set before: [6 * n_elements] of the nominal model with its free
+    const double *nominal_theta; /* input: [6 * n_elements] of the nominal model with its free
                                     frames aligned; NULL: the chain's */
-    bool by_log;                 /* set before: one score for each of several pose logs */
-    int n;                       /* placements with rows, and one more for poses or each log */
+    bool by_log;                 /* input: one score for each of several pose logs */
+    int n;                       /* placements with samples, plus one for poses or one per log */
     mukca_score *nominal, *factory, *calibrated;
     mukca_score nominal_mean, factory_mean, calibrated_mean;
     bool has_factory; /* --kinematics: nominal is the URDF, factory the file's origins */
@@ -20,9 +20,9 @@ typedef struct {
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
                              const double *theta, const cli_model *model,
                              const mukca_dataset *data);
-void cli_scores_free(cli_scores *scores); /* harmless on a zeroed one */
+void cli_scores_free(cli_scores *scores); /* zeroed is allowed */
 
-/* The contract's objects, one per placement. */
+/* JSON array with one object per placement. */
 json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data);
 
 /* The table of evaluate: its header, and one row per placement.  `set`: "data", "test". */
@@ -30,7 +30,7 @@ void cli_scores_write_header(FILE *stream, bool factory);
 void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scores,
                            const mukca_dataset *data);
 
-/* A tab and the number, empty where it is not finite. */
+/* Write a tab and the number, empty if not finite. */
 void cli_scores_write(FILE *stream, double value);
 
 /* "panda/front"; "poses" for all pose logs, "log.csv" or "log.csv:target" for one. */
@@ -38,9 +38,9 @@ enum { CLI_SCORES_NAME = 192 };
 const char *cli_scores_name(char name[CLI_SCORES_NAME], const mukca_score *score,
                             const mukca_dataset *data);
 
-/* Lines for people: "  consistency mm, train        8.278        0.168     -97.97 %", distortion
- * and rotation where there are any; without `calibrated` the nominal column alone.  `set`: "train".
- */
+/* Print lines of the screen: "  consistency mm, train        8.278        0.168     -97.97 %", also
+ * distortion and rotation if available; without `calibrated` only the nominal column.  `set`:
+ * "train". */
 void cli_scores_print_header(cli_call *call, bool calibrated);
 void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set, bool calibrated);
 
@@ -48,8 +48,7 @@ void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set,
 void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca_dataset *data,
                            bool calibrated);
 
-/* Data that do not fit the arm: print which mix-up of joint columns would explain it, if one does.
- */
+/* For data that do not fit the arm: print the mix-up of joint columns that explains it, if any. */
 void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_base, bool free_tool);
 
 #endif

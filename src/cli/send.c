@@ -31,7 +31,7 @@ typedef struct {
     mukca_message_result result;
 } client;
 
-/* The table as text, as in an offsets file but for its comments. */
+/* The offsets table as text, without comments. */
 static void print_table(const mukca_message_result *m)
 {
     if (!m->n) return;
@@ -42,8 +42,8 @@ static void print_table(const mukca_message_result *m)
                m->identifiable[i]);
 }
 
-/* The reply is the answer: its line for people, then the table.  With --json - a program reads
- * standard output, so the table is not printed. */
+/* Print the reply: its line, then the table.  With --json - standard output is JSON, and the table
+ * is omitted. */
 static void take_result(client *c, const mukca_message_result *m)
 {
     if (m->id != c->id) return;

@@ -14,7 +14,8 @@ typedef struct {
     const char *accept;
 } serve_options;
 
-/* Arms are built to some 10 mm: a larger change is a damaged or another arm, or wrong samples. */
+/* Arms are built to some 10 mm: a larger change indicates a damaged or another arm, or wrong
+ * samples. */
 static const serve_options defaults = {.most_change = 10e-3};
 
 static void report(void *call, const char *line)

@@ -1,4 +1,4 @@
-/* mukca simulate: simulated recordings of an arm whose errors are known. */
+/* mukca simulate: simulated recordings of an arm with known errors. */
 #include "cli/simulate.h"
 
 #include <math.h>
@@ -75,7 +75,7 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-/* How the recording came about; without the secrets where there are labels. */
+/* Write the origin of the recording; with --labels without the hidden errors. */
 static void describe(FILE *stream, const cli_simulation *s, const cli_simulate_options *o)
 {
     fprintf(stream, "mukca %s\nrobot: %s\nstream: raw\nbase: %s\ntip: %s\n",
@@ -112,7 +112,7 @@ static mukca_status write_data(cli_call *call, const char *path, const mukca_dat
     return mukca_output_finish(&output, status, &call->error);
 }
 
-/* A pose log at the angles of the recipe. */
+/* Record a pose log at the angles of the recipe. */
 static mukca_status record_recipe(cli_call *call, mukca_dataset *data, const cli_simulation *s)
 {
     const mukca_recipe_kind kind =
@@ -127,13 +127,13 @@ static mukca_status record_recipe(cli_call *call, mukca_dataset *data, const cli
     return status;
 }
 
-/* Record the session, or with `held_out` what is held out. */
+/* Record the session or, with `held_out`, the held-out data. */
 static mukca_status record(cli_call *call, mukca_dataset *data, const cli_simulation *s,
                            bool held_out)
 {
     const cli_simulate_options *o = call->options;
     mukca_simulate_options recording = s->recording;
-    if (held_out) recording.seed ^= 0x686f6c646f757421u; /* other postures and noise */
+    if (held_out) recording.seed ^= 0x686f6c646f757421u; /* different postures and noise */
     if (o->recipe) return record_recipe(call, data, s);
     if (o->poses)
         return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses,
@@ -142,7 +142,7 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const cli_simula
     if (!arm) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     *arm = s->arm;
     for (int e = 0; e < arm->n_effects && held_out; e++)
-        arm->effects[e].placement = -1; /* none of these is here */
+        arm->effects[e].placement = -1; /* no effect of these placements here */
     const mukca_simulated_session session = {.arm = arm,
                                              .places = s->places + (held_out ? s->n_places : 0),
                                              .n_places = held_out ? o->held_out : s->n_places,

@@ -1,4 +1,4 @@
-/* What the files of `mukca simulate` share. */
+/* Declarations shared by the files of `mukca simulate`. */
 #ifndef MUKCA_CLI_SIMULATE_H
 #define MUKCA_CLI_SIMULATE_H
 
@@ -16,13 +16,13 @@ typedef struct {
     bool sweep, effort, command, position_only;
 } cli_simulate_options;
 
-/* One simulation: what is true, and how it is recorded. */
+/* One simulation: the true arm and its recording. */
 typedef struct {
-    cli_model model;     /* what the user gave */
+    cli_model model;     /* from the user */
     mukca_offsets truth; /* the true arm */
     mukca_true_arm arm;
     cli_simulated hidden; /* effects and faults */
-    int n_places;         /* of the session; held-out ones follow */
+    int n_places;         /* of the session; the held-out ones follow */
     mukca_place places[CLI_MAX_PLACES];
     mukca_simulate_options recording;
 } cli_simulation;
@@ -33,7 +33,7 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *simulation);
 /* One --place NAME[=X,Y,Z[,ROLL,PITCH,YAW]], of simulate and plan.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error);
 
-/* Write --labels: all that the recording hides. */
+/* Write --labels: the hidden truth of the recording. */
 mukca_status cli_write_labels(cli_call *call, const cli_simulation *simulation,
                               const mukca_dataset *data);
 

@@ -1,4 +1,4 @@
-/* What a simulated recording hides, as JSON. */
+/* Labels of a simulated recording, its hidden truth, as JSON. */
 #include <math.h>
 
 #include "cli/simulate.h"
@@ -10,7 +10,7 @@ static double size_of(const double *v, int n)
     return n == 1 ? v[0] : sum;
 }
 
-/* `row`: 1-based data row of the file. */
+/* `row`: 1-based data row in the file. */
 static json_t *fault_json(const mukca_simulated_fault *fault, const cli_simulation *s)
 {
     static const char *const kinds[] = {[MUKCA_SIMULATED_STEP] = "tool_motion",

@@ -1,11 +1,11 @@
-/* From the options of `mukca simulate` to the arm and how it is recorded. */
+/* Preparation of `mukca simulate`: true arm and recording from the options. */
 #include <string.h>
 
 #include "base/number.h"
 #include "cli/simulate.h"
 #include "io/output.h"
 
-/* A pose log is asked for, not sockets. */
+/* True for a pose log instead of sockets. */
 static bool is_log(const cli_simulate_options *o)
 {
     return o->poses || o->recipe;
@@ -30,7 +30,7 @@ static mukca_status check(const cli_simulate_options *o, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Numbers with commas between; how many, -1 where one is none or there are more than `most`. */
+/* Read comma-separated numbers.  Returns how many, -1: an invalid one, or more than `most`. */
 static int read_list(double *values, int most, const char *text)
 {
     char number[64];
@@ -64,7 +64,7 @@ mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *e
     return MUKCA_OK;
 }
 
-/* All places: those of the session, then the held-out ones. */
+/* All placements: those of the session, then the held-out ones. */
 static mukca_status name_places(cli_simulation *s, const cli_simulate_options *o,
                                 mukca_error *error)
 {
@@ -94,7 +94,7 @@ static mukca_status name_places(cli_simulation *s, const cli_simulate_options *o
                                  s->recording.seed, error);
 }
 
-/* Take over the effects of --offsets, then those of --effect. */
+/* Gather the effects of --offsets, then those of --effect. */
 static mukca_status gather_effects(cli_simulation *s, const cli_simulate_options *o,
                                    mukca_error *error)
 {
@@ -122,7 +122,7 @@ static mukca_status gather_effects(cli_simulation *s, const cli_simulate_options
     return MUKCA_OK;
 }
 
-/* The true arm as a table: recording faults are no part of it. */
+/* The true arm as an offsets table, without recording faults. */
 static void set_truth(cli_simulation *s)
 {
     for (int p = 0; p < s->n_places; p++)
@@ -153,7 +153,7 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
         if (status == MUKCA_OK)
             status = mukca_output_check(files[i], call->common->force, &call->error);
     }
-    call->common->accept_failed = true; /* the truth may be any arm */
+    call->common->accept_failed = true; /* the true arm may be any */
     if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
     if (status) return status;
     s->recording = (mukca_simulate_options){.rows = o->rows,

@@ -1,4 +1,4 @@
-/* Parsing of `mukca simulate --effect`, driven by the table of effects. */
+/* Parser of `mukca simulate --effect`, driven by the table of effects. */
 #include "cli/simulate_spec.h"
 
 #include <math.h>
@@ -9,12 +9,12 @@
 
 enum { TEXT = 160, MAX_VALUES = 4 };
 
-/* One piece of the grammar, taken apart. */
+/* One specification, split into its parts. */
 typedef struct {
-    char name[TEXT], where[TEXT], variant[TEXT]; /* empty where not given */
+    char name[TEXT], where[TEXT], variant[TEXT]; /* empty: not given */
     double value[MAX_VALUES];
     int n_values;
-    const char *text; /* all of it, for messages */
+    const char *text; /* the whole text, for messages */
 } piece;
 
 /* Recording faults at samples of a socket. */
@@ -47,7 +47,7 @@ static mukca_status wrong(mukca_error *error, const piece *p, const char *why)
     return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: %s", p->text, why);
 }
 
-/* Text up to one of `stops`; what is cut off would not fit and so names nothing. */
+/* Text up to one of `stops`; longer text is truncated, and then matches no name. */
 static const char *take(char *out, const char *from, const char *stops)
 {
     size_t length = strcspn(from, stops);
@@ -55,7 +55,7 @@ static const char *take(char *out, const char *from, const char *stops)
     return from + length;
 }
 
-/* Take one piece off *text. */
+/* Split the next specification off *text. */
 static mukca_status split(piece *p, const char **text, mukca_error *error)
 {
     const char *at = *text;
@@ -69,7 +69,7 @@ static mukca_status split(piece *p, const char **text, mukca_error *error)
         double value;
         const char *next = take(number, at + 1, ",");
         if (!mukca_number_parse(&value, number)) {
-            if (p->n_values) break; /* the next piece */
+            if (p->n_values) break; /* next specification */
             return wrong(error, p, "a number must follow the =");
         }
         if (fabs(value) > MUKCA_NUMBER_LARGEST) return wrong(error, p, "is larger than any arm's");
@@ -140,7 +140,7 @@ static mukca_status find_seat(mukca_simulated_fault *fault, const cli_simulated 
     return MUKCA_OK;
 }
 
-/* A vector of that length in a random direction. */
+/* Draw a vector of that length in a random direction. */
 static void draw_vector(double *vector, int n, double length, mukca_random *random)
 {
     double size = 0;
@@ -201,7 +201,7 @@ static mukca_status set_values(mukca_effect *effect, cli_simulated *s, const pie
         return wrong(error, p, "cannot be negative: the load is gravity's");
     if (p->n_values == effect->terms) {
         memcpy(effect->coefficient, p->value, sizeof effect->coefficient);
-    } else if (effect->terms == 4) { /* the axis runs round a circle: the two waves are one */
+    } else if (effect->terms == 4) { /* circular motion of the axis: one wave in both directions */
         double wave[2] = {0, 0};
         draw_vector(wave, 2, p->value[0], &s->random);
         effect->coefficient[0] = -wave[1], effect->coefficient[1] = wave[0];

@@ -2,9 +2,9 @@
  *
  *     NAME[:WHERE][@VARIANT][=VALUE[,VALUE...]][,NAME...]
  *
- * WHERE is a joint, PLACEMENT, JOINT/PLACEMENT or PLACEMENT/SOCKET, as the effect needs it; VALUE
- * is in the catalogue's SI unit.  Where an effect has several coefficients, one VALUE is their size
- * and the seed picks the phase or direction.
+ * WHERE is a joint, PLACEMENT, JOINT/PLACEMENT or PLACEMENT/SOCKET, depending on the effect; VALUE
+ * is in the catalogue's SI unit.  For an effect with several coefficients, a single VALUE is their
+ * magnitude, and the seed determines phase or direction.
  */
 #ifndef MUKCA_CLI_SIMULATE_SPEC_H
 #define MUKCA_CLI_SIMULATE_SPEC_H
@@ -14,7 +14,7 @@
 
 enum { CLI_MAX_SIMULATED_FAULTS = 64 };
 
-/* What a specification may refer to, and what it drew. */
+/* Names that a specification may refer to, and its results. */
 typedef struct {
     const mukca_chain *chain;
     const mukca_place *places;
@@ -25,7 +25,7 @@ typedef struct {
     mukca_simulated_fault faults[CLI_MAX_SIMULATED_FAULTS];
 } cli_simulated;
 
-/* Append what `text` says.  Errors: MUKCA_USAGE. */
+/* Parse `text` and append its effects and faults.  Errors: MUKCA_USAGE. */
 mukca_status cli_simulated_parse(cli_simulated *simulated, const char *text, mukca_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* What people read: the answer on standard output; notes, progress and errors on standard error.
+/* Terminal output: the answer on standard output; notes, progress and errors on standard error.
  * Also interrupts. */
 #include <signal.h>
 #include <stdarg.h>
@@ -101,13 +101,13 @@ void cli_answer_keyed(cli_call *call, const char *key, const char *format, ...)
     va_end(args);
 }
 
-/* The one mutable global: a signal handler can reach nothing else. */
+/* The one mutable global: a signal handler has no other access to state. */
 static volatile sig_atomic_t interrupted;
 
 static void on_signal(int number)
 {
     interrupted = number;
-    alarm(1); /* ends a read as well that began after the last look at `interrupted` */
+    alarm(1); /* also ends a read begun after the last check of `interrupted` */
 }
 
 static void on_alarm(int number)
@@ -126,7 +126,7 @@ void cli_catch_interrupts(void)
     action.sa_handler = on_alarm;
     sigaction(SIGALRM, &action, NULL);
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is then a write error, reported in one line */
-    signal(SIGXFSZ, SIG_IGN); /* and so is a file beyond the shell's limit */
+    signal(SIGXFSZ, SIG_IGN); /* likewise a file beyond the shell's limit */
 }
 
 bool cli_interrupted(void)

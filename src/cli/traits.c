@@ -1,4 +1,4 @@
-/* The label of an arm; what a fleet's traits did for a diagnosis. */
+/* Label of an arm, and output of a fleet's traits in a diagnosis. */
 #include "cli/traits.h"
 
 #include <libgen.h>
@@ -10,7 +10,7 @@
 #include "base/text.h"
 #include "report/wording.h"
 
-/* Name of the folder that holds `path`. */
+/* Name of the folder that contains `path`. */
 static bool folder_of(char name[MUKCA_NAME_SIZE], const char *path)
 {
     char whole[PATH_MAX];
@@ -40,10 +40,10 @@ mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const ch
     return MUKCA_OK;
 }
 
-/* ---- for people ---- */
+/* ---- screen ---- */
 
-/* Log Bayes factor of 1 to 20, strong evidence (R. Kass, A. Raftery, J. Am. Stat. Assoc. 90, 1995);
- * what is less does not contradict. */
+/* Log Bayes factor of 1 to 20, strong evidence (R. Kass, A. Raftery, J. Am.  Stat.  Assoc. 90,
+ * 1995); weaker evidence is no contradiction. */
 #define CONTRADICTION (-3.)
 
 static void put_coefficient(mukca_text *text, const mukca_inherited *c, const mukca_chain *chain)
@@ -94,7 +94,7 @@ void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_dia
                      a->traits->n_arms, a->log_evidence);
     for (int i = 0; i < a->n; i++) {
         const mukca_inherited *c = &a->list[i];
-        if (!(c->trait->probability > 0.5)) continue; /* the others are in the JSON */
+        if (!(c->trait->probability > 0.5)) continue; /* others only in the JSON */
         put_coefficient(&text, c, chain);
         cli_answer_keyed(call, shown++ ? "" : "Elastic", "%s", line);
         line[text.used = 0] = '\0';
@@ -109,7 +109,7 @@ void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_dia
                          1e3 * a->test_explained_m, 1e3 * a->own_test_explained_m);
 }
 
-/* ---- as JSON ---- */
+/* ---- JSON ---- */
 
 json_t *cli_adoption_json(const mukca_adoption *a, const mukca_chain *chain)
 {

@@ -10,11 +10,11 @@
     CLI_OPTION(type, member, "traits", CLI_TEXT, "FILE", \
                "what the fleet of this model knows (mukca fleet -o), as prior")
 
-/* The label of the arm: `given`, else the name of the folder that the data lie in.  Errors:
- * MUKCA_USAGE (data of several folders, no usable name). */
+/* The label of the arm: `given`, else the name of the data's folder.  Errors: MUKCA_USAGE (data of
+ * several folders, no usable name). */
 mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const char *given);
 
-/* What came from the fleet and what from this arm, for people and as JSON. */
+/* Contributions of the fleet and of this arm, on the screen and as JSON. */
 void cli_adoption_print(cli_call *call, const mukca_adoption *adoption,
                         const mukca_diagnosis *diagnosis, const mukca_chain *chain);
 json_t *cli_adoption_json(const mukca_adoption *adoption, const mukca_chain *chain);

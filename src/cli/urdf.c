@@ -27,7 +27,7 @@ static const cli_option options[] = {
 
 static const urdf_options defaults = {.convention = -1};
 
-/* The robot's name: that of the file, without folder and ending. */
+/* Set the robot's name from the file name, without folder and ending. */
 static void name_robot(mukca_chain *chain, const char *path)
 {
     const char *file = mukca_file_name(path);
