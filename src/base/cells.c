@@ -1,4 +1,4 @@
-/* Tables of text in memory. */
+/* Text tables in memory: lines, cells and numbers. */
 #include "base/cells.h"
 
 #include <string.h>
@@ -21,7 +21,7 @@ bool mukca_lines_next(mukca_lines *lines)
     memcpy(lines->line, text, kept);
     while (kept > 0 && lines->line[kept - 1] == '\r') kept--;
     lines->line[kept] = '\0';
-    if (length < lines->left) length++; /* the newline */
+    if (length < lines->left) length++; /* include the newline */
     lines->text = text + length;
     lines->left -= length;
     return true;
@@ -58,7 +58,7 @@ bool mukca_cells_split(char **cells, int n, char *line, char delimiter)
 {
     int found = 0;
     char *c = line;
-    for (char *start = line;; c++) { /* starts, then ends: nothing changes in a line of another n */
+    for (char *start = line;; c++) { /* starts first: nothing changes in a line of another n */
         if (*c && *c != delimiter) continue;
         if (found == n) return false;
         cells[found++] = start;

@@ -4,10 +4,10 @@
 
 #include <stdint.h>
 
-/* s; never set back. */
+/* s, monotonic. */
 double mukca_clock_seconds(void);
 
-/* us since 1970. */
+/* us since 1970, wall clock. */
 int64_t mukca_clock_wall(void);
 
 #endif

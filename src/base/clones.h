@@ -1,15 +1,15 @@
-/* Run-time dispatch of hot kernels: one binary, vector units used where the machine has them.
+/* Run-time dispatch of hot kernels: one binary, with vector instructions where available.
  *
  * A MUKCA_CLONES function is compiled for plain x86-64, for AVX2 (by feature: "arch=haswell" would
- * leave out AMD) and, by gcc 12 or later, for x86-64-v4, whose vectors take factors from memory as
- * they are, and the loader picks one (ifunc).  Nothing is contracted or reassociated, so all give
- * the same bits.  Where there is no ifunc (musl, other processors),
- * under sanitizers, or with -DMUKCA_NO_CLONES it is the plain function.
+ * exclude AMD) and, with gcc 12 or later, for x86-64-v4, which broadcasts scalars from memory
+ * within an instruction; the loader selects one (ifunc).  Without contraction or reassociation all
+ * yield identical bits.  Without ifunc (musl, other processors), under sanitizers, or with
+ * -DMUKCA_NO_CLONES it is a plain function.
  */
 #ifndef MUKCA_BASE_CLONES_H
 #define MUKCA_BASE_CLONES_H
 
-#include <limits.h> /* lets glibc say that it is glibc */
+#include <limits.h> /* defines __GLIBC__ */
 
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(MUKCA_NO_CLONES)
@@ -22,7 +22,7 @@
 #define MUKCA_CLONES
 #endif
 
-/* Helpers of such a function: always inlined, so that they are compiled for its processor. */
+/* Helpers of such a function: always inlined, to be compiled for the same processor. */
 #define MUKCA_INLINE static inline __attribute__((always_inline))
 
 #endif

@@ -1,4 +1,4 @@
-/* A whole text file in memory; the checked end of a stream. */
+/* Reading of whole text files, checked close of streams. */
 #include "base/file.h"
 
 #include <errno.h>
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* No URDF, table or type description comes near 32 MiB. */
+/* Far above the size of any URDF, table or type description. */
 enum { FIRST = 1 << 14, LARGEST = 1 << 25 };
 
 const char *mukca_file_name(const char *path)

@@ -1,4 +1,4 @@
-/* Notes for people, formatted. */
+/* Formatted notes. */
 #ifndef MUKCA_BASE_NOTE_H
 #define MUKCA_BASE_NOTE_H
 
@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* Call `note` (may be NULL) with a printf-formatted line, cut at 255 characters. */
+/* Call `note` (may be NULL) with a printf-formatted line, truncated to 255 characters. */
 void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

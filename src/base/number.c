@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Powers of ten that are exact. */
+/* Powers of ten that a double represents exactly. */
 static const double exact_power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                      1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                      1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -38,11 +38,11 @@ static double divide(uint64_t m, int k)
 }
 #endif
 
-/* Digits that can matter: between two doubles lies at most a number of 768 digits.  What follows is
- * a single digit 1 where it is not zero. */
+/* Significant digits: the midpoint of two doubles has at most 768.  All further digits, if not
+ * zero, are replaced by a single 1. */
 enum { MOST_DIGITS = 770, MOST_LIMBS = 120 };
 
-/* A whole number below 2^(32 * MOST_LIMBS): 10^1115, the largest divisor, has 3704 bits. */
+/* Natural number below 2^(32 * MOST_LIMBS): 10^1115, the largest divisor, has 3704 bits. */
 typedef struct {
     int n; /* limbs in use; limb[n - 1] is not 0 */
     uint32_t limb[MOST_LIMBS];
@@ -115,7 +115,7 @@ static double quotient(big *a, big *b)
         mantissa = mantissa << 1 | one;
         shift(a, 1);
     }
-    const int kept = top < -1022 ? 53 + 1022 + top : 53; /* fewer where it is subnormal */
+    const int kept = top < -1022 ? 53 + 1022 + top : 53; /* fewer if subnormal */
     if (kept < 0) return 0;
     const int drop = 64 - kept;
     const uint64_t half = UINT64_C(1) << (drop - 1);
@@ -125,7 +125,7 @@ static double quotient(big *a, big *b)
     return scalbn((double)left, top - 63 + drop);
 }
 
-/* The digits at `text`, with a point among them, times 10^exponent; infinite where too large. */
+/* The decimal digits at `text` (with or without point) times 10^exponent; infinite if too large. */
 static double divide_digits(const char *text, int exponent)
 {
     big a = {.n = 0}, b = {.n = 1, .limb = {1}};
@@ -152,7 +152,7 @@ static double divide_digits(const char *text, int exponent)
 bool mukca_number_parse(double *value, const char *text)
 {
     const char *c = text;
-    uint64_t mantissa = 0; /* of more than 19 digits it means nothing */
+    uint64_t mantissa = 0; /* meaningless beyond 19 digits */
     int exponent = 0;
     const bool negative = *c == '-';
     if (*c == '-' || *c == '+') c++;
@@ -178,7 +178,7 @@ bool mukca_number_parse(double *value, const char *text)
         exponent += down ? -power : power;
     }
     if (*c) return false;
-    /* Both factors exact: one rounding, the right one (Clinger). */
+    /* Both factors exact: a single, correct rounding (Clinger). */
     if (exact && mantissa <= (UINT64_C(1) << 53) && exponent >= -22 && exponent <= 22) {
         double m = (double)mantissa;
         m = exponent < 0 ? m / exact_power[-exponent] : m * exact_power[exponent];

@@ -1,4 +1,4 @@
-/* Numbers as text. */
+/* Conversion of numbers to text. */
 #include <stdio.h>
 
 #include "base/number.h"

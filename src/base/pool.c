@@ -1,4 +1,4 @@
-/* Memory that lives and dies together. */
+/* Memory pool: many blocks, freed at once. */
 #include "base/pool.h"
 
 #include <stdint.h>
@@ -11,7 +11,7 @@ struct mukca_pool_block {
 
 void *mukca_pool_take(mukca_pool *pool, size_t count, size_t size)
 {
-    const size_t head = 128; /* the link, and room to align */
+    const size_t head = 128; /* link and alignment */
     if (size != 0 && count > (SIZE_MAX - head) / size) {
         pool->failed = true;
         return NULL;

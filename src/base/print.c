@@ -1,4 +1,4 @@
-/* Text from a format without stdio. */
+/* Formatted text without stdio. */
 #include "base/print.h"
 
 #include <math.h>

@@ -15,8 +15,8 @@ mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *for
         error->status = status;
         vsnprintf(error->text, sizeof error->text, format, args);
         va_end(args);
-        /* names and cells of others stay in one line, without sequences that control a terminal,
-         * and one that was cut within a letter stays UTF-8 */
+        /* Foreign names and cells: keep to one line, remove control sequences of terminals, repair
+         * a UTF-8 character cut by truncation. */
         for (char *c = error->text; *c; c++)
             if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
         mukca_utf8_mend(error->text);

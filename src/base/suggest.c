@@ -11,7 +11,7 @@ int mukca_suggest_distance(const char *a, const char *b)
 {
     size_t m = strlen(a), n = strlen(b);
     if (m > LONGEST || n > LONGEST) return 99;
-    int row[3][LONGEST + 1]; /* two before, before, this */
+    int row[3][LONGEST + 1]; /* last but one, last, current */
     for (size_t j = 0; j <= n; j++) row[1][j] = (int)j;
     for (size_t i = 1; i <= m; i++) {
         row[2][0] = (int)i;
@@ -35,7 +35,7 @@ int mukca_suggest_better(int *best, const char *word, const char *candidate)
 {
     int distance = mukca_suggest_distance(word, candidate);
     int limit = (int)strlen(word) / 3 + 1;
-    /* a beginning counts as near: "cal" for "calibrate" */
+    /* a prefix counts as near: "cal" for "calibrate" */
     if (strlen(word) >= 3 && strncmp(word, candidate, strlen(word)) == 0) distance = 1;
     if (distance > limit || distance >= *best) return 0;
     *best = distance;

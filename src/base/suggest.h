@@ -1,4 +1,4 @@
-/* The name that someone who mistyped probably meant. */
+/* Suggestion of the intended name for a misspelt one. */
 #ifndef MUKCA_BASE_SUGGEST_H
 #define MUKCA_BASE_SUGGEST_H
 
@@ -9,8 +9,8 @@ extern "C" {
 /* Edits (insert, delete, replace, swap neighbours) from `a` to `b`, ignoring case; capped at 99. */
 int mukca_suggest_distance(const char *a, const char *b);
 
-/* True where `candidate` is near enough to `word` to be suggested, and nearer than *best (start
- * with 99), which it then updates. */
+/* True if `candidate` is near enough to `word` for a suggestion and nearer than *best (initially
+ * 99), which is then updated. */
 int mukca_suggest_better(int *best, const char *word, const char *candidate);
 
 /* "did you mean MEANT?", or without MEANT (NULL) `otherwise`. */

@@ -1,4 +1,4 @@
-/* Text that grows by printf in the caller's memory. */
+/* Text appended by printf in the caller's memory. */
 #include "base/text.h"
 
 #include <stdarg.h>

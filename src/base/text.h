@@ -1,15 +1,15 @@
-/* Text that grows by printf in the caller's memory; what does not fit is cut off. */
+/* Text appended by printf in the caller's memory, truncated to its size. */
 #ifndef MUKCA_BASE_TEXT_H
 #define MUKCA_BASE_TEXT_H
 
 #include <stddef.h>
 
 typedef struct {
-    char *at; /* [size], ends with a NUL after each put */
+    char *at; /* [size], NUL-terminated after each put */
     size_t size, used;
 } mukca_text;
 
-/* An empty one on a char array. */
+/* Empty text in a char array. */
 #define MUKCA_TEXT(array)                    \
     {                                        \
         .at = (array), .size = sizeof(array) \

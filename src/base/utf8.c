@@ -1,9 +1,9 @@
-/* Letters of UTF-8 (RFC 3629). */
+/* Characters of UTF-8 (RFC 3629). */
 #include "base/utf8.h"
 
 #include <string.h>
 
-/* Bytes of the letter at c; 0 where it is none, and at the text's end. */
+/* Bytes of the character at `text`; 0: invalid, or end of the text. */
 static size_t letter(const char *text)
 {
     const unsigned char *c = (const unsigned char *)text;
@@ -16,8 +16,7 @@ static size_t letter(const char *text)
                                  : 0;
     for (size_t i = 1; i < n; i++)
         if ((c[i] & 0xC0) != 0x80) return 0;
-    if ((*c == 0xE0 && c[1] < 0xA0) ||
-        (*c == 0xED && c[1] > 0x9F) || /* longer than need be; halves of pairs */
+    if ((*c == 0xE0 && c[1] < 0xA0) || (*c == 0xED && c[1] > 0x9F) || /* overlong; surrogates */
         (*c == 0xF0 && c[1] < 0x90) || (*c == 0xF4 && c[1] > 0x8F))
         return 0;
     return n;

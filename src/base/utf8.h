@@ -1,4 +1,4 @@
-/* Text that others can read: JSON and HTML hold UTF-8 only. */
+/* Validation and repair of UTF-8, the only encoding of JSON and HTML. */
 #ifndef MUKCA_BASE_UTF8_H
 #define MUKCA_BASE_UTF8_H
 
@@ -9,12 +9,12 @@
 extern "C" {
 #endif
 
-/* Bytes of the longest beginning of `text` that is whole letters of UTF-8 and at most `most`. */
+/* Bytes of the longest prefix of `text` of complete UTF-8 characters, at most `most`. */
 size_t mukca_utf8_fit(const char *text, size_t most);
 
 bool mukca_utf8_valid(const char *text);
 
-/* Put '?' in place of each byte that is no part of a letter. */
+/* Replace each byte that is not part of a valid character by '?'. */
 void mukca_utf8_mend(char *text);
 
 #ifdef __cplusplus

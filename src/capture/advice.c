@@ -1,4 +1,5 @@
-/* The model so far: a Bayesian calibration after each row, and what more rows would bring. */
+/* Advice while recording: a Bayesian calibration after each sample, and the gain by further
+ * samples. */
 #include <math.h>
 #include <string.h>
 
@@ -9,19 +10,20 @@
 #include "math/dense.h"
 #include "math/random.h"
 
-/* Postures that the error is averaged over (their mean is known to a few %), Gauss-Newton steps
- * (from mm they leave nothing), pairs of sockets, and rows that "more rows" means. */
+/* Postures for the mean error (known to a few %), Gauss-Newton steps (enough from errors of mm),
+ * pairs of sockets, and number of further samples considered. */
 enum { PROBES = 32, ITERATIONS = 4, MAX_PAIRS = 4096, MORE_ROWS = 10 };
 
-/* Samples of each of two labels before they are called one socket: two may lie close by chance. */
+/* Samples required of each of two labels before they are reported as one socket: two samples may
+ * coincide by chance. */
 enum { LEAST_TWINS = 3 };
 
-/* Log Bayes factor from which the rows outweigh what is expected of the arm: 3 to 1; less is not
- * worth more than a bare mention (R. Kass, A. Raftery, J. Am. Stat. Assoc. 90, 1995). */
+/* Least log Bayes factor for samples to override the expected elasticity: odds of 3 to 1; less is
+ * "not worth more than a bare mention" (R. Kass, A. Raftery, J. Am.  Stat.  Assoc. 90, 1995). */
 #define LEAST_EVIDENCE 1.1
 
-/* Prior of the noise, m, and the number of measurements that it counts as: a printed socket
- * repeats to 0.1 to 0.2 mm. */
+/* Prior of the noise, m (repeatability of a printed socket: 0.1 to 0.2 mm), and its weight in
+ * measurements. */
 static const double prior_noise = 1.5e-4, prior_weight = 10;
 
 double mukca_capture_expected_offset(const mukca_capture *capture, int socket, const double *q,
@@ -45,8 +47,8 @@ double mukca_capture_expected_offset(const mukca_capture *capture, int socket, c
     return sqrt(sum);
 }
 
-/* Expected rms error over random configurations with the parameters' information factored in
- * `factor`: how the arm's base is placed is no error, so a rigid motion is taken out. */
+/* Expected rms error over random configurations, from the Cholesky factor `factor` of the
+ * parameters' information.  Rigid motions of the base are no error and are projected out. */
 static double expected_error(const mukca_capture *capture, const double *factor, double *A)
 {
     const mukca_chain *chain = capture->chain;
@@ -70,7 +72,7 @@ static double expected_error(const mukca_capture *capture, const double *factor,
         }
     }
     if (mukca_dense_svd(B, singular, NULL, m, 6)) return (double)NAN;
-    for (int b = 0; b < 6 && singular[b] > 1e-6; b++) /* out of the columns of A */
+    for (int b = 0; b < 6 && singular[b] > 1e-6; b++) /* project them out of the columns of A */
         for (int i = 0; i < n; i++) {
             double dot = 0;
             for (int k = 0; k < m; k++) dot += B[6 * k + b] * A[k * n + i];
@@ -93,7 +95,7 @@ static int list_distances(mukca_distance *out, const mukca_capture *capture)
     return n;
 }
 
-/* Two labels that seem to be one socket have no distance. */
+/* Remove the distance of two labels that appear to be one socket. */
 static mukca_status drop_coincident(mukca_capture_advice *advice, mukca_dataset *view,
                                     const mukca_capture *capture, mukca_error *error)
 {
@@ -116,11 +118,11 @@ static mukca_status drop_coincident(mukca_capture_advice *advice, mukca_dataset 
     return MUKCA_OK;
 }
 
-/* Memory of one piece of advice: n parameters, m residuals. */
+/* Memory of one update: n parameters, m residuals. */
 typedef struct {
     mukca_observations observations;
     int n, m;
-    double freedom;           /* measurements less what the parameters took up */
+    double freedom;           /* measurements less the effective number of parameters */
     double *J, *r;            /* [max(m, 3 PROBES)][n], [m] */
     double *gram, *part;      /* [n][n] */
     double *x, *start, *step; /* [n] */
@@ -146,7 +148,8 @@ static mukca_status workspace_take(workspace *w, const mukca_capture *capture,
     return w->pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
 }
 
-/* The noise by which the residuals are explained, less what the parameters took up. */
+/* Noise from the residuals, with the prior's and the effective number of parameters taken into
+ * account. */
 static void update_noise(mukca_capture *capture, workspace *w)
 {
     double squares = 0, taken = 0;
@@ -161,8 +164,8 @@ static void update_noise(mukca_capture *capture, workspace *w)
         sqrt((prior_weight * prior_noise * prior_noise + squares) / (prior_weight + w->freedom));
 }
 
-/* Gauss-Newton on the posterior: moves the model, its factor and the noise.  Returns the log
- * evidence but for what is the same for all shares of the elasticity. */
+/* Gauss-Newton on the posterior: updates the model, its factor and the noise.  Returns the log
+ * evidence up to a constant common to all shares of the elasticity. */
 static double fit(mukca_capture *capture, workspace *w)
 {
     const mukca_parameters *p = &capture->model.parameters;
@@ -204,7 +207,7 @@ void mukca_capture_correct(double *angles, const mukca_capture *capture, const d
         capture->settings.correct(capture->settings.context, capture->share, angles);
 }
 
-/* The fit with a share of the expected elasticity. */
+/* Fit with a share of the expected elasticity. */
 static mukca_status fit_share(workspace *w, double *evidence, mukca_capture *capture,
                               const mukca_dataset *view, mukca_error *error)
 {
@@ -220,7 +223,8 @@ static mukca_status fit_share(workspace *w, double *evidence, mukca_capture *cap
     return status;
 }
 
-/* All of the expected elasticity, or half or none of it where the rows say so. */
+/* Fit with all of the expected elasticity, or with half or none of it on the evidence of the
+ * samples. */
 static mukca_status fit_best(workspace *w, double *evidence, mukca_capture *capture,
                              const mukca_dataset *view, mukca_error *error)
 {
@@ -244,7 +248,7 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
                                   mukca_error *error)
 {
     const int n = capture->model.parameters.n, here = mukca_capture_count(capture, capture->socket);
-    mukca_dataset view = capture->rows; /* with distances; owns nothing */
+    mukca_dataset view = capture->rows; /* with distances; owns no memory */
     mukca_distance distances[MAX_PAIRS];
     workspace w;
     *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true, -1, 0, 0};
@@ -258,7 +262,7 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     mukca_status status = drop_coincident(advice, &view, capture, error);
     if (status == MUKCA_OK) status = fit_best(&w, &advice->evidence, capture, &view, error);
     if (status != MUKCA_OK) goto out;
-    /* ten more rows here add what the rows here have, per row */
+    /* ten more samples here add ten times the mean information of the present ones */
     memset(w.part, 0, (size_t)(n * n) * sizeof *w.part);
     for (int i = 0; i < view.n_rows && here; i++)
         if (view.socket[i] == capture->socket) mukca_dense_syrk(w.part, n, w.J + 3 * i * n, 3, n);

@@ -1,4 +1,4 @@
-/* A capture's memory: defaults, start, end. */
+/* Initialisation and memory of a capture. */
 #include "capture/capture.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* The rows of a capture: placements and sockets, samples that are due, what is remarkable. */
+/* Samples of a capture: placements and sockets, triggers, plausibility checks. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static double difference(const double *a, const double *b, int n)
     return most;
 }
 
-/* Row of the current placement whose posture is within `limit` of q; -1: none. */
+/* Sample of the current placement with a posture within `limit` of q; -1: none. */
 static int find_posture(const mukca_capture *capture, const double *q, double limit)
 {
     const mukca_dataset *rows = &capture->rows;
@@ -32,7 +32,8 @@ static int find_posture(const mukca_capture *capture, const double *q, double li
     return -1;
 }
 
-/* Mean of the predictions at a socket, without row `without` (-1: all); returns the rows in it. */
+/* Mean of the predictions at a socket, without sample `without` (-1: all); returns the number of
+ * samples. */
 static int socket_mean(double mean[3], const mukca_capture *capture, int socket, int without)
 {
     const mukca_dataset *rows = &capture->rows;
@@ -49,7 +50,7 @@ static int socket_mean(double mean[3], const mukca_capture *capture, int socket,
     return n;
 }
 
-/* Socket of the current placement whose rows are nearest to x, and how far; -1: none has rows. */
+/* Socket of the current placement nearest to x, and its distance; -1: no samples yet. */
 static int nearest_socket(double *how_far, const mukca_capture *capture, const double x[3],
                           int without)
 {
@@ -70,7 +71,7 @@ static int nearest_socket(double *how_far, const mukca_capture *capture, const d
     return nearest;
 }
 
-/* A socket of the current placement without rows: its label; NULL: all have some. */
+/* Label of a socket of the current placement without samples; NULL: none. */
 static const char *empty_label(const mukca_capture *capture)
 {
     const mukca_dataset *rows = &capture->rows;
@@ -106,7 +107,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
         capture->still_since = sample.time - s->window;
         memcpy(capture->anchor, sample.q, sizeof capture->anchor);
     }
-    /* A hand that lets go of the arm says that it is in place. */
+    /* The end of hand guiding confirms that the ball is in place. */
     double dwell = capture->was_guided && !capture->guided ? s->window : s->dwell;
     if (capture->taken || sample.time - capture->still_since < dwell) return false;
     capture->taken = true;
@@ -129,7 +130,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     return false;
 }
 
-/* ---- rows ---- */
+/* ---- samples ---- */
 
 mukca_status mukca_capture_select(mukca_capture *capture, const char *placement, const char *socket,
                                   mukca_error *error)
@@ -196,7 +197,7 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
     *last = mukca_distance3(x, others);
 }
 
-/* What is remarkable about the last row. */
+/* Remark on the last sample. */
 static void remark(char text[MUKCA_CAPTURE_TEXT], const mukca_capture *capture, int twin)
 {
     const mukca_dataset *rows = &capture->rows;

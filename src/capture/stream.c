@@ -1,10 +1,10 @@
-/* The stream: a window of readings, standing still, and the samples that come of it. */
+/* Stream of readings: window, detection of standstill, averaging to a sample. */
 #include <math.h>
 #include <string.h>
 
 #include "capture/capture.h"
 
-enum { MIN_READINGS = 3 }; /* the fewest that show a spread */
+enum { MIN_READINGS = 3 }; /* the minimum for a spread */
 
 /* ---- readings ---- */
 
@@ -20,7 +20,7 @@ static double stored_time(const mukca_capture *capture, int back)
     return capture->time[(capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING];
 }
 
-/* Two arms on one channel: readings that leap away and back again, or clocks that do. */
+/* Two arms on one channel: readings or clocks that jump away and back. */
 static bool jumped(const mukca_capture *capture, const mukca_capture_reading *reading)
 {
     double step = reading->time - capture->last_time;
@@ -59,7 +59,7 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
     capture->has_last = true;
     if (capture->guided && !reading->guided) capture->was_guided = true;
     capture->guided = reading->guided;
-    /* A window always fits the ring, however fast the stream. */
+    /* Drop readings of fast streams: a window always fits the ring buffer. */
     if (capture->count &&
         reading->time - stored_time(capture, 0) < s->window / (0.5 * MUKCA_CAPTURE_RING))
         return found;
@@ -79,11 +79,12 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
 
 /* ---- samples ---- */
 
-/* Readings in the window that ends with the last one; *empty is the longest time without any. */
+/* Number of readings in the window that ends with the last one; *empty: the longest gap between
+ * them, s. */
 static int count_window(double *empty, const mukca_capture *capture)
 {
     const double window = capture->settings.window, end = stored_time(capture, 0);
-    int n = 1; /* half open, and clear of rounding: times are of whole microseconds */
+    int n = 1; /* half-open, with a margin for rounding: times are whole microseconds */
     *empty = 0;
     while (n < capture->count && stored_time(capture, n) > end - window + 1e-6) {
         *empty = fmax(*empty, stored_time(capture, n - 1) - stored_time(capture, n));
@@ -127,8 +128,7 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
         return mukca_fail(error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
     double pause, widest = 0;
     const int n = count_window(&pause, capture);
-    /* Slow streams fill their window with few readings, so its first one may lie a period inside.
-     */
+    /* With slow streams the first reading may be one period after the start of the window. */
     const double end = stored_time(capture, 0), covered = end - stored_time(capture, n - 1);
     if (n < MIN_READINGS || covered < 0.6 * s->window || pause > 0.5 * s->window)
         return mukca_fail(
