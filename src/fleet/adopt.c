@@ -8,11 +8,11 @@
 #include "diagnose/folds.h"
 #include "diagnose/test_data.h"
 
-/* Prior sigma of a coefficient that no fleet knows, rad/(N m): the usual sizes of
+/* Prior sigma of a coefficient unknown to the fleet, rad/(N m): typical sizes of
  * mukca_sizes_spring. */
 #define WIDE 30e-6
 
-/* Coefficients to which nothing may be added, rad/(N m): far below what any data show. */
+/* Prior sigma of a fixed coefficient, rad/(N m): far below the resolution of any data. */
 #define HELD 1e-10
 
 typedef struct {
@@ -20,11 +20,11 @@ typedef struct {
     mukca_regression *m;
     const mukca_adopt_options *options;
     mukca_unknowns own, base; /* as diagnosed; without elastic causes, with the known orders */
-    mukca_unknowns kept;      /* to go back to */
+    mukca_unknowns kept;      /* backup */
     mukca_fleet_prior prior[MUKCA_FLEET_TERMS];
 } task;
 
-/* Add the orders that the fleet knows. */
+/* Add the orders of ripple known from the fleet. */
 static bool put_orders(task *t)
 {
     mukca_unknowns *u = &t->m->unknowns;
@@ -35,12 +35,12 @@ static bool put_orders(task *t)
         const int c =
             mukca_fleet_add_harmonic(t->m, known->effect.joint, known->effect.variant.order);
         if (c < 0) return false;
-        u->cause[c].candidate.log_prior = log(known->probability); /* no looking elsewhere */
+        u->cause[c].candidate.log_prior = log(known->probability); /* no look-elsewhere penalty */
     }
     return true;
 }
 
-/* An order that the arm's own data named is replaced by the fleet's where it is needed no more. */
+/* Remove orders identified from the arm's own data if the fleet's orders make them unnecessary. */
 static double prune_orders(task *t, double score)
 {
     mukca_regression *m = t->m;
@@ -69,7 +69,7 @@ static double prune_orders(task *t, double score)
     return score;
 }
 
-/* Fit with a prior of the coefficients; the log posterior, up to what all fits share. */
+/* Fit with a prior of the coefficients; returns the log posterior up to a common constant. */
 static double fit(task *t, const mukca_fleet_prior *prior)
 {
     mukca_unknowns_assign(&t->m->unknowns, &t->base);
@@ -78,7 +78,7 @@ static double fit(task *t, const mukca_fleet_prior *prior)
     return prune_orders(t, mukca_regression_score(t->m));
 }
 
-/* Prior of the coefficients: scatter and uncertain mean together. */
+/* Prior of the coefficients: scatter of the arms and uncertainty of the mean combined. */
 static void read_prior(task *t)
 {
     const int n = t->m->recording.chain->n_joints;
@@ -119,7 +119,7 @@ static void list_coefficients(task *t)
     }
 }
 
-/* Held-out error of the present fit, and (NULL: not wanted) that of each placement. */
+/* Held-out error of the present fit and, in `placement` (NULL: not wanted), of each placement. */
 static double held_out(task *t, double *placement)
 {
     mukca_folds b = {.m = t->m};
@@ -130,8 +130,8 @@ static double held_out(task *t, double *placement)
     return mukca_folds_mean(b.error, t->m->recording.data->n_rows);
 }
 
-/* What belongs to one placement says nothing of another.  It is fitted where that makes the arm
- * predict other placements better, which only these can tell. */
+/* Effects of single placements do not transfer to other placements: keep them only if they reduce
+ * the held-out error. */
 static void choose_placement_effects(task *t, const mukca_diagnosis *d)
 {
     mukca_unknowns *u = &t->m->unknowns;
@@ -150,7 +150,7 @@ static void choose_placement_effects(task *t, const mukca_diagnosis *d)
     mukca_regression_linearise(t->m);
 }
 
-/* Errors and what can be applied, from the fit with the traits. */
+/* Copy errors and applicable effects from the fit with the traits. */
 static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
 {
     mukca_regression *m = t->m;

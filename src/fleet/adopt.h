@@ -9,14 +9,14 @@
 typedef struct {
     const mukca_trait *trait;
     double value, low, high; /* with the fleet as prior; 95 % */
-    double own;              /* share of the information on it that is this arm's, 0 .. 1 */
+    double own;              /* share of its information from this arm's data, 0 .. 1 */
 } mukca_inherited;
 
 typedef struct {
     const mukca_traits *traits;
-    bool only;           /* the traits' means and nothing elastic of this arm */
-    bool adopted;        /* the traits' prior is used; else the arm's own fit won */
-    double log_evidence; /* of the traits against the better of the arm's own fits */
+    bool only;           /* only the traits' means, no elasticity fitted to this arm */
+    bool adopted;        /* the traits' prior is in use; else the arm's own fit is better */
+    double log_evidence; /* of the traits against the better of the fits without them */
     /* held-out errors with and without the traits, m; NaN: not measured */
     double explained_m, test_explained_m, own_explained_m, own_test_explained_m;
     int n;
@@ -29,10 +29,10 @@ typedef struct {
     bool only, folds, applied;
 } mukca_adopt_options;
 
-/* Fit the arm with the traits as prior, in the regression of its diagnosis; where the evidence is
- * for the traits, the diagnosis gets the errors and what can be applied from that fit, else the
- * regression is as it was.  Causes and verdict stay those of the arm's own data.  Errors:
- * MUKCA_MEMORY, MUKCA_INPUT (traits of another model). */
+/* Fit the arm with the traits as prior, in the regression of its diagnosis.  If the evidence
+ * favours the traits, the diagnosis gets the errors and the applicable effects of that fit;
+ * otherwise the regression is restored.  Causes and verdict remain those of the arm's own data.
+ * Errors: MUKCA_MEMORY, MUKCA_INPUT (traits of another model). */
 mukca_status mukca_adopt(mukca_adoption *adoption, mukca_regression *m, mukca_diagnosis *diagnosis,
                          const mukca_adopt_options *options, mukca_error *error);
 

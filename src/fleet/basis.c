@@ -1,4 +1,4 @@
-/* The coefficients that arms of one model share, as causes of a regression. */
+/* Elastic coefficients shared by arms of one model, as causes of a regression. */
 #include "fleet/basis.h"
 
 int mukca_fleet_terms(int n_joints)
@@ -46,7 +46,7 @@ bool mukca_fleet_add(mukca_regression *m, const mukca_fleet_prior *prior)
     const int n = m->recording.chain->n_joints;
     const double spread = m->recording.options.mass_spread;
     bool ok = true;
-    m->recording.options.mass_spread = 0; /* one coefficient, not one factor per mass */
+    m->recording.options.mass_spread = 0; /* one coefficient instead of a factor per mass */
     for (int i = 0; i < mukca_fleet_terms(n) && ok; i++) {
         const mukca_effect effect = mukca_fleet_term(i, n);
         const bool load = effect.kind == MUKCA_EFFECT_JOINT_COMPLIANCE ? m->recording.have_torques

@@ -1,4 +1,4 @@
-/* A recording as it would be without what the traits of its model say. */
+/* Correction of a recording for the traits of its model. */
 #include "fleet/correct.h"
 
 #include <math.h>

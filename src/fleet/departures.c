@@ -1,4 +1,4 @@
-/* Arms that depart from their fleet: each against the posterior predictive of its sisters. */
+/* Arms that depart from their fleet: each compared with the posterior predictive of its sisters. */
 #include "fleet/departures.h"
 
 #include <math.h>
@@ -9,26 +9,25 @@
 
 enum {
     T = MUKCA_FLEET_TERMS,
-    REFITS = 64 /* up to so many arms the spread is fitted without each in turn; of more, one arm
-                   changes it by less than its own uncertainty */
+    REFITS = 64 /* up to this number of arms the spread is fitted again without each; in larger
+                   fleets one arm changes it by less than its uncertainty */
 };
 
-/* How far an arm may depart, prior sigmas, rad/(N m): as soft as the usual springs of
- * mukca_sizes_spring. */
+/* Prior sigmas of a departure, rad/(N m): typical sizes of mukca_sizes_spring. */
 static const double sizes[] = {30e-6, 100e-6, 300e-6};
 enum { SIZES = sizeof sizes / sizeof *sizes };
 
-/* An arm against its sisters. */
+/* Comparison of an arm with its sisters. */
 typedef struct {
     const mukca_population *sisters;
     const double *mean;   /* of the sisters */
-    double V[T * T];      /* of its coefficients before its data */
-    mukca_arm_evidence w; /* what it says of their mean; e becomes the residual about that */
+    double V[T * T];      /* prior covariance of its coefficients */
+    mukca_arm_evidence w; /* its evidence on the mean; e: the residual about the sisters' mean */
 } comparison;
 
-/* The prior of its coefficients has the uncertainty of the mean, and the scatter, widened for what
- * so few sisters know of it (Student's t).  `average`: over which means are 0, else all
- * coefficients are present. */
+/* The prior of the arm's coefficients combines the uncertainty of the mean and the scatter, widened
+ * for the small number of sisters (Student's t).  `average`: averaged over the sets of nonzero
+ * means, else with all coefficients present. */
 static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm,
                     bool average)
 {
@@ -45,7 +44,7 @@ static bool compare(comparison *c, const mukca_population *p, const mukca_fleet 
     return true;
 }
 
-/* Coefficient k of the arm where its prior is wider by s2 there: mean and standard deviation. */
+/* Estimate coefficient k of the arm, with its prior variance increased by s2. */
 static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
 {
     const int n = c->sisters->n;
@@ -66,7 +65,7 @@ static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
     d->ratio = d->mean > 0 ? d->value / d->mean : (double)INFINITY;
 }
 
-/* Log Bayes factor of a departure in coefficient k; *best gets the prior variance that fits. */
+/* Log Bayes factor of a departure in coefficient k; *best: the most probable prior variance. */
 static double departs(const comparison *c, int k, double *best)
 {
     const double W = c->w.L[k * c->sisters->n + k], r = c->w.e[k];
@@ -79,7 +78,7 @@ static double departs(const comparison *c, int k, double *best)
     return mukca_stats_log_sum_exp(value, SIZES);
 }
 
-/* The whole fleet without one arm, its spread as it is. */
+/* Remove one arm from the population, with unchanged spread. */
 static void downdate(mukca_population *p, const mukca_fleet *f, int arm)
 {
     const int n = p->n;
@@ -109,7 +108,7 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         double odds[T + 1] = {0}, size[T] = {0};
         int top = 0;
         departure[a] = (mukca_departure){.arm = a, .k = -1};
-        if (f->n_arms < 3) continue; /* of two, either may depart */
+        if (f->n_arms < 3) continue; /* of two arms, either may depart */
         if (f->n_arms <= REFITS)
             mukca_population_fit(&sisters, f, a, true);
         else if (!f->arm[a].departs)
@@ -124,7 +123,8 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         departure[a].k = top;
         departure[a].effect = mukca_fleet_term(all->term[top], f->model.n_joints);
         departure[a].log_bayes_factor = odds[top] - each;
-        departure[a].probability = 1 - exp(-total); /* of any departure; the top one is named */
+        departure[a].probability =
+            1 - exp(-total); /* of any departure; the most probable is reported */
         estimate(&departure[a], &c, top, size[top]);
         const bool wanted = estimates && compare(&own, &sisters, f, a, true);
         for (int k = 0; k < n && wanted; k++) {

@@ -1,4 +1,4 @@
-/* Summaries of the arms of one model, gathered. */
+/* Collection of the summaries of arms of one model. */
 #include "fleet/fleet.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 #include "math/dense.h"
 
-/* Is there a Gaussian with that information?  Tested beside a prior of the softest gears. */
+/* Is the information positive definite, up to a prior of the softest gears? */
 static bool is_possible(const mukca_summary *s, int terms)
 {
     const double softest = 1e-3; /* rad/(N m) */
@@ -16,7 +16,7 @@ static bool is_possible(const mukca_summary *s, int terms)
         for (int j = 0; j <= i; j++)
             A[i * terms + j] = s->information[mukca_fleet_packed(i) + j] * softest * softest;
         if (!(A[i * terms + i] >= 0) || !isfinite(s->vector[i])) return false;
-        A[i * terms + i] = A[i * terms + i] * (1 + 1e-9) + 1; /* as far as it was written */
+        A[i * terms + i] = A[i * terms + i] * (1 + 1e-9) + 1; /* rounding in the file */
     }
     return mukca_dense_cholesky(A, terms) == 0;
 }
@@ -51,7 +51,7 @@ mukca_status mukca_fleet_take(mukca_fleet *f, const mukca_summary *s, const char
         return mukca_fail(
             error, MUKCA_INPUT,
             "%s: the information is not positive semidefinite; write the summary anew", path);
-    /* one piece for each session: numbers, ripple, name */
+    /* one block per session: numbers, ripple, name */
     double *numbers = mukca_pool_take(
         &f->pool, 1,
         sizeof(double) * (size_t)(packed + terms) + orders * sizeof(int16_t) + length + 1);
@@ -100,7 +100,7 @@ static int by_arm(const void *a, const void *b)
     return order ? order : by_data(a, b);
 }
 
-/* Add up the sessions [first, end). */
+/* Sum the sessions [first, end). */
 static bool sum(mukca_fleet_arm *arm, mukca_fleet *f, int first, int end)
 {
     const mukca_fleet_session *s = f->session;

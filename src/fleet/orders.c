@@ -1,17 +1,18 @@
-/* Orders of transmission ripple that a fleet shares: log Bayes factors, added over the arms. */
+/* Orders of transmission ripple shared by a fleet: log Bayes factors, summed over the arms. */
 #include "fleet/orders.h"
 
 #include <math.h>
 
 #include "math/stats.h"
 
-/* Share of arms with an order of their own: a model's gears fix its orders, so that is a fault. */
+/* Share of arms with an individual order.  The gears of a model determine its orders: an individual
+ * order is a fault. */
 #define FAULTY 0.1
 
 /* Three hypotheses of a joint: no ripple; all arms have ripple of one order; some arms have an
- * order of their own.  The last one keeps one arm's fault from passing for the fleet's.  The odds
- * that no joint has ripple are even, however many joints there are (as in departures.c); the other
- * two are alike. */
+ * individual order.  The last keeps the fault of one arm from being attributed to the fleet.  Even
+ * odds that no joint has ripple, whatever the number of joints (as in departures.c); equal odds of
+ * the other two. */
 static void pool_joint(mukca_shared_order *shared, const mukca_fleet *f, int joint)
 {
     double pooled[MUKCA_FLEET_ORDERS] = {0}, own[MUKCA_FLEET_ORDERS + 1], all[3];

@@ -1,4 +1,4 @@
-/* Orders of transmission ripple that a fleet shares. */
+/* Orders of transmission ripple shared by a fleet. */
 #ifndef MUKCA_FLEET_ORDERS_H
 #define MUKCA_FLEET_ORDERS_H
 
@@ -6,9 +6,9 @@
 
 typedef struct {
     int joint, order;
-    double log_bayes_factor; /* sum over the arms that do not depart */
-    double probability; /* shared, against other orders, an order of each arm's own, and none */
-    int arms;           /* whose own data favour it */
+    double log_bayes_factor; /* sum over the arms that do not depart from the fleet */
+    double probability; /* of this shared order, against other orders, individual orders and none */
+    int arms;           /* number of arms whose data favour it */
 } mukca_shared_order;
 
 /* shared[n_joints]: the most probable order of each joint (order 0: none was scanned). */

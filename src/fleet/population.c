@@ -8,18 +8,19 @@
 
 enum { T = MUKCA_FLEET_TERMS, ROUNDS = 60 };
 
-/* Start of the spread, and the least that is believed, rad/(N m): springs of 10 urad/(N m) that
- * differ by a tenth. */
+/* Initial spread and its lower bound, rad/(N m): springs of 10 urad/(N m) that differ by a
+ * tenth. */
 #define FIRST_SPREAD 20e-6
 #define LEAST_SPREAD 1e-6
-/* Prior of the spread, worth so many arms: gears of one type scatter by a fifth (makers of strain
- * wave gears state the least stiffness as 80 % of the mean), and two arms cannot tell. */
+/* Prior of the spread, with the weight of so many arms: gears of one type scatter by a fifth (data
+ * sheets of strain wave gears state a minimum stiffness of 80 % of the mean), and two arms cannot
+ * determine it. */
 #define SPREAD_ARMS 2.0
 #define USUAL_SCATTER 0.2
-#define USUAL_SPREAD 4e-6 /* rad/(N m): a fifth of 20 urad/(N m), a usual spring */
-/* Relative change at which the fit ends: far below what a thousand arms know. */
+#define USUAL_SPREAD 4e-6 /* rad/(N m): a fifth of 20 urad/(N m), a typical spring */
+/* Relative change at which the fit stops: far below the uncertainty with a thousand arms. */
 #define SETTLED 1e-3
-/* Prior sigma of a mean, rad/(N m): the largest usual one of mukca_sizes_spring. */
+/* Prior sigma of a mean, rad/(N m): the largest size of mukca_sizes_spring. */
 #define MOST_MEAN 300e-6
 
 void mukca_population_arm(mukca_arm_evidence *a, const mukca_population *p, const mukca_fleet *f,
@@ -79,7 +80,7 @@ bool mukca_population_scatter(mukca_arm_evidence *out, const mukca_arm_evidence 
     return invert(P, A, n) && scatter(out, arm, P, n);
 }
 
-/* Coefficients that some arm's data inform. */
+/* Select the coefficients on which at least one arm has information. */
 static void choose_terms(mukca_population *p, const mukca_fleet *f)
 {
     p->n = 0;
@@ -93,8 +94,7 @@ static void choose_terms(mukca_population *p, const mukca_fleet *f)
     }
 }
 
-/* The mean that fits best among those without negative coefficients: the most negative one is held
- * at zero until none is left. */
+/* Best non-negative mean: repeatedly fix the most negative coefficient at zero. */
 static void solve_mean(mukca_population *p)
 {
     const int n = p->n;
@@ -147,7 +147,7 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
         }
         for (int i = 0; i < n * n; i++) p->information[i] += w.L[i];
     }
-    /* Coefficients that are seen in combination only stay within the size of springs. */
+    /* Coefficients identifiable only in combination are bounded by the size of springs. */
     for (int i = 0; i < n; i++) p->information[i * n + i] += 1 / (MOST_MEAN * MOST_MEAN);
 }
 
@@ -160,13 +160,13 @@ static double step_spread(mukca_population *p, const double *square, const doubl
     for (int i = 0; i < p->n; i++) {
         const double usual = fmax(USUAL_SCATTER * p->mean[i], USUAL_SPREAD),
                      v = pow(p->spread[i], 2);
-        /* n arms' residuals about a mean that was fitted to them */
+        /* correction for the fitted mean of n arms */
         const double lost = p->n_arms > 1 ? (double)p->n_arms / (p->n_arms - 1) : 1;
         const double next = sqrt((lost * square[i] * v * v + SPREAD_ARMS * usual * usual) /
                                  (diagonal[i] + SPREAD_ARMS / v));
         const double spread = fmax(sqrt(next), LEAST_SPREAD);
         const double change = fabs(spread / p->spread[i] - 1);
-        if (change > most) most = change; /* with fmax, gcc 12 for aarch64 crashes */
+        if (change > most) most = change; /* fmax crashes gcc 12 for aarch64 */
         p->spread[i] = spread;
     }
     return most;

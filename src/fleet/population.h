@@ -1,4 +1,4 @@
-/* The population of a fleet's coefficients: each arm's own, scattered about a common mean.
+/* The population of a fleet's coefficients: those of each arm, scattered about a common mean.
  *
  * Random effects with known information per arm (N. Laird, J. Ware, Random-effects models for
  * longitudinal data, Biometrics 38, 1982): c_arm ~ N(mean, diag(spread^2)), mean >= 0.
@@ -9,25 +9,25 @@
 #include "fleet/fleet.h"
 
 typedef struct {
-    int n; /* coefficients that some arm's data inform */
+    int n; /* coefficients on which at least one arm has information */
     int term[MUKCA_FLEET_TERMS];
     int n_arms;
     double spread[MUKCA_FLEET_TERMS]; /* standard deviation between arms, rad/(N m) */
-    /* of the means: information with the arms' scatter in it, times the estimate */
+    /* Of the means: information, including the arms' scatter, and information times estimate. */
     double information[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS], vector[MUKCA_FLEET_TERMS];
-    /* means, none below 0, and their covariance with all coefficients present ... */
+    /* Non-negative means and their covariance, with all coefficients present. */
     double mean[MUKCA_FLEET_TERMS], covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
-    /* ... and averaged over which of them are 0 */
+    /* The same, averaged over the sets of nonzero means. */
     double average[MUKCA_FLEET_TERMS];
     double average_covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
-    /* a mean given that it is not 0, with its 95 % interval */
+    /* A mean given that it is not 0, with its 95 % interval. */
     double value[MUKCA_FLEET_TERMS], low[MUKCA_FLEET_TERMS], high[MUKCA_FLEET_TERMS];
-    int arms[MUKCA_FLEET_TERMS];                /* that inform each coefficient */
+    int arms[MUKCA_FLEET_TERMS];                /* number of arms with information on it */
     double log_bayes_factor[MUKCA_FLEET_TERMS]; /* of a mean above 0, given the other shared ones */
     double probability[MUKCA_FLEET_TERMS];      /* that the mean is above 0 */
 } mukca_population;
 
-/* What one arm says, in the population's coefficients: information [n][n] and vector [n]. */
+/* Evidence of one arm on the population's coefficients: information [n][n] and vector [n]. */
 typedef struct {
     double L[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS], e[MUKCA_FLEET_TERMS];
 } mukca_arm_evidence;
@@ -35,26 +35,26 @@ typedef struct {
 void mukca_population_arm(mukca_arm_evidence *evidence, const mukca_population *population,
                           const mukca_fleet *fleet, int arm);
 
-/* The information that it gives on its mean where it varies about that with covariance
- * V[n][n]: W = (inverse(L) + V)^-1, w = W inverse(L) e.  False: V is not positive definite. */
+/* Its information on the mean, if the arm varies about the mean with covariance V[n][n]: W =
+ * (inverse(L) + V)^-1, w = W inverse(L) e.  False: V is not positive definite. */
 bool mukca_population_scatter(mukca_arm_evidence *out, const mukca_arm_evidence *arm,
                               const double *V, int n);
 
-/* Fit the population to all arms but those that depart and `without` (-1: none), from the present
- * mean and spread on where `warm`. */
+/* Fit the population to all arms but those that depart and `without` (-1: none), starting from the
+ * present mean and spread if `warm`. */
 void mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
                           bool warm);
 
-/* From information and vector: averages, values and probabilities, by an average over sets of
- * coefficients that are not 0 (A. Raftery, D. Madigan, J. Hoeting, Bayesian model averaging for
- * linear regression models, J. Am. Stat. Assoc. 92, 1997). */
+/* Compute averages, values and probabilities from information and vector by model averaging over
+ * the sets of nonzero coefficients (A. Raftery, D. Madigan, J. Hoeting, Bayesian model averaging
+ * for linear regression models, J. Am.  Stat.  Assoc. 92, 1997). */
 void mukca_population_average(mukca_population *population);
 
-/* A coefficient of the population, described. */
+/* Description of a coefficient of the population. */
 typedef struct {
     mukca_effect effect;
     double mean, error;      /* with all coefficients present; its standard error, rad/(N m) */
-    double value, low, high; /* given that it is not 0, and averaged over which others are; 95 % */
+    double value, low, high; /* given that it is not 0, averaged over sets of the others; 95 % */
     double spread;
     int arms;
     double log_bayes_factor; /* of a mean above 0, given the other shared coefficients */

@@ -1,5 +1,5 @@
-/* Which coefficients a fleet shares, and how large they are: an average over sets of coefficients
- * that are not zero. */
+/* Coefficients shared by a fleet, and their sizes: model averaging over the sets of nonzero
+ * coefficients. */
 #include <math.h>
 #include <string.h>
 
@@ -9,25 +9,25 @@
 
 enum { T = MUKCA_FLEET_TERMS };
 
-/* Prior sigmas of a mean, rad/(N m): the usual ones of mukca_sizes_spring. */
+/* Prior sigmas of a mean, rad/(N m): the sizes of mukca_sizes_spring. */
 static const double sizes[] = {10e-6, 30e-6, 100e-6, 300e-6};
 enum { SIZES = sizeof sizes / sizeof *sizes };
 
-/* Of a set: nothing in a sum, and far from the smallest number. */
+/* Of a set: negligible in a sum, and far from underflow. */
 #define LEAST_LOG_WEIGHT (-200.0)
 
 typedef struct {
     mukca_population *p;
-    double log_prior; /* odds of one more coefficient: that there is one at all, then which */
+    double log_prior; /* odds of one more coefficient: of any, then of which */
     bool set[T];      /* the most probable coefficients */
-    bool best[T];     /* a better set, and its log odds */
+    bool best[T];     /* the best set so far, and its log odds */
     double gain;
     double total;                              /* weight of all sets so far */
     double mean[T], square[T * T], present[T]; /* sums with their weights */
 } average;
 
 /* The members of a set, without coefficient k (-1: none); A gets the factor of their information.
- * Returns their number, -1 where that fails. */
+ * Returns their number, -1: not positive definite. */
 static int factor(double *A, int *index, const average *a, const bool *set, int k)
 {
     const mukca_population *p = a->p;
@@ -40,7 +40,7 @@ static int factor(double *A, int *index, const average *a, const bool *set, int 
     return m && mukca_dense_cholesky(A, m) ? -1 : m;
 }
 
-/* Log Bayes factor of coefficient k besides those of the set (k left out of it). */
+/* Log Bayes factor of coefficient k, given those of the set without k. */
 static double log_bayes(const average *a, const bool *set, int k)
 {
     const mukca_population *p = a->p;
@@ -58,21 +58,20 @@ static double log_bayes(const average *a, const bool *set, int k)
     }
     for (int s = 0; s < SIZES; s++) {
         const double s2 = sizes[s] * sizes[s], d = 1 + s2 * G;
-        /* half of the prior has the wrong sign */
+        /* half-normal prior: only one sign is possible */
         value[s] = -0.5 * log(d) + 0.5 * s2 * g * g / d + log(2) +
                    mukca_stats_log_normal_cdf(sqrt(s2 / d) * g) - log(SIZES);
     }
     return mukca_stats_log_sum_exp(value, SIZES);
 }
 
-/* Add a set with its weight to the average: the coefficients in it are Gaussian, the others zero.
- */
+/* Add a set with its weight to the average: its coefficients are Gaussian, the others zero. */
 static void take(average *a, const bool *set, double log_weight)
 {
     const int n = a->p->n;
     int index[T] = {0};
     double A[T * T] = {0}, C[T * T] = {0}, mean[T] = {0};
-    /* the floor keeps the value of a coefficient that is surely 0 */
+    /* the lower bound preserves the value of a coefficient that is almost certainly 0 */
     const double weight = exp(fmax(log_weight, LEAST_LOG_WEIGHT));
     const int m = factor(A, index, a, set, -1);
     if (m < 0) return;
@@ -90,8 +89,8 @@ static void take(average *a, const bool *set, double log_weight)
     }
 }
 
-/* Call f with all sets that differ from the present one by a coefficient, or by one for another,
- * and their log odds against it. */
+/* Call f with all sets that differ from the present one by one coefficient or by one exchange, and
+ * their log odds against it. */
 static void visit(average *a, void (*f)(average *, const bool *set, double log_odds))
 {
     const int n = a->p->n;
@@ -118,12 +117,12 @@ static void remember(average *a, const bool *set, double log_odds)
     memcpy(a->best, set, sizeof a->best);
 }
 
-/* The most probable set, by such steps. */
+/* Search for the most probable set by such steps. */
 static void search(average *a)
 {
-    /* far more than coefficients that come and go */
+    /* far more rounds than changes of coefficients */
     for (int round = 0; round < 4 * a->p->n; round++) {
-        a->gain = 1e-9; /* rounding does not go in circles */
+        a->gain = 1e-9; /* no cycles due to rounding */
         visit(a, remember);
         if (!(a->gain > 1e-9)) return;
         memcpy(a->set, a->best, sizeof a->set);

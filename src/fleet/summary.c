@@ -1,4 +1,4 @@
-/* The summary of a recording for its fleet. */
+/* Summary of a recording for its fleet. */
 #include "fleet/summary.h"
 
 #include <math.h>
@@ -16,7 +16,8 @@ static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t n)
 
 #define HASH_START UINT64_C(14695981039346656037)
 
-/* Numbers to a multiple of `unit`: equal files from other tools differ in the last digit. */
+/* Hash numbers rounded to multiples of `unit`: equal files from other tools differ in the last
+ * digit. */
 static uint64_t hash_numbers(uint64_t hash, const double *x, int n, double unit)
 {
     for (int i = 0; i < n; i++) {
@@ -52,7 +53,7 @@ void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain)
         model->masses = hash_numbers(model->masses, chain->mass[i].com, 3, 1e-6);
     }
     model->masses = hash_numbers(model->masses, chain->gravity, 3, 1e-3);
-    /* arms of one model have factory files of their own */
+    /* factory files differ between arms of one model */
     if (chain->urdf_geometry) model->geometry = chain->urdf_geometry;
 }
 
@@ -75,7 +76,7 @@ uint64_t mukca_summary_hash(const mukca_dataset *data)
     return hash;
 }
 
-/* Whether a joint has a gear harmonic among the causes. */
+/* True if a gear harmonic of the joint is among the causes. */
 static bool has_ripple(const mukca_unknowns *u, int joint)
 {
     for (int c = 0; c < u->n_causes; c++) {
@@ -86,8 +87,8 @@ static bool has_ripple(const mukca_unknowns *u, int joint)
     return false;
 }
 
-/* Log Bayes factors of all orders against the present model, of one joint (-1: of all without a
- * gear harmonic in it). */
+/* Log Bayes factors of all orders of one joint against the present model (-1: of all joints without
+ * a gear harmonic in it). */
 static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
 {
     const mukca_recording *r = &m->recording;
@@ -114,9 +115,9 @@ static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
     return true;
 }
 
-/* Information on the last columns with all others integrated out: their block of the factor of the
- * scaled posterior precision is that of its Schur complement, which is I + D S D with the prior
- * sigmas D. */
+/* Information S on the last columns with all others marginalised: their block of the factor of the
+ * scaled posterior precision is the factor of the Schur complement I + D S D, with the prior sigmas
+ * D. */
 static void marginalise(mukca_summary *s, const mukca_regression *m)
 {
     const mukca_unknowns *u = &m->unknowns;
@@ -148,8 +149,8 @@ static void marginalise(mukca_summary *s, const mukca_regression *m)
 
 mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_error *error)
 {
-    /* While it is linearised, each coefficient is held to the size of soft gears: three times a
-     * Panda's largest.  The summary itself does not hold it. */
+    /* For the linearisation, each coefficient has a prior of the size of soft gears, three times a
+     * Panda's largest.  The summary does not contain this prior. */
     const double held = 300e-6;
     mukca_fleet_prior prior[MUKCA_FLEET_TERMS];
     mukca_unknowns own;
@@ -157,8 +158,8 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
     mukca_fleet_model_of(&s->model, m->recording.chain);
     s->samples = m->recording.n_samples;
     bool ok = mukca_unknowns_clone(&own, &m->pool, &m->unknowns);
-    /* The orders of a joint compete without the arm's own there, but with those of the other
-     * joints: strong ripple that is left over passes for faint ripple elsewhere. */
+    /* The orders of a joint are scored without the identified orders of that joint, but with those
+     * of the others: unmodelled strong ripple would appear as faint ripple elsewhere. */
     for (int j = m->recording.chain->n_joints - 1; j >= -1 && ok; j--) {
         if (j >= 0 && !has_ripple(&own, j)) continue;
         mukca_unknowns_assign(&m->unknowns, &own);

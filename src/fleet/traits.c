@@ -1,4 +1,4 @@
-/* From a gathered fleet to the traits of its model. */
+/* Traits of a model from its fleet. */
 #include "fleet/traits.h"
 
 #include <math.h>
@@ -56,7 +56,7 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
     bool any = false;
     for (int a = 0; a < f->n_arms; a++)
         any |= f->arm[a].departs = r->departure[a].probability >= MUKCA_DEPARTS;
-    if (any) { /* a broken arm says nothing of its sisters */
+    if (any) { /* a broken arm has no information on its sisters */
         mukca_population_fit(&r->population, f, -1, true);
         mukca_departures_find(r->departure, r->estimate, &r->population, f);
     }
