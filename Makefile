@@ -3,8 +3,8 @@
 # Sources are found by wildcard: src/*/*.c make the program, tests/unit/test_*.c one cmocka program
 # each, tests/*.sh and tests/*/run.sh the script tests of `make check` (MUKCA and BUILD are in their
 # environment; they print `ok NAME` or `not ok NAME` lines, and exit 77 when skipped).
-# Objects lie in $(BUILD); `make BUILD=build/x CFLAGS=...` builds a variant beside the usual one;
-# `make V=1` shows the commands in full.
+# Objects go to $(BUILD); `make BUILD=build/x CFLAGS=...` builds a variant next to the default one;
+# `make V=1` prints full commands.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -15,12 +15,12 @@ PYTHON ?= python3
 
 VERSION := $(shell sed -n 's/.*MUKCA_VERSION "\(.*\)".*/\1/p' include/mukca/version.h)
 
-# ---- what is built from what ---------------------------------------------------------------------
+# ---- sources, objects, products ------------------------------------------------------------------
 # rooms of the core library, in the order of tests/layers.sh
 CORE_ROOMS := base math model effect arm fit recalibrate capture plan simulate diagnose fleet
 CORE_SRC := $(filter-out src/fit/nlopt_adapter%,$(foreach room,$(CORE_ROOMS),\
             $(sort $(wildcard src/$(room)/*.c))))
-# of these, what a control loop needs: no stdio, no allocation, no clock, no locale
+# the part of these for control loops: no stdio, no allocation, no clock, no locale
 RT_SRC := $(addprefix src/,$(addsuffix .c,base/cells base/number base/print math/orientation \
           math/rotation math/sincos model/chain model/fk model/fk_jacobian model/gravity model/row_state \
           arm/acceptance arm/corrected arm/corrected_jacobian arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
@@ -39,7 +39,7 @@ CORE_OBJ := $(call object,$(CORE_SRC))
 RT_OBJ   := $(call object,$(RT_SRC))
 REST_OBJ := $(call object,$(REST_SRC))
 CLI_OBJ  := $(call object,$(CLI_SRC))
-# what tests may use of the command-line layer: everything but main
+# the part of the command-line layer that tests link: all but main
 CLI_LIB  := $(filter-out %/main.o,$(CLI_OBJ))
 TESTS    := $(TEST_SRC:tests/unit/%.c=$(BUILD)/tests/%)
 BENCHES  := $(BENCH_SRC:tools/bench/%.c=$(BUILD)/bench/%)
@@ -55,17 +55,17 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -W
 C_WARNINGS := $(WARNINGS) -Wstrict-prototypes -Wmissing-prototypes
 OPTIMISE := -O3 -g -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections
 DEFINES  := -D_DEFAULT_SOURCE -D_XOPEN_SOURCE=700
-# `make HARDENING=` leaves them out; so does a compiler without one of them.
+# `make HARDENING=` disables these flags; so does a compiler that lacks one of them.
 HARDENING ?= -fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
 HARDEN    := $(shell $(CC) -Werror -O1 $(HARDENING) -x c -c -o /dev/null /dev/null 2>/dev/null && \
              echo '$(HARDENING)')
 C_FLAGS   = -std=c11 $(OPTIMISE) $(HARDEN) $(C_WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
 CXX_FLAGS = -std=c++17 $(OPTIMISE) $(HARDEN) $(WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP
-# A build id hashes the build's path; without one a package is the same wherever it is built.
+# A build id depends on the build path; without it packages are reproducible.
 LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none -Wl,-z,relro,-z,now,-z,noexecstack
 
-# Flags of the libraries come from a small makefile that is made first; make then starts anew.
-# `demo` and `check` install what is missing, the other targets only say so.
+# The flags of the libraries are in a generated makefile; make restarts after generating it.
+# `demo` and `check` install missing libraries, the other targets only report them.
 NEEDS_LIBRARIES := $(filter-out core rt check-arm64 check-cortex-m7 deb-arm64 clean help dist uninstall format,$(or $(MAKECMDGOALS),all))
 ifneq ($(NEEDS_LIBRARIES),)
 include $(BUILD)/config.mk
@@ -76,7 +76,7 @@ $(BUILD)/config.mk: tools/deps tools/config
 	@$(if $(SYSROOT),,tools/deps $(if $(filter demo check,$(MAKECMDGOALS)),,--check))
 	@$(SYSROOT_CONFIG) tools/config > $@.new && mv $@.new $@
 
-# SYSROOT=FOLDER: headers and libraries of another machine (tools/sysroot), for a cross compiler
+# SYSROOT=FOLDER: headers and libraries of the target (tools/sysroot), for a cross compiler
 ifneq ($(SYSROOT),)
 SYSROOT_LIB := $(SYSROOT)/usr/lib/$(shell $(CC) -dumpmachine)
 SYSROOT_CONFIG := PKG_CONFIG_SYSROOT_DIR=$(SYSROOT) PKG_CONFIG_LIBDIR=$(SYSROOT_LIB)/pkgconfig:$(SYSROOT)/usr/share/pkgconfig
@@ -109,14 +109,14 @@ $(CORE) $(RT):
 $(BUILD)/mukca: $(CLI_OBJ) $(REST_OBJ) $(CORE)
 	$(call quietly,LD $@)$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm
 
-# A changed compiler or flag rebuilds everything.
+# A change of compiler or flags rebuilds everything.
 $(BUILD)/flags: FORCE
 	@mkdir -p $(@D)
 	@echo '$(subst ','\'',$(CC) $(CXX) $(C_FLAGS) $(CXX_FLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' | \
 	    cmp -s - $@ || echo '$(subst ','\'',$(CC) $(CXX) $(C_FLAGS) $(CXX_FLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' > $@
 
 $(CORE_OBJ): LIB_CFLAGS :=
-# Control loops run where there is no libc to report a broken stack.
+# No stack protector: targets of control loops may lack the libc functions that it calls.
 $(RT_OBJ): private HARDEN :=
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -126,7 +126,7 @@ $(BUILD)/obj/%.o: %.cc $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call quietly,CXX $<)$(CXX) $(CXX_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) -c -o $@ $<
 
-# Tests of "kernels allocate nothing" count the calls of a wrapped malloc.
+# Tests of kernels without allocation count the calls of a wrapped malloc.
 $(BUILD)/tests/test_noalloc%: LD_FLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/unit/%.o $(CLI_LIB) $(REST_OBJ) $(CORE)
 	@mkdir -p $(@D)
@@ -136,7 +136,7 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tools/bench/%.o $(REST_OBJ) $(CORE)
 	@mkdir -p $(@D)
 	$(call quietly,LD $@)$(CXX) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) -lm
 
-# Examples show the core library to others: nothing but it and libm, and LCM where one speaks it.
+# Examples of the core library: linked with it and libm only, and with LCM if they use it.
 $(BUILD)/examples/example_impedance: EXAMPLE_LIBS = $(filter -llcm -l%thread-2.0 -lglib-2.0 -pthread,$(LIBS))
 $(EXAMPLES): $(BUILD)/examples/%: $(BUILD)/obj/tools/%.o $(CORE)
 	@mkdir -p $(@D)
@@ -200,7 +200,7 @@ fuzz: ## libFuzzer on every reader (FUZZ_SECONDS=60 each, two at a time)
 fuzz-run: $(FUZZERS)
 	@tests/fuzz/run $(FUZZERS)
 
-# A target whose script lies under tools/: tools/NAME/run*, tools/NAME.sh, tools/NAME.py or tools/NAME.
+# Script of a target NAME: tools/NAME/run*, tools/NAME.sh, tools/NAME.py or tools/NAME.
 script = $(or $(firstword $(wildcard $(1:%=tools/%/run) $(1:%=tools/%/run.sh) $(1:%=tools/%/run.py) \
     $(1:%=tools/%.sh) $(1:%=tools/%.py)) $(if $(wildcard tools/$(1)/.),,$(wildcard tools/$(1)))),\
     sh -c 'echo "make $@: its script tools/$(1) is not in this tree" >&2; exit 1')
@@ -270,7 +270,7 @@ share  := $(DESTDIR)$(PREFIX)/share
 MAN1   := $(wildcard mukca.1)
 MAN5   := $(wildcard mukca-formats.5)
 
-# Folders that install may have made, inner ones first; those of a system's own prefix are left.
+# Folders that install may have created, inner ones first, except those of a system prefix.
 emptied := $(libdir)/pkgconfig $(libdir)/systemd/system $(libdir)/systemd $(share)/man/man1 \
     $(share)/man/man5 $(share)/bash-completion/completions $(share)/bash-completion \
     $(share)/zsh/site-functions $(share)/zsh \

@@ -1,4 +1,4 @@
-/* A controller's use of the core library: load a table once, then ask in every cycle.
+/* Example of the core library in a controller: load a table once, evaluate in every cycle.
  *
  *     build/examples/example_controller offsets.tsv 0.1 0.2 0.3 -1.5 0.2 1.1 0.4
  *
@@ -11,7 +11,7 @@
 
 int main(int argc, char **argv)
 {
-    static mukca_corrected arm; /* some 30 kB, ours */
+    static mukca_corrected arm; /* some 30 kB, caller's memory */
     mukca_error error;
     double q[MUKCA_MAX_JOINTS] = {0}, position[3], J[6 * MUKCA_MAX_JOINTS], quaternion[4];
     mukca_frame tip;
@@ -26,7 +26,7 @@ int main(int argc, char **argv)
     const int n = arm.chain.n_joints;
     for (int j = 0; j < n && j + 2 < argc; j++) q[j] = strtod(argv[j + 2], NULL);
 
-    /* From here on: no allocation, no locks, no files.  In a control loop only this part stays. */
+    /* From here on no allocation, locks or files: the part for a control loop. */
     mukca_corrected_position(position, &arm, q, NULL);
     mukca_corrected_pose(&tip, &arm, q, NULL);
     mukca_corrected_jacobian(J, NULL, &arm, q, NULL);

@@ -1,4 +1,4 @@
-/* Cartesian impedance control with the corrected arm: joint states in, torques out, over LCM.
+/* Cartesian impedance control with the corrected arm: from joint states to torques, over LCM.
  *
  *     build/examples/example_impedance offsets.tsv --torque 110,110,70,70,30,30,15
  *
@@ -8,9 +8,10 @@
  * than 1e-3), I the integral of K (x_goal - Phi(q)) while the goal asks for it, and N the projector
  * onto the null space of J. The arm's driver adds the torques of gravity and Coriolis forces.
  *
- * It obeys impedance.goal on IMPEDANCE_GOAL (tools/closed_loop/types).  Before the first goal it
- * commands no torque.  On stale joint states, a goal out of limits or the table of another arm it
- * goes limp: it sends a last command of zero torque, prints why, and exits with code 1.
+ * Goals are impedance.goal messages on IMPEDANCE_GOAL (tools/closed_loop/types).  Before the first
+ * goal it commands no torque.  On stale joint states, a goal out of limits or the table of another
+ * arm it goes limp: it sends a last command of zero torque, prints the reason, and exits with code
+ * 1.
  *
  * Links libmukca_core.a, LCM and libm.
  */
@@ -35,16 +36,16 @@ enum { N_MAX = MUKCA_MAX_JOINTS, BINS = 1000 };
 
 /* The paper's stiffness: N/m in x, y, z, N m/rad about them; damping 2 sqrt(K). */
 static const double stiffness[6] = {15000, 15000, 2000, 40, 40, 40};
-#define NULL_STIFFNESS 10.0 /* N m/rad, 2 sqrt of it in N m s/rad: a posture, not a place */
-#define INTEGRAL_TIME 1.0   /* s, time constant of the compensator: five of them in its 5 s */
-#define MAX_INTEGRAL 40.0   /* N: friction of some N m at levers of some 0.1 m */
+#define NULL_STIFFNESS 10.0 /* N m/rad; damping 2 sqrt of it, N m s/rad */
+#define INTEGRAL_TIME 1.0   /* s, time constant of the integral term: a fifth of its 5 s */
+#define MAX_INTEGRAL 40.0   /* N: friction of some N m, lever arms of some 0.1 m */
 #define MAX_FORCE 100.0     /* N, of the spring */
 #define MAX_TORQUE_RATE 1.0 /* N m per cycle: 1000 N m/s at 1 kHz, as arms of this size allow */
 #define MAX_SPEED 0.25      /* m/s, of a goal: ISO 10218-1, reduced speed */
-#define MAX_STEP 0.5        /* m, from the goal before */
+#define MAX_STEP 0.5        /* m, from the previous goal */
 #define LIMIT_MARGIN \
     0.1 /* rad beyond the model's joint limits: calibrated zeros, not another arm */
-#define ANGULAR_LENGTH 0.1 /* m/rad, makes turning take time as well */
+#define ANGULAR_LENGTH 0.1 /* m/rad: duration of rotations */
 
 typedef struct {
     double taught[N_MAX], posture[N_MAX], offset[3], speed;
@@ -57,20 +58,20 @@ typedef struct {
     int n;
     double torque_limit[N_MAX], stale;
     bool lock_step;
-    /* goal: the tip goes from `from` to `to` */
+    /* Goal: motion of the tip from `from` to `to`. */
     bool has_goal, compensate;
     mukca_frame from, to, at;
     double turn[3], share, share_rate;
     double posture[N_MAX];
-    /* state */
+    /* State. */
     bool heard;
     int64_t utime;
     double integral[6], torque[N_MAX];
-    /* time of the law, 0.1 us per bin */
+    /* Run time of the control law, 0.1 us per bin. */
     long cycles, bins[BINS];
     double longest;
     lcm_t *lcm;
-    char limp[200]; /* why; empty: in control */
+    char limp[200]; /* reason; empty: in control */
 } controller;
 
 static volatile sig_atomic_t interrupted;
@@ -90,7 +91,7 @@ static void __attribute__((format(printf, 2, 3))) go_limp(controller *c, const c
     va_end(list);
 }
 
-/* ---- the wire: big-endian, fields in order ---- */
+/* ---- encoding: big-endian, fields in order ---- */
 
 typedef struct {
     const unsigned char *at, *end;
@@ -165,7 +166,7 @@ static void add_null_space(double *tau, const double *J, const double *tau0, int
         b[i] = 0;
         for (int k = 0; k < n; k++) b[i] += J[i * n + k] * tau0[k];
         for (int j = 0; j < 6; j++) {
-            A[i][j] = i == j ? 1e-6 : 0; /* m^2: keeps it solvable where J loses rank */
+            A[i][j] = i == j ? 1e-6 : 0; /* m^2: regularisation where J loses rank */
             for (int k = 0; k < n; k++) A[i][j] += J[i * n + k] * J[j * n + k];
         }
     }
@@ -176,7 +177,7 @@ static void add_null_space(double *tau, const double *J, const double *tau0, int
     }
 }
 
-/* Move the goal along its way; dt in s. */
+/* Advance the goal along its path; dt in s. */
 static void advance(controller *c, double dt)
 {
     double R[9];
@@ -187,7 +188,7 @@ static void advance(controller *c, double dt)
     mukca_mat3_mul(c->at.R, R, c->from.R);
 }
 
-/* Wrench of spring, damper and compensator at the tip. */
+/* Wrench of spring, damper and integral term at the tip. */
 static void wrench(double F[6], controller *c, const mukca_frame *tip, const double velocity[6],
                    double dt)
 {
@@ -203,7 +204,7 @@ static void wrench(double F[6], controller *c, const mukca_frame *tip, const dou
     }
 }
 
-/* Limits of torque and of its rate; a torque beyond the limit scales them all, which keeps the
+/* Limit torques and their rates; a torque beyond its limit scales all torques, which preserves the
  * direction. */
 static void limit(controller *c, const double *wanted)
 {
@@ -221,7 +222,7 @@ static void limit(controller *c, const double *wanted)
     }
 }
 
-/* Torques for q, v [n] dt s after the state before. */
+/* Compute torques for q[n], v[n], dt s after the previous state. */
 static void control(controller *c, const double *q, const double *v, double dt)
 {
     double J[6 * N_MAX], velocity[6] = {0}, F[6], tau[N_MAX] = {0}, posture[N_MAX];
@@ -274,7 +275,7 @@ static void on_status(const lcm_recv_buf_t *buffer, const char *channel, void *u
         go_limp(c, "a joint state is cut short or not finite");
         return;
     }
-    if (c->heard && utime == c->utime) { /* lock-step: asked again */
+    if (c->heard && utime == c->utime) { /* lock-step: repeated request */
         send_command(c);
         return;
     }
@@ -310,7 +311,7 @@ static bool within(const controller *c, const double *q)
     return true;
 }
 
-/* Start towards a goal; false where it is out of limits. */
+/* Start the motion to a goal; false: out of limits. */
 static bool set_goal(controller *c, const goal_message *goal)
 {
     if (!within(c, goal->taught) || !within(c, goal->posture) ||
@@ -358,7 +359,7 @@ static void on_goal(const lcm_recv_buf_t *buffer, const char *channel, void *use
 
 /* ---- the program ---- */
 
-/* Until interrupted or limp. */
+/* Run until interrupted or limp. */
 static void serve(controller *c)
 {
     while (!interrupted && !c->limp[0]) {
@@ -371,7 +372,7 @@ static void serve(controller *c)
     send_command(c);
 }
 
-/* Time that this share of the cycles needed at most, us. */
+/* Quantile `share` of the cycles' run time, us. */
 static double within_time(const controller *c, double share)
 {
     long seen = 0;
@@ -401,7 +402,7 @@ static void usage(const char *program)
     exit(MUKCA_USAGE);
 }
 
-/* The table, its arm checked. */
+/* Load the table and check its arm. */
 static mukca_status load(controller *c, const char *path, const char *robot, const char *sha256,
                          bool nominal, mukca_error *error)
 {

@@ -1,4 +1,4 @@
-/* Times of the fit on given data, as lines "name value": for run.py.
+/* Run times of the fit on given data, as lines "name value", for run.py.
  *
  * usage: bench_fit URDF REPEATS FOLDER...
  *   rows                         of the data
@@ -63,7 +63,7 @@ static void time_solvers(bench *b)
         }
 }
 
-/* The data `times` times over. */
+/* The data, repeated `times` times. */
 static mukca_status repeat(mukca_dataset *out, const mukca_dataset *data, int times)
 {
     const int n = data->n_rows, joints = data->n_joints;

@@ -1,13 +1,13 @@
-/* Times of forward kinematics per configuration, and as ratios to a yardstick: the C library's
- * sincos of each joint, timed in the same repeat.  Lines "NAME NANOSECONDS RATIO LOWER UPPER":
- * medians, and quartiles of the ratio; for kinematics.py.
+/* Run times of forward kinematics per configuration, absolute and relative to a yardstick: the C
+ * library's sincos of each joint, timed in the same repeat.  Lines "NAME NANOSECONDS RATIO LOWER
+ * UPPER": medians, and quartiles of the ratio; for kinematics.py.
  *
  * usage: bench_fk URDF ANGLES OFFSETS [CASADI.so]
  *
- * ANGLES: raw doubles, a row of joint angles after the other; each repeat takes the next 1000 rows.
- * Where rows came back, the processor would learn which way sincos branches, the better the less
- * else there is to time.  OFFSETS: a table with effects.  CASADI.so: functions that CasADi
- * generated (casadi_fk.py), on the same rows; their results are compared with ours.
+ * ANGLES: raw doubles, one row of joint angles after the other; each repeat uses the next 1000
+ * rows.  With repeated rows the branch predictor would learn sincos, and bias short kernels most.
+ * OFFSETS: a table with effects.  CASADI.so: functions that CasADi generated (casadi_fk.py), on the
+ * same rows; their results are compared with ours.
  */
 #define _GNU_SOURCE /* sincos */
 #include <dlfcn.h>
@@ -61,7 +61,7 @@ static void add(bench *b, const char *name, void (*run)(bench *), casadi_functio
     b->passes[b->n_passes++] = (pass){.name = name, .run = run, .function = function};
 }
 
-/* Processor time, s: a pass of some ms is often interrupted on a machine that does other work. */
+/* Processor time, s: on a busy machine a pass of some ms is often interrupted. */
 static double processor_time(void)
 {
     struct timespec now;
@@ -74,8 +74,8 @@ static bool next_rows(bench *b, FILE *angles)
     return fread(b->q, (size_t)b->chain.n_joints * sizeof *b->q, ROWS, angles) == ROWS;
 }
 
-/* All passes over the same rows in turn, so that what else the machine does hits them alike; the
- * first is the yardstick. */
+/* Run all passes in turn over the same rows, for equal disturbance by other load; the first is the
+ * yardstick. */
 static void measure(bench *b, FILE *angles)
 {
     size_t n = 0;
@@ -148,7 +148,7 @@ static void jacobians(bench *b)
                                     b->q + r * b->chain.n_joints);
 }
 
-/* Arguments q and theta (those that do not take it do not look), results position and Jacobian. */
+/* Arguments q and theta (ignored by functions without it), results position and Jacobian. */
 static void generated(bench *b)
 {
     for (int r = 0; r < ROWS; r++) {

@@ -1,4 +1,4 @@
-/* LCM: time to decode a message, and from a joint state to its pose.
+/* LCM: time to decode a message, and latency from a joint state to its pose.
  *
  *   bench_lcm decode        name, bytes, seconds per message, of three types
  *   bench_lcm pose RATE N   sends N joint states at RATE Hz to a running `mukca serve
@@ -24,7 +24,7 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* ---- messages, written by hand ---- */
+/* ---- messages, encoded by hand ---- */
 
 typedef struct {
     unsigned char bytes[2048];

@@ -1,12 +1,12 @@
-/* What plans are worth, on simulated arms: `make verify-plan`.
+/* Value of planned postures on simulated arms: `make verify-plan`.
  *
  *   bench_plan accuracy ARMS: held-out error after 20 planned rows per socket beside 40 random ones
  *
  *   bench_plan ties TIES [random]: how often 10 planned rows turn a tied diagnosis of a guided
  *   session (or of one of random postures) into the right name, beside 10 random ones
  *
- * Everything true (origins, effects, noise) is drawn from seeds; a planned row is one where the
- * true arm, led to the proposed joints, seats its ball in the true socket. */
+ * The truth (origins, effects, noise) is drawn from seeds; in a planned row the true arm, moved to
+ * the proposed joint angles, seats its ball in the true socket. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,7 +41,7 @@ static void sag(mukca_displacement *displacement, const double *q, void *context
                                &arm->geometry, q, &state);
 }
 
-/* Lead the true arm from q to where its ball sits in the socket, but for noise. */
+/* Move the true arm from q until its ball is in the socket, up to noise. */
 static bool seat(double *q, mukca_true_arm *arm, const mukca_place *place, int socket,
                  mukca_random *random)
 {
@@ -65,8 +65,8 @@ static void sockets_of(mukca_plan_socket sockets[2], const mukca_place *place, i
     }
 }
 
-/* `base` with the rows of a plan, as the true arm records them, after its own; sockets by label.
- * With `added`, the plan's last place is a new one. */
+/* Append the rows of a plan, as recorded by the true arm, to those of `base`; sockets by label.
+ * With `added`, the plan's last placement is new. */
 static void extend(mukca_dataset *out, const mukca_dataset *base, const mukca_plan *plan,
                    const mukca_plan_socket *sockets, mukca_true_arm *arm, const mukca_place *places,
                    bool keep, bool added, mukca_random *random)
@@ -93,7 +93,7 @@ static void extend(mukca_dataset *out, const mukca_dataset *base, const mukca_pl
         out->distances[base->n_distances] =
             (mukca_distance){base->n_sockets, base->n_sockets + 1, apart};
     }
-    /* rows of a socket together, as a session has them */
+    /* rows grouped by socket, as in a session */
     int row = 0;
     for (int k = 0; k < out->n_sockets; k++) {
         const char *label = out->sockets[k].label;
@@ -130,14 +130,14 @@ static double held_out(const mukca_chain *chain, const mukca_dataset *train,
     return mean.mae;
 }
 
-/* Rows of a plan at a place, as the true arm records them. */
+/* Rows of a plan at a placement, as recorded by the true arm. */
 static void follow(mukca_dataset *data, mukca_true_arm *arm, mukca_place *place, int rows,
                    const mukca_dataset *like, mukca_random *random)
 {
     mukca_plan_socket sockets[2];
     mukca_plan plan;
     mukca_error error;
-    /* random rows stand on their head as they like: so may planned ones */
+    /* random postures have any tilt: allow it for planned ones */
     const mukca_plan_options options = {
         .rows = rows, .noise = noise, .tilt = 4, .clearance = (double)NAN};
     sockets_of(sockets, place, 0);
@@ -232,7 +232,7 @@ static void accuracy(int arms)
     printf("\n");
 }
 
-/* The truth of a case: an elastic effect or another that has a near relation. */
+/* The true effect of a case: elastic, or another with a similar effect. */
 static mukca_effect draw_effect(const mukca_chain *chain, mukca_random *random)
 {
     static const struct {
@@ -259,14 +259,14 @@ static bool same(const mukca_effect *a, const mukca_effect *b)
     return a->kind == b->kind && a->joint == b->joint;
 }
 
-/* What came of a tied case with more rows. */
+/* Outcomes of tied cases with further rows. */
 typedef struct {
     int right, tied, other, told, told_right, moved;
 } outcome;
 
 enum { HERE, ADVISED, RANDOM_TEN, TIE_WAYS };
 
-/* The best other place for the tool, planned for beside the n sockets, if it is worth more. */
+/* Plan with the best additional placement beside the n sockets, if it is more informative. */
 static bool plan_elsewhere(mukca_plan *plan, mukca_plan_socket *sockets, int n,
                            const mukca_true_arm *arm, const double *theta,
                            const mukca_dataset *data, mukca_place *place,
@@ -299,7 +299,7 @@ static bool plan_elsewhere(mukca_plan *plan, mukca_plan_socket *sockets, int n,
     return true;
 }
 
-/* Put as many rows at random into the plan as it has. */
+/* Replace the rows of the plan by random ones. */
 static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
                     const mukca_true_arm *arm, const mukca_place *places, int n_places,
                     uint64_t seed)
@@ -329,7 +329,7 @@ static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
     mukca_dataset_free(&any);
 }
 
-/* Ten rows more for the first tie of `before`, and the diagnosis again: its verdict. */
+/* Add ten rows for the first tie of `before` and diagnose again; returns the verdict. */
 static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
                           const mukca_dataset *data, mukca_true_arm *arm, mukca_place *places,
                           uint64_t seed)
@@ -389,7 +389,7 @@ static void tell(const char *what, const outcome *o, int n)
     printf("\n");
 }
 
-/* Sessions as a person guides them (postures follow each other), or of random postures. */
+/* Sessions guided by hand (consecutive postures are near each other), or of random postures. */
 static void ties(int wanted, bool sweep)
 {
     static mukca_chain chain;

@@ -1,7 +1,6 @@
-/* Run a command REPEATS times, its output thrown away: prints the median wall time, s, the largest
- * peak memory, KiB, and the median processor time, s, which others on the machine hardly touch.
- * A small program of its own, because a child's peak counts what its parent held when it was
- * forked.
+/* Run a command REPEATS times without its output: prints the median wall time, s, the largest peak
+ * memory, KiB, and the median processor time, s, which other load hardly affects.  A separate small
+ * program, because a child's peak includes the memory of its parent at the fork.
  *
  * usage: bench_process REPEATS COMMAND [ARGUMENT...]
  */

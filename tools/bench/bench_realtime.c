@@ -1,5 +1,5 @@
-/* Time of each call of a control loop: bench_realtime OFFSETS [CALLS]; one line per function with
- * the mean, quantiles and the longest of all calls. */
+/* Run time of each call in a control loop: bench_realtime OFFSETS [CALLS]; one line per function
+ * with the mean, quantiles and maximum of all calls. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

@@ -1,5 +1,5 @@
-/* Rows per second of the re-calibration without text: the same few thousand rows over and over, as
- * if a log of that length were read.
+/* Rows per second of the re-calibration without text input: a few thousand rows, repeated to the
+ * length of the log.
  *
  * usage: bench_recalibrate URDF ROWS      prints "rows passes seconds rank", seconds of the
  * processor bench_recalibrate URDF ROWS -    prints a pose log of as many rows instead
@@ -36,8 +36,8 @@ static mukca_status rewind_log(void *context, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Postures at random, poses of an arm whose origins and zeros are some mm and mrad off, 0.1 mm of
- * noise. */
+/* Random postures and the poses of an arm with errors of some mm and mrad in origins and zeros, 0.1
+ * mm of noise. */
 static void fill(endless *log, const mukca_chain *chain)
 {
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
@@ -96,7 +96,7 @@ int main(int argc, char **argv)
     } else {
         const mukca_pose_log as_log = {.next = next, .rewind = rewind_log, .context = log};
         const mukca_recalibrate_task task = {chain, &as_log, 1, &options};
-        const clock_t start = clock(); /* of the processor: others may run beside us */
+        const clock_t start = clock(); /* processor time, independent of other load */
         if (mukca_recalibrate(result, &task, &error)) {
             fprintf(stderr, "bench_recalibrate: %s\n", error.text);
             return 1;
