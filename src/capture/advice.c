@@ -148,8 +148,7 @@ static mukca_status workspace_take(workspace *w, const mukca_capture *capture,
     return w->pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
 }
 
-/* Noise from the residuals, with the prior's and the effective number of parameters taken into
- * account. */
+/* Update the noise from the residuals, its prior and the effective number of parameters. */
 static void update_noise(mukca_capture *capture, workspace *w)
 {
     double squares = 0, taken = 0;

@@ -25,7 +25,8 @@ static void print_list(cli_call *call, const char *title, const mukca_text *l)
     cli_print_words(stream, 4, 4, l->at, l->used);
 }
 
-/* Parameters that are not identifiable by themselves, by joint: "panda_joint1 (x y z roll)". */
+/* Unidentifiable parameters, each alone in a null-space direction, by joint: "panda_joint1 (x y z
+ * roll)". */
 static void list_alone(mukca_text *l, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, hidden = n - fit->identification.rank;

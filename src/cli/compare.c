@@ -25,7 +25,7 @@ static const cli_option options[] = {
 
 typedef struct {
     mukca_corrected arm[2];
-    mukca_acceptance verdict[2]; /* zeroed: no table */
+    mukca_acceptance verdict[2]; /* not `given`: no table */
     mukca_offsets offsets;
     mukca_comparison comparison;
 } compare_work;

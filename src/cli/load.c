@@ -239,19 +239,19 @@ mukca_status cli_load(cli_call *call)
 
 mukca_status cli_condense(cli_call *call)
 {
-    mukca_condensed how;
+    mukca_condensed condensed;
     const mukca_status status =
-        mukca_condense(&how, &call->session->data, MUKCA_MOST_SAMPLES, &call->error);
-    if (status != MUKCA_OK || how.samples == how.rows) return status;
+        mukca_condense(&condensed, &call->session->data, MUKCA_MOST_SAMPLES, &call->error);
+    if (status != MUKCA_OK || condensed.samples == condensed.rows) return status;
     char text[160];
-    if (how.postures < how.rows) {
+    if (condensed.postures < condensed.rows) {
         snprintf(text, sizeof text, "%d rows are %d postures; the rows of each were averaged",
-                 how.rows, how.postures);
+                 condensed.rows, condensed.postures);
         cli_note(call, text);
     }
-    if (how.samples < how.postures) {
+    if (condensed.samples < condensed.postures) {
         snprintf(text, sizeof text, "%d of %d postures are used, in blocks that are evenly spread",
-                 how.samples, how.postures);
+                 condensed.samples, condensed.postures);
         cli_note(call, text);
     }
     return MUKCA_OK;

@@ -6,7 +6,7 @@
 
 /* Samples whose predictions differ by less than the repeatability of a printed socket (0.1 to 0.2
  * mm) are of one posture and carry no information on sockets, m. */
-static const double least_scatter = 5e-5;
+static const double least_rms = 5e-5;
 
 /* The predictions of a socket: sums first, then the mean and the sum of squares about it. */
 typedef struct {
@@ -14,13 +14,12 @@ typedef struct {
     double mean[3], squares;
 } cloud;
 
-static bool coincide(double *gap, const cloud *a, const cloud *b, double distance)
+static bool coincide(double *apart, const cloud *a, const cloud *b, double distance)
 {
     if (!a->count || !b->count) return false;
-    const double scatter = sqrt((a->squares + b->squares) / (a->count + b->count));
-    *gap = mukca_distance3(a->mean, b->mean);
-    return *gap < fmax(scatter, 0.08 * distance) && scatter > least_scatter &&
-           scatter < 0.25 * distance;
+    const double rms = sqrt((a->squares + b->squares) / (a->count + b->count));
+    *apart = mukca_distance3(a->mean, b->mean);
+    return *apart < fmax(rms, 0.08 * distance) && rms > least_rms && rms < 0.25 * distance;
 }
 
 int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *theta,

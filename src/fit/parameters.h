@@ -41,7 +41,7 @@ void mukca_parameters_unpack(double *theta, const mukca_parameters *parameters, 
 /* Name "joint.parameter" of entry `index` of theta. */
 void mukca_parameters_text(char text[MUKCA_PARAMETER_TEXT], const mukca_chain *chain, int index);
 
-/* Element of the last fixed joint before the tip, -1 where that joint is actuated. */
+/* Element of the last fixed joint before the tip, -1: the last joint is actuated. */
 int mukca_chain_tip_element(const mukca_chain *chain);
 
 /* Names of the frames that are fitted for measured poses. */

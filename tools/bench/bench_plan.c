@@ -2,8 +2,8 @@
  *
  *   bench_plan accuracy ARMS: held-out error after 20 planned rows per socket beside 40 random ones
  *
- *   bench_plan ties TIES [random]: how often 10 planned rows turn a tied diagnosis of a guided
- *   session (or of one of random postures) into the right name, beside 10 random ones
+ *   bench_plan ties TIES [random]: how often 10 planned rows turn a tied diagnosis of a
+ * guided session (or of one of random postures) into the right name, beside 10 random ones
  *
  * The truth (origins, effects, noise) is drawn from seeds; in a planned row the true arm, moved to
  * the proposed joint angles, seats its ball in the true socket. */
@@ -181,28 +181,29 @@ static void accuracy(int arms)
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
         mukca_simulate_arm(&arm, &chain, theta, 0, seed);
         for (int p = 0; p < PLACES; p++) snprintf(places[p].name, sizeof places[p].name, "p%d", p);
-        mukca_simulate_options how = {.rows = RANDOM_ROWS, .noise = noise, .seed = seed};
+        mukca_simulate_options recording = {.rows = RANDOM_ROWS, .noise = noise, .seed = seed};
         if (mukca_simulate_places(places, PLACES, &chain, apart, seed, &error) ||
             mukca_simulate_sockets(
                 &sets[RANDOM],
                 &(mukca_simulated_session){
-                    .arm = &arm, .places = places, .n_places = 1, .options = &how},
+                    .arm = &arm, .places = places, .n_places = 1, .options = &recording},
                 &error))
             fail(error.text);
-        how.sweep = true;
+        recording.sweep = true;
         if (mukca_simulate_sockets(
                 &sets[SWEEP],
                 &(mukca_simulated_session){
-                    .arm = &arm, .places = places, .n_places = 1, .options = &how},
+                    .arm = &arm, .places = places, .n_places = 1, .options = &recording},
                 &error))
             fail(error.text);
-        how.sweep = false;
-        how.seed += 500;
-        if (mukca_simulate_sockets(
-                &test,
-                &(mukca_simulated_session){
-                    .arm = &arm, .places = places + 1, .n_places = PLACES - 1, .options = &how},
-                &error))
+        recording.sweep = false;
+        recording.seed += 500;
+        if (mukca_simulate_sockets(&test,
+                                   &(mukca_simulated_session){.arm = &arm,
+                                                              .places = places + 1,
+                                                              .n_places = PLACES - 1,
+                                                              .options = &recording},
+                                   &error))
             fail(error.text);
         follow(&sets[SAME_PLACE], &arm, &places[0], 2 * PLANNED_ROWS, &sets[RANDOM], &random);
         const mukca_plan_options anywhere = {.rows = 2 * PLANNED_ROWS, .noise = noise};
@@ -261,7 +262,7 @@ static bool same(const mukca_effect *a, const mukca_effect *b)
 
 /* Outcomes of tied cases with further rows. */
 typedef struct {
-    int right, tied, other, told, told_right, moved;
+    int right, tied, other, promised, promised_right, moved;
 } outcome;
 
 enum { HERE, ADVISED, RANDOM_TEN, TIE_WAYS };
@@ -307,12 +308,12 @@ static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
     mukca_dataset any;
     mukca_error error;
     mukca_random random;
-    const mukca_simulate_options how = {.rows = plan->n_rows, .seed = seed + 77};
+    const mukca_simulate_options recording = {.rows = plan->n_rows, .seed = seed + 77};
     mukca_random_seed(&random, seed);
     if (mukca_simulate_sockets(
             &any,
             &(mukca_simulated_session){
-                .arm = arm, .places = places, .n_places = n_places, .options = &how},
+                .arm = arm, .places = places, .n_places = n_places, .options = &recording},
             &error))
         fail(error.text);
     for (int i = 0; i < plan->n_rows; i++) {
@@ -366,13 +367,13 @@ static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
     if (mukca_diagnose(&after, &arm->chain, &more, &quick, &error)) fail(error.text);
     const bool right = after.verdict == MUKCA_VERDICT_NAMED && after.n_causes == 1 &&
                        same(&after.causes[0].effect, &arm->effects[0]);
-    const bool told = way != RANDOM_TEN && plan.evidence_after >= MUKCA_PLAN_NAME;
+    const bool promised = way != RANDOM_TEN && plan.evidence_after >= MUKCA_PLAN_NAME;
     const char *verdict = right ? "right" : mukca_verdict_name[after.verdict];
     sum->right += right;
     sum->tied += after.verdict == MUKCA_VERDICT_TIED;
     sum->other += after.verdict != MUKCA_VERDICT_TIED && !right;
-    sum->told += told;
-    sum->told_right += told && right;
+    sum->promised += promised;
+    sum->promised_right += promised && right;
     sum->moved += added;
     mukca_plan_free(&plan);
     mukca_dataset_free(&more);
@@ -380,11 +381,12 @@ static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
     return verdict;
 }
 
-static void tell(const char *what, const outcome *o, int n)
+static void print_outcome(const char *what, const outcome *o, int n)
 {
     printf("%s: %d of %d right (%.0f %%), %d still tied, %d otherwise", what, o->right, n,
            100.0 * o->right / n, o->tied, o->other);
-    if (o->told > 0) printf("; %d of the %d where the plan promised it", o->told_right, o->told);
+    if (o->promised > 0)
+        printf("; %d of the %d where the plan promised it", o->promised_right, o->promised);
     if (o->moved > 0) printf("; %d in another place", o->moved);
     printf("\n");
 }
@@ -414,15 +416,15 @@ static void ties(int wanted, bool sweep)
         const int n_places = 2 + mukca_random_below(&random, 3);
         for (int p = 0; p < n_places; p++)
             snprintf(places[p].name, sizeof places[p].name, "p%d", p);
-        const mukca_simulate_options how = {.rows = 12 + mukca_random_below(&random, 19),
-                                            .noise = noise,
-                                            .sweep = sweep,
-                                            .seed = seed};
+        const mukca_simulate_options recording = {.rows = 12 + mukca_random_below(&random, 19),
+                                                  .noise = noise,
+                                                  .sweep = sweep,
+                                                  .seed = seed};
         if (mukca_simulate_places(places, n_places, &chain, apart, seed, &error) ||
             mukca_simulate_sockets(
                 &data,
                 &(mukca_simulated_session){
-                    .arm = &arm, .places = places, .n_places = n_places, .options = &how},
+                    .arm = &arm, .places = places, .n_places = n_places, .options = &recording},
                 &error))
             continue;
         const mukca_diagnose_options quick = {.no_folds = true};
@@ -451,9 +453,10 @@ static void ties(int wanted, bool sweep)
     }
     if (found == 0) return;
     printf("%d sessions, %d of them tied, the truth among the ties in %d\n", tried, found, within);
-    tell("10 planned rows more in the same sockets", &sums[HERE], found);
-    tell("10 planned rows more, in another place where the plan advises it", &sums[ADVISED], found);
-    tell("10 random rows more in the same sockets", &sums[RANDOM_TEN], found);
+    print_outcome("10 planned rows more in the same sockets", &sums[HERE], found);
+    print_outcome("10 planned rows more, in another place where the plan advises it",
+                  &sums[ADVISED], found);
+    print_outcome("10 random rows more in the same sockets", &sums[RANDOM_TEN], found);
 }
 
 int main(int argc, char **argv)
