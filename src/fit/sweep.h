@@ -3,9 +3,9 @@
  * Samples are processed in windows, one open at a time: the intermediate results of a window stay
  * in the cache, and their memory does not grow with the samples.  All arrays run along the samples
  * of the open window (structure of arrays, padded to a multiple of 8).  Each joint frame is first
- * rotated to make its axis z: with A_k e_z = axis_k, u_k = (A_{k-1}' R_k A_k) Rz(q) u_{k+1} +
- * A_{k-1}' p_k is the tip in element k's parent frame.  Sines and cosines of the joint angles are
- * constants of a fit and are computed once.
+ * rotated to make its axis z: with A_k e_z = axis_k, the tip in element k's parent frame is
+ *     u_k = (A_{k-1}' R_k A_k) Rz(q) u_{k+1} + A_{k-1}' p_k.
+ * Sines and cosines of the joint angles are constants of a fit and are computed once.
  */
 #ifndef MUKCA_FIT_SWEEP_H
 #define MUKCA_FIT_SWEEP_H

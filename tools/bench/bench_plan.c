@@ -2,11 +2,12 @@
  *
  *   bench_plan accuracy ARMS: held-out error after 20 planned rows per socket beside 40 random ones
  *
- *   bench_plan ties TIES [random]: how often 10 planned rows turn a tied diagnosis of a
- * guided session (or of one of random postures) into the right name, beside 10 random ones
+ *   bench_plan ties TIES [random]: how often 10 planned rows turn a tied diagnosis of a guided
+ *   session (or of one of random postures) into the right name, beside 10 random ones
  *
  * The truth (origins, effects, noise) is drawn from seeds; in a planned row the true arm, moved to
- * the proposed joint angles, seats its ball in the true socket. */
+ * the proposed joint angles, seats its ball in the true socket.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
