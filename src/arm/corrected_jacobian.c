@@ -1,271 +1,264 @@
 /* Jacobian of the corrected arm: the equilibrium under load moves with the joints' angles.
  *
- * From the tip backwards, all rows of the Jacobian side by side.  A motion that moves the tip by J
+ * From the base outwards, all rows of the Jacobian side by side.  A motion that moves the tip by J
  * where nothing answers, and brings M and N of equilibrium.h about, moves it by
  * J + by_M . M + by_N . N in all: what yields further in answers M, what yields further out N.
- * These sums hold what the answers do to the tip, which is found in the same way.  Of by_N that
- * begins with all answers, nothing is left in the end: three more rows, which begin with one unit
- * each, show what to begin with, as all of this is linear.
+ * N = W x g lies across gravity g, and as M acts by g x M alone, by_M does, too: they have two
+ * numbers each where z is along gravity.  These sums hold what the answers do to the tip, which is
+ * found in the same way.  Of by_N that begins with all answers, nothing is left in the end: two
+ * more rows, which begin with one unit each, show what to begin with, as all of this is linear.
  */
 #include "arm/corrected_jacobian.h"
 
 #include <string.h>
 
-/* Rows of the Jacobian, then those of the units; UNIT(i, row): 1 in row i, else 0, from `row` on.
- * With several lanes up to whole vectors, which hide each other's latency side by side. */
-#if MUKCA_LANES > 1
-enum { UNITS = 6, ALL_ROWS = 12, BESIDE = 3 };
-static const double unit_row[9 + ALL_ROWS] = {[9] = 1};
-#define UNIT(i, row) LOAD_LANES(unit_row + 9 - (i) + (row))
-#else
-enum { UNITS = 6, ALL_ROWS = 9, BESIDE = 1 };
-#define UNIT(i, row) ((i) == (row))
-#endif
-#define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
-
+/* Eight rows side by side: three of the tip's linear motion, one of a unit of by_N, three of its
+ * angular motion, one of the other unit. */
+enum { ALL = 8 / MUKCA_LANES, UNIT = 3 };
 typedef struct {
-    LANES_ALIGNED double row[ALL_ROWS];
-} column;
+    LANES_ALIGNED lanes row[ALL];
+} rows;
 
-/* The arm, how the base answers, and the sweep's results. */
+/* What the answers do to the tip, as sums; and the joint before to this one's column. */
 typedef struct {
-    LANES_ALIGNED columns base;     /* to motions of the tip */
-    column joint[MUKCA_MAX_JOINTS]; /* as it turns where nothing answers; then the derivative */
-    column left[3];                 /* of by_N */
-    double closed[3][3];            /* the base: to its own motions */
+    rows by_M[2], by_N[2], before;
+} tip_answers;
+
+/* The posture, with gravity `g` along z of the columns `level`; and all columns of the Jacobian: of
+ * a joint that turns where nothing answers, then the derivative. */
+typedef struct {
+    columns level;
+    double g;
+    rows joint[MUKCA_MAX_JOINTS];
     const mukca_equilibrium *e;
     const mukca_effect_slopes *slopes;
 } tip_columns;
 
-/* What the answers do to the tip, as sums; and the joint before to this one's column. */
-typedef struct {
-    LANES_ALIGNED lanes by_M[3], by_N[3], before;
-} tip_answers;
-
-/* c += a x b; c -= a x b */
-PART void add_cross(lanes c[3], const lanes a[3], const double b[3])
-{
-    c[0] += a[1] * b[2] - a[2] * b[1];
-    c[1] += a[2] * b[0] - a[0] * b[2];
-    c[2] += a[0] * b[1] - a[1] * b[0];
-}
-
-PART void take_cross(lanes c[3], const lanes a[3], const double b[3])
-{
-    c[0] -= a[1] * b[2] - a[2] * b[1];
-    c[1] -= a[2] * b[0] - a[0] * b[2];
-    c[2] -= a[0] * b[1] - a[1] * b[0];
-}
-
-/* (1 - b w.w) + b w w' + a [w]x: angular velocity of exp([w]x) by the rate of w, in the coordinates
- * before (side 1) or after (-1) that rotation, the left and right Jacobian of SO(3).  The series is
- * exact to 1e-9 up to |w| = 0.2 rad. */
-typedef struct {
-    double a, b, t2;
-} velocity;
-
-static velocity velocity_at(const double w[3], double side)
+/* v := (1 - b w.w) v + b (w . v) w + a w x v: of the rate of a rotation vector w the angular
+ * velocity of exp([w]x) in the coordinates before (side 1) or after (-1) that rotation, the left
+ * and right Jacobian of SO(3); each is the transpose of the other.  The series is exact to 1e-9 up
+ * to |w| = 0.2 rad. */
+PART void turn_rate(double v[3], const double w[3], double side)
 {
     const double t2 = mukca_dot3(w, w);
-    return (velocity){.a = side * (0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720))),
-                      .b = 1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040)),
-                      .t2 = t2};
+    const double a = side * (0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720)));
+    const double b = 1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040));
+    const double along = b * mukca_dot3(w, v);
+    double across[3];
+    mukca_cross(across, w, v);
+    for (int i = 0; i < 3; i++) v[i] = (1 - b * t2) * v[i] + along * w[i] + a * across[i];
 }
 
-/* K := what a frame with the rotation vector w makes of the tip's motion by rotations: that by
- * moments, with the slope of the rotation by the moment (across the axis).  By columns. */
-static void set_answer(columns *K, const double w[3], double side, double slope, const double *axis)
+/* K := what a frame with the rotation vector w makes of the tip's motion by rotations in the
+ * coordinates after w (side 1) or before it (-1): that by moments, with the slope of w by the
+ * moment (across the axis).  By columns. */
+PART void set_answer(columns *K, const double w[3], double side, double slope, const double *axis)
 {
-    const velocity v = velocity_at(w, side);
     for (int k = 0; k < 3; k++) {
-        const double along = v.b * w[k], unit[3] = {k == 0, k == 1, k == 2};
-        double m[3], off = 0;
-        mukca_cross(m, unit, w);
-        for (int i = 0; i < 3; i++)
-            m[i] = slope * (v.a * m[i] + along * w[i] + (1 - v.b * v.t2) * unit[i]);
-        if (axis) off = mukca_dot3(axis, m);
-        for (int i = 0; i < 3; i++)
-            ((double *)K->column[k])[i] = axis ? m[i] - off * axis[i] : m[i];
+        double *m = (double *)K->column[k];
+        for (int i = 0; i < 3; i++) m[i] = i == k ? slope : 0;
+        turn_rate(m, w, side);
+        const double off = axis ? mukca_dot3(axis, m) : 0;
+        for (int i = 0; i < 3 && axis; i++) m[i] -= off * axis[i];
     }
 }
 
-/* out[3] := rows of the tip's motion by rotations about x, y and z, where the tip is at d from what
- * turns, which has the first moment S. */
-PART void turn_frame(lanes out[3], const tip_answers *t, const double g[3], int row,
-                     const double d[3], const double S[3])
+/* Of vectors where z is along gravity: up to now they were in base coordinates. */
+PART void make_level(lanes *v, const columns *level)
 {
-    const lanes shift[3] = {UNIT(0, row), UNIT(1, row), UNIT(2, row)};
-    for (int i = 0; i < 3; i++) out[i] = UNIT(3 + i, row);
-    take_cross(out, shift, d);
-    take_cross(out, t->by_M, S);
-    take_cross(out, t->by_N, g);
+    double turned[3];
+    to_joint(turned, level, XYZ(v));
+    memcpy(v, turned, sizeof turned);
 }
 
-/* v := K v */
-PART void apply(lanes v[3], const columns *K)
+/* The posture's coordinates turn so that gravity is along z. */
+PART void set_level(tip_columns *c, mukca_equilibrium *e)
 {
-    const lanes x = v[0], y = v[1], z = v[2];
-    for (int i = 0; i < 3; i++)
-        v[i] = COLUMN(K, 0, i) * x + COLUMN(K, 1, i) * y + COLUMN(K, 2, i) * z;
-}
-
-/* v := m v, by rows */
-PART void multiply(lanes v[3], const double m[3][3])
-{
-    const lanes of[3] = {v[0], v[1], v[2]};
-    for (int i = 0; i < 3; i++) v[i] = DOT(of, m[i]);
-}
-
-/* inverse, by rows := that of the matrix with these columns. */
-PART void invert(double inverse[3][3], const double of[3][3])
-{
-    for (int i = 0; i < 3; i++) mukca_cross(inverse[i], of[(i + 1) % 3], of[(i + 2) % 3]);
-    const double size = 1 / mukca_dot3(inverse[0], of[0]);
-    for (int k = 0; k < 9; k++) inverse[k / 3][k % 3] *= size;
-}
-
-/* What the base's motion b becomes with the answers K to it: as it turns, by_M is b x g. */
-PART void close_base(double closed[3][3], const columns *K, const mukca_equilibrium *e)
-{
-    double own[3][3], of_row[MUKCA_LANES];
-    for (int row = 0; row < 3; row += MUKCA_LANES) {
-        const lanes unit[3] = {UNIT(0, row), UNIT(1, row), UNIT(2, row)};
-        lanes by_M[3] = {0}, v[3] = {0};
-        add_cross(by_M, unit, XYZ(e->gravity));
-        add_cross(v, by_M, XYZ(e->first));
-        apply(v, K);
-        for (int i = 0; i < 3; i++) {
-            v[i] += unit[i];
-            memcpy(of_row, &v[i], sizeof of_row);
-            for (int r = 0; r < MUKCA_LANES && row + r < 3; r++) own[row + r][i] = of_row[r];
-        }
+    const double *g = XYZ(e->gravity), size = mukca_norm3(g);
+    columns_base(&c->level, NULL);
+    c->g = g[2];
+    if (g[0] == 0 && g[1] == 0) return;
+    const double along[3] = {g[0] / size, g[1] / size, g[2] / size};
+    double *x = (double *)c->level.column[0], *y = (double *)c->level.column[1];
+    mukca_rotation_transverse(x, y, along);
+    memcpy(c->level.column[2], along, sizeof along);
+    c->g = size;
+    make_level(e->first, &c->level);
+    for (mukca_joint_posture *at = e->joint; at < e->joint + e->n_joints; at++) {
+        lanes *vector[] = {at->axis, at->first, at->into_M, at->into_N};
+        for (int k = 0; k < 4; k++) make_level(vector[k], &c->level);
+        for (int k = 0; k < 3; k++) make_level(at->frame.column[k], &c->level);
     }
-    invert(closed, (const double(*)[3])own);
 }
 
-/* Rotation vectors of joints that tilt in base coordinates, the slopes' as angular velocities; the
- * frames of joints that bend become their answers.  Under moments that are given nothing answers.
- */
-static void prepare(tip_columns *c, mukca_equilibrium *e, mukca_effect_slopes *slopes)
+/* Rotation vectors of joints that tilt in level coordinates, the slopes' as angular velocities; the
+ * frames of joints that bend become their answers. */
+PART void prepare(mukca_equilibrium *e, mukca_effect_slopes *slopes)
 {
-    if (!e->loaded) e->bend = 0;
-    if (e->bend != 0) {
-        set_answer(&c->base, e->displacement.base, 1, e->bend, NULL);
-        close_base(c->closed, &c->base, e);
-    }
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
-        double *rate = slopes->rotation[j], *w = e->displacement.rotation[j], across[3];
-        if (!e->loaded) at->twist = at->bend = 0;
+        double *rate = slopes->rotation[j], *w = e->displacement.rotation[j];
+        if (!e->loaded) at->twist = at->bend = 0; /* under moments that are given nothing answers */
         at->turns = rate[0] != 0 || rate[1] != 0 || rate[2] != 0;
         if (!at->turns && at->bend == 0) continue;
         to_base(w, &at->frame, w);
         if (at->turns) {
             to_base(rate, &at->frame, rate);
-            const velocity v = velocity_at(w, -1);
-            const double along = v.b * mukca_dot3(w, rate);
-            mukca_cross(across, w, rate);
-            for (int i = 0; i < 3; i++)
-                rate[i] = (1 - v.b * v.t2) * rate[i] + along * w[i] + v.a * across[i];
+            turn_rate(rate, w, -1);
         }
-        if (at->bend != 0) set_answer(&at->frame, w, -1, at->bend, XYZ(at->axis));
+        if (at->bend != 0) set_answer(&at->frame, w, 1, at->bend, XYZ(at->axis));
     }
+}
+
+PART void set_motion(rows *m, const lanes *linear, const lanes *angular)
+{
+    memset(m, 0, sizeof *m);
+    for (int r = 0; r < ROWS; r++) m->row[r] = linear[r], m->row[ALL / 2 + r] = angular[r];
+}
+
+/* The motion as what has its origin at p turns about an axis. */
+PART void set_turn(rows *m, const mukca_equilibrium *e, const lanes *axis, const lanes *p)
+{
+    lanes lever[ROWS], shift[ROWS];
+    for (int r = 0; r < ROWS; r++) lever[r] = e->tip.column[3][r] - p[r];
+    columns_cross(shift, axis, lever);
+    set_motion(m, shift, axis);
 }
 
 /* Columns of the joints where nothing answers. */
-PART void set_columns(column *joint, const mukca_equilibrium *e)
+PART void set_columns(rows *joint, const mukca_equilibrium *e)
 {
-    const double *tip = XYZ(e->tip.column[3]);
+    const lanes none[ROWS] = {0};
     for (int j = 0; j < e->n_joints; j++) {
         const mukca_joint_posture *at = &e->joint[j];
-        const double *axis = XYZ(at->axis), *p = XYZ(at->frame.column[3]);
-        const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]};
-        memset(joint[j].row, 0, sizeof joint[j].row);
-        memcpy(joint[j].row + (at->slides ? 0 : 3), axis, 3 * sizeof *axis);
-        if (!at->slides) mukca_cross(joint[j].row, axis, d);
+        if (at->slides)
+            set_motion(&joint[j], at->axis, none);
+        else
+            set_turn(&joint[j], e, at->axis, at->frame.column[3]);
     }
 }
 
-/* Nothing but units of by_N, and the base's answer. */
-PART void pass_base(tip_answers *t, const tip_columns *c, int row)
+/* out[3] := rows of the tip's motion by rotations about x, y and z of what has its origin at p and
+ * the first moment S. */
+PART void turn_frame(rows out[3], const tip_answers *t, const tip_columns *c, const lanes *p,
+                     const double S[3])
 {
-    const mukca_equilibrium *e = c->e;
-    const double *g = XYZ(e->gravity);
-    lanes base[3];
-    t->before = (lanes){0};
-    for (int i = 0; i < 3; i++) t->by_M[i] = (lanes){0}, t->by_N[i] = UNIT(UNITS + i, row);
-    if (e->bend == 0) return;
-    turn_frame(base, t, g, row, XYZ(e->tip.column[3]), XYZ(e->first));
-    apply(base, &c->base);
-    multiply(base, c->closed);
-    add_cross(t->by_M, base, g);
+    const rows *M = t->by_M, *N = t->by_N;
+    for (int i = 0; i < 3; i++) set_turn(&out[i], c->e, c->level.column[i], p);
+    for (int r = 0; r < ALL; r++) {
+        out[0].row[r] -= M[1].row[r] * S[2] + N[1].row[r] * c->g;
+        out[1].row[r] += M[0].row[r] * S[2] + N[0].row[r] * c->g;
+        out[2].row[r] -= M[0].row[r] * S[1] - M[1].row[r] * S[0];
+    }
+}
+
+/* v := K v */
+PART void apply(rows v[3], const columns *K)
+{
+    for (int r = 0; r < ALL; r++) {
+        const lanes x = v[0].row[r], y = v[1].row[r], z = v[2].row[r];
+        for (int i = 0; i < 3; i++)
+            v[i].row[r] = COLUMN(K, 0, i) * x + COLUMN(K, 1, i) * y + COLUMN(K, 2, i) * z;
+    }
+}
+
+/* x, y := solution of m (x, y) = (x, y), m by rows. */
+PART void solve(rows *x, rows *y, const double m[4])
+{
+    const double size = 1 / (m[0] * m[3] - m[1] * m[2]);
+    const double inverse[4] = {size * m[3], -size * m[1], -size * m[2], size * m[0]};
+    for (int r = 0; r < ALL; r++) {
+        const lanes right = x->row[r];
+        x->row[r] = inverse[0] * right + inverse[1] * y->row[r];
+        y->row[r] = inverse[2] * right + inverse[3] * y->row[r];
+    }
+}
+
+/* by_M += v x g */
+PART void add_answer(tip_answers *t, const rows v[3], double g)
+{
+    for (int r = 0; r < ALL; r++) {
+        t->by_M[0].row[r] += v[1].row[r] * g;
+        t->by_M[1].row[r] -= v[0].row[r] * g;
+    }
+}
+
+/* Nothing but units of by_N, and the base's answer v: as it turns, it adds v x g to by_M, and
+ * answers that, too. */
+PART void pass_base(tip_answers *t, const tip_columns *c, mukca_equilibrium *e)
+{
+    static const lanes origin[ROWS];
+    static const double unit[2][8] = {{[UNIT] = 1}, {[4 + UNIT] = 1}};
+    const double *S = XYZ(e->first);
+    double *w = e->displacement.base, own[4];
+    columns K;
+    rows v[3];
+    memset(t, 0, sizeof *t);
+    memcpy(t->by_N, unit, sizeof unit);
+    if (e->bend == 0 || !e->loaded) return;
+    to_joint(w, &c->level, w);
+    set_answer(&K, w, -1, e->bend, NULL);
+    turn_frame(v, t, c, origin, S);
+    apply(v, &K);
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 2; k++)
+            own[2 * i + k] = (i == k) - c->g * (COLUMN(&K, k, i) * S[2] - COLUMN(&K, 2, i) * S[k]);
+    solve(&v[0], &v[1], own);
+    add_answer(t, v, c->g);
 }
 
 /* What the joint answers becomes part of by_M, and no longer of by_N; what it does to the tip is
  * shared out to its column and its neighbours'. */
-PART void pass_joint(tip_answers *t, tip_columns *c, int j, int row)
+PART void pass_joint(tip_answers *t, tip_columns *c, int j)
 {
-    const mukca_equilibrium *e = c->e;
-    const mukca_joint_posture *at = &e->joint[j];
-    const double *M = XYZ(at->into_M), *N = XYZ(at->into_N), *p = XYZ(at->frame.column[3]);
-    const double *g = XYZ(e->gravity), *tip = XYZ(e->tip.column[3]), *by = c->slopes->angle[j];
-    double *own = c->joint[j].row + row;
-    lanes rate = t->before;
-    if (at->turns || at->bend != 0) {
-        const double d[3] = {tip[0] - p[0], tip[1] - p[1], tip[2] - p[2]};
-        lanes frame[3];
-        turn_frame(frame, t, g, row, d, XYZ(at->first));
-        if (at->turns) rate += DOT(frame, c->slopes->rotation[j]);
-        if (at->bend != 0) {
-            apply(frame, &at->frame);
-            add_cross(t->by_M, frame, g);
-            take_cross(t->by_N, frame, XYZ(at->first));
+    const mukca_joint_posture *at = &c->e->joint[j];
+    const double *M = XYZ(at->into_M), *N = XYZ(at->into_N), *S = XYZ(at->first);
+    const double *by = c->slopes->angle[j], *w = c->slopes->rotation[j];
+    rows *own = &c->joint[j], rate = t->before, v[3];
+    if (at->turns || at->bend != 0) turn_frame(v, t, c, at->frame.column[3], S);
+    for (int r = 0; r < ALL && at->turns; r++)
+        rate.row[r] += v[0].row[r] * w[0] + v[1].row[r] * w[1] + v[2].row[r] * w[2];
+    if (at->bend != 0) {
+        apply(v, &at->frame);
+        add_answer(t, v, c->g);
+        for (int r = 0; r < ALL; r++) {
+            t->by_N[0].row[r] -= v[1].row[r] * S[2] - v[2].row[r] * S[1];
+            t->by_N[1].row[r] += v[0].row[r] * S[2] - v[2].row[r] * S[0];
         }
     }
-    const lanes turn = LOAD_LANES(own) + DOT(t->by_M, M) + DOT(t->by_N, N);
-    for (int i = 0; i < 3 && at->yields; i++) {
-        t->by_M[i] += at->twist * N[i] * turn;
-        t->by_N[i] -= at->twist * M[i] * turn;
+    for (int r = 0; r < ALL; r++) {
+        const lanes turn = own->row[r] + (t->by_M[0].row[r] * M[0] + t->by_M[1].row[r] * M[1]) +
+                           (t->by_N[0].row[r] * N[0] + t->by_N[1].row[r] * N[1]);
+        for (int i = 0; i < 2 && at->yields; i++) {
+            t->by_M[i].row[r] += at->twist * N[i] * turn;
+            t->by_N[i].row[r] -= at->twist * M[i] * turn;
+        }
+        own->row[r] = rate.row[r] + by[1] * turn;
+        t->before.row[r] = by[2] * turn;
+        if (j > 0) own[-1].row[r] += by[0] * turn;
     }
-    STORE_LANES(own, rate + by[1] * turn);
-    t->before = by[2] * turn;
-    if (j == 0) return;
-    own = c->joint[j - 1].row + row;
-    STORE_LANES(own, LOAD_LANES(own) + by[0] * turn);
 }
 
 MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
                                                 mukca_effect_slopes *slopes)
 {
-    const int n = e->n_joints, rows = e->loaded ? UNITS + 3 : UNITS;
-    double left[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, begin[3][3];
+    const int n = e->n_joints;
     tip_columns c;
-    c.e = e;
-    c.slopes = slopes;
-    prepare(&c, e, slopes);
+    tip_answers t;
+    c.e = e, c.slopes = slopes;
     set_columns(c.joint, e);
-    for (int row = 0; row < rows; row += BESIDE * MUKCA_LANES) {
-        tip_answers t[BESIDE];
-        for (int b = 0; b < BESIDE; b++) pass_base(&t[b], &c, row + MUKCA_LANES * b);
-        for (int j = 0; j < n; j++)
-            for (int b = 0; b < BESIDE; b++) pass_joint(&t[b], &c, j, row + MUKCA_LANES * b);
-        for (int i = 0; i < 3; i++)
-            for (int b = 0; b < BESIDE; b++)
-                STORE_LANES(c.left[i].row + row + MUKCA_LANES * b, t[b].by_N[i]);
-    }
-    for (int k = 0; k < 9 && e->loaded; k++) left[k / 3][k % 3] = c.left[k % 3].row[UNITS + k / 3];
-    invert(begin, (const double(*)[3])left);
-    for (int row = 0; row < UNITS; row += MUKCA_LANES) {
-        lanes x[3];
-        double of_row[MUKCA_LANES];
-        for (int i = 0; i < 3; i++) x[i] = LOAD_LANES(c.left[i].row + row);
-        multiply(x, (const double(*)[3])begin);
-        for (int j = 0; j < n; j++) {
-            const double *unit = c.joint[j].row + UNITS;
-            const lanes rate = LOAD_LANES(c.joint[j].row + row) - DOT(x, unit);
-            memcpy(of_row, &rate, sizeof of_row);
-            for (int r = 0; r < MUKCA_LANES && row + r < UNITS; r++)
-                J[(row + r) * n + j] = of_row[r];
-        }
+    set_level(&c, e);
+    prepare(e, slopes);
+    pass_base(&t, &c, e);
+    for (int j = 0; j < n; j++) pass_joint(&t, &c, j);
+    rows *left = t.by_N;
+    const double *x = XYZ(left[0].row), *y = XYZ(left[1].row);
+    const double of_units[4] = {x[UNIT], x[4 + UNIT], y[UNIT], y[4 + UNIT]};
+    solve(&left[0], &left[1], of_units);
+    for (int j = 0; j < n; j++) {
+        const double *own = XYZ(c.joint[j].row), first = own[UNIT], second = own[4 + UNIT];
+        for (int r = 0; r < ALL; r++)
+            c.joint[j].row[r] -= left[0].row[r] * first + left[1].row[r] * second;
+        for (int i = 0; i < 6; i++) J[i * n + j] = own[i + i / 3];
     }
 }

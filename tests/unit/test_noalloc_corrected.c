@@ -196,7 +196,7 @@ static void rest_is_the_fixed_point(void **state)
 }
 
 /* The Jacobian in closed form against differences of fourth order, of turning and sliding joints,
- * with moments computed and given. */
+ * of an upright base and one that stands askew, with moments computed and given. */
 static void jacobian_is_exact(void **state)
 {
     (void)state;
@@ -209,6 +209,8 @@ static void jacobian_is_exact(void **state)
         arm = model;
         for (int j = 0; j < 7 && i % 2; j++)
             if (j % 3 == 1) arm.chain.element[arm.chain.joint_element[j]].type = MUKCA_PRISMATIC;
+        for (int a = 0; a < 3 && i % 5 > 1; a++)
+            arm.chain.gravity[a] = 6 * mukca_random_normal(&random);
         mukca_geometry_set(&arm.geometry, &arm.chain, offsets.theta);
         add_every_effect(&arm);
         for (int e = 0; e < arm.n_effects && i % 3; e++) /* a stiff arm */
