@@ -1,4 +1,4 @@
-/* Choose among candidates: greedily the one that adds most, then exchanges. */
+/* Choice among candidates: greedy by information gain, then by exchanges. */
 #include "plan/choose.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@ bool mukca_plan_stopped(const mukca_planner *p)
 
 /* ---- candidates ---- */
 
-/* Whether no recorded sample is nearly this pose. */
+/* Whether posture q differs enough from every recorded sample. */
 static bool is_new(const mukca_planner *p, const double *q)
 {
     const int n = p->state.at.chain->n_joints;
@@ -50,9 +50,9 @@ int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
     return found;
 }
 
-/* ---- what is recorded already ---- */
+/* ---- recorded samples ---- */
 
-/* The socket of the plan that a row of the dataset belongs to, -1 where none. */
+/* Index in the plan of the socket of sample `row`; -1 for a socket outside the plan. */
 static int socket_of_row(const mukca_planner *p, int row)
 {
     const int k = p->data->socket[row];
@@ -65,7 +65,7 @@ static int socket_of_row(const mukca_planner *p, int row)
     return -1;
 }
 
-/* Take in the recorded samples, and the distances between the plan's sockets. */
+/* Update the covariance by the recorded samples and by the distances between the plan's sockets. */
 static void take_recorded(mukca_planner *p)
 {
     const double *before = NULL;
@@ -109,9 +109,9 @@ mukca_status mukca_planner_create(mukca_planner *p, const mukca_planner_room *ro
     return MUKCA_OK;
 }
 
-/* ---- choosing ---- */
+/* ---- choice ---- */
 
-/* Whether a pose repeats one of those chosen, number `except` apart. */
+/* Whether a pose repeats a chosen one; choice `except` is not compared. */
 static bool too_near(const mukca_planner *p, const mukca_plan_pose *pose, int except)
 {
     const int n = p->state.at.chain->n_joints;
@@ -131,8 +131,9 @@ static double renew(mukca_planner *p, mukca_plan_pose *pose, const double *befor
     return mukca_plan_gain(&p->state, pose->H, pose->socket);
 }
 
-/* The best candidate that is free, of one socket or (-1) of all that have room; -1: none.
- * Gains only fall as rows are added, so that a stale one is a bound (not so for causes). */
+/* The unused candidate with the largest gain, of one socket, or (socket -1) of all with fewer than
+ * `room` choices; -1: none.  For geometry the gain never grows as samples are added: an earlier
+ * gain is an upper bound.  For causes it is none. */
 static int best_pose(mukca_planner *p, int socket, const int *count, int room, const double *before)
 {
     const bool bounds = p->state.n_effects == 0 && socket < 0;
@@ -167,9 +168,8 @@ static int best_pose(mukca_planner *p, int socket, const int *count, int room, c
     }
 }
 
-/* The pose of a socket nearest to the mean of its candidates: a first sample adds nothing by
- * itself.
- */
+/* The candidate of a socket closest to their mean: the first sample of a socket only determines its
+ * position and has no gain. */
 static int middle_pose(const mukca_planner *p, int socket)
 {
     const int n = p->state.at.chain->n_joints;
@@ -200,8 +200,8 @@ static void take(mukca_planner *p, int pose, int *count)
     p->chosen[p->n_chosen++] = pose;
 }
 
-/* Try a pose near choice i, whose row is forgotten at the moment, and keep it if it is worth more
- * than *most, the gain of the present one. */
+/* Draw a pose near choice i, whose sample is removed from the state by the caller.  Keep it if its
+ * gain exceeds *most, the gain of the present one. */
 static void shift(mukca_planner *p, int i, double spread, double *most)
 {
     mukca_plan_state *s = &p->state;
@@ -226,7 +226,8 @@ void mukca_plan_choose(mukca_planner *p, int rows)
     const mukca_plan_options *o = p->state.options;
     p->n_chosen = 0;
     for (int k = 0; k < p->n_sockets; k++) fresh += p->recorded[k] == 0;
-    /* A session from nothing fills its sockets evenly; more samples go where they add most. */
+    /* A new session distributes its samples evenly over the sockets; a continued one adds samples
+     * where the gain is largest. */
     const int room = fresh > 0 && fresh == p->n_sockets ? (rows + fresh - 1) / fresh : rows;
     for (int k = 0; k < p->n_sockets && p->n_chosen < rows; k++) {
         const int first = p->recorded[k] == 0 ? middle_pose(p, k) : -1;
@@ -237,7 +238,7 @@ void mukca_plan_choose(mukca_planner *p, int rows)
         const int best = best_pose(p, -1, count, room, before);
         if (best < 0) break;
         if (too_near(p, &p->poses[best], -1)) {
-            p->poses[best].used = true; /* as good as taken */
+            p->poses[best].used = true; /* excluded from here on */
             continue;
         }
         renew(p, &p->poses[best], before);

@@ -1,4 +1,4 @@
-/* Candidates and the choice among them, for mukca_plan_run and mukca_plan_places. */
+/* Candidates and the choice among them, shared by mukca_plan_run and mukca_plan_places. */
 #ifndef MUKCA_PLAN_CHOOSE_H
 #define MUKCA_PLAN_CHOOSE_H
 
@@ -12,37 +12,39 @@ typedef struct {
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
     int recorded[MUKCA_PLAN_MAX_SOCKETS]; /* samples of each socket */
     int n_sockets, n_recorded, n_poses, n_chosen, tried;
-    mukca_plan_pose *poses; /* [n_poses] candidates, by socket */
-    int *chosen;            /* [n_chosen] of them */
-    double *spare;          /* an H */
-    bool ordered;           /* a cause depends on where the arm comes from */
+    mukca_plan_pose *poses; /* [n_poses] candidates, socket by socket */
+    int *chosen;            /* [n_chosen] indices of candidates */
+    double *spare;          /* scratch for the design H of one pose */
+    bool ordered;           /* an effect depends on the preceding posture */
     mukca_random random;
 } mukca_planner;
 
-/* Room of a planner: sockets, candidates, choices. */
+/* Capacity of a planner: sockets, candidates, choices. */
 typedef struct {
     int sockets, candidates, rows;
 } mukca_planner_room;
 
-/* Prepare a planner, zeroed but for its n_sockets sockets, and take in the recorded samples.  Free
- * its state with mukca_plan_state_free, also after errors: MUKCA_MEMORY, MUKCA_USAGE. */
+/* Initialise a planner, zeroed except for its n_sockets sockets, and update its state by the
+ * recorded samples.  Free its state with mukca_plan_state_free, also after errors: MUKCA_MEMORY,
+ * MUKCA_USAGE. */
 mukca_status mukca_planner_create(mukca_planner *planner, const mukca_planner_room *room,
                                   const mukca_plan_task *task, const mukca_plan_options *options,
                                   mukca_error *error);
 
 bool mukca_plan_stopped(const mukca_planner *planner);
 
-/* Fill state->elsewhere: spots all over what the arm reaches by the rules, and poses at each. */
+/* Fill state->elsewhere: positions all over the reachable workspace, and poses at each that meet
+ * the rules. */
 void mukca_plan_look_elsewhere(mukca_plan_state *state, const mukca_plan_rules *rules,
                                uint64_t seed);
 
-/* Append up to `room` candidates for socket k; returns how many were found. */
+/* Append up to `room` candidates for socket k; returns their number. */
 int mukca_plan_draw_candidates(mukca_planner *planner, int room, int k);
 
-/* Choose `rows` candidates one by one. */
+/* Choose up to `rows` candidates, one at a time. */
 void mukca_plan_choose(mukca_planner *planner, int rows);
 
-/* Exchange chosen poses for better ones, from the candidates and from their own surroundings. */
+/* Exchange chosen poses for poses of larger gain: other candidates, and random poses nearby. */
 void mukca_plan_exchange(mukca_planner *planner);
 
 #endif

@@ -1,10 +1,13 @@
-/* Where accuracy is wanted: spots all over the workspace. */
+/* Evaluation points of the expected accuracy, all over the workspace; sockets of a dataset. */
 #include <math.h>
 #include <string.h>
 
 #include "plan/choose.h"
 
-enum { SPOTS = 50, POSES = 12 }; /* spots, and postures at each: their mean is known to a few % */
+enum {
+    SPOTS = 50,
+    POSES = 12
+}; /* points, and postures at each: enough for their mean within a few % */
 
 void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rules, uint64_t seed)
 {

@@ -1,4 +1,4 @@
-/* Places for the tool around the arm: which of a grid are worth most. */
+/* Placements around the arm: the most informative positions of a grid. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -20,8 +20,9 @@ static void grid_place(mukca_plan_place *place, int cell, const mukca_geometry *
     place->yaw = azimuth + M_PI / 4 * (cell % 4);
 }
 
-/* What the last two sockets are worth at `place` with `rows` samples, which the state then
- * includes; -HUGE_VAL where too few postures reach them. */
+/* Value of the last two sockets at `place` with `rows` samples: evidence, or minus the expected
+ * error in m.  The state then includes these samples.  -HUGE_VAL: too few postures reach the
+ * sockets. */
 static double judge(mukca_planner *p, mukca_plan_place *place, double distance, int rows)
 {
     mukca_plan_state *s = &p->state;
@@ -41,8 +42,8 @@ static double judge(mukca_planner *p, mukca_plan_place *place, double distance, 
     return s->n_effects > 0 ? place->evidence : -place->expected;
 }
 
-/* The best place for two more sockets, whose samples the state then includes; -HUGE_VAL: none.
- * before, best: [n][n] scratch. */
+/* The best placement of two more sockets, and its value (-HUGE_VAL: none); the state then includes
+ * its samples.  before, best: [n][n] scratch. */
 static double best_place(mukca_plan_place *place, mukca_planner *p, double distance, int rows,
                          double *before, double *best)
 {

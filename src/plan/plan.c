@@ -1,4 +1,4 @@
-/* The next poses: candidates in each socket, the choice, and what it brings. */
+/* The next postures: candidates in each socket, the choice, and its expected effect. */
 #include "plan/plan.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 
 enum { DEFAULT_ROWS = 20, DEFAULT_CANDIDATES = 150 };
 
-/* Socket by socket, each time on to the nearest pose. */
+/* Order by socket; within a socket, by distance from the preceding posture. */
 static void put_in_order(mukca_plan_row *rows, int n, int n_joints)
 {
     for (int i = 1; i < n; i++) {
@@ -59,7 +59,8 @@ static mukca_status check(const mukca_chain *chain, int n_sockets, const mukca_p
     return MUKCA_OK;
 }
 
-/* The strength grows by about the same with each row. */
+/* Samples until the evidence reaches MUKCA_PLAN_NAME: the strength grows linearly with their
+ * number. */
 static int rows_to_name(double before, double after, int rows)
 {
     double wanted = 1;
@@ -69,7 +70,7 @@ static int rows_to_name(double before, double after, int rows)
     return needed > 1000 ? 0 : (int)fmax(needed, 1);
 }
 
-/* Candidates of all sockets. */
+/* Draw candidates for all sockets. */
 static mukca_status find_candidates(mukca_planner *p, int per_socket, mukca_error *error)
 {
     const mukca_plan_options *o = p->state.options;

@@ -1,14 +1,13 @@
-/* Poses of the arm with the ball in a socket: inverse kinematics from random starts, then the
- * rules. */
+/* Poses with the ball in a socket: inverse kinematics from random starts, then the rules. */
 #include "plan/poses.h"
 
 #include <math.h>
 
 #include "arm/inverse.h"
 
-/* A pose relative to gravity: the lean of the ball's stem (from the last joint to the tip), rad,
- * 0 where there is no stem, and the height of the lowest joint beyond the first two, which stand
- * where the base puts them, above the base's plane or above the ball where that is lower, m. */
+/* A pose relative to gravity.  lean: angle of the ball's stem (from the last joint to the tip),
+ * rad, 0 without a stem.  clear: height of the lowest joint, m, above the base's plane or above the
+ * ball if that is lower; the first two joints are not counted, as the base fixes their height. */
 typedef struct {
     double lean, clear;
 } standing;
@@ -39,8 +38,9 @@ void mukca_plan_rules_set(mukca_plan_rules *rules, const mukca_chain *chain,
                           const mukca_geometry *geometry, const mukca_plan_options *o,
                           const mukca_dataset *data)
 {
-    /* A printed socket holds the ball up to a lean of some 60 degrees; 5 cm keep a joint's housing
-     * off the table; 0.2 rad make postures of a session differ; 0.02 rad keep off the stops. */
+    /* Sources of the defaults: a printed socket holds the ball up to a lean of some 60 degrees; 5
+     * cm keep a joint's housing off the table; 0.2 rad make the postures of a session differ; 0.02
+     * rad keep clear of the mechanical stops. */
     *rules = (mukca_plan_rules){.chain = chain,
                                 .geometry = geometry,
                                 .tilt = o->tilt > 0 ? o->tilt : M_PI / 3,
@@ -67,7 +67,7 @@ static bool allowed(const double *q, const mukca_plan_rules *rules)
     return s.lean <= rules->tilt && !(s.clear < rules->clearance);
 }
 
-/* From the start q to the socket, and whether the result is allowed. */
+/* Move the tip from start q to the socket; whether the result meets the rules. */
 static bool seat(double *q, const double centre[3], const mukca_plan_rules *rules)
 {
     const mukca_chain *chain = rules->chain;

@@ -1,4 +1,4 @@
-/* What is known, as a covariance that rows reduce: updates, gains, expectations. */
+/* Posterior covariance of the unknowns: updates by samples, information gains, expected errors. */
 #include "plan/state.h"
 
 #include <math.h>
@@ -8,11 +8,12 @@
 #include "math/four.h"
 #include "math/stats.h"
 
-/* Prior standard deviation of a socket's position on the table, m: it is placed by eye. */
+/* Prior standard deviation of a socket's position on the table, m: it is positioned by eye. */
 static const double prior_socket = 5e-2;
-/* Of the distance between two sockets of the printed tool, m: a good printer. */
+/* Standard deviation of the distance between two sockets of the printed tool, m: a good printer. */
 static const double distance_sigma = 5e-5;
-/* Prior standard deviation of a cause over the size asked for: wide, so that the rows decide. */
+/* Prior standard deviation of a cause relative to its stated size: wide, so that the data dominate.
+ */
 static const double prior_cause = 30;
 
 static double size_of(const mukca_effect *effect)
@@ -22,7 +23,7 @@ static double size_of(const mukca_effect *effect)
     return size;
 }
 
-/* C = 0 but for the prior variances. */
+/* Set C to the diagonal prior covariance. */
 static void set_prior(mukca_plan_state *s)
 {
     double sigma[MUKCA_MAX_FREE];
@@ -84,7 +85,8 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
         const mukca_joint_state state = {
             .q = q, .move = move, .placement = place, .payload_kg = s->payload};
         for (int t = 0; t < s->effect[e].terms; t++) {
-            /* The displacement is linear in the coefficient, the position nearly so. */
+            /* Central difference: the displacement is linear in the coefficient, the position
+             * nearly so. */
             const double step = size_of(&s->effect[e]);
             double at[2][3];
             for (int side = 0; side < 2; side++) {
@@ -140,8 +142,8 @@ MUKCA_CLONES static void project(double S[9], mukca_plan_state *s, int n, const 
         }
 }
 
-/* L with L L' = A for a small symmetric A[m][m], in place; the log determinant, -HUGE_VAL where it
- * is not positive. */
+/* Cholesky factor L of a small symmetric A[m][m] = L L', in place; returns the log determinant,
+ * -HUGE_VAL if A is not positive definite. */
 static double factor(double *A, int m)
 {
     double sum = 0;
@@ -150,7 +152,7 @@ static double factor(double *A, int m)
     return sum;
 }
 
-/* g = S^-1 G_r, where S holds its factor. */
+/* g = S^-1 G_r; S holds its Cholesky factor. */
 static void solve(double g[3], const double S[9], const double *G_r)
 {
     memcpy(g, G_r, 3 * sizeof *g);
@@ -161,7 +163,7 @@ static void solve(double g[3], const double S[9], const double *G_r)
 void mukca_plan_state_row(mukca_plan_state *s, const double *H, int socket, int sign)
 {
     double S[9], g[3];
-    project(S, s, s->n, H, socket, sign); /* forgetting is a row of negative variance */
+    project(S, s, s->n, H, socket, sign); /* sign -1: a sample of negative variance */
     if (!(factor(S, 3) > -HUGE_VAL)) return;
     for (int r = 0; r < s->n; r++) {
         solve(g, S, s->G + 3 * r);
@@ -193,7 +195,7 @@ void mukca_plan_state_refresh(mukca_plan_state *s)
     mukca_dense_cholesky(s->P, p);
 }
 
-/* Fall of the mean square error elsewhere, tr(W G S^-1 G'). */
+/* Decrease of the weighted mean square error at the evaluation points, tr(W G S^-1 G'). */
 static double accuracy_gain(const mukca_plan_state *s, const double S[9])
 {
     const int p = s->n_geometry;
@@ -217,7 +219,7 @@ static int covariance_of(double *C, const mukca_plan_state *s, int e)
     return m;
 }
 
-/* Fall of the log determinants of the causes' covariances. */
+/* Sum over the causes of the decrease of their covariance's log determinant. */
 static double cause_gain(const mukca_plan_state *s, const double S[9])
 {
     double gain = 0;
@@ -246,7 +248,7 @@ double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
     if ((s->accuracy || s->n_effects > 0) && !(log_det > -HUGE_VAL)) return 0;
     if (s->accuracy) return accuracy_gain(s, S);
     if (s->n_effects > 0) return cause_gain(s, S);
-    /* |C_gg - G S^-1 G'| = |C_gg| |S - G' C_gg^-1 G| / |S|; P holds the factor of C_gg. */
+    /* |C_gg - G S^-1 G'| = |C_gg| |S - G' C_gg^-1 G| / |S|; P is the Cholesky factor of C_gg. */
     mukca_dense_forward(s->G, 3, s->P, p);
     for (int r = 0; r < p; r++)
         for (int i = 0; i < 3; i++)
@@ -254,7 +256,7 @@ double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
     return log_det - factor(rest, 3);
 }
 
-/* Mean square of one move elsewhere, m^2. */
+/* Mean square error at one evaluation posture with Jacobian J[3][n_geometry], m^2. */
 static double error_square(const mukca_plan_state *s, const double *J)
 {
     const int p = s->n_geometry;
@@ -270,7 +272,7 @@ static double error_square(const mukca_plan_state *s, const double *J)
 
 double mukca_plan_expected(const mukca_plan_state *s)
 {
-    /* the mean length of a 3-vector over its root mean square, if it is isotropic */
+    /* ratio of mean to root mean square length of an isotropic 3-vector */
     const double ratio = MUKCA_MEAN_NORM3 / sqrt(3);
     double sum = 0;
     for (int e = 0; e < s->n_elsewhere; e++)
@@ -309,7 +311,7 @@ double mukca_plan_strength(const mukca_plan_state *s)
 
 double mukca_plan_evidence(double strength)
 {
-    /* What a fit gains, less the price of a coefficient whose prior is as wide as the cause is
-     * large. */
+    /* Gain in log likelihood, less the Occam penalty of a coefficient whose prior standard
+     * deviation equals its size. */
     return 0.5 * (strength - log1p(strength));
 }
