@@ -1,5 +1,5 @@
-/* Readings of an elastic arm to angles of a rigid one.  A file of its own, as the headers of the
- * fleet and of the capture each bring a mukca_linearisation. */
+/* Joint angles of an elastic arm corrected to those of a rigid one.  A separate file because the
+ * headers of fleet and capture each define a mukca_linearisation. */
 #include "record/correction.h"
 
 #include "fleet/correct.h"

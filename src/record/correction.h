@@ -1,4 +1,4 @@
-/* Readings of an elastic arm to angles of a rigid one, by what its fleet knows. */
+/* Joint angles of an elastic arm corrected to those of a rigid one, by the traits of its fleet. */
 #ifndef MUKCA_RECORD_CORRECTION_H
 #define MUKCA_RECORD_CORRECTION_H
 
@@ -10,12 +10,12 @@ typedef struct {
     mukca_effect effects[2 * MUKCA_MAX_JOINTS]; /* mean elasticity of the fleet */
 } mukca_correction;
 
-/* From a traits table for the chain, which must outlive the correction.  Errors: as
+/* Read a traits table for `chain`, which must outlive the correction.  Errors: as
  * mukca_traits_read. */
 mukca_status mukca_correction_read(mukca_correction *correction, const char *path,
                                    const mukca_chain *chain, mukca_error *error);
 
-/* Correct q[n_joints] of a still arm by a share of the mean elasticity; `correction` is a
+/* Correct q[n_joints] of an arm at rest by a fraction of the mean elasticity; `correction` is a
  * mukca_correction. */
 void mukca_correction_apply(void *correction, double share, double *q);
 

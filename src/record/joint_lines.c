@@ -1,4 +1,4 @@
-/* Joint states as lines of text: buffering, CSV, and what `ros2 topic echo --csv` prints. */
+/* Joint states as lines of text: buffering, CSV, and the output of `ros2 topic echo --csv`. */
 #include "record/joint_lines.h"
 
 #include <errno.h>
@@ -32,7 +32,7 @@ void mukca_joint_lines_fill(mukca_joint_lines *l)
     l->ended = n == 0 || (n < 0 && errno != EINTR && errno != EAGAIN);
 }
 
-/* A line that does not fit is dropped up to its end. */
+/* A line longer than the buffer is discarded up to its end. */
 const char *mukca_joint_lines_peek(mukca_joint_lines *l)
 {
     for (;;) {
@@ -54,13 +54,13 @@ const char *mukca_joint_lines_peek(mukca_joint_lines *l)
 void mukca_joint_lines_take(mukca_joint_lines *l)
 {
     l->start += strlen(l->buffer + l->start) + 1;
-    if (l->start > l->used) l->start = l->used; /* the last one has no end */
+    if (l->start > l->used) l->start = l->used; /* the last line may lack its end */
     l->number++;
 }
 
 /* ---- cells ---- */
 
-/* A number, NaN for an empty cell or `nan`; false, and NaN: text, or no double. */
+/* Parse a number; NaN for an empty cell, `nan` or `inf`.  False, with NaN: not a number. */
 static bool read_cell(double *value, const char *cell)
 {
     *value = (double)NAN;
@@ -127,7 +127,7 @@ bool mukca_joint_lines_classify(mukca_line_column *column, mukca_joint_lines *l,
 
 /* ---- CSV ---- */
 
-/* A line of at least two names, none of them a number or empty. */
+/* Whether a line has at least two cells, all of them names: none empty, none a number. */
 static bool is_header(char *const *cell, int n)
 {
     for (int i = 0; i < n; i++) {
@@ -167,7 +167,7 @@ static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, 
         const mukca_line_column *c = &l->column[i];
         double value;
         if (c->role < 0) continue;
-        (void)read_cell(&value, l->cell[i]); /* the arm's joints are checked by the recorder */
+        (void)read_cell(&value, l->cell[i]); /* the recorder checks the arm's joints */
         if (c->role == MUKCA_LCM_ROLE_TIME)
             joints->time = isfinite(value) && fabs(value * c->unit) < 9e18
                                ? (int64_t)llround(value * c->unit)
@@ -181,7 +181,7 @@ static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, 
 
 /* ---- ros2 topic echo --csv ---- */
 
-/* An integer of digits alone. */
+/* Parse an integer that consists of digits only. */
 static bool read_count(int64_t *value, const char *cell)
 {
     double number;
@@ -192,8 +192,9 @@ static bool read_count(int64_t *value, const char *cell)
     return true;
 }
 
-/* sec, nanosec, frame, then names, positions, velocities and efforts of sensor_msgs/JointState; an
- * empty array is one empty cell (rosidl_runtime_py's message_to_csv).  False: no such line. */
+/* Parse sec, nanosec, frame, then names, positions, velocities and efforts of
+ * sensor_msgs/JointState; an empty array is one empty cell (message_to_csv of rosidl_runtime_py).
+ * False: not such a line. */
 static bool read_ros(mukca_lcm_joints *joints, const mukca_joint_lines *l, int n)
 {
     static const mukca_lcm_role arrays[] = {MUKCA_LCM_ROLE_POSITION, MUKCA_LCM_ROLE_VELOCITY,
@@ -211,7 +212,7 @@ static bool read_ros(mukca_lcm_joints *joints, const mukca_joint_lines *l, int n
     joints->has[MUKCA_LCM_ROLE_NAME] = true;
     for (int j = 0; j < names; j++) joints->name[j] = l->cell[FIRST + j];
     for (int a = 0; a < 3; a++) {
-        /* one joint: an empty cell is an empty array, or nothing known; both mean the same */
+        /* one joint: an empty cell is an empty array or an unknown value; both mean the same */
         const bool empty = at < n && !*l->cell[at];
         const int count = empty ? 1 : names;
         if (at + count > n) return false;

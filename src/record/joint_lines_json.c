@@ -7,13 +7,13 @@
 #include "base/utf8.h"
 #include "record/joint_lines.h"
 
-/* NaN where it is none. */
+/* NaN if the value is not a number. */
 static double number(const json_t *value)
 {
     return json_is_number(value) ? json_number_value(value) : (double)NAN;
 }
 
-/* Python writes NaN, which JSON does not know: null.  `to` has room for twice the line. */
+/* Replace NaN, which Python writes but JSON lacks, by null.  `to` has room for twice the line. */
 static void replace_nan(char *to, const char *from)
 {
     bool text = false;
@@ -32,7 +32,7 @@ static void replace_nan(char *to, const char *from)
     *to = '\0';
 }
 
-/* us of header.stamp (sec, nanosec; secs, nsecs of ROS 1), or of a time of its own; 0: none. */
+/* Time from header.stamp (sec, nanosec; ROS 1: secs, nsecs) or a time member, us; 0: none. */
 static int64_t read_time(const json_t *message)
 {
     const json_t *stamp = json_object_get(json_object_get(message, "header"), "stamp");
@@ -50,7 +50,7 @@ static int64_t read_time(const json_t *message)
     return fabs(s) < 9e12 ? (int64_t)llround(1e6 * s) : 0;
 }
 
-/* The values of an array, at most `n`; NaN and others keep their place. */
+/* Read the first `n` values of an array; a value that is not a number becomes NaN. */
 static bool read_array(mukca_lcm_joints *joints, int role, const json_t *array, int n)
 {
     if (json_array_size(array) == 0) return true;
@@ -86,7 +86,7 @@ static bool read_arrays(mukca_lcm_joints *joints, mukca_joint_lines *l, const js
         const char *name = json_string_value(json_array_get(names, j));
         if (!name || json_array_size(names) != n) return false;
         joints->name[j] =
-            memcpy(l->text + used, name, strlen(name) + 1); /* they fit: of the line */
+            memcpy(l->text + used, name, strlen(name) + 1); /* fits: the names come from the line */
         used += strlen(name) + 1;
     }
     joints->has[MUKCA_LCM_ROLE_NAME] = true;
@@ -135,7 +135,7 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
         mukca_fail(error, MUKCA_INPUT, "column %d: %.100s", fault.column, fault.text);
         return MUKCA_LINE_FAULT;
     }
-    json_t *message = json_object_get(root, "msg"); /* of a ROS bridge */
+    json_t *message = json_object_get(root, "msg"); /* as a ROS bridge sends it */
     if (!json_is_object(message)) message = root;
     const json_t *trigger = json_object_get(message, "trigger");
     for (int r = 0; r < MUKCA_LCM_ROLES; r++) {

@@ -1,18 +1,18 @@
-/* The recorder's other source: joint states and triggers as lines on standard input. */
+/* Joint states and triggers as lines on standard input, the recorder's alternative to LCM. */
 #include <poll.h>
 
 #include "record/recorder.h"
 
-enum { BURST = 64 /* lines at a time */ };
+enum { BURST = 64 /* lines per call */ };
 
-/* Why the line at hand cannot be used. */
+/* Report why the current line cannot be used. */
 static void refuse(mukca_recorder *r, const char *text)
 {
     const int number = r->lines->number;
     if (r->mapped)
         mukca_recorder_refuse(r, MUKCA_RECORDER_MALFORMED, "%s:%d: %s: ignored", r->channel, number,
                               text);
-    else if (!r->problem.status) /* the first says most */
+    else if (!r->problem.status) /* keep the first reason */
         mukca_fail(&r->problem, MUKCA_INPUT, "%s:%d: %s", r->channel, number, text);
 }
 
@@ -24,7 +24,8 @@ static void trigger(mukca_recorder *r)
     mukca_recorder_report(r, "%s", answer.text);
 }
 
-/* One line.  False: it mapped the joints and stays, to be used once the mapping is confirmed. */
+/* Process one line.  False: the line defined the mapping and stays in the buffer until the mapping
+ * is confirmed. */
 static bool take_line(mukca_recorder *r, const char *line)
 {
     mukca_error error;
@@ -53,7 +54,7 @@ static bool take_line(mukca_recorder *r, const char *line)
     }
     l->number--;
     if (!mapped && r->mapped) {
-        r->received = r->last_arrival = 0; /* it is counted again */
+        r->received = r->last_arrival = 0; /* the line is counted when it is read again */
         return false;
     }
     mukca_joint_lines_take(l);
@@ -73,7 +74,7 @@ mukca_status mukca_recorder_wait_lines(mukca_recorder *r, int timeout_ms, int ot
         more = line && take_line(r, line) && r->connected && rows == r->session.n_rows;
     }
     if (!line && l->ended) return MUKCA_NEGATIVE;
-    /* with lines at hand only look at the others */
+    /* while lines are buffered, poll the link without waiting */
     mukca_status status = mukca_lcm_link_wait(r->link, line ? 0 : timeout_ms, l->fd, &ready, error);
     if (status == MUKCA_OK && ready && !line) mukca_joint_lines_fill(l);
     if (readable && other >= 0) {

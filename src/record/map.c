@@ -1,4 +1,4 @@
-/* The recorder's mapping: which reading of a message is which joint of the arm. */
+/* The recorder's mapping from the readings of a message to the joints of the arm. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "record/recorder.h"
 
-/* --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
+/* Parse --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
 static mukca_status parse_map(mukca_recorder *r, mukca_error *error)
 {
     const char *at = r->options->map;

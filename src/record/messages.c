@@ -1,4 +1,4 @@
-/* The recorder's reports to people and its messages to others. */
+/* The recorder's reports to the user and its LCM messages. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
@@ -9,7 +9,7 @@
 #include "base/utf8.h"
 #include "record/recorder.h"
 
-static const int64_t repeat_us = 10000000; /* between two reports of the same trouble */
+static const int64_t repeat_us = 10000000; /* of reports of the same trouble */
 
 const char *const mukca_recorder_streams[] = {"raw", "corrected", NULL};
 
@@ -18,7 +18,8 @@ const char *mukca_recorder_stream(const mukca_recorder *r)
     return mukca_recorder_streams[r->options->stream];
 }
 
-/* Texts of the network may hold line ends and sequences that control a terminal. */
+/* Replace control characters: texts from the network may contain line ends and terminal escape
+ * sequences. */
 static void make_printable(char *text)
 {
     mukca_utf8_mend(text);
@@ -28,7 +29,7 @@ static void make_printable(char *text)
         bool format = byte == 0xe2 && ((unsigned char)c[1] & 0xfe) == 0x80; /* U+2000 to U+207F */
         if (byte < 0x20 || byte == 0x7f || c1 || format) *c = '?';
     }
-    mukca_utf8_mend(text); /* what is left of them */
+    mukca_utf8_mend(text); /* characters damaged by the replacement */
 }
 
 const char *mukca_recorder_type(const mukca_recorder *r)
@@ -81,7 +82,7 @@ void mukca_recorder_count_unwritten(mukca_recorder *r, const mukca_error *error)
     if (error->status == MUKCA_MEMORY && r->unwritten++ == 0) r->first_unwritten = *error;
 }
 
-/* "no joint state on X"; `text` gets it with "PANDA_STATUS (drake.lcmt_panda_status, 7 joints),
+/* Append "no joint state on X; heard instead: PANDA_STATUS (drake.lcmt_panda_status, 7 joints),
  * CAMERA (unknown type)". */
 void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since)
 {
@@ -120,7 +121,7 @@ void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t 
 double mukca_recorder_age(const mukca_recorder *r)
 {
     if (!r->last_arrival) return HUGE_VAL;
-    /* a trigger is as old as it was when it came, so that a replay decides alike */
+    /* the age at the trigger's arrival, for the same decision in a replay */
     int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
     double age = 1e-6 * (double)(now - r->last_arrival);
     return age > 0 ? age : 0;
@@ -132,7 +133,7 @@ bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const vo
     void *large = NULL;
     mukca_error error;
     size_t size = mukca_message_encode(r->outgoing, sizeof r->outgoing, kind, message);
-    if (size > sizeof r->outgoing) { /* a result with its JSON; all others take no allocation */
+    if (size > sizeof r->outgoing) { /* a result with its JSON; others fit */
         large = malloc(size);
         if (!large) return false;
         mukca_message_encode(large, size, kind, message);

@@ -1,4 +1,4 @@
-/* The recorder and its link: finding the channel, type and mapping; silence. */
+/* The recorder and its link: detection of channel, type, mapping and silence. */
 #include "record/recorder.h"
 
 #include <stdio.h>
@@ -10,14 +10,14 @@
 #include "lcm/description.h"
 #include "lcm/state.h"
 
-enum {                       /* us, of our choice */
-       LISTEN_US = 1000000,  /* silence after which all channels are heard */
-       SILENCE_US = 1800000, /* silence after which it is reported: within 2 s */
-       SEARCH_US = 500000,   /* for other streams that fit, after the first */
-       PROBLEM_US = 1000000  /* for a good message after a bad one */
+enum {                       /* us, our choice */
+       LISTEN_US = 1000000,  /* silence before listening to all channels */
+       SILENCE_US = 1800000, /* silence before it is reported, within 2 s */
+       SEARCH_US = 500000,   /* wait for other matching streams after the first */
+       PROBLEM_US = 1000000  /* wait for a valid message after an invalid one */
 };
 
-/* The one channel heard whose messages fit the arm. */
+/* Select the channel whose messages fit the arm; more than one is an error. */
 static mukca_status choose_channel(mukca_recorder *r)
 {
     int fits = -1;
@@ -76,14 +76,14 @@ static mukca_status read_types(mukca_recorder *r, mukca_error *error)
     for (int i = 0; i < o->n_types && !status; i++)
         status = mukca_lcm_types_read(&r->types, o->types[i], error);
     if (status != MUKCA_OK) return status;
-    /* the last struct that has the field, as nested types come first */
+    /* from the last struct backwards, as nested types come first */
     int t = r->types.n_types;
     do
         status =
             mukca_lcm_type_set_role(&r->types, --t, MUKCA_LCM_ROLE_POSITION, o->position, error);
     while (status != MUKCA_OK && t > MUKCA_LCM_STATES);
     if (status != MUKCA_OK) return status;
-    mukca_error none; /* a type without time stamps is fine */
+    mukca_error none; /* time stamps are optional */
     if (mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_TIME, "utime", &none))
         (void)mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_TIME, "timestamp", &none);
     if (!o->names) return MUKCA_OK;
@@ -125,7 +125,7 @@ mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options
     if (status != MUKCA_OK) return status;
     if (options->key) status = mukca_lcm_key_read(&r->key, options->key, error);
     if (status == MUKCA_OK) status = open_link(r, error);
-    /* what was signed before the start may have been accepted before */
+    /* requests signed before the start may have been accepted by an earlier process */
     if (status == MUKCA_OK && !mukca_lcm_link_replays(r->link)) r->last_signed = r->opened;
     return status;
 }
@@ -143,10 +143,10 @@ void mukca_recorder_close(mukca_recorder *r)
 mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error *error)
 {
     mukca_status status = MUKCA_OK;
-    int64_t found = 0; /* us, when the first problem was */
+    int64_t found = 0; /* us, time of the first problem */
     while (!status && !r->mapped) {
         status = mukca_recorder_step(r, 100, -1, NULL, error);
-        if (!r->link || status == MUKCA_MEMORY) return status; /* it could not be opened again */
+        if (!r->link || status == MUKCA_MEMORY) return status; /* reopening failed */
         int64_t now = mukca_lcm_link_clock(r->link);
         if (r->problem.status && !found) found = now;
         if (r->problem.status && now - found > PROBLEM_US) break;
@@ -168,18 +168,18 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
         return mukca_fail(error, MUKCA_TRANSPORT, "%s", line);
     }
     r->connected = true;
-    /* what was read ahead of a log is to be recorded, too */
+    /* messages read ahead from a log are recorded, too */
     return mukca_lcm_link_replays(r->link) ? open_link(r, error) : MUKCA_OK;
 }
 
-/* Watch a network for silence; `age` is the time since the last joint state, us. */
+/* Detect silence on a network; `age` is the time since the last joint state, us. */
 static void watch(mukca_recorder *r, int64_t age)
 {
     if (r->mapped && r->listens_to_all && age < LISTEN_US) {
         mukca_lcm_link_unlisten_all(r->link);
         r->listens_to_all = false;
     } else if (!r->lines && !r->listens_to_all && age >= LISTEN_US) {
-        mukca_error none; /* it is tried again */
+        mukca_error none; /* retried at the next step */
         r->n_heard = 0;
         r->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
     }
@@ -214,7 +214,7 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
         mukca_status chosen = choose_channel(r);
         if (chosen == MUKCA_TRANSPORT) *error = r->problem;
         if (chosen != MUKCA_OK) return chosen == MUKCA_TRANSPORT ? chosen : status;
-        if (replays) return open_link(r, error); /* from the start, with the channel known */
+        if (replays) return open_link(r, error); /* restart with the known channel */
     }
     if (replays || status) return status;
     warn_dropped(r);

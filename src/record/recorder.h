@@ -20,14 +20,14 @@ enum {
     MUKCA_RECORDER_LINE = 448
 };
 
-/* Zeroed means the defaults; `mukca help capture` describes them.  All texts must outlive the
+/* Zeroed options mean defaults; `mukca help capture` describes them.  All texts must outlive the
  * recorder. */
 typedef struct {
     mukca_lcm_network network;
     const char *channel, *prefix, *position, *names, *map, *placements, *sockets, *log;
-    const char *key; /* file; requests must be signed with it, NULL: need not */
-    const char
-        *traits; /* file; its mean elasticity corrects what is found about samples, or NULL */
+    const char *key;          /* key file for signed requests; NULL: signatures are not required */
+    const char *traits;       /* traits file; its mean elasticity corrects the angles in checks of
+                                 samples; NULL: none */
     const char *const *types; /* [n_types] .lcm files */
     int n_types;
     int stream; /* index into mukca_recorder_streams */
@@ -35,7 +35,7 @@ typedef struct {
     double window, motion, dwell; /* s, rad or m, s */
     double distance;              /* between the sockets, m; 0: 0.05 */
     bool triggers;                /* record on messages of PREFIX_TRIGGER */
-    bool lines;                   /* joint states come as lines on standard input */
+    bool lines;                   /* read joint states as lines from standard input */
     bool force;                   /* overwrite an existing log */
 } mukca_recorder_options;
 
@@ -44,19 +44,19 @@ extern const char *const mukca_recorder_streams[];
 
 /* Callbacks; any may be NULL. */
 typedef struct {
-    mukca_note_fn *report;                                           /* one line for people */
+    mukca_note_fn *report;                                           /* one line for the user */
     void (*joints)(void *context, int64_t time_us, const double *q); /* each usable message */
     void (*command)(void *context, const mukca_lcm_packet *packet);  /* of PREFIX_COMMAND */
-    /* whether a trigger may record; MUKCA_NEGATIVE: not */
+    /* whether a trigger may record; MUKCA_NEGATIVE: no */
     mukca_status (*trigger)(void *context, const mukca_lcm_packet *packet, mukca_error *error);
-    bool (*interrupted)(void); /* true ends the search for a stream */
+    bool (*interrupted)(void); /* true aborts the search for a stream */
     void *context;
 } mukca_recorder_hooks;
 
-/* A channel that is not the arm's. */
+/* A channel heard while searching, or in silence. */
 typedef struct {
     char channel[64];
-    int type; /* -1: unknown */
+    int type; /* index of the type; -1: unknown */
     int joints;
 } mukca_recorder_heard;
 
@@ -64,10 +64,10 @@ typedef struct {
 typedef struct {
     uint64_t id;
     int64_t time;    /* us, of its last request */
-    double requests; /* that it may still make now */
+    double requests; /* requests available (token bucket) */
 } mukca_recorder_sender;
 
-/* Trouble that is reported once, then at most every ten seconds. */
+/* Kinds of trouble, each reported at once and then at most every ten seconds. */
 typedef enum {
     MUKCA_RECORDER_TYPE,
     MUKCA_RECORDER_MALFORMED,
@@ -92,88 +92,88 @@ typedef struct {
     char trigger_channel[64], command_channel[64];
     /* the stream */
     char channel[64]; /* empty while searching */
-    int type;         /* of its messages, -1 before the first */
-    bool mapped;      /* `map` and n_readings are known ... */
-    bool confirmed;   /* ... and may be used */
-    bool connected;   /* messages are used, no longer only read ahead */
+    int type;         /* of its messages; -1 before the first */
+    bool mapped;      /* `map` and n_readings are set */
+    bool confirmed;   /* they may be used */
+    bool connected;   /* messages are used; before, they are only read ahead */
     bool by_name;
-    int map[MUKCA_MAX_JOINTS], n_readings; /* reading of each joint */
-    mukca_error problem;     /* why the stream cannot be used at all; OK: nothing found */
-    mukca_lcm_joints joints; /* the last message */
+    int map[MUKCA_MAX_JOINTS], n_readings; /* index of the reading of each joint */
+    mukca_error problem;                   /* why the stream is unusable; OK: no problem found */
+    mukca_lcm_joints joints;               /* of the last message */
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
-    int64_t received, refused, last_arrival, opened; /* arrival: us */
-    int64_t packet_time;                             /* us, of the message at hand, 0: none is */
+    int64_t received, refused, last_arrival, opened; /* last_arrival and opened: us */
+    int64_t packet_time;                             /* us, of the packet in process; 0: none */
     int64_t rate_since, rate_count;
-    double rate, longest_gap; /* Hz; s between arrivals */
+    double rate, longest_gap; /* Hz; s between two arrivals */
     bool listens_to_all, silent;
     mukca_recorder_sender sender[MUKCA_RECORDER_MAX_SENDERS];
     mukca_lcm_key key;
     int64_t last_signed;             /* us, time stamp of the last signed request */
-    uint64_t arm;                    /* sender of the joint states */
-    int64_t arm_heard, second_heard; /* us, it and another one; 0: never */
-    int64_t dropped;                 /* datagrams and messages of the network */
+    uint64_t arm;                    /* sender of the accepted joint states */
+    int64_t arm_heard, second_heard; /* us, last messages of arm and other sender; 0: never */
+    int64_t dropped;                 /* datagrams and messages lost in the network */
     int n_heard;
     mukca_recorder_heard heard[MUKCA_RECORDER_MAX_HEARD];
-    int64_t fit_heard; /* us, when the first stream that fits the arm was heard; 0: none */
+    int64_t fit_heard; /* us, arrival of the first stream that fits the arm; 0: none */
     int64_t reported[MUKCA_RECORDER_TROUBLES], occurrences[MUKCA_RECORDER_TROUBLES];
     /* the session */
     mukca_capture capture;
-    mukca_correction correction; /* by the traits */
+    mukca_correction correction; /* from the traits */
     mukca_session session;       /* closed: nothing is recorded */
     mukca_capture_advice advice;
     char labels[2][512];
     int n_placements, n_sockets;
     const char *placements[MUKCA_RECORDER_MAX_LABELS], *sockets[MUKCA_RECORDER_MAX_LABELS];
-    int unwritten; /* samples and answers that failed for want of disk or memory */
+    int unwritten; /* samples and answers lost for lack of disk space or memory */
     mukca_error first_unwritten;
     char last_line[MUKCA_RECORDER_LINE];
     unsigned char outgoing[8192];
 } mukca_recorder;
 
-/* Connect to LCM and prepare; nothing is recorded yet.  theta[6 * n_elements] (NULL: nominal) is
- * the model to begin with.  `r` is large: allocate it.  Everything it points to must outlive it;
- * close it after a failure, too.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_TRANSPORT, MUKCA_MEMORY.
- */
+/* Connect to LCM and prepare a recording, without starting it.  theta[6 * n_elements] (NULL:
+ * nominal) is the initial model.  `r` is large: allocate it.  Everything that it points to must
+ * outlive it; close it after a failure, too.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_TRANSPORT,
+ * MUKCA_MEMORY. */
 mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options *options,
                                  const mukca_chain *chain, const double *theta,
                                  const mukca_recorder_hooks *hooks, mukca_error *error);
 void mukca_recorder_close(mukca_recorder *r);
 
 /* Find channel, type and mapping; waits up to `wait` s (< 0: for ever).  A log is read ahead for
- * this and then started again.  Errors: MUKCA_TRANSPORT (silence: lists what was heard instead),
+ * this and then restarted.  Errors: MUKCA_TRANSPORT (silence; lists the other channels heard),
  * MUKCA_INPUT, MUKCA_INTERRUPTED. */
 mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error *error);
 
-/* Why no stream has been found so far. */
+/* The reason why no stream has been found so far. */
 void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t size);
 
-/* The mapping as lines for people, and whether it goes by order and nobody has confirmed it. */
+/* The mapping as lines for the user; and whether it follows from the order of readings alone and is
+ * unconfirmed. */
 void mukca_recorder_describe_map(const mukca_recorder *r, char *text, size_t size);
 bool mukca_recorder_needs_confirmation(const mukca_recorder *r);
 
-/* Begin the raw log, if one is wanted.  Errors: MUKCA_INPUT. */
+/* Start the raw log if the options name one.  Errors: MUKCA_INPUT. */
 mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error);
 
-/* Count a failure if its status is MUKCA_MEMORY: the exit code must not hide it. */
+/* Count a failure with status MUKCA_MEMORY, for the exit code. */
 void mukca_recorder_count_unwritten(mukca_recorder *r, const mukca_error *error);
 
-/* End the raw log.  Errors: MUKCA_MEMORY (it could not be written whole, or a failure was counted).
- */
+/* Close the raw log.  Errors: MUKCA_MEMORY (the log is incomplete, or a failure was counted). */
 mukca_status mukca_recorder_finish(mukca_recorder *r, mukca_error *error);
 
-/* Begin or resume the session file; the capture's rows follow it.  Errors: MUKCA_INPUT (exists
- * without `force`; see mukca_session_resume), MUKCA_MEMORY. */
+/* Create or resume the session file; its samples are loaded into the capture.  Errors: MUKCA_INPUT
+ * (exists without `force`; see mukca_session_resume), MUKCA_MEMORY. */
 mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resume, bool force,
                                   mukca_error *error);
 
-/* Deliver what has arrived, watch for silence.  As mukca_lcm_link_wait. */
+/* Process arrived messages and detect silence.  As mukca_lcm_link_wait. */
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                  mukca_error *error);
 
-/* Requests of people; answer->text gets a line for them, also on success.  A sample is on disk when
- * this returns, and a sample message is sent either way; labels NULL or "" are the current ones.
- * The others delete the last row, select the current socket, go to the next one, or to the first of
- * a new placement.  Return MUKCA_NEGATIVE when refused, MUKCA_INPUT when the disk failed. */
+/* Requests of the user; answer->text is the reply, also on success.  mukca_recorder_sample returns
+ * after the sample is on disk, and sends a sample message in any case; labels NULL or "" mean the
+ * current ones.  The others delete the last sample, select a socket, the next socket, or the first
+ * socket of a new placement.  Errors: MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
 mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
                                    const char *socket, mukca_error *answer);
 mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer);
@@ -182,70 +182,70 @@ mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, con
 mukca_status mukca_recorder_next_socket(mukca_recorder *r, mukca_error *answer);
 mukca_status mukca_recorder_next_placement(mukca_recorder *r, mukca_error *answer);
 
-/* "no_stream", "moving" or "still"; and send a status message, `state` NULL for that one. */
+/* State of the stream: "no_stream", "moving" or "still"; and send it, or another `state` unless
+ * NULL, as a status message. */
 const char *mukca_recorder_state(const mukca_recorder *r);
 void mukca_recorder_publish_status(mukca_recorder *r, const char *state);
 
 /* ---- reports and messages (messages.c) ---- */
 
-/* Send a message on its channel; false (reported as trouble) where that fails. */
+/* Send a message on its channel; false: it failed, which is reported. */
 bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const void *message);
 
-/* Report one line to people and keep it for the status. */
+/* Report one line to the user and keep it for the status message. */
 void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /* The same as a mukca_note_fn; `r` is the recorder. */
 void mukca_recorder_note(void *r, const char *text);
 
-/* Report trouble, but not a thousand times a second; the second also counts a message that cannot
- * be used. */
+/* Report trouble at a limited rate; mukca_recorder_refuse also counts an unusable message. */
 void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text);
 void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-const char *mukca_recorder_type(const mukca_recorder *r); /* of the joint states; "": none yet */
-/* "no joint state on X; heard instead: PANDA_STATUS (drake.lcmt_panda_status, 7 joints)"; `since`
- * follows the channel. */
+const char *mukca_recorder_type(const mukca_recorder *r); /* of the joint states; "": none */
+/* Append "no joint state on X; heard instead: PANDA_STATUS (drake.lcmt_panda_status, 7 joints)";
+ * `since` is printed after the channel. */
 void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since);
 
-double mukca_recorder_age(const mukca_recorder *r); /* s since the last joint state arrived */
+double mukca_recorder_age(const mukca_recorder *r);         /* s since the last joint state */
 const char *mukca_recorder_stream(const mukca_recorder *r); /* "raw" or "corrected" */
 
-/* ---- steps of the above, for the files of this folder ---- */
+/* ---- steps of the above, shared by the files of this folder ---- */
 
-/* Labels and the capture (session.c). */
+/* Initialise labels and capture (session.c). */
 mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukca_error *error);
 
-/* Read --map; and set the mapping by the first message, r->problem holds the reason where that
- * fails (map.c). */
+/* Read --map; and set the mapping from the first message, with the reason of a failure in
+ * r->problem (map.c). */
 mukca_status mukca_recorder_check_map(mukca_recorder *r, mukca_error *error);
 mukca_status mukca_recorder_make_map(mukca_recorder *r);
 
 /* Handler of all packets; `r` is the recorder (stream.c). */
 void mukca_recorder_receive(void *r, const mukca_lcm_packet *packet);
 
-/* Joint states that were decoded to r->joints; `packet` says when they came and from whom. */
+/* Process the joint states in r->joints; `packet` has their time of arrival and sender. */
 void mukca_recorder_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type);
 
-/* Deliver lines of standard input, or wait for some; as mukca_lcm_link_wait (lines.c). */
+/* Process lines of standard input, or wait for some; as mukca_lcm_link_wait (lines.c). */
 mukca_status mukca_recorder_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                        mukca_error *error);
 
-/* Whether a sender may make a request now; and whether a usable joint state is of the sender that
- * the others are of.  False: the message is refused. */
+/* Whether a sender's request is within its rate limit; and whether joint states are from the
+ * accepted sender.  False: the message is refused. */
 bool mukca_recorder_may_request(mukca_recorder *r, const mukca_lcm_packet *packet);
 bool mukca_recorder_one_sender(mukca_recorder *r, const mukca_lcm_packet *packet);
 
-/* Check the signature of a request with that time stamp, us, if the options name a key: each is
- * accepted once, and only while it is fresh.  Errors: MUKCA_NEGATIVE. */
+/* Check the signature of a request with time stamp `utime`, us, if the options name a key: each is
+ * accepted once, and only while fresh.  Errors: MUKCA_NEGATIVE. */
 mukca_status mukca_recorder_check_signature(mukca_recorder *r, const mukca_lcm_packet *packet,
                                             int64_t utime, mukca_error *error);
 
-/* Answer a trigger that is refused before it is read. */
+/* Reply to a trigger that is refused before decoding. */
 void mukca_recorder_refuse_sample(mukca_recorder *r, int64_t id, const char *text);
 
-/* Whether a second sender of joint states was heard just now. */
+/* Whether a second sender of joint states was heard recently. */
 bool mukca_recorder_doubted(const mukca_recorder *r);
 
 static inline const char *mukca_recorder_joint(const mukca_recorder *r, int j)

@@ -1,27 +1,29 @@
-/* Who may speak to the recorder: requests of one sender are limited, joint states come from one
- * sender at a time.  Messages of a log have no sender and are not limited. */
+/* Admission of senders: a rate limit for the requests of each sender, and one sender of joint
+ * states at a time.  Messages of a log have no sender and are not limited. */
 #include <math.h>
 #include <string.h>
 
 #include "record/recorder.h"
 
-/* Of our choice: faster than people and programs that wait for answers, slow enough for a disk. */
+/* Our choice: above the rate of people and of programs that wait for replies, below that of a
+ * disk. */
 static const double requests_per_s = 50, first_requests = 40, most_requests = 100;
 
-/* A restarted driver has a new port and is accepted after this time, us. */
+/* A restarted driver has a new port and is accepted after this silence, us. */
 static const int64_t handover_us = 500000;
 
-/* Difference of clocks that is allowed between signer and receiver, us: clocks set by hand agree to
- * some seconds.  What was recorded before cannot be sent again, so it may be long. */
+/* Tolerated clock difference between signer and receiver, us: clocks set by hand agree within
+ * seconds.  A recorded request cannot be replayed, which permits a wide tolerance. */
 static const int64_t fresh_us = 10000000;
 
-/* For so long after a second sender no sample is recorded, us: longer than any usual window. */
+/* No sample is recorded for this time after a message of a second sender, us: longer than usual
+ * averaging windows. */
 static const int64_t doubt_us = 1000000;
 
 bool mukca_recorder_may_request(mukca_recorder *r, const mukca_lcm_packet *packet)
 {
     if (!packet->sender) return true;
-    mukca_recorder_sender *s = &r->sender[0]; /* the known one, else the longest silent one */
+    mukca_recorder_sender *s = &r->sender[0]; /* its entry, else the oldest */
     for (int i = 0; i < MUKCA_RECORDER_MAX_SENDERS; i++) {
         if (r->sender[i].id == packet->sender) {
             s = &r->sender[i];

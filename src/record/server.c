@@ -1,4 +1,4 @@
-/* The server: commands over LCM, the loop. */
+/* The server: LCM commands and the main loop. */
 #include "record/server.h"
 
 #include <stdio.h>
@@ -10,7 +10,7 @@
 
 /* ---- commands ---- */
 
-/* The answer's text is sent, unless it is empty: the result comes later, or has been sent. */
+/* The answer's text is sent unless it is empty: the result was sent already, or follows later. */
 #define VERB(name)                                                                       \
     static mukca_status do_##name(mukca_server *s, const mukca_message_command *command, \
                                   mukca_error *answer)
@@ -20,7 +20,7 @@ static const char *argument(const mukca_message_command *command, int i)
     return i < command->n ? command->argument[i] : NULL;
 }
 
-/* Keep the current placement and socket for a restart. */
+/* Store the current placement and socket for a restart. */
 static void keep_place(mukca_server *s)
 {
     mukca_server_state *state = &s->state;
@@ -31,7 +31,7 @@ static void keep_place(mukca_server *s)
     snprintf(state->rows, sizeof state->rows, "%d", r->session.n_rows);
 }
 
-/* Begin or resume the session that the state names, once the stream is known; reports itself. */
+/* Start or resume the session named by the state, once the stream is known; reports by itself. */
 static mukca_status begin(mukca_server *s, mukca_error *answer)
 {
     char path[MUKCA_SERVER_PATH];
@@ -42,7 +42,7 @@ static mukca_status begin(mukca_server *s, mukca_error *answer)
     s->session_begun = true;
     mukca_status status = mukca_recorder_begin(r, path, true, false, answer);
     if (status == MUKCA_OK) {
-        /* a row that was recorded after the last save is more recent than it */
+        /* if a sample was recorded after the last save, its labels are more recent */
         if (s->state.placement[0] && strtol(s->state.rows, NULL, 10) == r->session.n_rows)
             mukca_recorder_select(r, s->state.placement, s->state.socket, answer);
         keep_place(s);
@@ -72,7 +72,7 @@ VERB(start)
     mukca_status status = begin(s, answer);
     keep_place(s);
     if (status == MUKCA_OK) status = mukca_server_save_state(s, answer);
-    if (status != MUKCA_OK) { /* resume the old one */
+    if (status != MUKCA_OK) { /* resume the previous session */
         s->state = before;
         s->session_begun = false;
         (void)begin(s, &ignored);
@@ -92,7 +92,7 @@ VERB(delete)
     return mukca_recorder_undo(&s->recorder, answer);
 }
 
-/* Save a place that was just selected, or select the one `before` again. */
+/* Save the labels just selected; on failure, reselect those of `before`. */
 static mukca_status save_place(mukca_server *s, const mukca_server_state *before,
                                mukca_error *answer)
 {
@@ -184,7 +184,7 @@ static const struct {
 #undef VERB_ROW
 };
 
-/* Run a command if its sender may give it. */
+/* Execute a command if its sender has the right to it. */
 static mukca_status obey(mukca_server *s, const mukca_lcm_packet *packet,
                          const mukca_message_command *command, mukca_error *answer)
 {
@@ -219,10 +219,10 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
     if (!mukca_recorder_may_request(r, packet)) return;
     mukca_status status = obey(s, packet, &command, &line);
     keep_place(s);
-    if (mukca_server_save_state(s, &error) != MUKCA_OK) /* it is tried again; samples are safe */
+    if (mukca_server_save_state(s, &error) != MUKCA_OK) /* retried later; samples are safe */
         mukca_recorder_report(r, "%s", error.text);
     line.status = status;
-    if (strcmp(command.verb, "add") != 0) /* which counts for itself */
+    if (strcmp(command.verb, "add") != 0) /* mukca_recorder_sample counts its own failures */
         mukca_recorder_count_unwritten(r, &line);
     if (!line.text[0]) return;
     const mukca_server_answer answer = {
@@ -267,7 +267,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
         status = mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &own, error);
     if (status == MUKCA_OK) status = mukca_server_load_state(s, error);
     if (status != MUKCA_OK) return status;
-    mukca_error problem; /* it serves without a model, too */
+    mukca_error problem; /* serves without a model, too */
     if (mukca_server_load_model(s, &problem))
         mukca_recorder_report(&s->recorder, "no table is in use: %s", problem.text);
     if (mukca_lcm_link_replays(s->recorder.link))
@@ -275,10 +275,10 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     return status ? status : mukca_recorder_start_log(&s->recorder, error);
 }
 
-/* Report a problem of the stream when it changes; `last` is the one before. */
+/* Report a change of the stream's problem; `last` is the preceding report. */
 static void report_problem(mukca_recorder *r, char last[MUKCA_RECORDER_LINE])
 {
-    if (r->mapped && !r->confirmed) /* by order, and nobody has confirmed it */
+    if (r->mapped && !r->confirmed) /* mapped by order, unconfirmed */
         mukca_fail(&r->problem, MUKCA_USAGE,
                    "%s sends no joint names: start serve with --map order", r->channel);
     if (r->problem.status && strcmp(last, r->problem.text) != 0)
@@ -288,7 +288,7 @@ static void report_problem(mukca_recorder *r, char last[MUKCA_RECORDER_LINE])
 
 mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
 {
-    const double publish_period = 0.5; /* s: data/lcm/mukca_status.lcm promises it */
+    const double publish_period = 0.5; /* s, as promised in data/lcm/mukca_status.lcm */
     mukca_recorder *r = &s->recorder;
     mukca_status status = MUKCA_OK;
     char last[MUKCA_RECORDER_LINE] = "";
@@ -300,7 +300,7 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
         status = mukca_recorder_step(r, 100, -1, NULL, error);
         if (status != MUKCA_OK) break;
         report_problem(r, last);
-        (void)begin(s, &problem); /* reports itself */
+        (void)begin(s, &problem); /* reports by itself */
         mukca_server_finish_job(s, false);
         double now = mukca_clock_seconds();
         if (now - published < publish_period) continue;
@@ -319,7 +319,7 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
     if (status != MUKCA_OK && status != MUKCA_NEGATIVE) return status;
     status = mukca_server_save_state(s, error);
     if (status != MUKCA_OK) return status;
-    return mukca_recorder_finish(r, error); /* MUKCA_NEGATIVE: the end of a log */
+    return mukca_recorder_finish(r, error); /* MUKCA_NEGATIVE: end of the log */
 }
 
 void mukca_server_close(mukca_server *s)

@@ -1,5 +1,5 @@
-/* The daemon behind `mukca serve`: it records, calibrates and diagnoses on commands over LCM.
- * Its parts: state on disk, jobs in child processes, poses. */
+/* The daemon of `mukca serve`: records, calibrates and diagnoses on commands over LCM.  Its parts:
+ * state on disk, jobs in child processes, poses. */
 #ifndef MUKCA_RECORD_SERVER_H
 #define MUKCA_RECORD_SERVER_H
 
@@ -11,11 +11,11 @@
 
 enum {
     MUKCA_SERVER_PATH = 1024,
-    MUKCA_SERVER_BUCKETS = 512, /* of the latencies' histogram: 2 % wide each, from 0.1 us on */
+    MUKCA_SERVER_BUCKETS = 512, /* of the latency histogram: each 2 % wide, from 0.1 us */
     MUKCA_SERVER_ARGUMENTS = 32
 };
 
-/* Commands: verb, usage, most arguments, sentence */
+/* Commands: verb, usage, largest number of arguments, description */
 #define MUKCA_SERVER_VERB_LIST(X)                                                             \
     X(start, " [NAME]", 1, "begin or resume the session NAME")                                \
     X(add, " [PLACEMENT [SOCKET]]", 2, "record a sample now")                                 \
@@ -28,73 +28,72 @@ enum {
     X(use, " [SESSION]", 1, "use the last result (of SESSION) for poses, if it is plausible") \
     X(result, "", 0, "send the offsets table in use")
 
-/* Rights of --accept besides the verbs, and its default.  Commands that take something away or move
- * a controller must be named: delete, use, and reopen for `start` of a session that is not the
- * current one. */
+/* Default rights of --accept.  Commands that remove data or change the model in use must be listed:
+ * delete, use, and reopen (`start` of a session other than the current one). */
 #define MUKCA_SERVER_ACCEPT "start,add,trigger,socket,placement,finish,calibrate,diagnose,result"
 
-/* Their names, ended by NULL. */
+/* Names of the verbs, ended by NULL. */
 extern const char *const mukca_server_verbs[];
 
 typedef struct {
     mukca_recorder_options recorder;
     const char *folder; /* of sessions, results and state */
     bool publish_pose;
-    double most_change; /* of the tip by `use` against the table in use, m */
-    const char *accept; /* verbs, trigger and reopen, commas between; all; NULL: the default */
-    /* options of calibrate and diagnose for the model, as on the command line; ended by NULL */
+    double most_change; /* largest change of the tip by `use` relative to the table in use, m */
+    const char *accept; /* comma-separated verbs, trigger and reopen; "all"; NULL: the default */
+    /* model options for calibrate and diagnose, as on the command line; ended by NULL */
     const char *arguments[MUKCA_SERVER_ARGUMENTS];
 } mukca_server_options;
 
-/* What survives a restart. */
+/* State that survives a restart. */
 typedef struct {
-    char session[MUKCA_NAME_SIZE]; /* name, without ending; empty: none */
-    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* current ... */
-    char rows[16];                        /* ... when the session had so many rows */
-    char finished[2];                     /* not empty: no samples are added to the session */
-    char model[MUKCA_NAME_SIZE + 16];     /* file of the offsets table in use; empty: none */
-    char model_stream[16];                /* the kind of stream its rows were recorded from */
-    char candidate[MUKCA_NAME_SIZE + 16]; /* the last result, which `use` takes; empty: none */
+    char session[MUKCA_NAME_SIZE];                            /* name without ending; empty: none */
+    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* current labels */
+    char rows[16];                    /* number of samples in the session when they were saved */
+    char finished[2];                 /* not empty: the session accepts no more samples */
+    char model[MUKCA_NAME_SIZE + 16]; /* file of the offsets table in use; empty: none */
+    char model_stream[16];            /* kind of stream of its samples */
+    char candidate[MUKCA_NAME_SIZE + 16]; /* last result, the input of `use`; empty: none */
     char candidate_stream[16];
 } mukca_server_state;
 
-/* A calibration or diagnosis that runs in a child process. */
+/* A calibration or diagnosis in a child process. */
 typedef struct {
-    pid_t child; /* 0: none */
+    pid_t child; /* 0: no job */
     int64_t id;  /* of the command */
     bool diagnosis;
     char offsets[MUKCA_SERVER_PATH], json[MUKCA_SERVER_PATH], errors[MUKCA_SERVER_PATH];
 } mukca_server_job;
 
-/* Poses: all memory is here, so that a message costs no allocation. */
+/* Poses; all memory is here, and a message needs no allocation. */
 typedef struct {
     bool ready; /* a table is loaded */
     mukca_offsets offsets;
     mukca_geometry geometry;
     mukca_row_state states; /* of the stream */
     int64_t sent;
-    int64_t histogram[MUKCA_SERVER_BUCKETS]; /* of s from reception to having been sent */
+    int64_t histogram[MUKCA_SERVER_BUCKETS]; /* of the times from reception to the end of sending */
 } mukca_server_pose;
 
-/* Sessions that may still be made now, and when that was counted, us. */
+/* Sessions that may still be started (token bucket), and the time of that count, us. */
 typedef struct {
     double left;
     int64_t time;
 } mukca_server_budget;
 
-/* Who may change the open session. */
+/* The sender that may change the open session. */
 typedef struct {
     uint32_t address; /* IPv4 */
-    int64_t heard;    /* us, its last request; 0: nobody yet */
+    int64_t heard;    /* us, its last request; 0: no controller yet */
 } mukca_server_controller;
 
 typedef struct {
     mukca_recorder recorder;
     const mukca_server_options *options;
-    mukca_recorder_hooks hooks; /* the caller's */
+    mukca_recorder_hooks hooks; /* of the caller */
     mukca_server_state state, saved;
     bool session_begun;
-    int lock; /* descriptor + 1, so that zero is none */
+    int lock; /* descriptor + 1; 0: none */
     mukca_server_budget new_sessions;
     mukca_server_controller controller;
     mukca_server_job job;
@@ -104,25 +103,24 @@ typedef struct {
     mukca_offset_row rows[MUKCA_MAX_OFFSET_ROWS];
 } mukca_server;
 
-/* Connect and read the state; theta as for mukca_recorder_open.  Of the hooks, `report` and
- * `interrupted` are used; the latter is not NULL.  `s` is large: allocate it; close it after a
- * failure, too.  Errors: as mukca_recorder_open; MUKCA_INPUT (the folder, a damaged state). */
+/* Connect and read the state; theta as for mukca_recorder_open.  Hooks used: `report`, and
+ * `interrupted`, which must not be NULL.  `s` is large: allocate it; close it after a failure, too.
+ * Errors: as mukca_recorder_open; MUKCA_INPUT (the folder, a damaged state). */
 mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *options,
                                const mukca_chain *chain, const double *theta,
                                const mukca_recorder_hooks *hooks, mukca_error *error);
 
-/* Serve until hooks.interrupted, or to the end of a log.  Errors: MUKCA_TRANSPORT; of a log
+/* Serve until hooks.interrupted, or to the end of a log.  Errors: MUKCA_TRANSPORT; for a log
  * MUKCA_INPUT. */
 mukca_status mukca_server_run(mukca_server *s, mukca_error *error);
 void mukca_server_close(mukca_server *s);
 
-/* Latency at or below which the share p of all poses was sent, s; NaN without any */
+/* Quantile p of the latency of all poses sent, s; NaN without poses */
 double mukca_server_latency(const mukca_server_pose *pose, double p);
 
-/* ---- parts of it (server_folder.c, server_state.c, server_use.c, server_pose.c, server_job.c)
- * ---- */
+/* ---- parts (server_folder.c, server_state.c, server_use.c, server_pose.c, server_job.c) ---- */
 
-/* Folders of --state: a session's name must not meet other files. */
+/* Folders of --state: separate, so that session names cannot collide with other files. */
 #define MUKCA_SERVER_SESSIONS "sessions"
 #define MUKCA_SERVER_RESULTS "results"
 
@@ -130,56 +128,58 @@ double mukca_server_latency(const mukca_server_pose *pose, double p);
 void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *folder,
                        const char *name, const char *ending);
 
-/* Make the folder, hold it until mukca_server_close, remove what is left of killed writers, and
- * move the files of an earlier version to their places.  Errors: MUKCA_INPUT (also: another server
- * holds it). */
+/* Create the folder, lock it until mukca_server_close, remove temporary files of killed writers,
+ * and move the files of an earlier version to their places.  Errors: MUKCA_INPUT (also: locked by
+ * another server). */
 mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error);
 
-/* Whether a session may be called so: letters, digits, _ - and . but not first; at most 40. */
+/* Whether a name is valid for a session: at most 40 letters, digits, _ - and ., the last two not
+ * first. */
 bool mukca_server_name_ok(const char *name);
 
-/* Whether --accept names a verb, trigger or reopen; everything while a log is replayed. */
+/* Whether --accept lists a verb, trigger or reopen; always true while a log is replayed. */
 bool mukca_server_accepts(const mukca_server *s, const char *right);
 
-/* Errors: MUKCA_USAGE (--accept names something else). */
+/* Errors: MUKCA_USAGE (--accept lists something else). */
 mukca_status mukca_server_check_accept(const mukca_server *s, mukca_error *error);
 
-/* Whether the packet's sender may change the open session: the one who began it, until it is
- * finished or he has been silent for long.  He becomes its controller.  Errors: MUKCA_NEGATIVE. */
+/* Whether the packet's sender may change the open session, and becomes its controller: the sender
+ * that started it, or any sender once it is finished or its controller has been silent for long.
+ * Errors: MUKCA_NEGATIVE. */
 mukca_status mukca_server_control(mukca_server *s, const mukca_lcm_packet *packet,
                                   mukca_error *error);
 
-/* Whether `start` may open the session of that name now.  Errors: MUKCA_NEGATIVE (it would be
- * reopened, too many in a short time, little space is left). */
+/* Whether `start` may open the session of that name.  Errors: MUKCA_NEGATIVE (it would be reopened;
+ * too many in a short time; too little disk space). */
 mukca_status mukca_server_may_start(mukca_server *s, const char *name, mukca_error *error);
 
 /* Read the state; a folder without one is new.  Errors: MUKCA_INPUT. */
 mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error);
 
-/* Write it, whole or not at all, if it has changed.  Errors: MUKCA_INPUT. */
+/* Write the state atomically if it has changed.  Errors: MUKCA_INPUT. */
 mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error);
 
-/* Notify the service manager ("READY=1"); nothing without one. */
+/* Notify the service manager ("READY=1"), if there is one. */
 void mukca_server_notify(const char *text);
 
-/* Load the table in use.  Errors: MUKCA_INPUT (also: of another kind of stream, did not pass, holds
- * no verdict). */
+/* Load the table in use.  Errors: MUKCA_INPUT (also: of another kind of stream, not accepted,
+ * without a verdict). */
 mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error);
 
-/* Read the table that a job has written, accepted or not, into s->candidate, for `use`.  Errors:
+/* Read the table written by a job, accepted or not, into s->candidate, for `use`.  Errors:
  * MUKCA_INPUT. */
 mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error);
 
-/* Put the last result into use: of `session` (NULL: any).  Gates: accepted, its size, its held-out
- * error and change against the table in use.  `error` gets the answer.  Errors: MUKCA_NEGATIVE,
- * MUKCA_INPUT. */
+/* Put the last result into use, if it is of `session` (NULL: any).  Conditions: acceptance, size,
+ * held-out error and change relative to the table in use.  `error` has the reply.  Errors:
+ * MUKCA_NEGATIVE, MUKCA_INPUT. */
 mukca_status mukca_server_use(mukca_server *s, const char *session, mukca_error *error);
 
 /* A recorder hook: send the pose of one joint state. */
 void mukca_server_send_pose(void *server, int64_t time_us, const double *q);
 
 /* Send the result of a command; `table` (may be NULL) adds its rows, `json` (may be NULL) is sent
- * as it is. */
+ * unchanged. */
 typedef struct {
     int64_t id;
     const char *verb, *text, *json;
@@ -188,12 +188,12 @@ typedef struct {
 } mukca_server_answer;
 void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer);
 
-/* Start calibrate or diagnose on the session; answered when it ends.  Errors: MUKCA_NEGATIVE (one
- * runs, no session), MUKCA_INPUT. */
+/* Start calibrate or diagnose on the session; the reply follows at its end.  Errors: MUKCA_NEGATIVE
+ * (a job is running, no session), MUKCA_INPUT. */
 mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
                                     mukca_error *error);
 
-/* Send the result of a job that has ended; `wait`: until it has. */
+/* Send the result of a job if it has ended; with `wait`, wait for its end. */
 void mukca_server_finish_job(mukca_server *s, bool wait);
 void mukca_server_kill_job(mukca_server *s);
 

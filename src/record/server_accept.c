@@ -1,20 +1,20 @@
-/* What senders may ask of the server. */
+/* Rights and limits of the server's clients. */
 #include <string.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "record/server.h"
 
-/* Of our choice: a person begins few sessions, a sample takes some 500 bytes. */
+/* Our choice: a person starts few sessions; a sample takes some 500 bytes. */
 static const double first_sessions = 10, sessions_per_s = 0.1, free_bytes = 16e6;
 
-/* Of our choice, s: longer than people pause between two samples. */
+/* Our choice, s: longer than a usual pause between two samples. */
 static const double longest_silence = 300;
 
 #define VERB_NAME(name, usage, arguments, sentence) #name,
 const char *const mukca_server_verbs[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) NULL};
 
-/* Whether `list` has the word text[length], commas between. */
+/* Whether the comma-separated `list` contains the word text[length]. */
 static bool has_word(const char *list, const char *text, size_t length)
 {
     for (const char *word = list; word; word = strchr(word, ',')) {
@@ -57,7 +57,7 @@ mukca_status mukca_server_control(mukca_server *s, const mukca_lcm_packet *packe
                                   mukca_error *error)
 {
     mukca_server_controller *c = &s->controller;
-    const uint32_t address = (uint32_t)(packet->sender >> 16); /* a client has a port of its own */
+    const uint32_t address = (uint32_t)(packet->sender >> 16); /* ports differ by client */
     const double silence = 1e-6 * (double)(packet->time - c->heard);
     if (!packet->sender) return MUKCA_OK;
     if (s->recorder.session.fd && c->heard && c->address != address && silence >= 0 &&

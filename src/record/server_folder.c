@@ -1,12 +1,12 @@
-/* The server's folder: one server at a time, sessions and results apart, nothing left of a crash.
+/* The server's folder: lock, separate folders for sessions and results, removal of temporary files.
  *
- *   DIR/state.tsv      what survives a restart
- *   DIR/in_use.tsv     the offsets table that poses are computed with
- *   DIR/lock           held while a server runs; its text is the process
+ *   DIR/state.tsv      state that survives a restart
+ *   DIR/in_use.tsv     offsets table of the poses
+ *   DIR/lock           locked while a server runs; contains its process number
  *   DIR/sessions/      NAME.tsv
- *   DIR/results/       NAME.offsets.tsv and what else calculations write
+ *   DIR/results/       NAME.offsets.tsv and other results of jobs
  *
- * Names of sessions come from the network, so they must not meet other files. */
+ * Session names come from the network and must not collide with other files. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -24,7 +24,7 @@ static mukca_status fail(const char *path, mukca_error *error)
                       strerror(errno));
 }
 
-/* Make the folder `path` if there is none. */
+/* Create the folder `path` if it does not exist. */
 static mukca_status make_folder(const char *path, mukca_error *error)
 {
     if (mkdir(path, 0777) == 0 ? !mukca_output_sync_folder(path) : errno != EEXIST)
@@ -35,7 +35,7 @@ static mukca_status make_folder(const char *path, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Hold the folder until the server is closed. */
+/* Lock the folder until the server is closed. */
 static mukca_status lock(mukca_server *s, mukca_error *error)
 {
     char path[MUKCA_SERVER_PATH], holder[32] = "";
@@ -62,7 +62,7 @@ static bool ends_with(const char *name, const char *ending)
     return length > end && strcmp(name + length - end, ending) == 0;
 }
 
-/* Where a file of the folder belongs that an earlier version kept beside the state; NULL: here. */
+/* Folder of a file that an earlier version kept next to the state; NULL: it stays. */
 static const char *place_of(const char *path, const char *name)
 {
     static const char *const results[] = {".offsets.tsv", ".effects.tsv", ".calibrate.json",
@@ -79,7 +79,7 @@ static const char *place_of(const char *path, const char *name)
     return NULL;
 }
 
-/* Move a file of an earlier version to its place; at every moment it is in one of both. */
+/* Move a file of an earlier version to its place; it exists in one of both at every moment. */
 static mukca_status move(const mukca_server *s, const char *name, mukca_error *error)
 {
     char from[MUKCA_SERVER_PATH], to[MUKCA_SERVER_PATH];
@@ -97,7 +97,7 @@ static mukca_status move(const mukca_server *s, const char *name, mukca_error *e
     return MUKCA_OK;
 }
 
-/* Remove what writers that were killed left in DIR/folder; with `old`, move an earlier version's
+/* Remove the temporary files of killed writers in DIR/folder; with `old`, move an earlier version's
  * files. */
 static mukca_status tidy(const mukca_server *s, const char *folder, bool old, mukca_error *error)
 {
@@ -109,7 +109,7 @@ static mukca_status tidy(const mukca_server *s, const char *folder, bool old, mu
     for (const struct dirent *e; status == MUKCA_OK && (e = readdir(entries));) {
         const char *name = e->d_name;
         if (name[0] == '.' && ends_with(name, ".tmp"))
-            (void)!unlinkat(dirfd(entries), name, 0); /* it is only litter */
+            (void)!unlinkat(dirfd(entries), name, 0); /* a leftover file does no harm */
         else if (old && strcmp(name, "state.tsv") != 0)
             status = move(s, name, error);
     }

@@ -1,5 +1,5 @@
-/* The server's calibrations and diagnoses: the program's own commands in a child process.  The
- * result is theirs to the last digit, and the stream never waits. */
+/* The server's calibrations and diagnoses: the program's own commands in a child process.  Results
+ * are identical to those of the commands, and the stream never waits. */
 #include <errno.h>
 #include <fcntl.h>
 #include <jansson.h>
@@ -17,7 +17,7 @@
 
 extern char **environ;
 
-/* As of nice(1): some tenth of the processor while others want it. */
+/* As of nice(1): about a tenth of the processor under competition. */
 static const int job_niceness = 10;
 
 static const char *verb_of(const mukca_server_job *job)
@@ -34,11 +34,11 @@ static mukca_status spawn(mukca_server *s, const char *const *arguments, mukca_e
     posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_addopen(&files, STDERR_FILENO, s->job.errors,
                                      O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    /* posix_spawn's type of argv is older than const */
+    /* posix_spawn declares argv without const */
     reason = posix_spawn(&s->job.child, "/proc/self/exe", &files, NULL,
                          (char *const *)(uintptr_t)arguments, environ);
     posix_spawn_file_actions_destroy(&files);
-    if (!reason) { /* recording comes first */
+    if (!reason) { /* recording has priority */
         (void)setpriority(PRIO_PROCESS, (id_t)s->job.child, job_niceness);
         return MUKCA_OK;
     }
@@ -68,7 +68,7 @@ mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
     const char *arguments[MUKCA_SERVER_ARGUMENTS + 12] = {"mukca", verb_of(job)};
     int n = 2;
     for (int i = 0; s->options->arguments[i]; i++) arguments[n++] = s->options->arguments[i];
-    memcpy(arguments + n, last, sizeof last); /* the rest is NULL */
+    memcpy(arguments + n, last, sizeof last); /* the remaining elements are NULL */
     return spawn(s, arguments, error);
 }
 
@@ -82,7 +82,7 @@ static double mean_error(const json_t *train, const char *key)
     return n ? sum / (double)n : (double)NAN;
 }
 
-/* One line for people from the JSON of the command. */
+/* Summarise the command's JSON in one line for the user. */
 static void summarise(char line[MUKCA_RECORDER_LINE], const mukca_server *s, const char *text)
 {
     json_t *root = text ? json_loads(text, 0, NULL) : NULL;
@@ -101,7 +101,7 @@ static void summarise(char line[MUKCA_RECORDER_LINE], const mukca_server *s, con
     json_decref(root);
 }
 
-/* The last line of the command's standard error. */
+/* Copy the last line of the command's standard error. */
 static void read_error(char line[MUKCA_RECORDER_LINE], const mukca_server *s)
 {
     char *text;
@@ -147,7 +147,7 @@ void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer
     (void)mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_RESULT, m);
 }
 
-/* Add the verdict of the table to the line for people. */
+/* Append the verdict of the table to the line for the user. */
 static void add_verdict(char line[MUKCA_RECORDER_LINE], const mukca_acceptance *a)
 {
     const size_t used = strlen(line);

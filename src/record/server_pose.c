@@ -28,7 +28,7 @@ void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
     mukca_displacement displacement;
     mukca_frame tip;
     mukca_message_pose message = {.utime = time_us};
-    /* Without a time: drift is known for a session, not for the days that a daemon runs. */
+    /* Without a time: drift is identified within a session and does not extrapolate over days. */
     const mukca_row_reading reading = {
         .q = q,
         .command = s->recorder.joints.has[MUKCA_LCM_ROLE_COMMAND] ? s->recorder.command : NULL,

@@ -1,4 +1,4 @@
-/* What the server keeps across restarts; notices to the service manager. */
+/* The server's state on disk; notifications of the service manager. */
 #include <ctype.h>
 #include <errno.h>
 #include <stddef.h>
@@ -29,7 +29,7 @@ bool mukca_server_name_ok(const char *name)
     return true;
 }
 
-/* What a file of results may be called. */
+/* Whether a value is a valid file name of a result. */
 static bool is_result(const char *value)
 {
     char session[MUKCA_NAME_SIZE] = "";
@@ -61,7 +61,8 @@ static bool is_mark(const char *value)
     return strcmp(value, "1") == 0;
 }
 
-/* The fields, and what they may hold unless they are empty; selecting checks labels again. */
+/* The fields and the check of their values; empty is always allowed.  Labels are checked again when
+ * they are selected. */
 #define FIELD(name, ok)                                                                        \
     {                                                                                          \
 #name, offsetof(mukca_server_state, name), sizeof(((mukca_server_state *)0)->name), ok \
@@ -86,14 +87,14 @@ static void state_path(char path[MUKCA_SERVER_PATH], const mukca_server *s)
     snprintf(path, MUKCA_SERVER_PATH, "%.800s/state.tsv", s->options->folder);
 }
 
-/* Keys of a later version are ignored. */
+/* Set a field; keys of a later version are ignored. */
 static bool set_field(mukca_server_state *state, const char *key, const char *value)
 {
     for (int i = 0; i < FIELDS; i++) {
         if (strcmp(key, fields[i].key) != 0) continue;
         if (*value && (strlen(value) >= fields[i].size || !fields[i].ok(value))) return false;
         char *field = (char *)state + fields[i].offset;
-        memset(field, 0, fields[i].size); /* states are compared as bytes */
+        memset(field, 0, fields[i].size); /* states are compared bytewise */
         snprintf(field, fields[i].size, "%s", value);
     }
     return true;
@@ -138,11 +139,11 @@ mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error)
     if (status == MUKCA_OK)
         s->saved = s->state;
     else
-        memset(&s->saved, 0xff, sizeof s->saved); /* it may be there, or not: write it again */
+        memset(&s->saved, 0xff, sizeof s->saved); /* content unknown: write it again */
     return status;
 }
 
-/* The protocol of sd_notify(3): one datagram. */
+/* Send one datagram of the protocol of sd_notify(3). */
 void mukca_server_notify(const char *text)
 {
     const char *name = getenv("NOTIFY_SOCKET");

@@ -1,5 +1,5 @@
-/* The table that poses are computed with.  A calculation never changes it: the command `use` does,
- * after gates, by a copy that later calculations do not overwrite.  It is kept across restarts. */
+/* The offsets table of the poses.  Only the command `use` changes it, subject to conditions, by a
+ * copy that later jobs do not overwrite.  It persists across restarts. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -9,8 +9,8 @@
 #include "io/output.h"
 #include "record/server.h"
 
-/* Held-out error over that of the table in use.  The mean error of some 40 samples varies by a
- * tenth from chance, and placements differ; twice the error is neither. */
+/* Largest ratio of the held-out error to that of the table in use.  The mean error of some 40
+ * samples varies by a tenth by chance, and placements differ; neither explains a factor of two. */
 static const double most_error_ratio = 2;
 
 static void path_in_use(char path[MUKCA_SERVER_PATH], const mukca_server *s)
@@ -31,7 +31,7 @@ static mukca_status check_stream(const mukca_server *s, const char *model, const
                       model, stream, now);
 }
 
-/* Read a table from its text and judge its size anew: its lines may be edited. */
+/* Parse a table and judge its size again, as its lines may have been edited. */
 static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s, const char *name,
                                   const char *text, mukca_error *error)
 {
@@ -79,7 +79,7 @@ mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error)
     return mukca_server_save_state(s, error);
 }
 
-/* Gates against the table in use. */
+/* Conditions relative to the table in use. */
 static mukca_status check_change(const mukca_server *s, mukca_error *error)
 {
     const mukca_offsets *now = &s->pose.offsets, *next = &s->candidate;

@@ -9,7 +9,7 @@
 
 /* ---- labels ---- */
 
-/* Names of a comma-separated list: pointers into store[512], and their number. */
+/* Split a comma-separated list into names: pointers into store[512], and their number. */
 static mukca_status split_labels(const char **labels, int *n, char *store, const char *list,
                                  const char *option, mukca_error *error)
 {
@@ -80,7 +80,7 @@ static bool placement_used(const mukca_recorder *r, const char *name)
     return false;
 }
 
-/* First of --placement that has not been used, else placement_K. */
+/* The first name of --placement that is unused, else placement_K. */
 static void new_placement(const mukca_recorder *r, char name[MUKCA_NAME_SIZE])
 {
     for (int i = 0; i < r->n_placements; i++) {
@@ -92,7 +92,8 @@ static void new_placement(const mukca_recorder *r, char name[MUKCA_NAME_SIZE])
     while (placement_used(r, name));
 }
 
-/* The model so far.  Says when the samples begin to speak against the traits, or for them again. */
+/* Fit the model to the samples so far.  Reports when the samples become inconsistent with the
+ * traits, or consistent again. */
 static mukca_status advise(mukca_recorder *r, mukca_error *error)
 {
     const double before = r->capture.share;
@@ -166,7 +167,7 @@ static void name_joints(const mukca_recorder *r, const char **names)
     for (int j = 0; j < r->chain->n_joints; j++) names[j] = mukca_recorder_joint(r, j);
 }
 
-/* Why nothing can be recorded: a stream that cannot be used, if there is no other reason. */
+/* Report that no session is open, with the stream's problem as reason if there is one. */
 static mukca_status no_session(const mukca_recorder *r, mukca_error *error)
 {
     if (r->mapped) return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded");
@@ -175,8 +176,8 @@ static mukca_status no_session(const mukca_recorder *r, mukca_error *error)
     return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded: %s", text);
 }
 
-/* Current labels for those that are NULL or "".  Errors: MUKCA_NEGATIVE (no session, or a label
- * that a file cannot hold). */
+/* Replace labels that are NULL or "" by the current ones.  Errors: MUKCA_NEGATIVE (no session, or
+ * an invalid label). */
 static mukca_status complete_labels(const mukca_recorder *r, const char **placement,
                                     const char **socket, mukca_error *error)
 {
@@ -190,7 +191,7 @@ static mukca_status complete_labels(const mukca_recorder *r, const char **placem
                       *placement, *socket);
 }
 
-/* Add a sample to the file and the capture; `remark` gets what is unusual about it. */
+/* Add a sample to the file and the capture; `remark` describes anything unusual about it. */
 static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
                           const char *placement, const char *socket,
                           char remark[MUKCA_CAPTURE_TEXT], mukca_error *error)
@@ -255,7 +256,7 @@ mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *pl
     mukca_fail(answer, MUKCA_OK, "row %d: placement %s, socket %s%s%s", message.row, placement,
                socket, remark[0] ? ": " : "", remark);
     if (advise(r, &error) != MUKCA_OK) {
-        mukca_recorder_report(r, "%s", error.text); /* the row is safe all the same */
+        mukca_recorder_report(r, "%s", error.text); /* the sample is on disk nevertheless */
         mukca_recorder_count_unwritten(r, &error);
     }
     if (r->advice.twin >= 0)
@@ -278,7 +279,7 @@ mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer)
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not deleted: %s", error.text);
     mukca_fail(answer, MUKCA_OK, "row %d deleted (placement %s, socket %s)", rows->n_rows,
                placement, s->label);
-    (void)mukca_capture_drop(&r->capture, &error); /* there is a row */
+    (void)mukca_capture_drop(&r->capture, &error); /* cannot fail: there is a sample */
     (void)advise(r, &error);
     return MUKCA_OK;
 }

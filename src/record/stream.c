@@ -1,4 +1,4 @@
-/* What the recorder receives: joint states, triggers, other channels. */
+/* Packets of the recorder: joint states, triggers, other channels. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -7,8 +7,8 @@
 #include "lcm/wire.h"
 #include "record/recorder.h"
 
-/* Whether q can be a reading of joint j.  No arm turns a joint by two turns to either side, or
- * moves one by 20 m: that is degrees, or another field. */
+/* Whether q is plausible as a reading of joint j.  No arm turns a joint by two turns from zero or
+ * moves one by 20 m: such values are degrees, or another field. */
 static bool plausible(const mukca_recorder *r, int j, double q)
 {
     const mukca_chain *chain = r->chain;
@@ -70,7 +70,7 @@ static void feed(mukca_recorder *r, int64_t time)
     }
 }
 
-/* A message without joint states of a known type. */
+/* Refuse a message that has no joint states of a known type. */
 static void refuse_type(mukca_recorder *r, const mukca_lcm_packet *packet, int type)
 {
     uint64_t fingerprint = packet->size < 8 ? 0 : mukca_lcm_wire_get(packet->data, 8);
@@ -90,7 +90,7 @@ static void refuse_type(mukca_recorder *r, const mukca_lcm_packet *packet, int t
                    r->channel, fingerprint);
 }
 
-/* Use the first good message: the mapping by its joints. */
+/* Set the mapping from the first valid message. */
 static bool map_first(mukca_recorder *r, int type)
 {
     if (mukca_recorder_make_map(r) != MUKCA_OK) return false;
@@ -102,8 +102,8 @@ static bool map_first(mukca_recorder *r, int type)
     return true;
 }
 
-/* Whether the names of the mapping are where they were, or elsewhere in the message (a driver may
- * list its joints in any order, with others between them). */
+/* Find the mapped names in the message, at their previous positions or elsewhere (a driver may list
+ * joints in any order, mixed with others). */
 static bool find_names(mukca_recorder *r)
 {
     const int n = r->joints.has[MUKCA_LCM_ROLE_NAME] ? r->joints.n : 0;
@@ -118,7 +118,7 @@ static bool find_names(mukca_recorder *r)
     return true;
 }
 
-/* The message's readings to the arm's joints; false where they cannot be those. */
+/* Copy the message's readings to the arm's joints; false: they are not plausible. */
 static bool take_readings(mukca_recorder *r)
 {
     if (r->by_name && !find_names(r)) {
@@ -205,7 +205,7 @@ static void on_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
     mukca_recorder_report(r, "%s", error.text);
 }
 
-/* Note what other channels there are. */
+/* Register other channels. */
 static void hear(mukca_recorder *r, const mukca_lcm_packet *packet)
 {
     if (mukca_message_identify(packet->data, packet->size)) return;
@@ -228,7 +228,7 @@ static void hear(mukca_recorder *r, const mukca_lcm_packet *packet)
 void mukca_recorder_receive(void *context, const mukca_lcm_packet *packet)
 {
     mukca_recorder *r = context;
-    bool ahead = mukca_lcm_link_replays(r->link) && !r->connected; /* it will come again */
+    bool ahead = mukca_lcm_link_replays(r->link) && !r->connected; /* it will be replayed */
     r->packet_time = packet->time;
     if (strcmp(packet->channel, r->channel) == 0)
         on_joints(r, packet);
