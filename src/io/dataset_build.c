@@ -1,4 +1,4 @@
-/* A dataset that grows row by row. */
+/* Construction of a dataset, sample by sample. */
 #include "io/dataset_build.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 #include "base/note.h"
 #include "base/utf8.h"
 
-/* The list with room for count * size bytes; NULL, with the error set, where memory runs out. */
+/* Reallocate the list to count * size bytes; NULL, with the error set, if memory is exhausted. */
 static void *resize(void *list, size_t count, size_t size, const mukca_dataset_builder *builder)
 {
     void *grown = realloc(list, count * size);
@@ -79,7 +79,7 @@ mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, 
     return MUKCA_OK;
 }
 
-/* An optional list of the dataset, and a row's values for it. */
+/* An optional list of the dataset and the values of one sample for it. */
 typedef struct {
     double **list;
     int width;
@@ -88,7 +88,7 @@ typedef struct {
 
 enum { OPTIONAL = 8 };
 
-/* Grow a list of rows; new rows are NaN. */
+/* Grow a list of samples; new ones are NaN. */
 static mukca_status resize_rows(double **list, int width, int capacity,
                                 const mukca_dataset_builder *builder)
 {
@@ -101,10 +101,10 @@ static mukca_status resize_rows(double **list, int width, int capacity,
     return MUKCA_OK;
 }
 
-/* Room for one row more. */
+/* Make room for one more sample. */
 static mukca_status reserve(mukca_dataset_builder *builder, const column optional[OPTIONAL])
 {
-    enum { FIRST = 128, MOST = 1 << 28 }; /* rows; indices are int */
+    enum { FIRST = 128, MOST = 1 << 28 }; /* samples; indices are int */
     mukca_dataset *d = builder->data;
     if (d->n_rows < builder->capacity) return MUKCA_OK;
     const int capacity = builder->capacity ? 2 * builder->capacity : FIRST;
@@ -123,7 +123,7 @@ static mukca_status reserve(mukca_dataset_builder *builder, const column optiona
     return status;
 }
 
-/* Store the row's values, unless all are NaN; the list is made by the first row that has some. */
+/* Store the sample's values unless all are NaN; the first sample with a value creates the list. */
 static mukca_status set_optional(const column *c, mukca_dataset_builder *builder, int row)
 {
     bool any = false;
@@ -137,7 +137,7 @@ static mukca_status set_optional(const column *c, mukca_dataset_builder *builder
     return MUKCA_OK;
 }
 
-/* Set the target of row i; the list is made by the first row that has one. */
+/* Set the target of sample i; the first sample with a target creates the list. */
 static mukca_status set_target(mukca_dataset_builder *builder, int i, const char *name)
 {
     mukca_dataset *d = builder->data;

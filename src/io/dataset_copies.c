@@ -1,4 +1,4 @@
-/* Samples that repeat others to the last digit. */
+/* Detection and removal of duplicate samples. */
 #include "io/dataset_copies.h"
 
 #include <math.h>
@@ -8,11 +8,11 @@
 
 #include "base/file.h"
 
-/* Rows of equal angles that a row is compared with: an arm that stands still for an hour is read
- * in linear time. */
+/* Largest number of comparisons among samples of equal hash: bounds the time to linear even for an
+ * arm at rest for an hour. */
 enum { MOST_COMPARED = 64 };
 
-/* Whether no value that both rows have differs. */
+/* Whether the values agree; NaN agrees with everything. */
 static bool agree(const double *a, int i, const double *b, int k, int width)
 {
     for (int c = 0; a && b && c < width; c++) {
@@ -39,7 +39,7 @@ static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k
            agree(a->temperature, i, b->temperature, k, 1) && agree(a->payload, i, b->payload, k, 1);
 }
 
-/* Of the joint angles: a word at a time, multiplied by an odd number near 2^64 / golden ratio. */
+/* Hash of the joint angles, word by word, multiplied by an odd number near 2^64 / golden ratio. */
 static uint64_t hash(const mukca_dataset *data, int row)
 {
     const double *q = data->q + (size_t)row * (size_t)data->n_joints;
@@ -52,9 +52,9 @@ static uint64_t hash(const mukca_dataset *data, int row)
     return h;
 }
 
-/* A row in the list of those whose hashes end alike. */
+/* An entry in the list of samples whose hashes have the same low bits. */
 typedef struct {
-    int next; /* -1: the last */
+    int next; /* -1: end of the list */
     uint32_t hash;
 } entry;
 
@@ -65,8 +65,8 @@ static void list(int *first, entry *entries, uint64_t h, size_t size, int row)
     *head = row;
 }
 
-/* original[n_rows]: the row of `of` (NULL: an earlier one of `data`) that each row repeats, or -1.
- * first[size], size a power of two, and entries[rows of `of`] list the rows of each hash. */
+/* original[n_rows]: index of the sample of `of` (NULL: an earlier one of `data`) that each sample
+ * repeats, or -1.  Hash table: first[size], size a power of two, and entries[samples of `of`]. */
 static void find(int *original, const mukca_dataset *data, const mukca_dataset *of, int *first,
                  entry *entries, size_t size)
 {
@@ -87,7 +87,7 @@ static void find(int *original, const mukca_dataset *data, const mukca_dataset *
     }
 }
 
-/* A socket whose rows are all the same is a dead stream, which is refused later: its rows stay. */
+/* Keep the samples of a socket that are all equal: the stream was dead, which is refused later. */
 static void keep_dead(unsigned char *keep, const mukca_dataset *d, int *count)
 {
     int *kept = count + d->n_sockets;
@@ -100,7 +100,7 @@ static void keep_dead(unsigned char *keep, const mukca_dataset *d, int *count)
     }
 }
 
-/* Move the sockets and placements that have rows to the front; map[max(sockets, placements)]. */
+/* Remove sockets and placements without samples; scratch map[max(sockets, placements)]. */
 static void prune(mukca_dataset *d, int *map)
 {
     int n = 0;
@@ -148,7 +148,7 @@ mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, 
     return status;
 }
 
-/* One note for a file: how many of its rows repeat others. */
+/* Note the number of duplicates of one file. */
 static void report(const mukca_dataset *data, int file, const mukca_dataset *of,
                    const int *original, mukca_note_fn *note, void *context)
 {

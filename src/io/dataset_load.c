@@ -1,4 +1,4 @@
-/* Datasets from files: finds out what each path is, reads it, and checks the whole. */
+/* Datasets from files: detection of the kind of each path, reading, final checks. */
 #include "io/dataset_load.h"
 
 #include <dirent.h>
@@ -15,12 +15,13 @@
 #include "io/dataset_build.h"
 #include "io/dataset_copies.h"
 
-/* Published folders have two holes; a mean needs two rows, a distance two sockets; the limits from
- * above catch tables of another kind. */
+/* Bounds: published folders have two holes; a mean needs two samples, a distance two sockets; the
+ * upper limits detect tables of another kind. */
 enum { MOST_HOLES = 100, LEAST_ROWS = 2, LEAST_SOCKETS = 2, MOST_SOCKETS = 1000, LACK = 320 };
-static const double usual_distance = 0.05; /* m, of the published artefact */
+static const double usual_distance = 0.05; /* of the published artefact, m */
 
-/* The last `parts` parts of a path, without slashes at its end; its last 63 bytes. */
+/* Copy the last `parts` components of a path, without trailing slashes, to `name`; at most the last
+ * 63 bytes. */
 static void last_parts(char name[MUKCA_NAME_SIZE], const char *path, int parts)
 {
     size_t end = strlen(path);
@@ -29,12 +30,12 @@ static void last_parts(char name[MUKCA_NAME_SIZE], const char *path, int parts)
     for (; start > 0; start--)
         if (path[start - 1] == '/' && --parts == 0) break;
     if (end - start >= MUKCA_NAME_SIZE) start = end - MUKCA_NAME_SIZE + 1;
-    while (start < end && (path[start] & 0xC0) == 0x80) start++; /* a letter that was cut */
+    while (start < end && (path[start] & 0xC0) == 0x80) start++; /* a truncated letter */
     snprintf(name, MUKCA_NAME_SIZE, "%.*s", (int)(end - start), path + start);
     mukca_utf8_mend(name);
 }
 
-/* The rows of a table without header, all of one socket. */
+/* Read a table without header whose rows are all of one socket. */
 static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int socket)
 {
     mukca_rows rows;
@@ -53,7 +54,7 @@ static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int so
     return status;
 }
 
-/* How many sockets a folder holds: files hole_0.csv, hole_1.csv and so on, none missing. */
+/* Count the sockets of a folder: files hole_0.csv, hole_1.csv and so on without gaps. */
 static mukca_status count_holes(int *n, const mukca_dataset_builder *b, const char *folder,
                                 int least)
 {
@@ -74,13 +75,13 @@ static mukca_status count_holes(int *n, const mukca_dataset_builder *b, const ch
                       mukca_file_shown(folder), missing);
 }
 
-/* `least`: sockets that it must have; fewer than two are set aside later. */
+/* Read a folder of one placement with at least `least` sockets; a single one is dropped later. */
 static mukca_status read_placement(mukca_dataset_builder *b, const char *folder, int least)
 {
     char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100], label[16];
     int holes;
     char whole[PATH_MAX];
-    const char *named = realpath(folder, whole) ? whole : folder; /* `.` has a name, too */
+    const char *named = realpath(folder, whole) ? whole : folder; /* resolves the name of `.` */
     last_parts(name, named, 1);
     last_parts(qualified, named, 2);
     mukca_status status = count_holes(&holes, b, folder, least);
@@ -100,7 +101,7 @@ static mukca_status read_placement(mukca_dataset_builder *b, const char *folder,
     return status;
 }
 
-/* Whether a folder's entry is a folder with a placement. */
+/* Whether an entry of a folder is itself a folder of a placement. */
 static bool holds_placement(const char *folder, const char *entry)
 {
     char path[1100];
@@ -109,7 +110,7 @@ static bool holds_placement(const char *folder, const char *entry)
     return access(path, F_OK) == 0;
 }
 
-/* A placement, or a folder of placements in the order of their names. */
+/* Read one placement, or a folder of placements in alphabetical order. */
 static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
 {
     struct dirent **entries;
@@ -131,15 +132,15 @@ static mukca_status read_folder(mukca_dataset_builder *b, const char *folder)
     return found ? status : read_placement(b, folder, LEAST_SOCKETS);
 }
 
-/* A session file in reading: the placements and sockets that it has brought so far. */
+/* State of reading a session file: its placements and sockets so far. */
 typedef struct {
     mukca_rows rows;
-    char stem[MUKCA_NAME_SIZE]; /* of the file's name */
+    char stem[MUKCA_NAME_SIZE]; /* file name without folder and ending */
     int first_placement, first_socket;
-    char (*written)[MUKCA_NAME_SIZE]; /* names as the file has them, from first_placement */
+    char (*written)[MUKCA_NAME_SIZE]; /* names as written in the file, from first_placement */
 } session;
 
-/* A name of 1 to 63 bytes in a cell. */
+/* Check that a name in a cell has 1 to 63 bytes. */
 static mukca_status check_name(const mukca_dataset_builder *b, const session *s, const char *name,
                                int column)
 {
@@ -172,7 +173,7 @@ static mukca_status find_placement(int *placement, mukca_dataset_builder *b, ses
     return mukca_build_placement(b, name, qualified);
 }
 
-/* Index of the row's socket, new where it is; of this file only. */
+/* Find or add the row's socket among those of this file. */
 static mukca_status find_socket(int *socket, mukca_dataset_builder *b, session *s,
                                 const mukca_row *row)
 {
@@ -212,7 +213,7 @@ static mukca_status check_columns(const mukca_dataset_builder *b, const mukca_ro
                                     b->error);
 }
 
-/* As many as the diagnosis has frames for. */
+/* Limit the number of targets to that of the diagnosis. */
 static mukca_status check_targets(const mukca_dataset_builder *b, const session *s,
                                   const char *name)
 {
@@ -228,7 +229,7 @@ static mukca_status read_rows(mukca_dataset_builder *b, session *s)
 {
     mukca_row row;
     bool more;
-    int measured = 0, unmeasured = 0; /* by each target of each row */
+    int measured = 0, unmeasured = 0; /* one per row and target */
     const mukca_table *t = &s->rows.table;
     const char *shown = mukca_file_shown(t->path);
     for (;;) {
@@ -236,14 +237,14 @@ static mukca_status read_rows(mukca_dataset_builder *b, session *s)
         mukca_status status = mukca_rows_next(&s->rows, &row, &more, b->error);
         if (status != MUKCA_OK) return status;
         if (!more) break;
-        if (!row.socket && isnan(row.position[0])) { /* the tracker lost sight */
+        if (!row.socket && isnan(row.position[0])) { /* the tracker lost the target */
             unmeasured++;
             continue;
         }
         if (row.target) status = check_name(b, s, row.target, s->rows.column.target);
         if (status == MUKCA_OK && row.target && !row.socket)
             status = check_targets(b, s, row.target);
-        if (row.socket) row.target = NULL; /* the ball */
+        if (row.socket) row.target = NULL; /* the target is the ball */
         if (status == MUKCA_OK && row.socket) status = find_socket(&socket, b, s, &row);
         if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, t->row);
         if (status != MUKCA_OK) return status;
@@ -279,7 +280,7 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
     return status;
 }
 
-/* The file of the socket's first row. */
+/* Name of the file of the socket's first sample. */
 static const char *file_of(const mukca_dataset *d, int socket)
 {
     for (int i = 0; i < d->n_rows; i++)
@@ -287,8 +288,8 @@ static const char *file_of(const mukca_dataset *d, int socket)
     return "";
 }
 
-/* What a placement lacks; `text` stays empty where it lacks nothing.  Returns its sockets with
- * enough rows. */
+/* Write the deficiency of a placement to `text`, empty if there is none.  Returns the number of its
+ * sockets with enough samples. */
 static int find_lack(char text[LACK], const mukca_dataset *d, int placement, const int *rows)
 {
     int good = 0, last = 0, poor = -1;
@@ -316,8 +317,8 @@ static int find_lack(char text[LACK], const mukca_dataset *d, int placement, con
     return good;
 }
 
-/* Unfinished placements, and sockets of others, get keep[row] = 0; the first lack to `lack`.
- * `note`: also say so.  Returns the rows left. */
+/* Set keep[i] = 0 for the samples of incomplete placements and sockets; `lack` is the first
+ * deficiency.  `note`: report each.  Returns the number of samples kept. */
 static int find_finished(unsigned char *keep, char lack[LACK], const mukca_dataset_builder *b,
                          const int *rows, bool note)
 {
@@ -341,7 +342,7 @@ static int find_finished(unsigned char *keep, char lack[LACK], const mukca_datas
     return left;
 }
 
-/* Set unfinished placements aside; an error where nothing else is there. */
+/* Drop incomplete placements and sockets; an error if nothing remains. */
 static mukca_status drop_unfinished(const mukca_dataset_builder *b)
 {
     mukca_dataset *d = b->data;

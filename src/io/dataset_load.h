@@ -6,19 +6,19 @@
 #include "mukca/dataset.h"
 
 typedef struct {
-    double distance;          /* m between any two sockets of a placement; 0: 0.05 */
-    const char *distances;    /* instead: a table of distances by socket labels; or NULL */
-    const double *payload;    /* [n_paths] kg, for rows whose file says nothing of it; or NULL */
+    double distance;       /* between any two sockets of a placement, m; 0: 0.05 */
+    const char *distances; /* table of distances by socket labels, replaces `distance`; or NULL */
+    const double *payload; /* [n_paths] for samples whose file has no payload, kg; or NULL */
     mukca_rows_format format; /* of the tables */
-    bool partial;             /* a session in the making: sockets may be few or have few rows */
-    mukca_note_fn *note;      /* may be NULL */
+    bool partial;        /* an unfinished session: sockets may be missing or have few samples */
+    mukca_note_fn *note; /* may be NULL */
     void *context;
 } mukca_dataset_options;
 
 /* Read the files and folders (of a placement, or of such folders) paths[n_paths] in order into a
- * new dataset (mukca_dataset_free).  Rows that repeat others are dropped (dataset_copies.h).  Each
- * socket needs 2 rows, each placement 2 sockets: others are set aside with a note.  `options` may
- * be NULL. Errors: MUKCA_INPUT (file, line, column), MUKCA_MEMORY. */
+ * new dataset (free it with mukca_dataset_free).  Duplicate samples are removed (dataset_copies.h).
+ * Sockets with fewer than 2 samples and placements with fewer than 2 sockets are dropped with a
+ * note.  `options` may be NULL.  Errors: MUKCA_INPUT (file, line, column), MUKCA_MEMORY. */
 mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
                                 const char *const *paths, int n_paths,
                                 const mukca_dataset_options *options, mukca_error *error);

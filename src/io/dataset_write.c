@@ -11,12 +11,12 @@ char mukca_dataset_separator(const char *path)
     return length > 4 && strcmp(path + length - 4, ".csv") == 0 ? ',' : '\t';
 }
 
-/* A block of columns: per joint (names NULL) or with names of their own. */
+/* A block of columns: one per joint, or named. */
 typedef struct {
     const double *values;
-    int width;         /* numbers per row */
-    int decimals;      /* written */
-    const char *names; /* of the columns, `|` between; or NULL: joints' */
+    int width;         /* values per sample */
+    int decimals;      /* digits after the decimal point */
+    const char *names; /* column names separated by `|`; NULL: those of the joints */
     const char *suffix;
 } block;
 

@@ -1,4 +1,4 @@
-/* Denavit-Hartenberg tables as files. */
+/* Denavit-Hartenberg tables from files. */
 #include "io/dh_table.h"
 
 #include <string.h>
@@ -9,16 +9,16 @@
 
 enum { JOINT, A, ALPHA, D, THETA, TYPE, LOWER, UPPER, COLUMNS };
 
-/* What a column may be called; the first four numbers are needed. */
+/* Accepted names of the columns; the first four numbers are required. */
 static const char *const names[COLUMNS][2] = {
     {"joint", NULL},        {"a", "a_m"},   {"alpha", "alpha_rad"}, {"d", "d_m"},
     {"theta", "theta_rad"}, {"type", NULL}, {"lower", NULL},        {"upper", NULL}};
 
-/* rad; a turn and a half.  A table in degrees has larger angles. */
+/* Largest angle, rad: a turn and a half.  A table in degrees has larger ones. */
 static const double largest_angle = 9.5;
 
-/* m; no arm reaches so far, and a table in mm has larger lengths.  d has no limit: nearly parallel
- * axes meet their common normal anywhere. */
+/* Largest length a, m: no arm has that reach, and a table in mm has larger ones.  d is unbounded:
+ * nearly parallel axes can meet their common normal anywhere. */
 static const double largest_a = 50;
 
 static mukca_status read_header(int column[COLUMNS], const mukca_table *table, mukca_error *error)
@@ -42,7 +42,7 @@ static mukca_status read_header(int column[COLUMNS], const mukca_table *table, m
     return MUKCA_OK;
 }
 
-/* A number of the file, whose unit is `unit` m or rad. */
+/* Read a number whose unit is `unit` m or rad, with magnitude at most `most`. */
 static mukca_status read_number(double *value, const mukca_table *table, int column, double unit,
                                 double most, mukca_error *error)
 {
@@ -80,11 +80,11 @@ static mukca_status read_type(mukca_dh_row *row, const mukca_table *table, int c
                             "unknown type; give revolute, continuous, prismatic or fixed");
 }
 
-/* What a row is read with. */
+/* Context of a row. */
 typedef struct {
     const mukca_table *table;
     int column[COLUMNS];
-    double angle, length; /* rad and m of a unit of the columns whose name states none */
+    double angle, length; /* rad and m per unit of columns without a unit in their name */
 } reader;
 
 static mukca_status read_row(mukca_dh_row *row, const mukca_dh *dh, const reader *r,

@@ -6,7 +6,7 @@
 #include "base/file.h"
 #include "base/note.h"
 
-/* m; no artefact is as long, and 50 mm given as 50 is refused */
+/* m; longer than any artefact; detects 50 mm given as 50 */
 static const double most_distance = 10;
 
 mukca_status mukca_distances_set(mukca_dataset_builder *b, double distance)
@@ -45,7 +45,7 @@ static int find_label(const mukca_dataset *d, int placement, const char *label)
     return -1;
 }
 
-/* One row of --distances, for all placements that have both sockets. */
+/* Apply one row of --distances to all placements with both sockets. */
 static mukca_status set_distance(void *context, const mukca_table *t, const int *column,
                                  mukca_error *error)
 {

@@ -29,7 +29,7 @@ int mukca_exporter_find(const char *path)
     return -1;
 }
 
-/* What is written in place of an arm that the format cannot hold. */
+/* The model written if the format cannot represent the whole arm. */
 typedef struct {
     mukca_export_input input;
     mukca_offsets offsets;
@@ -48,7 +48,7 @@ static void note_loss(const mukca_export_input *input, const mukca_exporter *exp
                       exporter->format->zeros_only ? "offsets of the joints alone" : "the origins",
                       input->postures ? "the postures given" : "its joint ranges",
                       1e3 * refit->mean, 1e3 * refit->largest, 1e3 * refit->mean_before);
-    if (a->given && a->error_m > 0) /* independent errors add in squares */
+    if (a->given && a->error_m > 0) /* independent errors add in quadrature */
         snprintf(held_out, sizeof held_out,
                  " (held-out error %.3f mm, of this export some %.3f mm)", 1e3 * a->error_m,
                  1e3 * hypot(a->error_m, refit->mean));
@@ -57,7 +57,8 @@ static void note_loss(const mukca_export_input *input, const mukca_exporter *exp
                       held_out);
 }
 
-/* The effects that the format holds; the others are noted.  What the others need. */
+/* Keep the effects that the format can represent and note the others.  Returns the needs of the
+ * others. */
 static int keep_held(mukca_offsets *kept, const mukca_export_input *input,
                      const mukca_exporter *exporter)
 {
@@ -79,7 +80,7 @@ static int keep_held(mukca_offsets *kept, const mukca_export_input *input,
     return needs;
 }
 
-/* Fit what the format can hold to the whole arm. */
+/* Fit the parameters that the format can represent to the whole arm. */
 static mukca_status replace(replacement *r, const mukca_export_input *input,
                             const mukca_exporter *exporter, mukca_error *error)
 {

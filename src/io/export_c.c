@@ -1,11 +1,11 @@
-/* A C header of const arrays with the calibrated chain. */
+/* The calibrated chain as const arrays in a C header. */
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
 
 #include "io/export.h"
 
-/* A C identifier from a robot's name. */
+/* Form a C identifier from a robot's name. */
 static void identifier(char name[MUKCA_NAME_SIZE], const char *robot)
 {
     size_t n = 0;
@@ -70,7 +70,7 @@ static void print_effects(FILE *stream, const char *id, const mukca_export_input
     fputs("};\n", stream);
 }
 
-/* Arrays by element: names, origins and axes. */
+/* Print arrays by element: names, origins and axes. */
 static void print_arrays(FILE *stream, const char *id, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
@@ -118,7 +118,7 @@ static void print_name(FILE *stream, const char *start, const char *text)
     mukca_export_quoted(stream, text);
 }
 
-/* Limits of a joint: infinite where there are none. */
+/* Print a joint limit, which may be infinite. */
 static void print_limit(FILE *stream, const char *start, double limit)
 {
     fputs(start, stream);
@@ -216,7 +216,7 @@ static void print_applied(FILE *stream, const mukca_offsets *o)
             o->acceptance.given, o->acceptance.accepted);
 }
 
-/* The arm as mukca_corrected_parse would read it, in the memory of constants. */
+/* Print the arm as mukca_corrected_parse would construct it, for read-only memory. */
 static void print_arm(FILE *stream, const char *id, const mukca_export_input *input)
 {
     fprintf(stream,

@@ -1,4 +1,4 @@
-/* Comparing an exported file with what would be exported now. */
+/* Comparison of an exported file with a new export. */
 #include <libxml/parser.h>
 #include <libxml/tree.h>
 #include <math.h>
@@ -8,8 +8,8 @@
 #include "io/export.h"
 #include "io/xml_memory.h"
 
-/* of m, rad and quaternions, relative for numbers above 1 (stiffness); the same bound below which
- * an offset is not exported */
+/* tolerance for m, rad and quaternions, relative for numbers above 1 (stiffness); equal to the
+ * smallest offset that is exported */
 static const double tolerance = 1e-9;
 
 static void add_missing(mukca_export_difference *d, const char *what, const char *name)
@@ -18,7 +18,7 @@ static void add_missing(mukca_export_difference *d, const char *what, const char
     d->agrees = false;
 }
 
-/* Length of the comment or string (names contain digits) at `c`; 0 where none starts there. */
+/* Length of the comment or string (names contain digits) at `c`; 0: neither starts there. */
 static size_t words(const char *c, const char *const comment[2])
 {
     const bool string = *c == '"';
@@ -28,8 +28,8 @@ static size_t words(const char *c, const char *const comment[2])
     return end ? (size_t)(end - c) + strlen(mark) : strlen(c);
 }
 
-/* The next number, moving *text behind it; false at the end.  Where `comment` is given, comments
- * and strings are skipped. */
+/* Read the next number and advance *text past it; false at the end.  If `comment` is given,
+ * comments and strings are skipped. */
 static bool next_number(double *value, const char **text, const char *const comment[2])
 {
     static const char letters[] =
@@ -46,7 +46,7 @@ static bool next_number(double *value, const char **text, const char *const comm
     return false;
 }
 
-/* Number by number; `where` names the place, NULL: the number's place in the file. */
+/* Compare number by number; `where` is the location, NULL: the number's index in the file. */
 static void compare_numbers(mukca_export_difference *d, const char *found, const char *wanted,
                             const char *const comment[2], const char *where)
 {
@@ -75,7 +75,7 @@ void mukca_export_compare_text(mukca_export_difference *difference, const char *
     compare_numbers(difference, found, wanted, comment, NULL);
 }
 
-/* Elements that hold a chain: of a URDF, and of a MuJoCo model. */
+/* Whether an element is part of the chain, in a URDF or a MuJoCo model. */
 static bool is_of_chain(const xmlNode *node)
 {
     static const char *const tags[] = {"robot", "origin", "mujoco", "worldbody", "body", "joint"};
@@ -84,7 +84,7 @@ static bool is_of_chain(const xmlNode *node)
     return false;
 }
 
-/* An attribute as text, "" where absent. */
+/* Value of an attribute; "" if absent. */
 static const char *attribute(const xmlNode *node, const char *key)
 {
     const xmlAttr *a = xmlHasProp(node, BAD_CAST key);
@@ -92,8 +92,8 @@ static const char *attribute(const xmlNode *node, const char *key)
     return text ? (const char *)a->children->content : "";
 }
 
-/* The element of that tag, and of that name or (where it has none) below the element of that name,
- * among the siblings of `node` and below them. */
+/* Find the element `tag` among the siblings of `node` and their descendants: with that name, or, if
+ * such elements have no name, inside the element of that name. */
 static xmlNode *find(xmlNode *node, const xmlChar *tag, const char *name, bool inside)
 {
     for (; node; node = node->next) {
@@ -107,7 +107,7 @@ static xmlNode *find(xmlNode *node, const xmlChar *tag, const char *name, bool i
     return NULL;
 }
 
-/* Every element and number of the chain `wanted`, whose parent has the name `parent`. */
+/* Compare every element and number of the chain `wanted`, whose parent has the name `parent`. */
 static void compare_nodes(mukca_export_difference *d, xmlNode *root, xmlNode *wanted,
                           const char *parent)
 {

@@ -1,4 +1,4 @@
-/* The calibrated origins as the YAML from which a robot maker's description is built. */
+/* The calibrated origins in the YAML formats of robot makers' descriptions. */
 #include <ctype.h>
 #include <string.h>
 
@@ -10,7 +10,7 @@
 static const char *const ur_names[] = {"shoulder", "upper_arm", "forearm",
                                        "wrist_1",  "wrist_2",   "wrist_3"};
 
-/* "joint4" of "fr3_joint4"; NULL where the name is not of that kind. */
+/* "joint4" of "fr3_joint4"; NULL for other names. */
 static const char *short_name(const char *name)
 {
     const char *last = strrchr(name, '_');
@@ -23,8 +23,8 @@ static void add_entry(mukca_kinematics *k, const char *name)
     snprintf(k->entry[k->n++].name, MUKCA_NAME_SIZE, "%s", name);
 }
 
-/* The entries of an arm without a file: as the maker's description has them, by the names of its
- * joints and links; any other arm like UFACTORY's. */
+/* Name the entries of an arm without a kinematics file as the maker's description does, recognised
+ * by names of joints and links; other arms in the style of UFACTORY. */
 static void name_entries(mukca_kinematics *k, const mukca_chain *chain)
 {
     bool ur = chain->n_joints == 6, franka = true;
@@ -58,7 +58,7 @@ static void print_entry(FILE *stream, const mukca_kinematics *k, const char *nam
     }
 }
 
-/* Calibrated origins that the file has no entry for. */
+/* Note calibrated origins without an entry in the file. */
 static void note_others(const mukca_export_input *input, const bool *written)
 {
     for (int e = 0; e < input->chain->n_elements; e++) {
@@ -76,8 +76,8 @@ static void note_others(const mukca_export_input *input, const bool *written)
     }
 }
 
-/* UR's driver compares the hash with that of the robot's own calibration, which no file changes:
- * another one would be reported at each start, and ur_description does not load without any. */
+/* Write the hash.  UR's driver compares it with that of the robot's own calibration, which no file
+ * changes, and reports a difference at each start; ur_description does not load without one. */
 static void write_hash(FILE *stream, const mukca_export_input *input, const mukca_kinematics *k,
                        bool fitted)
 {

@@ -1,10 +1,10 @@
-/* The calibrated arm as a MuJoCo model: poses of bodies; springs for the compliance of joints,
- * links and base; stops for backlash. */
+/* The calibrated arm as a MuJoCo model: body poses, springs for the compliance of joints, links and
+ * base, joint stops for backlash. */
 #include <math.h>
 
 #include "io/export.h"
 
-/* Of one joint: compliance about its axis and across it, rad/(N m) or m/N, and backlash, rad. */
+/* Of one joint: compliance about and across its axis, rad/(N m) or m/N; backlash, rad. */
 typedef struct {
     double angle, bending, play;
 } elasticity;
@@ -15,7 +15,7 @@ typedef struct {
     const mukca_chain *chain;
     elasticity joint[MUKCA_MAX_JOINTS];
     double base; /* compliance, rad/(N m) */
-    int depth;   /* of open bodies */
+    int depth;   /* number of open bodies */
 } writer;
 
 static void indent(const writer *w)
@@ -30,7 +30,7 @@ static void numbers(const writer *w, const char *key, const double *values, int 
     fputc('"', w->stream);
 }
 
-/* An attribute. */
+/* Print a name attribute. */
 static void name(const writer *w, const char *key, const char *text, const char *suffix)
 {
     fprintf(w->stream, " %s=\"", key);
@@ -38,8 +38,8 @@ static void name(const writer *w, const char *key, const char *text, const char 
     fprintf(w->stream, "%s\"", suffix);
 }
 
-/* The mechanical equivalent of an effect: the sum that its coefficient adds to, NULL where no
- * spring or stop behaves like it. */
+/* The mechanical equivalent of an effect: the sum that includes its coefficient; NULL if no spring
+ * or stop behaves like it. */
 static double *equivalent(writer *w, const mukca_effect *effect)
 {
     elasticity *joint = effect->joint < 0 ? NULL : &w->joint[effect->joint];
@@ -59,7 +59,7 @@ static bool holds(const mukca_effect *effect)
     return equivalent(&w, effect) != NULL;
 }
 
-/* Sum the equivalents; a line of the comment for each effect that has none. */
+/* Sum the equivalents; effects without one are listed in the comment. */
 static void gather(writer *w)
 {
     const mukca_offsets *o = w->input->offsets;
@@ -74,13 +74,13 @@ static void gather(writer *w)
     }
 }
 
-/* Mass, centre and a rough inertia of what hangs on element k: each mass a ball of 50 mm radius,
- * which matters for the time to come to rest only.  MuJoCo refuses moving bodies without mass. */
+/* Print the inertial of element k: mass, centre, and a rough inertia with each mass as a ball of 50
+ * mm radius, which affects the settling time only.  MuJoCo refuses moving bodies without mass. */
 static void print_inertial(const writer *w, int k, bool moves)
 {
     const double ball = 0.4 * 0.05 * 0.05; /* 2/5 r^2, a solid ball */
     double kg = 0, com[3] = {0, 0, 0}, inertia = 0;
-    for (int m = 0; m < w->chain->n_masses; m++) { /* centre and inertia: parallel axes */
+    for (int m = 0; m < w->chain->n_masses; m++) { /* combined by parallel axes */
         const mukca_mass *mass = &w->chain->mass[m];
         if (mass->element != k || !(mass->kg > 0)) continue;
         const double share = mass->kg / (kg + mass->kg);
@@ -106,7 +106,7 @@ static void print_inertial(const writer *w, int k, bool moves)
     fputs("/>\n", w->stream);
 }
 
-/* The beginning of a joint: its name, type and axis (may be NULL). */
+/* Open a joint: its name, type and axis (may be NULL). */
 static void open_joint(const writer *w, const char *joint, const char *suffix, const char *type,
                        const double *axis)
 {
@@ -117,8 +117,8 @@ static void open_joint(const writer *w, const char *joint, const char *suffix, c
     if (axis) numbers(w, "axis", axis, 3);
 }
 
-/* A spring of that compliance.  Damping / stiffness is the time constant of its creep, 20 ms: the
- * arm comes to rest within a second, and no link oscillates. */
+/* Print a spring of that compliance.  The time constant of its creep, damping / stiffness, is 20
+ * ms: the arm settles within a second without oscillation. */
 static void print_spring(const writer *w, double compliance)
 {
     const double stiffness = 1 / compliance, damping = 2e-2 * stiffness;
@@ -127,7 +127,8 @@ static void print_spring(const writer *w, double compliance)
     fputs("/>\n", w->stream);
 }
 
-/* The link's bending about two axes across the joint, the joint itself, and its transmission. */
+/* Print the link's bending about two axes across the joint, the joint itself, and its
+ * transmission. */
 static void print_joints(const writer *w, const mukca_element *e)
 {
     const elasticity *g = &w->joint[e->joint];
@@ -141,7 +142,7 @@ static void print_joints(const writer *w, const mukca_element *e)
     }
     open_joint(w, e->name, "", type, e->axis);
     if (isfinite(e->lower) && isfinite(e->upper)) numbers(w, "range", range, 2);
-    /* the rotor's inertia, kg m^2 (rough): separates motor and link of a spring */
+    /* rough rotor inertia, kg m^2: separates the motor from the link on its spring */
     fputs(g->angle > 0 || g->play > 0 ? " armature=\"0.1\"/>\n" : "/>\n", w->stream);
     if (g->angle > 0) {
         open_joint(w, e->name, "_flex", type, e->axis);

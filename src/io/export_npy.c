@@ -1,12 +1,12 @@
-/* Offsets of the joints' zeros as an array of NumPy, as drake-franka-driver loads
- * joint_pos_offset.npy: angle of the arm = angle of the controller + offset. */
+/* Joint zero offsets as a NumPy array, in the format of drake-franka-driver's joint_pos_offset.npy:
+ * angle of the arm = angle of the controller + offset. */
 #include <stdint.h>
 #include <string.h>
 
 #include "io/export.h"
 
-/* Format 1.0 (numpy.lib.format): magic, version, length of the header, header, data; the header
- * ends in a line feed where data begin, at a multiple of 64 bytes. */
+/* Format 1.0 (numpy.lib.format): magic, version, length of the header, header, data.  The header
+ * ends with a line feed; data begin at a multiple of 64 bytes. */
 static mukca_status write_npy(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
     enum { PREFIX = 10, ALIGNED = 128 };

@@ -1,4 +1,4 @@
-/* What export formats share: provenance, numbers, names and the calibrated origin. */
+/* Helpers shared by the export formats: provenance, numbers, names and the calibrated origin. */
 #include <math.h>
 
 #include "base/file.h"
@@ -36,7 +36,7 @@ bool mukca_export_holds_none(const mukca_effect *effect)
     return false;
 }
 
-/* A name inside a comment of C or XML: without the characters that could end it. */
+/* Print a name inside a comment of C or XML, without characters that could end the comment. */
 static void print_plain(FILE *stream, const char *text)
 {
     for (; *text; text++)
@@ -77,9 +77,9 @@ void mukca_export_numbers(FILE *stream, const double *values, int n, const char 
 void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,
                              int element)
 {
-    /* 1 nm, or 1 nm at a metre: thousands of times below any arm's repeatability */
+    /* m or rad: three orders of magnitude below any arm's repeatability */
     const double smallest_offset = 1e-9;
-    /* half an ulp of 1, ten times over: what cos(pi / 2) leaves instead of 0 */
+    /* ten times half an ulp of 1: the rounding error of cos(pi / 2) */
     const double smallest_component = 1e-15;
     const mukca_element *nominal = &input->chain->element[element];
     const double *theta = input->offsets->theta + MUKCA_PARAMETERS * element;

@@ -1,4 +1,5 @@
-/* The user's URDF with the origins of the chain patched in place; every other byte stays. */
+/* The user's URDF with the origins of the chain replaced in place; all other bytes are
+ * unchanged. */
 #include <math.h>
 #include <string.h>
 
@@ -7,15 +8,16 @@
 #include "io/export.h"
 #include "io/urdf_text.h"
 
-enum { VALUE_SIZE = 3 * 64 }; /* mukca_number_parse_list takes words of at most 63 letters */
+/* Three words of at most 63 characters, the limit of mukca_number_parse_list. */
+enum { VALUE_SIZE = 3 * 64 };
 
-/* tag[start, stop) becomes `replacement`. */
+/* Replacement of tag[start, stop). */
 typedef struct {
     size_t start, stop;
     char replacement[VALUE_SIZE + 8];
 } edit;
 
-/* Bytes of the value of an attribute inside tag[length], without its quotes; false where absent. */
+/* Locate the value of an attribute in tag[length], without its quotes; false: absent. */
 static bool find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
                            const char *name)
 {
@@ -48,7 +50,7 @@ static bool are_same(const double a[3], const double b[3])
     return is_same(a[0], b[0]) && is_same(a[1], b[1]) && is_same(a[2], b[2]);
 }
 
-/* Three numbers as text.  One that equals the nominal number is copied from the URDF's own text
+/* Format three numbers.  One that equals the nominal number is copied from the URDF's text
  * `old[length]`. */
 static void format_vector(char value[VALUE_SIZE], const double v[3], const double nominal[3],
                           const char *old, size_t length)
@@ -70,7 +72,7 @@ static void format_vector(char value[VALUE_SIZE], const double v[3], const doubl
     }
 }
 
-/* Attribute `name` of the origin tag[length] becomes v, where it was `nominal`. */
+/* Change attribute `name` of the origin tag[length] from `nominal` to v. */
 static void edit_attribute(edit *e, const char *tag, size_t length, const char *name,
                            const double v[3], const double nominal[3])
 {
@@ -86,7 +88,7 @@ static void edit_attribute(edit *e, const char *tag, size_t length, const char *
     snprintf(e->replacement, sizeof e->replacement, " %s=\"%s\"", name, value);
 }
 
-/* The origin's tag with the attributes that changed. */
+/* Write the origin's tag with its changed attributes. */
 static void write_tag(FILE *stream, const char *tag, size_t length,
                       const mukca_export_origin *origin, const mukca_element *nominal)
 {
@@ -107,7 +109,7 @@ static void write_tag(FILE *stream, const char *tag, size_t length,
     fwrite(tag + at, 1, length - at, stream);
 }
 
-/* A new origin, which goes behind the white space that follows the joint's tag. */
+/* Write a new origin, after the white space that follows the joint's tag. */
 static void write_new_tag(FILE *stream, const mukca_export_origin *origin)
 {
     fputs("<origin xyz=\"", stream);
@@ -117,7 +119,7 @@ static void write_new_tag(FILE *stream, const mukca_export_origin *origin)
     fputs("\"/>", stream);
 }
 
-/* The origin of an element; false where it is the URDF's own. */
+/* Get the origin of an element; false: identical to the URDF's. */
 static bool get_changed(mukca_export_origin *origin, const mukca_export_input *input, int element)
 {
     const mukca_element *nominal = &input->chain->element[element];
@@ -150,7 +152,7 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mu
     mukca_status status = mukca_urdf_text_read(&urdf, input->urdf_path, error);
     if (status != MUKCA_OK) return status;
     status = check(&urdf, input, error);
-    const char *at = urdf.text; /* joints follow each other as in the text */
+    const char *at = urdf.text; /* joints are in the order of the text */
     for (int i = 0; i < urdf.n_joints && status == MUKCA_OK; i++) {
         const mukca_urdf_joint *joint = &urdf.joints[i];
         const int k = mukca_chain_find_element(input->chain, joint->name);

@@ -50,7 +50,7 @@ bool mukca_inertials_names(const char *link, const char *name)
     return whole == part || link[whole - part - 1] == '_' || link[whole - part - 1] == '/';
 }
 
-/* A URDF's origins are those of its maker within rounding and what a factory calibrates, m. */
+/* A URDF's origins differ from the maker's by rounding and factory calibration, m. */
 static const double same_place = 5e-3;
 
 typedef struct {
@@ -64,7 +64,7 @@ static mukca_status compare_row(void *context, const mukca_table *table, const i
 {
     fit *f = context;
     double origin[3];
-    if (!*table->cell[column[1]]) return MUKCA_OK; /* nothing carries it */
+    if (!*table->cell[column[1]]) return MUKCA_OK; /* not carried by a joint */
     for (int i = 0; i < 3; i++) {
         mukca_status status = mukca_table_number(&origin[i], table, column[1 + i], error);
         if (status != MUKCA_OK) return status;

@@ -1,4 +1,4 @@
-/* Origins of the joints from the YAML files of robot makers, and into a chain. */
+/* Joint origins from the YAML files of robot makers, and their application to a chain. */
 #include "io/kinematics.h"
 
 #include <sha256.h>
@@ -11,10 +11,10 @@
 #include "base/number.h"
 #include "fleet/summary.h"
 
-/* A robot's file has some 60 lines; more is another kind of file. */
+/* A robot's file has some 60 lines; a larger one is of another kind. */
 enum { LARGEST_FILE = 1 << 20, DEEPEST = 4 };
 
-/* Differences from the URDF beyond these are no manufacturing tolerance of an arm: m, rad. */
+/* Differences from the URDF beyond the manufacturing tolerance of any arm: m, rad. */
 static const double most_shift = 0.02, most_turn = 0.1;
 
 const mukca_kinematics_layout mukca_kinematics_layouts[3] = {
@@ -22,16 +22,16 @@ const mukca_kinematics_layout mukca_kinematics_layouts[3] = {
     {.name = "Franka", .inner = "kinematic"},
     {.name = "UFACTORY", .root = "kinematics"}};
 
-/* Where the reader is: keys from the outermost mapping to the innermost. */
+/* State of the reader: keys from the outermost mapping to the innermost. */
 typedef struct {
     mukca_kinematics *to;
-    const char *name; /* of the file, in messages */
+    const char *name; /* file name for messages */
     mukca_error *error;
     char key[DEEPEST][MUKCA_NAME_SIZE];
     int line[DEEPEST]; /* of each key */
     int depth;         /* open mappings */
-    bool value_next;   /* of key[depth - 1] */
-    unsigned found;    /* numbers of the last entry, one bit each */
+    bool value_next;   /* the next scalar is the value of key[depth - 1] */
+    unsigned found;    /* bit mask of the numbers read of the last entry */
 } reader;
 
 static mukca_status fail(const reader *r, int line, const char *what, const char *which)
@@ -40,7 +40,7 @@ static mukca_status fail(const reader *r, int line, const char *what, const char
                       *which ? "'" : "");
 }
 
-/* The last entry must have all six numbers. */
+/* Check that the last entry has all six numbers. */
 static mukca_status close_entry(const reader *r)
 {
     if (r->to->n == 0) return MUKCA_OK;
@@ -68,7 +68,7 @@ static mukca_status open_entry(reader *r, int level)
     return MUKCA_OK;
 }
 
-/* KEY: text, below r->key[0 .. depth - 1]. */
+/* Process KEY: text, below r->key[0 .. depth - 1]. */
 static mukca_status take_value(reader *r, const char *text, int line)
 {
     mukca_kinematics *k = r->to;
@@ -167,7 +167,7 @@ static mukca_status parse(reader *r, const char *text, size_t size)
     return status;
 }
 
-/* Names of links make it Universal Robots', an inner mapping Franka's. */
+/* Link names indicate Universal Robots' layout, an inner mapping Franka's. */
 static const mukca_kinematics_layout *find_layout(const mukca_kinematics *k, bool inner)
 {
     if (inner) return &mukca_kinematics_layouts[1];
@@ -197,7 +197,7 @@ mukca_status mukca_kinematics_read(mukca_kinematics *kinematics, const char *pat
     return status;
 }
 
-/* Does `text` end in, or equal, NAME + `behind`? */
+/* Whether `text` equals NAME + `behind`, or ends in _NAME + `behind`. */
 static bool is_named(const char *text, const char *name, const char *behind)
 {
     const size_t length = strlen(text), tail = strlen(name) + strlen(behind);
@@ -215,7 +215,7 @@ int mukca_kinematics_find(const mukca_chain *chain, const char *name)
     return -1;
 }
 
-/* A note where an origin is not that of the same arm. */
+/* Note an origin that differs too much to be of the same arm. */
 static void compare(const mukca_element *e, const double *value, const char *path,
                     mukca_note_fn *note, void *context)
 {

@@ -1,11 +1,12 @@
-/* Origins of the joints as robot makers give them: the `kinematics:` YAML of Universal Robots
- * (with the factory calibration of one robot), Franka and UFACTORY. */
+/* Joint origins in the formats of robot makers: the `kinematics:` YAML of Universal Robots (with
+ * the factory calibration of one robot), Franka and UFACTORY. */
 #ifndef MUKCA_IO_KINEMATICS_H
 #define MUKCA_IO_KINEMATICS_H
 
 #include "mukca/chain.h"
 
-/* How the YAML is laid out.  `root` holds the joints and `inner` their numbers, where not NULL. */
+/* Layout of the YAML.  `root` is the key above the joints, `inner` the key above their numbers, or
+ * NULL. */
 typedef struct {
     const char *name, *root, *inner;
 } mukca_kinematics_layout;
@@ -15,12 +16,12 @@ extern const mukca_kinematics_layout mukca_kinematics_layouts[3]; /* UR, Franka,
 typedef struct {
     char name[MUKCA_NAME_SIZE];
     double value[MUKCA_PARAMETERS]; /* x y z roll pitch yaw, m and rad, as of a URDF's origin */
-    int line;                       /* of its name */
+    int line;                       /* line of its name */
 } mukca_kinematics_entry;
 
 typedef struct {
     const mukca_kinematics_layout *layout;
-    char hash[MUKCA_NAME_SIZE]; /* UR's mark of the robot's calibration; empty: none */
+    char hash[MUKCA_NAME_SIZE]; /* UR's identifier of the robot's calibration; empty: none */
     char sha256[65];            /* of the file */
     int n;
     mukca_kinematics_entry entry[MUKCA_MAX_ELEMENTS];
@@ -30,11 +31,11 @@ typedef struct {
 mukca_status mukca_kinematics_read(mukca_kinematics *kinematics, const char *path,
                                    mukca_error *error);
 
-/* The element that an entry of that name means, -1 where the chain has none: its joint is called
- * NAME or ends in _NAME, or its child link is called NAME_link or ends in _NAME_link. */
+/* Index of the element that an entry of that name describes, -1: none.  Its joint is called NAME or
+ * ends in _NAME, or its child link is called NAME_link or ends in _NAME_link. */
 int mukca_kinematics_find(const mukca_chain *chain, const char *name);
 
-/* Replace the nominal origins of `chain`, whose joints that move must all be in the file `path`.
+/* Replace the nominal origins of `chain`; the file `path` must contain all its moving joints.
  * `note` may be NULL.  Errors: MUKCA_INPUT. */
 mukca_status mukca_kinematics_apply(mukca_chain *chain, const mukca_kinematics *kinematics,
                                     const char *path, mukca_note_fn *note, void *context,

@@ -1,4 +1,4 @@
-/* Targets in the languages of robot programs: patterns that find and print them. */
+/* Targets in robot programs: patterns that find and print them, one set per language. */
 #include "io/language.h"
 
 #include <ctype.h>
@@ -12,25 +12,25 @@ enum { ROBOT_AXES = 6, MOST_AXES = 12, PATTERN = 256 };
 
 typedef enum { QUATERNION, ZYX, VECTOR } turn_kind;
 
-/* Texts are patterns as well: # is a number, * any text within the same brackets (nothing where a
- * target is printed), a blank some blanks; before other characters there may be blanks. */
+/* Patterns: # is a number, * any text within the same brackets (empty in a printed target), a blank
+ * one or more blanks; other characters may be preceded by blanks. */
 struct mukca_language {
     const char *open, *next, *close; /* of a joint target; `next` before the first external axis */
-    char label[2];                   /* letter before the number of a robot's or external axis */
-    const char *empty[2];            /* values of axes that the arm lacks; NULL: left out */
-    const char *line[2];             /* around a target that is a line of its own */
-    const char *const *after;        /* texts that a target must follow; NULL: any */
-    const char *pose; /* NULL: X, Y, Z, A, B, C in any order, some of them left out */
+    char label[2];        /* letters before the number of a robot axis and of an external axis */
+    const char *empty[2]; /* values printed for axes that the arm lacks; NULL: omitted */
+    const char *line[2];  /* text before and after a target on a line of its own */
+    const char *const *after; /* texts that may precede a target; NULL: any */
+    const char *pose; /* pattern of a pose; NULL: X, Y, Z, A, B, C in any order, some omitted */
     turn_kind turn;
-    double angle, length; /* rad and m of its units */
-    int decimals;         /* 0.02 urad, 1 nm */
-    char comment;         /* begins one */
+    double angle, length; /* rad and m per unit of the language */
+    int decimals;         /* printed: 0.02 urad, 1 nm */
+    char comment;         /* first character of a comment */
 };
 
 #define DEGREE (3.14159265358979323846 / 180)
 
-/* Other lists of six numbers in URScript are forces or speeds; waypoints NAME_q are written by the
- * teach pendant. */
+/* Calls and assignments whose lists of six numbers are targets; others in URScript are forces or
+ * speeds.  The teach pendant writes waypoints as NAME_q. */
 static const char *const moves[] = {"movej(", "movel(", "movep(", "movec(", "servoj(",
                                     "_q=",    "_q =",   "_p=",    "_p =",   NULL};
 
@@ -75,7 +75,7 @@ const mukca_language *const mukca_languages[] = {
 #undef ADDRESS
 };
 
-/* The text of a joint target with # for each axis. */
+/* Form the pattern of a joint target with # for each axis. */
 static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const mukca_chain *chain)
 {
     const int n = l->empty[0] ? MOST_AXES : chain->n_joints;
@@ -92,7 +92,7 @@ static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const 
     snprintf(pattern + used, (size_t)(PATTERN - used), "%s", l->close);
 }
 
-/* Does line[at] follow one of the texts? */
+/* Whether one of the permitted texts precedes line[at]. */
 static bool follows(const mukca_language *l, const char *line, size_t at)
 {
     if (!l->after) return true;
@@ -104,7 +104,7 @@ static bool follows(const mukca_language *l, const char *line, size_t at)
     return false;
 }
 
-/* Is line[at] the second argument of a move, as of movec, directly behind the first? */
+/* Whether line[at] is the second argument of a move such as movec, directly after the first. */
 static bool is_second(const mukca_program_reader *r, size_t at)
 {
     return r->found && r->line[r->at] == ',' && strspn(r->line + r->at, ", \t") == at - r->at;
@@ -132,7 +132,7 @@ static bool take_pose(mukca_frame *pose, const mukca_language *l, const double *
     return true;
 }
 
-/* The word at line[at] in capitals, cut to word[16]; returns its end. */
+/* Read the word at line[at] in capitals, truncated to word[16]; returns its end. */
 static size_t read_word(char word[16], const char *line, size_t at)
 {
     size_t n = 0;
@@ -142,7 +142,7 @@ static size_t read_word(char word[16], const char *line, size_t at)
     return at;
 }
 
-/* The number of a target that a component of KRL is: X Y Z A B C, or A1 ... A6 E1 ...; -1: none. */
+/* Index of a KRL component in its target: X Y Z A B C, or A1 ... A6 E1 ...; -1: none. */
 static int component(const mukca_program_reader *r, const char *key)
 {
     static const char poses[] = "XYZABC";
@@ -155,7 +155,7 @@ static int component(const mukca_program_reader *r, const char *key)
     return axis < r->chain->n_joints ? axis : -1;
 }
 
-/* Match {TYPE: KEY value, ...}; returns the end, 0: none, or no component of a target. */
+/* Match {TYPE: KEY value, ...}; returns the end, 0: no match, or no component of a target. */
 static size_t match_components(mukca_program_target *t, const mukca_program_reader *r, size_t at)
 {
     const char *line = r->line;
@@ -179,7 +179,8 @@ static size_t match_components(mukca_program_target *t, const mukca_program_read
     return any && line[at] == '}' ? at + 1 : 0;
 }
 
-/* Frames of tools, bases and loads, and what is added to another position, are no targets. */
+/* Whether an aggregate is a target: not a frame of tool, base or load, nor an offset to another
+ * position. */
 static bool is_target(const mukca_program_reader *r, size_t begin, size_t end)
 {
     const char *data = strstr(r->line, "_DATA["), *system = strchr(r->line, '$');
@@ -190,7 +191,7 @@ static bool is_target(const mukca_program_reader *r, size_t begin, size_t end)
            !(data && data < r->line + begin) && !(system && system < r->line + begin);
 }
 
-/* Fill in the components that the target lacks. */
+/* Set the omitted components to those of the last move. */
 static void carry_over(mukca_program_target *t, mukca_program_reader *r)
 {
     const int n = r->pose ? ROBOT_AXES : r->chain->n_joints;
@@ -257,7 +258,7 @@ bool mukca_program_next(mukca_program_target *t, mukca_program_reader *r)
         r->found = true;
         return true;
     }
-    if (!r->found) r->known = r->known && !r->moves; /* it moved to somewhere else */
+    if (!r->found) r->known = r->known && !r->moves; /* the line moves to an unknown position */
     return false;
 }
 
@@ -292,13 +293,14 @@ void mukca_language_print(FILE *stream, const mukca_language *l, const mukca_cha
     fputs(l->line[1], stream);
 }
 
-/* Print the target's text with the numbers value[n], behind it those that it lacks. */
+/* Print the target's text with its numbers replaced by value[n], followed by the omitted
+ * components. */
 static void replace(FILE *stream, const mukca_program_reader *r, const mukca_program_target *t,
                     const double *value, int n)
 {
     const mukca_language *l = r->language;
     size_t at = t->begin;
-    for (;;) { /* in the order of the text */
+    for (;;) { /* in order of their position in the text */
         int next = -1;
         for (int k = 0; k < n; k++)
             if (t->number[k][1] > at && (next < 0 || t->number[k][0] < t->number[next][0]))

@@ -1,4 +1,4 @@
-/* The offsets table as a file. */
+/* Offsets tables as files. */
 #include "io/offsets.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ void mukca_offsets_time(char text[32])
         snprintf(text, 32, "unknown");
 }
 
-/* Control characters would break the table. */
+/* Write a text without control characters, which would break the table. */
 static void write_text(FILE *stream, const char *text)
 {
     for (; *text; text++) fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
@@ -40,7 +40,7 @@ static void print_line(FILE *stream, const char *key, const char *text)
     fputc('\n', stream);
 }
 
-/* The whole chain, so that a reader needs no URDF. */
+/* Write the whole chain: a reader needs no URDF. */
 static void write_chain(FILE *stream, const mukca_chain *chain)
 {
     fputs("# gravity:", stream);
@@ -68,7 +68,7 @@ static void write_chain(FILE *stream, const mukca_chain *chain)
     }
 }
 
-/* The verdict, as mukca_acceptance_read takes it up. */
+/* Write the verdict in the format of mukca_acceptance_read. */
 static void write_acceptance(FILE *stream, const mukca_acceptance *a)
 {
     if (!a->given) return;
@@ -124,7 +124,8 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
     return MUKCA_OK;
 }
 
-/* The value of the comment "# key: value" into value[MUKCA_NAME_SIZE], empty: there is none. */
+/* Copy the value of the comment "# key: value" to value[MUKCA_NAME_SIZE]; empty: no such
+ * comment. */
 static void find_comment(char *value, const char *text, const char *key)
 {
     const char *at = strstr(text, key);
@@ -132,8 +133,8 @@ static void find_comment(char *value, const char *text, const char *key)
     snprintf(value, MUKCA_NAME_SIZE, "%.*s", at ? (int)strcspn(at, "\r\n") : 0, at ? at : "");
 }
 
-/* Of tables and chains made with UR's factory files, whose hash marks the robot: is it the same
- * robot, and the same file?  A note where `force` is set. */
+/* Check that table and chain are from the same UR factory file, whose hash identifies the robot.
+ * With `force`, a difference is only noted. */
 static mukca_status check_robot(const char *text, const mukca_offsets_origin *origin,
                                 const mukca_chain *chain, const mukca_offsets_options *options,
                                 mukca_error *error)

@@ -1,4 +1,4 @@
-/* The offsets table as a file. */
+/* Offsets tables as files. */
 #ifndef MUKCA_IO_OFFSETS_H
 #define MUKCA_IO_OFFSETS_H
 
@@ -6,27 +6,27 @@
 
 #include "arm/offsets.h"
 
-/* Write the table.  `data` (may be NULL) names the files that it came from; `comments` (may be
+/* Write the table.  `data` (may be NULL) has the names of its source files; `comments` (may be
  * NULL) is text whose lines are added as `#` lines. */
 mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
                                  const mukca_chain *chain, const mukca_dataset *data,
                                  const char *comments, mukca_error *error);
 
-/* Zeroed: the arm's own table, accepted, no notes. */
+/* Zeroed: the table must be of this arm and accepted; no notes. */
 typedef struct {
-    bool force;         /* take that of another URDF, too */
-    bool accept_failed; /* take one that did not pass, too */
+    bool force;         /* accept a table of another URDF */
+    bool accept_failed; /* accept a table that was not accepted as a calibration */
     mukca_note_fn *note;
-    void *context; /* of note */
+    void *context; /* of `note` */
 } mukca_offsets_options;
 
-/* Read the table at `path` (mukca_offsets_parse); a note says where it was made for another URDF,
- * has rows of joints that are not in the chain, has no verdict, or did not pass.  Errors:
- * MUKCA_INPUT (file, line, column; did not pass), MUKCA_MEMORY. */
+/* Read the table at `path` (mukca_offsets_parse).  Notes: made for another URDF, rows of joints
+ * that are not in the chain, no verdict, not accepted.  Errors: MUKCA_INPUT (file, line, column;
+ * not accepted), MUKCA_MEMORY. */
 mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain, const char *path,
                                 const mukca_offsets_options *options, mukca_error *error);
 
-/* UTC time for provenance, "2026-01-31T12:00:00Z"; SOURCE_DATE_EPOCH is honoured. */
+/* UTC time for provenance, "2026-01-31T12:00:00Z"; SOURCE_DATE_EPOCH overrides the clock. */
 void mukca_offsets_time(char text[32]);
 
 #endif

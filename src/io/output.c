@@ -1,4 +1,4 @@
-/* Files written whole or not at all. */
+/* Atomic output: files appear complete or not at all. */
 #include "io/output.h"
 
 #include <errno.h>
@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Length of the folder part of a path, with its slash; 0 where there is none. */
+/* Length of the folder part of a path, including the slash; 0: none. */
 static int folder_length(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -41,7 +41,7 @@ static mukca_status fail_exists(mukca_error *error, const char *path)
     return mukca_fail(error, MUKCA_INPUT, "%s: exists already; --force overwrites it", path);
 }
 
-/* Fill path and temporary. */
+/* Set the output's path and temporary name. */
 static mukca_status resolve(mukca_output *output, const char *path, bool force, mukca_error *error)
 {
     struct stat info;
@@ -64,7 +64,7 @@ static mukca_status resolve(mukca_output *output, const char *path, bool force, 
     return MUKCA_OK;
 }
 
-/* The path without `.`, `..` and links; unchanged where its folder does not exist. */
+/* Resolve `.`, `..` and links in the path; unchanged if its folder does not exist. */
 static void normalise(char whole[PATH_MAX + NAME_MAX + 2], const char *path)
 {
     char folder[PATH_MAX];
@@ -82,7 +82,7 @@ bool mukca_output_same(const char *a, const char *b)
     char one[PATH_MAX + NAME_MAX + 2], other[PATH_MAX + NAME_MAX + 2];
     struct stat info;
     if (!a || !b) return false;
-    if (stat(a, &info) == 0 && !S_ISREG(info.st_mode)) return false; /* devices take any */
+    if (stat(a, &info) == 0 && !S_ISREG(info.st_mode)) return false; /* allowed for devices */
     if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return strcmp(a, b) == 0;
     normalise(one, a);
     normalise(other, b);
@@ -94,7 +94,7 @@ mukca_status mukca_output_check(const char *path, bool force, mukca_error *error
     if (strcmp(path, "-") == 0) return MUKCA_OK;
     mukca_output output;
     struct stat info;
-    if (stat(path, &info) == 0 && S_ISFIFO(info.st_mode)) /* closing it would end its reader */
+    if (stat(path, &info) == 0 && S_ISFIFO(info.st_mode)) /* closing a FIFO would end its reader */
         return access(path, W_OK) == 0 ? MUKCA_OK : fail_errno(error, MUKCA_INPUT, path);
     mukca_status status = mukca_output_open(&output, path, force, error);
     mukca_output_abort(&output);
@@ -115,7 +115,7 @@ mukca_status mukca_output_open(mukca_output *output, const char *path, bool forc
     if (status != MUKCA_OK) return status;
     int flags = output->temporary[0] ? O_CREAT | O_EXCL : 0;
     const char *name = output->temporary[0] ? output->temporary : output->path;
-    if (output->temporary[0]) unlink(name); /* of a killed process of the same number */
+    if (output->temporary[0]) unlink(name); /* left by a killed process of the same number */
     int file = open(name, O_WRONLY | O_CLOEXEC | flags, 0666);
     struct stat info;
     if (file >= 0 && output->temporary[0] && stat(output->path, &info) == 0)
@@ -136,7 +136,7 @@ bool mukca_output_sync_folder(const char *path)
     snprintf(folder, sizeof folder, "%.*s", length ? length : 1, length ? path : ".");
     int file = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (file < 0) return false;
-    const bool good = fsync(file) == 0 || errno == EINVAL; /* some file systems cannot */
+    const bool good = fsync(file) == 0 || errno == EINVAL; /* some file systems lack fsync */
     const int reason = errno;
     close(file);
     errno = reason;
@@ -156,7 +156,7 @@ bool mukca_output_flush(FILE *stream)
     errno = EIO;
     if (fflush(stream) != 0) return false;
     if (!ferror(stream)) return true;
-    /* of a write that failed earlier the reason is gone: it fails once more */
+    /* the errno of an earlier failed write is lost: provoke it again */
     if (fputc('\n', stream) != EOF) (void)fflush(stream);
     return false;
 }
@@ -169,7 +169,7 @@ mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
     if (good && regular) good = fsync(fileno(stream)) == 0;
     int reason = errno;
     if (good && regular) {
-        /* another process may have made the file meanwhile; some file systems have no links */
+        /* detect a file created meanwhile by another process; some file systems have no links */
         const bool linked = !output->force && link(output->temporary, output->path) == 0;
         if (!linked && !output->force && access(output->path, F_OK) == 0) {
             mukca_output_abort(output);

@@ -32,7 +32,7 @@ size_t mukca_pattern_match(mukca_pattern_numbers *found, const char *pattern, co
             if (!isblank((unsigned char)line[at])) return 0;
             continue;
         }
-        if (*p == '*') { /* up to where the rest matches */
+        if (*p == '*') { /* up to the first position from which the rest matches */
             const mukca_pattern_numbers so_far = *found;
             for (;; at++) {
                 const size_t end = mukca_pattern_match(found, p + 1, line, at);

@@ -1,4 +1,4 @@
-/* The controller's poses of recorded joint angles, paired row by row. */
+/* The controller's poses, paired with the samples of recorded joint angles. */
 #include "io/dataset_build.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 #include "base/pool.h"
 #include "math/stats.h"
 
-/* MOST_PAIRS bounds the work space of the pairing, 9 bytes each: 600 MB. */
+/* MOST_PAIRS limits the work space of the pairing to 600 MB, 9 bytes per pair. */
 enum { POSE = 7, MOST_PAIRS = 1 << 26 };
 
 typedef struct {
@@ -44,9 +44,8 @@ static mukca_status read_row(void *context, const mukca_table *t, const int *col
     return mukca_table_fail(error, t, 3, "the quaternion's length is not 1 (order: qw,qx,qy,qz)");
 }
 
-/* Tips of the nominal model and measured poses, to be paired: each of the `few` with one of the
- * `many`.  The controller may measure another point of the last link than the tip: `lever`, in the
- * tip's frame. */
+/* Tips of the nominal model and measured poses to be paired: each of the `few` with one of the
+ * `many`.  `lever`: the point that the controller measures, in the tip's frame. */
 typedef struct {
     const mukca_frame *tip;
     const double (*pose)[POSE];
@@ -54,13 +53,13 @@ typedef struct {
     int few, many;
     double lever[3];
     int *partner; /* [few] */
-    /* work space, [few + 1][many - few + 1]; cost[i][k]: the first i paired within the first
-     * i + k */
+    /* work space, [few + 1][many - few + 1]; cost[i][k]: cost of the first i paired within the
+     * first i + k */
     double *cost;
     unsigned char *skip;
 } pairing;
 
-/* Offset of the pose from the tip in the tip's frame, for one of the few and one of the many. */
+/* The measured position in the tip's frame, for one of the few and one of the many. */
 static void offset(double lever[3], const pairing *p, int few, int many)
 {
     const mukca_frame *tip = &p->tip[p->tips_are_fewer ? few : many];
@@ -77,8 +76,8 @@ static double mismatch(const pairing *p, int few, int many)
     return sqrt(mukca_dot3(d, d));
 }
 
-/* Pair in order with the least sum of mismatches: partner[i] grows with i.  Dynamic programming, as
- * in the alignment of sequences. */
+/* Pair in order with the least sum of mismatches: partner[i] increases with i.  Dynamic
+ * programming, as in sequence alignment. */
 static void pair_in_order(pairing *p)
 {
     const int spare = p->many - p->few, width = spare + 1;
@@ -97,7 +96,7 @@ static void pair_in_order(pairing *p)
     }
 }
 
-/* The lever by the medians over the pairs found so far; `work` has room for `few` numbers. */
+/* Set the lever to the medians over the present pairs; `work` has room for `few` numbers. */
 static void set_lever(pairing *p, double *work)
 {
     double lever[3];
@@ -112,7 +111,7 @@ static void set_lever(pairing *p, double *work)
 
 static mukca_status pair(pairing *p, mukca_pool *pool, const char *path, mukca_error *error)
 {
-    enum { ROUNDS = 4 }; /* pairs and lever settle after two or three */
+    enum { ROUNDS = 4 }; /* pairs and lever converge within two or three */
     const size_t size = (size_t)(p->few + 1) * (size_t)(p->many - p->few + 1);
     if (size > MOST_PAIRS)
         return mukca_fail(error, MUKCA_INPUT, "%s: %d poses and rows are too many to pair",

@@ -1,4 +1,4 @@
-/* Pose logs from files, row by row. */
+/* Pose logs from files, row by row, with a binary copy for further passes. */
 #include "io/pose_stream.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@ static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
 {
     const mukca_rows_options options = {.kind = MUKCA_HEADER,
                                         .format = s->format,
-                                        .any_order = true, /* mukca_pose_check finds it */
+                                        .any_order = true, /* mukca_pose_check detects the order */
                                         .note = s->noted ? NULL : s->note,
                                         .context = s->context};
     const mukca_status status =
@@ -24,7 +24,7 @@ static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
                                     error);
 }
 
-/* All rows are of one target. */
+/* Check that all rows measure one target. */
 static mukca_status check_target(mukca_pose_stream *s, const mukca_row *row, mukca_error *error)
 {
     const char *name = row->target ? row->target : "";
@@ -38,7 +38,7 @@ static mukca_status check_target(mukca_pose_stream *s, const mukca_row *row, muk
                             "a second target, '%.40s': mukca diagnose -o fits several", name);
 }
 
-/* The next row of the text; *more false at the end of the last file. */
+/* Parse the next row; *more is false at the end of the last file. */
 static mukca_status parse(mukca_pose_stream *s, mukca_pose_row *row, bool *more, mukca_error *error)
 {
     mukca_row read;
@@ -68,7 +68,7 @@ static mukca_status parse(mukca_pose_stream *s, mukca_pose_row *row, bool *more,
     return MUKCA_OK;
 }
 
-/* Doubles of a kept row: angles and velocities, position, quaternion, time, file. */
+/* Doubles per stored row: angles and velocities, position, quaternion, time, file. */
 enum { POSE = 3 + 4 + 2, KEPT = 2 * MUKCA_MAX_JOINTS + POSE };
 
 static size_t bytes_kept(const mukca_pose_stream *s)
@@ -113,7 +113,7 @@ static mukca_status fetch(mukca_pose_stream *s, mukca_pose_row *row, mukca_error
     memcpy(row->quaternion, x + 2 * n + 3, sizeof row->quaternion);
     row->time = x[2 * n + 7];
     row->file = (int)x[2 * n + 8];
-    /* the stream turns from reading to writing only by a change of place */
+    /* a stream changes from reading to writing only after a seek */
     if (++s->next == s->n_kept && fseek(s->kept, 0, SEEK_END) != 0)
         return mukca_file_fail(error, "temporary file");
     return MUKCA_OK;
@@ -134,7 +134,7 @@ static mukca_status rewind_stream(void *context, mukca_error *error)
     mukca_pose_stream *s = context;
     (void)error;
     s->next = 0;
-    /* what is written reaches the file only here: a full disk shows now at the latest */
+    /* the seek flushes the file and detects a full disk */
     if (s->kept && fseek(s->kept, 0, SEEK_SET) != 0) stop_keeping(s);
     if (s->kept) return MUKCA_OK;
     if (s->open) mukca_rows_close(&s->rows);

@@ -1,5 +1,5 @@
-/* Pose logs read from files row by row, as often as needed, in constant memory: the text is parsed
- * once, its rows are kept in a temporary file. */
+/* Pose logs from files, row by row, for any number of passes in constant memory: the text is parsed
+ * once, and its rows are stored in a temporary file. */
 #ifndef MUKCA_IO_POSE_STREAM_H
 #define MUKCA_IO_POSE_STREAM_H
 
@@ -8,8 +8,8 @@
 #include "io/rows.h"
 #include "recalibrate/pose_log.h"
 
-/* Of the temporary file, bytes; a longer log (5 million rows of seven joints) is parsed anew each
- * time, as where no temporary file can be written. */
+/* Largest size of the temporary file, bytes.  A longer log (5 million rows of seven joints), or any
+ * log if no temporary file can be written, is parsed again in each pass. */
 #define MUKCA_POSE_STREAM_KEPT 1e9
 
 typedef struct {
@@ -18,24 +18,24 @@ typedef struct {
     int n_paths;
     const mukca_chain *chain;
     mukca_rows_format format;
-    mukca_note_fn *note; /* of the first reading only; may be NULL */
+    mukca_note_fn *note; /* during the first pass only; may be NULL */
     void *context;
     /* internal */
-    int at; /* the file being parsed */
+    int at; /* index of the file being parsed */
     mukca_rows rows;
     bool open, noted;
-    bool named; /* `target` is the first row's */
+    bool named; /* `target` is set, from the first row */
     char target[MUKCA_NAME_SIZE];
-    bool full;            /* no temporary file can be had */
+    bool full;            /* no temporary file is available */
     FILE *kept;           /* rows parsed so far, or NULL */
-    char buffer[1 << 16]; /* its */
-    long n_kept, next;    /* rows; the next one to return */
+    char buffer[1 << 16]; /* of `kept` */
+    long n_kept, next;    /* rows stored; index of the next one to return */
 } mukca_pose_stream;
 
-/* A log of the pose logs of `stream`.  Rows without a position are skipped.  Close the stream
- * afterwards. */
+/* Create a log that reads the pose logs of `stream`.  Rows without a position are skipped.  Close
+ * the stream afterwards. */
 void mukca_pose_stream_start(mukca_pose_log *log, mukca_pose_stream *stream);
 
-void mukca_pose_stream_close(mukca_pose_stream *stream); /* harmless on a zeroed one */
+void mukca_pose_stream_close(mukca_pose_stream *stream); /* harmless on a zeroed stream */
 
 #endif

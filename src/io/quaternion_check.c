@@ -1,10 +1,10 @@
-/* The order of recorded quaternions, by the arm's kinematics.
+/* Order of the numbers in recorded quaternions, by the arm's kinematics.
  *
- * measured = tracker * tip(q) * target: the turn between two rows, seen from the target, is that of
- * the tip in a turned frame, so that products of two such turns do not depend on the frames.  A
- * quaternion with its numbers rotated by one place is an inverse between two fixed rotations: then
- * angles, and products of two turns that share a row, are right still, but others are not.  Poses
- * that were measured the other way round look the same. */
+ * measured = tracker * tip(q) * target.  The rotation between two rows, in the target's frame, is
+ * that of the tip in a rotated frame: inner products of two such rotation vectors are independent
+ * of the frames.  A cyclic shift of a quaternion's four numbers is an inversion between two fixed
+ * rotations.  It preserves angles, and inner products of two rotations with a common row, but not
+ * others.  Inverse poses behave alike. */
 #include "io/quaternion_check.h"
 
 #include <math.h>
@@ -12,25 +12,25 @@
 
 #include "mukca/chain.h"
 
-/* Rows that turn the tip by less say little, rad; enough pairs for a verdict; and what an error of
- * the nominal arm (some 10 mrad of turns of a radian) stays far below: the other order's errors are
- * of the size of the turns squared. */
+/* Smaller rotations of the tip contribute little, rad; number of pairs for a verdict; thresholds
+ * far above the effect of errors of the nominal arm (some 10 mrad in rotations of 1 rad).  The
+ * errors of a wrong order are of the size of the rotations squared. */
 static const double least_turn = 0.2, least_error = 0.05, least_ratio = 10;
 enum { LEAST_PAIRS = 5, MOST_PAIRS = 40 };
 
-/* The rotation of quaternion[4] in the order given or (other) in the other one. */
+/* Rotation of quaternion[4] in the file's order, or (other) in the other order. */
 static void rotation(double R[9], const double quaternion[4], bool other, bool w_last, bool inverse)
 {
     double q[4], T[9];
-    for (int i = 0; i < 4; i++) /* w last: x y z w in the file, and x would be w */
+    for (int i = 0; i < 4; i++) /* for w last, x y z w in the file: x would be w */
         q[i] = quaternion[!other ? i : w_last ? (i + 1) % 4 : (i + 3) % 4];
     mukca_rotation_from_quaternion(R, q);
     memcpy(T, R, sizeof T);
     for (int i = 0; i < 9 && inverse; i++) R[i] = T[3 * (i % 3) + i / 3];
 }
 
-/* Axis times sine of the turn from A to B, seen from A: of A' B what is antisymmetric.  It does not
- * jump at half a turn as the rotation vector does. */
+/* Axis times sine of the rotation from A to B, in the frame of A: antisymmetric part of A' B.
+ * Unlike the rotation vector it is continuous at half a turn. */
 static void turn_between(double w[3], const double A[9], const double B[9])
 {
     for (int i = 0; i < 3; i++) {

@@ -1,4 +1,4 @@
-/* Recorded rows, one at a time. */
+/* Recorded rows, read and checked one at a time. */
 #include "io/rows.h"
 
 #include <math.h>
@@ -8,14 +8,14 @@
 #include "base/note.h"
 #include "mukca/rotation.h"
 
-/* Beyond two turns an angle is in degrees (a joint turns at most once or twice; 13 degrees are
- * less, but some row of a recording is beyond). */
+/* Larger angles, rad, are in degrees: a joint turns at most once or twice.  A value of 13 degrees
+ * or less passes, but some row of a recording exceeds it. */
 static const double most_angle = 4 * 3.14159265358979323846 + 1e-6;
-/* Beyond these a length is in millimetres: no arm reaches 50 m, no linear axis is 20 m long. */
+/* Larger lengths, m, are in millimetres: no arm has a reach of 50 m, no linear axis 20 m. */
 static const double most_length = 50, most_prismatic = 20;
-/* rad or m: encoders exceed the URDF's limits a little; more is worth a note */
+/* rad or m: encoders exceed the URDF's limits slightly; a larger excess is noted */
 static const double limit_tolerance = 0.05;
-/* What a quaternion written with three decimals deviates from length 1 at most. */
+/* Largest deviation from length 1 of a quaternion written with three decimals. */
 static const double length_tolerance = 0.01;
 
 mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_chain *chain,
@@ -37,7 +37,7 @@ void mukca_rows_close(mukca_rows *rows)
     mukca_table_close(&rows->table);
 }
 
-/* An optional number: NaN where there is no column, an empty cell or `nan`. */
+/* Read an optional number: NaN for a missing column, an empty cell or `nan`. */
 static mukca_status read_optional(double *value, const mukca_rows *rows, int column,
                                   mukca_error *error)
 {
@@ -102,7 +102,7 @@ bool mukca_rows_normalise(double quaternion[4])
     return true;
 }
 
-/* Optional numbers of several columns. */
+/* Read optional numbers of several columns. */
 static mukca_status read_list(double *values, const mukca_rows *rows, const int *columns, int n,
                               mukca_error *error)
 {
@@ -120,7 +120,7 @@ static int count_missing(const double *values, int n)
     return missing;
 }
 
-/* The pose of a 4x4 matrix; NaN where the target was not seen. */
+/* Read the pose of a 4x4 matrix; NaN if the target was not visible. */
 static mukca_status read_matrix(mukca_row *row, const mukca_rows *rows,
                                 const mukca_measured_columns *m, mukca_error *error)
 {
@@ -132,7 +132,7 @@ static mukca_status read_matrix(mukca_row *row, const mukca_rows *rows,
         return mukca_table_fail(error, t, m->matrix[0],
                                 "a pose needs all 16 numbers of its matrix");
     for (int c = 0; c < 4; c++)
-        if (!(fabs(T[12 + c] - (c == 3)) <= 1e-6)) /* exact but for rounding */
+        if (!(fabs(T[12 + c] - (c == 3)) <= 1e-6)) /* the last row is 0 0 0 1 within rounding */
             return mukca_table_fail(error, t, m->matrix[12 + c],
                                     "the last row of the matrix is not 0 0 0 1; the 16 numbers "
                                     "stand row by row");
@@ -153,7 +153,7 @@ static mukca_status read_matrix(mukca_row *row, const mukca_rows *rows,
     return MUKCA_OK;
 }
 
-/* The frame of the measurement in the target's: the other way round. */
+/* Replace the pose of the measuring frame in the target's frame by its inverse. */
 static void invert_pose(mukca_row *row)
 {
     double R[9], p[3];
@@ -162,7 +162,7 @@ static void invert_pose(mukca_row *row)
     for (int i = 0; i < 3; i++) row->position[i] = -p[i], row->quaternion[1 + i] *= -1;
 }
 
-/* Is the quaternion's order that of the file? */
+/* Check the quaternion's order against the arm's kinematics. */
 static mukca_status check_order(mukca_rows *rows, const mukca_row *row, int column,
                                 mukca_error *error)
 {
@@ -180,7 +180,7 @@ static mukca_status check_order(mukca_rows *rows, const mukca_row *row, int colu
         f->inverse ? "omit" : "give");
 }
 
-/* The orientation of the columns `turn`; NaN where the target was not seen. */
+/* Read the orientation of the columns `turn`; NaN if the target was not visible. */
 static mukca_status read_turn(mukca_row *row, const mukca_rows *rows,
                               const mukca_measured_columns *m, mukca_error *error)
 {
@@ -258,7 +258,7 @@ mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca
     const mukca_row_columns *c = &rows->column;
     const int n = rows->chain->n_joints;
     *more = true;
-    if (rows->measured > 0 && rows->measured < c->n_measured) /* another target of this line */
+    if (rows->measured > 0 && rows->measured < c->n_measured) /* the next target of this line */
         return read_pose(row, rows, rows->measured++, error);
     rows->measured = 1;
     mukca_status status = mukca_table_next(&rows->table, more, error);

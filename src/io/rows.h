@@ -1,7 +1,6 @@
 /* Recorded rows, one at a time: the columns of sessions and pose logs mapped to a chain.
  *
- * For readers that reduce rows as they come; whole datasets are read by dataset_load.h.
- */
+ * For readers that process rows one by one; dataset_load.h reads whole datasets. */
 #ifndef MUKCA_IO_ROWS_H
 #define MUKCA_IO_ROWS_H
 
@@ -9,30 +8,30 @@
 #include "io/table.h"
 #include "mukca/row_state.h"
 
-/* How tables that others made are written; zeroed: as mukca writes them. */
+/* Format of tables from other programs; zeroed: mukca's own. */
 typedef struct {
-    double angle, length; /* rad and m of the file's units; 0: 1 */
-    bool units;           /* they were given: columns x, y, z are positions */
-    /* A table without header may hold poses: the joints in the chain's order, then x y z, then
-     * nothing, qw qx qy qz, or instead of all of them the 16 numbers of a matrix. */
+    double angle, length; /* rad and m per unit of the file; 0: 1 */
+    bool units;           /* the user stated units: columns x, y, z are positions */
+    /* a table without header may have poses: the joints in the chain's order, then x y z, then
+     * nothing or qw qx qy qz; or the 16 numbers of a matrix instead */
     bool by_order;
-    bool w_last; /* in such a table: qx qy qz qw */
-    bool
-        inverse; /* poses of the measuring frame in the target's, as a camera on the arm has them */
+    bool w_last;  /* in such a table: qx qy qz qw */
+    bool inverse; /* poses are those of the measuring frame in the target's frame, as of a camera on
+                     the arm */
 } mukca_rows_format;
 
 typedef struct {
     mukca_table_kind kind;
     mukca_rows_format format;
-    bool any_order;      /* quaternions with w last are the caller's matter */
+    bool any_order;      /* the caller checks the order of quaternions */
     mukca_note_fn *note; /* may be NULL */
     void *context;
 } mukca_rows_options;
 
-enum { MUKCA_ROWS_TARGETS = 16 }; /* measured in one line of a table */
+enum { MUKCA_ROWS_TARGETS = 16 }; /* largest number of targets per line */
 
-/* How an orientation is written: qw qx qy qz; UR's rotation vector rx ry rz; roll pitch yaw as in
- * a URDF; KUKA's A B C, the same angles backwards. */
+/* Representation of an orientation: qw qx qy qz; UR's rotation vector rx ry rz; roll pitch yaw as
+ * in a URDF; KUKA's A B C, the same angles in reverse order. */
 typedef enum {
     MUKCA_QUATERNION,
     MUKCA_ROTATION_VECTOR,
@@ -40,15 +39,15 @@ typedef enum {
     MUKCA_ABC
 } mukca_turn;
 
-/* Columns of one measured target, -1 where absent; a matrix replaces the others. */
+/* Columns of one measured target, -1 if absent; a matrix replaces the others. */
 typedef struct {
-    char target[MUKCA_NAME_SIZE];         /* L of columns x_m.L; "" of x_m */
-    double length;                        /* m per unit of the positions */
-    mukca_turn form;                      /* of the columns `turn`: 4 of a quaternion, else 3 */
-    int position[3], turn[4], matrix[16]; /* each all or none; row by row */
+    char target[MUKCA_NAME_SIZE]; /* L of columns x_m.L; "" for x_m */
+    double length;                /* m per unit of the positions */
+    mukca_turn form;              /* representation of `turn`: 4 columns of a quaternion, else 3 */
+    int position[3], turn[4], matrix[16]; /* complete or absent; row-major */
 } mukca_measured_columns;
 
-/* Indices into the table's cells, -1 where a column is absent. */
+/* Indices of the table's columns, -1 if absent. */
 typedef struct {
     int placement, socket, target, time, temperature, payload;
     int joint[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
@@ -62,14 +61,14 @@ typedef struct {
     const mukca_chain *chain;
     mukca_rows_options options;
     mukca_row_columns column;
-    bool has_command;              /* for one joint at least */
-    bool by_command;               /* no angles but the commanded ones */
-    bool warned[MUKCA_MAX_JOINTS]; /* beyond its limits */
+    bool has_command;              /* of at least one joint */
+    bool by_command;               /* commanded angles only, without measured ones */
+    bool warned[MUKCA_MAX_JOINTS]; /* a note of exceeded limits was printed */
     mukca_quaternion_check quaternions;
-    int measured; /* targets of the current line that have been returned */
+    int measured; /* number of targets of the current line already returned */
 } mukca_rows;
 
-/* One row; what the file lacks is NaN, texts are NULL.  Texts are valid until the next row. */
+/* One row; missing values are NaN, missing texts NULL.  Texts are valid until the next row. */
 typedef struct {
     const char *placement, *socket, *target;
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
@@ -79,35 +78,35 @@ typedef struct {
 } mukca_row;
 
 /* Open a table and find the chain's joints in its header.  A joint without a column is an error, an
- * unknown column a note.  `chain` must outlive the rows. */
+ * unknown column is noted.  `chain` must outlive the rows. */
 mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_chain *chain,
                              const mukca_rows_options *options, mukca_error *error);
 
-/* Read and check one row: numbers, angles that look like degrees, positions that look like
- * millimetres, quaternions that are not normalised.  A line that measures several targets gives a
- * row of each.  *more is false at the end. */
+/* Read and check one row.  Errors: not a number, angles that appear to be degrees, positions that
+ * appear to be millimetres, quaternions not of length 1.  A line with several targets yields a row
+ * for each.  *more is false at the end. */
 mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca_error *error);
 
-/* The row for the accumulator of row states; its placement is unknown.  It points into `row`. */
+/* Convert the row for mukca_row_state_next, without placement.  The result points into `row`. */
 mukca_row_reading mukca_row_read(const mukca_row *row, const mukca_rows *rows);
 
-void mukca_rows_close(mukca_rows *rows); /* harmless on a zeroed one */
+void mukca_rows_close(mukca_rows *rows); /* harmless on zeroed rows */
 
-/* Find the columns by the header, or by their order (part of mukca_rows_open). */
+/* Map the columns by the header or by their order (part of mukca_rows_open). */
 mukca_status mukca_rows_map(mukca_rows *rows, mukca_error *error);
 
-/* Fail since no measured positions were found: those without a unit, or `otherwise`. */
+/* Fail for lack of measured positions: the message names those without a unit, else `otherwise`. */
 mukca_status mukca_rows_fail_measured(const mukca_rows *rows, const char *otherwise,
                                       mukca_error *error);
 
-/* kg: the strongest arms carry 2.3 t. */
+/* Largest payload, kg: the strongest arms carry 2.3 t. */
 #define MUKCA_ROWS_MOST_PAYLOAD 5e3
 
-/* Refuse a measured length that looks like millimetres. */
+/* Refuse a measured length that appears to be in millimetres. */
 mukca_status mukca_rows_check_length(const mukca_table *table, int column, double metres,
                                      mukca_error *error);
 
-/* Normalise a measured quaternion; false where its length is not 1 within 1 %. */
+/* Normalise a measured quaternion; false if its length deviates from 1 by more than 1 %. */
 bool mukca_rows_normalise(double quaternion[4]);
 
 #endif

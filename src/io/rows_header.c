@@ -1,4 +1,4 @@
-/* Recorded rows: which column is what. */
+/* Columns of recorded rows: their meaning by name or by order. */
 #include <math.h>
 #include <string.h>
 
@@ -24,7 +24,7 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
                 "no column for joint '%s'; the first line must be a header of names: those of the "
                 "joints, and placement and socket, or x_m y_m z_m",
                 joint);
-        const bool longer = strncmp(joint, t->header[c], strlen(joint)) == 0; /* a unit behind it */
+        const bool longer = strncmp(joint, t->header[c], strlen(joint)) == 0; /* has a unit */
         if (mukca_chain_find_joint(rows->chain, t->header[c]) < 0 &&
             (mukca_suggest_better(&best, joint, t->header[c]) || (longer && !meant)))
             meant = t->header[c];
@@ -42,13 +42,13 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
         joint, names, list.used + 1 == list.size ? "..." : "");
 }
 
-/* Columns of the header that are read; the others get a note. */
+/* Columns of the header, with those in use marked; the others are noted. */
 typedef struct {
     mukca_rows *rows;
     bool known[MUKCA_TABLE_COLUMNS];
 } header;
 
-/* Column `prefix``suffix`, -1 where absent. */
+/* Find column `prefix``suffix`; -1: absent. */
 static int find(header *h, const char *prefix, const char *suffix)
 {
     char name[2 * MUKCA_NAME_SIZE];
@@ -58,14 +58,14 @@ static int find(header *h, const char *prefix, const char *suffix)
     return column;
 }
 
-/* Columns that belong together; `suffix` ends the name of each. */
+/* Columns required together; `suffix` ends the name of each. */
 typedef struct {
     int n;
     const char *const *names;
     const char *suffix;
 } group;
 
-/* All columns of a group or none. */
+/* Find all columns of a group or none; an incomplete group is an error. */
 static mukca_status find_group(int *columns, const group *g, header *h, mukca_error *error)
 {
     const char *const *names = g->names;
@@ -93,7 +93,7 @@ static void note_unknown_columns(header *h)
     mukca_table_note_unknown(t, h->known, h->rows->options.note, h->rows->options.context);
 }
 
-/* The ways to write a measured pose; `length`: m per unit, 0: by --units. */
+/* Column names of a measured pose; `length`: m per unit, 0: by --units. */
 static const struct {
     const char *names[16];
     int n;
@@ -108,13 +108,14 @@ static const struct {
               0}};
 enum { FORMS = sizeof forms / sizeof *forms, PLAIN = 2, CAPITAL = 3 };
 
-/* The columns of an orientation, in the order of mukca_turn. */
+/* Columns of an orientation, in the order of mukca_turn. */
 static const group turns[] = {{4, (const char *const[]){"qw", "qx", "qy", "qz"}, NULL},
                               {3, (const char *const[]){"rx", "ry", "rz"}, NULL},
                               {3, (const char *const[]){"roll", "pitch", "yaw"}, NULL},
                               {3, (const char *const[]){"A", "B", "C"}, NULL}};
 
-/* The first form of an orientation that the header has; A is one next to KUKA's X only. */
+/* Find the first representation of an orientation in the header; A B C only next to KUKA's X Y
+ * Z. */
 static mukca_status find_turn(mukca_measured_columns *m, header *h, int form, const char *suffix,
                               mukca_error *error)
 {
@@ -127,7 +128,7 @@ static mukca_status find_turn(mukca_measured_columns *m, header *h, int form, co
     return MUKCA_OK;
 }
 
-/* Columns of the target whose first one is `column`, if it is of that form. */
+/* Find the columns of the target whose first one is `column`, if it has that form. */
 static mukca_status find_measured(header *h, int column, int form, mukca_error *error)
 {
     mukca_rows *rows = h->rows;
@@ -175,14 +176,14 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
     }
     for (int form = 0; form < FORMS; form++)
         for (int column = 0; column < rows->table.n_columns; column++) {
-            if ((form == PLAIN || form == CAPITAL) && !format->units) continue; /* what unit? */
+            if ((form == PLAIN || form == CAPITAL) && !format->units) continue; /* unit unknown */
             const mukca_status status = find_measured(&h, column, form, error);
             if (status != MUKCA_OK) return status;
         }
     if (c->socket >= 0 && c->n_measured > 1)
-        c->n_measured = 1; /* a sample of a socket is one row */
+        c->n_measured = 1; /* a sample of a socket occupies one row */
     note_unknown_columns(&h);
-    /* angles that a driver corrected before it published them (mukca capture --stream corrected) */
+    /* angles corrected by the driver before publication (mukca capture --stream corrected) */
     if (strstr(rows->table.comments, "# stream: corrected\n"))
         mukca_note_format(rows->options.note, rows->options.context,
                           "%s: the driver has corrected these angles already; offsets found here "
@@ -202,7 +203,7 @@ mukca_status mukca_rows_fail_measured(const mukca_rows *rows, const char *otherw
               "deg,mm, or call them x_m, y_m, z_m");
 }
 
-/* A table without header: the joints, then the pose, in the order that its width says. */
+/* Map a table without header: the joints, then the pose in the order implied by its width. */
 static mukca_status map_order(mukca_rows *rows, mukca_error *error)
 {
     const mukca_table *t = &rows->table;
@@ -238,7 +239,8 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
     mukca_measured_columns *m = &c->measured[c->n_measured++];
     m->target[0] = '\0';
     m->length = o->format.length;
-    const int turn = o->format.w_last ? 2 : 3; /* the column of qw, or of qx, is number 3 */
+    /* index 3 is the column of qw or of qx */
+    const int turn = o->format.w_last ? 2 : 3;
     m->form = MUKCA_QUATERNION;
     for (int i = 0; i < more; i++)
         *(more == 16 ? &m->matrix[i] : i < 3 ? &m->position[i] : &m->turn[(i - turn) % 4]) = n + i;
@@ -255,5 +257,5 @@ mukca_status mukca_rows_map(mukca_rows *rows, mukca_error *error)
     memset(&rows->column, -1, sizeof rows->column);
     rows->column.n_measured = 0;
     if (rows->table.header) return map_header(rows, error);
-    return rows->table.n_columns ? map_order(rows, error) : MUKCA_OK; /* at the first row */
+    return rows->table.n_columns ? map_order(rows, error) : MUKCA_OK; /* else at the first row */
 }

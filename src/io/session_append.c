@@ -1,8 +1,8 @@
 /* A session file that grows while it is recorded.
  *
  * Safe against a kill or a power cut at any moment: a row is one write at the end followed by
- * fsync, an undo is one byte (the first of the row becomes #).  Text after the last newline was
- * never acknowledged. */
+ * fsync; an undo changes one byte (the first of the row becomes #).  Text after the last newline
+ * was never acknowledged. */
 #include "io/session_append.h"
 
 #include <ctype.h>
@@ -47,7 +47,7 @@ bool mukca_session_label_ok(const char *label)
 
 /* ---- writing ---- */
 
-/* Remove what follows the acknowledged rows. */
+/* Truncate the file after the acknowledged rows. */
 static bool cut(mukca_session *session)
 {
     if (session->uncut && ftruncate(session->fd - 1, session->length)) return false;
@@ -55,7 +55,7 @@ static bool cut(mukca_session *session)
     return true;
 }
 
-/* Append text and put it on disk, or leave the file as it was. */
+/* Append text and sync it; on failure the file is restored. */
 static mukca_status commit(mukca_session *session, const char *text, size_t length,
                            mukca_error *error)
 {
@@ -75,7 +75,7 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
         return MUKCA_OK;
     }
     mukca_status status = fail_write(session, "not recorded", error);
-    (void)cut(session); /* else before the next row */
+    (void)cut(session); /* if this fails, before the next row */
     return status;
 }
 
@@ -119,7 +119,7 @@ mukca_status mukca_session_undo(mukca_session *session, const char *placement, c
     const int64_t at = session->row_at[session->n_rows - 1];
     if (pwrite(fd, "#", 1, at) != 1 || fsync(fd)) {
         mukca_status status = fail_write(session, "not deleted", error);
-        (void)!pwrite(fd, placement, 1, at); /* the row begins with it */
+        (void)!pwrite(fd, placement, 1, at); /* the first byte of the row */
         return status;
     }
     char buffer[LINE_SIZE];
@@ -128,11 +128,11 @@ mukca_status mukca_session_undo(mukca_session *session, const char *placement, c
                    "# undone: row %d, placement %s, socket %s (the line that now begins with #)\n",
                    session->n_rows, placement, socket);
     session->n_rows--;
-    (void)commit(session, line.at, line.used, NULL); /* without it the row is undone all the same */
+    (void)commit(session, line.at, line.used, NULL); /* undone without this, too */
     return MUKCA_OK;
 }
 
-/* ---- beginning ---- */
+/* ---- header ---- */
 
 static void format_columns(mukca_text *line, const mukca_session *session,
                            const mukca_session_head *head)
@@ -153,7 +153,7 @@ static void format_columns(mukca_text *line, const mukca_session *session,
     mukca_text_put(line, "\n");
 }
 
-/* "# key: value" lines whose values must be the same on resume. */
+/* "# key: value" lines whose values must be equal on resume. */
 typedef struct {
     const char *key, *value, *refusal;
 } origin;
@@ -169,7 +169,7 @@ static void list_origins(origin list[ORIGINS], const mukca_session_head *head)
 
 static const char first_line[] = "# mukca session\n";
 
-/* Write the header, whole or not at all, to a new file or over what is there. */
+/* Write the header atomically to a new file, or over an existing one. */
 static mukca_status write_header(mukca_session *session, const mukca_session_head *head,
                                  mukca_error *error)
 {
@@ -188,7 +188,7 @@ static mukca_status write_header(mukca_session *session, const mukca_session_hea
     format_columns(&line, session, head);
     mukca_status status = mukca_output_open(&output, session->path, true, error);
     if (status != MUKCA_OK) return status;
-    fputs(line.at, output.stream); /* checked by close */
+    fputs(line.at, output.stream); /* mukca_output_close detects failures */
     return mukca_output_close(&output, error);
 }
 
@@ -207,7 +207,7 @@ static mukca_status prepare(mukca_session *session, const char *path,
     return MUKCA_OK;
 }
 
-/* Open a file that exists, for this program alone. */
+/* Open an existing file and lock it. */
 static mukca_status open_file(mukca_session *session, mukca_error *error)
 {
     struct stat st;
@@ -222,7 +222,7 @@ static mukca_status open_file(mukca_session *session, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Begin the file anew. */
+/* Create the file, or overwrite it. */
 static mukca_status begin(mukca_session *session, const mukca_session_head *head,
                           mukca_error *error)
 {
@@ -242,7 +242,7 @@ mukca_status mukca_session_create(mukca_session *session, const char *path, bool
             mukca_fail(error, MUKCA_INPUT,
                        "%s: exists already; --resume continues it, --force overwrites it", path);
     else if (exists)
-        status = open_file(session, error); /* nobody records it */
+        status = open_file(session, error); /* checks that no other program records it */
     if (status == MUKCA_OK) status = begin(session, head, error);
     if (status != MUKCA_OK) mukca_session_close(session);
     return status;
@@ -264,8 +264,8 @@ static mukca_status check_comment(const mukca_session *session, const char *comm
     return MUKCA_OK;
 }
 
-/* Check the comments and the column line (is there one?), and find the rows.  text, which is cut
- * up, is empty or ends in a newline. */
+/* Check the comments, look for the column line, and index the rows.  text, which is split into
+ * lines, is empty or ends in a newline. */
 static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
                          const mukca_session_head *head, mukca_error *error)
 {
@@ -297,14 +297,14 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
     return MUKCA_OK;
 }
 
-/* What a file to be resumed holds. */
+/* Content of a file to be resumed. */
 typedef struct {
-    int64_t rest;     /* bytes after its whole lines */
-    bool ours;        /* it begins as a session does */
+    int64_t rest;     /* bytes after its last complete line */
+    bool ours;        /* it starts like a session file */
     bool has_columns; /* it has the column line */
 } found_file;
 
-/* Read and scan the whole lines of the file; session->length becomes theirs. */
+/* Read and scan the complete lines of the file; sets session->length to their bytes. */
 static mukca_status load(found_file *found, mukca_session *session, const mukca_session_head *head,
                          mukca_error *error)
 {
@@ -339,7 +339,7 @@ mukca_status mukca_session_resume(mukca_session *session, const char *path,
         status = open_file(session, error);
         if (status == MUKCA_OK) status = load(&found, session, head, error);
     }
-    if (status == MUKCA_OK && !found.has_columns) /* empty, or cut off within the header */
+    if (status == MUKCA_OK && !found.has_columns) /* empty, or truncated within the header */
         status = found.ours ? begin(session, head, error)
                             : mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);
     else if (status == MUKCA_OK && found.rest) {

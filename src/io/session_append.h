@@ -1,4 +1,4 @@
-/* A session file that grows while it is recorded: each row is on disk before it is acknowledged. */
+/* A session file that grows while it is recorded; each row is on disk before it is acknowledged. */
 #ifndef MUKCA_IO_SESSION_APPEND_H
 #define MUKCA_IO_SESSION_APPEND_H
 
@@ -12,13 +12,12 @@
 typedef struct {
     const mukca_chain *chain;
     const char *stream;  /* "raw" or "corrected" */
-    const char *channel; /* where the joint states came from */
+    const char *channel; /* source of the joint states */
     const char *type;
-    bool has_effort, has_command; /* columns */
+    bool has_effort, has_command; /* optional columns */
 } mukca_session_head;
 
-/* One sample.  Arrays of n_joints in the chain's order; effort and command where the head has
- * them. */
+/* One sample.  Arrays of n_joints in the chain's order; effort and command if the head has them. */
 typedef struct {
     const char *placement, *socket;
     double time; /* s */
@@ -27,46 +26,45 @@ typedef struct {
 
 /* Zeroed: closed. */
 typedef struct {
-    int fd; /* + 1, so that zero is closed */
+    int fd; /* descriptor + 1; 0: closed */
     char path[1024];
     char separator;
     int n_joints;
     bool has_effort, has_command;
-    int64_t length;  /* of the acknowledged text, bytes */
-    bool uncut;      /* more may follow it: of a row that could not be written */
+    int64_t length;  /* bytes acknowledged */
+    bool uncut;      /* the file may have more bytes, of a row that failed */
     int n_rows;      /* recorded and not undone */
-    int64_t *row_at; /* [n_rows] where each begins */
+    int64_t *row_at; /* [n_rows] byte offsets of the rows */
     int capacity;
 } mukca_session;
 
-/* Begin a session; `path` must not exist, unless `force` overwrites it.  A name that ends in .csv
- * gives commas, any other tabs.
- * Errors: MUKCA_INPUT (exists, cannot be written, in use by another program), MUKCA_MEMORY (also:
- * could not be written whole). */
+/* Create a session file; an existing one is refused without `force`.  A name that ends in .csv
+ * selects commas, any other tabs.  Errors: MUKCA_INPUT (exists, cannot be written, in use by
+ * another program), MUKCA_MEMORY (also: incomplete). */
 mukca_status mukca_session_create(mukca_session *session, const char *path, bool force,
                                   const mukca_session_head *head, mukca_error *error);
 
-/* Continue a session; a file that does not exist, or is empty, is begun.  The rest of a row that a
- * crash or a power cut left unacknowledged is removed with a `note`.
- * Errors: as above; another robot's, other columns, the other kind of stream. */
+/* Continue a session file; a missing or empty one is created.  An unacknowledged partial row, left
+ * by a crash or a power cut, is removed with a `note`.  Errors: as above; of another robot, other
+ * columns, the other kind of stream. */
 mukca_status mukca_session_resume(mukca_session *session, const char *path,
                                   const mukca_session_head *head, mukca_note_fn *note,
                                   void *note_context, mukca_error *error);
 
-/* Append a row and put it on disk; after a failure the file is as before.  Errors: MUKCA_MEMORY. */
+/* Append a row and sync it; on failure the file is unchanged.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
                                mukca_error *error);
 
-/* Undo the last row: it becomes a comment, and a second comment records that.
- * Errors: MUKCA_INPUT (no row), MUKCA_MEMORY (cannot be written; the row stays). */
+/* Undo the last row: it becomes a comment, followed by a comment that records the undo.  Errors:
+ * MUKCA_INPUT (no row), MUKCA_MEMORY (write failure; the row remains). */
 mukca_status mukca_session_undo(mukca_session *session, const char *placement, const char *socket,
                                 mukca_error *error);
 
-/* Whether `label` may be written to a session: 1 to 63 printable bytes of UTF-8, no separator, no
+/* Whether `label` is valid in a session file: 1 to 63 printable bytes of UTF-8, no separator, no
  * leading #. */
 bool mukca_session_label_ok(const char *label);
 
-/* Harmless on a closed one. */
+/* Harmless on a closed session. */
 void mukca_session_close(mukca_session *session);
 
 #endif

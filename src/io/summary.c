@@ -1,4 +1,4 @@
-/* Summaries of recordings as files. */
+/* Summaries of recordings as files of JSON lines. */
 #include "io/summary.h"
 
 #include <errno.h>
@@ -13,7 +13,8 @@
 
 #define SCHEMA "mukca.summary/1"
 
-/* A log Bayes factor is three characters, from -32768 quanta on, the first one the highest. */
+/* A log Bayes factor is encoded in three characters, most significant first, as a number of quanta
+ * above -32768. */
 static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 enum { WIDTH = 3, ZERO = 32768, TEXT = WIDTH * MUKCA_FLEET_ORDERS };
 
@@ -98,7 +99,7 @@ mukca_status mukca_summary_write(FILE *stream, const mukca_summary *s, mukca_err
 
 /* ---- reading ---- */
 
-/* A line under the reader: what is missing or wrong in it. */
+/* Position in a file, for error messages. */
 typedef struct {
     const char *path;
     int line;
@@ -128,7 +129,7 @@ static bool take_hash(uint64_t *hash, const json_t *value)
     return true;
 }
 
-/* JSON has no infinity, and a sum of these must not become one. */
+/* JSON lacks infinity; the bound also keeps sums of these numbers finite. */
 static bool take_numbers(double *x, const json_t *array, int n)
 {
     const double most = 1e60;
@@ -201,8 +202,8 @@ static mukca_status take_summary(mukca_summary *s, const json_t *root, const pla
     return MUKCA_OK;
 }
 
-/* A line that is no JSON.  A traits table has the means without the information that they rest on:
- * it cannot be pooled again. */
+/* Refuse a line that is not JSON.  A traits table has means without their information matrices and
+ * cannot be pooled again. */
 static mukca_status refuse_line(const char *line, size_t length, const place *at)
 {
     if (strncmp(line, "# mukca ", 8) == 0 && strstr(line, " traits table"))

@@ -1,5 +1,5 @@
-/* Summaries of recordings as files: JSON (mukca.summary/1), one a line, so that files can be
- * joined. */
+/* Summaries of recordings as files: JSON (mukca.summary/1), one per line; files can be
+ * concatenated. */
 #ifndef MUKCA_IO_SUMMARY_H
 #define MUKCA_IO_SUMMARY_H
 
@@ -10,7 +10,7 @@
 /* Write one line.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_summary_write(FILE *stream, const mukca_summary *summary, mukca_error *error);
 
-/* Take in one summary. */
+/* Callback for one summary. */
 typedef mukca_status mukca_summary_fn(void *context, const mukca_summary *summary,
                                       mukca_error *error);
 

@@ -1,4 +1,4 @@
-/* Tables of text, read row by row. */
+/* Text tables, read row by row. */
 #include "io/table.h"
 
 #include <errno.h>
@@ -12,7 +12,7 @@
 #include "base/number.h"
 #include "base/text.h"
 
-enum { LONGEST_LINE = 1 << 20 }; /* bytes; more is another kind of file */
+enum { LONGEST_LINE = 1 << 20 }; /* bytes; a longer line is of another kind of file */
 
 mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
                               const char *format, ...)
@@ -40,7 +40,7 @@ static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
 {
     char *line = t->buffer;
     *more = false;
-    if (!line) return MUKCA_OK; /* not open */
+    if (!line) return MUKCA_OK; /* no file is open */
     errno = 0;
     *more = fgets(line, LONGEST_LINE, t->stream) != NULL;
     if (ferror(t->stream)) return mukca_file_fail(error, t->path);
@@ -75,8 +75,7 @@ static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
     }
 }
 
-/* Semicolons part the cells where no tab does and each cell has at most one comma: a decimal one.
- */
+/* Whether semicolons separate the cells: no tabs, and at most one comma per cell, a decimal one. */
 static bool has_semicolons(const char *line)
 {
     if (!strchr(line, ';') || strchr(line, '\t')) return false;
@@ -87,7 +86,7 @@ static bool has_semicolons(const char *line)
     return true;
 }
 
-/* A number, with a decimal comma where semicolons part the cells. */
+/* Parse a number, with a decimal comma if semicolons separate the cells. */
 static bool parse_number(double *value, const mukca_table *t, const char *cell)
 {
     char copy[64];
@@ -99,7 +98,7 @@ static bool parse_number(double *value, const mukca_table *t, const char *cell)
     return mukca_number_parse(value, copy);
 }
 
-/* The first content line decides on delimiter and width. */
+/* Determine delimiter and width from the first content line. */
 static mukca_status set_shape(mukca_table *t, mukca_error *error)
 {
     const char *line = t->buffer;

@@ -1,9 +1,8 @@
-/* Tables of text: TSV or CSV, `#` comments, with a header or without; read row by row.
+/* Text tables: TSV or CSV, `#` comments, with or without a header; read row by row.
  *
- * Cells may be separated by semicolons; their numbers may then have decimal commas.  Cells are
- * trimmed and freed of surrounding double quotes; blank lines and a byte-order mark are skipped;
- * lines may end in CR LF.  All errors are MUKCA_INPUT and name file, line and column.
- */
+ * Semicolons may separate the cells; numbers may then have decimal commas.  Cells are trimmed and
+ * surrounding double quotes removed; blank lines and a byte-order mark are skipped; lines may end
+ * in CR LF.  All errors are MUKCA_INPUT and state file, line and column. */
 #ifndef MUKCA_IO_TABLE_H
 #define MUKCA_IO_TABLE_H
 
@@ -18,7 +17,7 @@ extern "C" {
 #endif
 
 enum {
-    MUKCA_TABLE_COLUMNS = 4096, /* at most; a session of 16 joints has about 90 */
+    MUKCA_TABLE_COLUMNS = 4096, /* largest width; a session of 16 joints has about 90 */
     MUKCA_TABLE_NAMED = 8       /* columns that mukca_table_read can require */
 };
 
@@ -27,53 +26,53 @@ typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
 typedef struct {
     char path[512];
     FILE *stream;
-    int line;      /* of the current row, 1-based */
+    int line;      /* of the current row, from 1 */
     int row;       /* data rows read so far */
     int n_columns; /* 0 before the first row of a table without header */
     char delimiter;
-    bool cut_off;  /* the file ends without a newline */
-    bool pending;  /* the first row has been read already */
+    bool cut_off;  /* the file does not end in a newline */
+    bool pending;  /* the first row was read by mukca_table_open */
     char **header; /* [n_columns], or NULL */
     char **cell;   /* [n_columns] of the current row */
     char *buffer, *header_buffer;
-    char comments[4096]; /* `#` lines before the header, one a line, as many as fit */
+    char comments[4096]; /* `#` lines before the header, as many as fit */
 } mukca_table;
 
-/* Open `path` (`-` is standard input) and read the header, where the table has one; EITHER: it has
- * none where its first line holds nothing but numbers.  A table with a header may hold no rows. */
+/* Open `path` (`-` is standard input) and read the header.  Kind EITHER: there is no header if the
+ * first line has numbers only.  A table with a header may have no rows. */
 mukca_status mukca_table_open(mukca_table *table, const char *path, mukca_table_kind kind,
                               mukca_error *error);
 
-/* Read one row into table->cell; *more is false at the end of the file.  Rows of another width than
- * the first are errors. */
+/* Read one row into table->cell; *more is false at the end of the file.  Rows must have equal
+ * width. */
 mukca_status mukca_table_next(mukca_table *table, bool *more, mukca_error *error);
 
-void mukca_table_close(mukca_table *table); /* harmless on a zeroed one */
+void mukca_table_close(mukca_table *table); /* harmless on a zeroed table */
 
-/* Index of a column by its name, -1 where there is none. */
+/* Index of a column by its name, -1: none. */
 int mukca_table_find(const mukca_table *table, const char *name);
 
-/* The same, where the column must be there. */
+/* The same for a required column. */
 mukca_status mukca_table_require(int *column, const mukca_table *table, const char *name,
                                  mukca_error *error);
 
-/* A cell as a finite number. */
+/* Parse a cell as a finite number. */
 mukca_status mukca_table_number(double *value, const mukca_table *table, int column,
                                 mukca_error *error);
 
-/* "file:line: column 'name': ..." with status MUKCA_INPUT; column -1: none. */
+/* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none. */
 mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
                               const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* Note the columns with known[i] false: they are ignored. */
+/* Note the columns with known[i] false as ignored. */
 void mukca_table_note_unknown(const mukca_table *table, const bool *known, mukca_note_fn *note,
                               void *context);
 
-/* Take in the current row; column[i] is the index of the i-th required column. */
+/* Callback for one row; column[i] is the index of the i-th required column. */
 typedef mukca_status mukca_table_row_fn(void *context, const mukca_table *table, const int *column,
                                         mukca_error *error);
 
-/* Read the whole table `path`, whose header must have the columns names[n] (at most
+/* Read the whole table `path`.  Its header must have the columns names[n] (at most
  * MUKCA_TABLE_NAMED; names NULL: a table without header). */
 mukca_status mukca_table_read(const char *path, const char *const *names, int n,
                               mukca_table_row_fn *read, void *context, mukca_error *error);

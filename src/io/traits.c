@@ -1,4 +1,4 @@
-/* The traits of a model as a table: provenance in `#` lines, one row per coefficient or order. */
+/* Traits of an arm model as a table: provenance in `#` lines, one row per coefficient or order. */
 #include "io/traits.h"
 
 #include <inttypes.h>
@@ -57,7 +57,7 @@ void mukca_traits_write(FILE *stream, const mukca_traits *t)
     }
 }
 
-/* Value of a `# key: value` line of the table's head; NULL: there is none. */
+/* Value of a `# key: value` line before the header; NULL: none. */
 static const char *head(char value[MUKCA_NAME_SIZE], const mukca_table *table, const char *key)
 {
     const size_t length = strlen(key);
@@ -84,7 +84,7 @@ static bool hash(uint64_t *value, const mukca_table *table, const char *key)
     return !*end;
 }
 
-/* The joints' names come from the chain: its nominal geometry must be that of the fleet. */
+/* Check that the chain has the fleet's nominal geometry; joint names come from the chain. */
 static mukca_status check_model(mukca_traits *t, const mukca_table *table, const mukca_chain *chain,
                                 mukca_error *error)
 {

@@ -1,4 +1,4 @@
-/* The traits of a model as a table (TSV). */
+/* Traits of an arm model as a table (TSV). */
 #ifndef MUKCA_IO_TRAITS_H
 #define MUKCA_IO_TRAITS_H
 

@@ -1,4 +1,5 @@
-// The arm from a URDF: the tree by urdfdom, exact origins from the text.  The one C++ file.
+// The arm's chain from a URDF: the tree by urdfdom, exact origins from the text.  The only C++
+// file.
 #include <console_bridge/console.h>
 #include <urdf_model/joint.h>
 #include <urdf_model/link.h>
@@ -28,12 +29,12 @@
 namespace
 {
 
-// Thrown after the error record has been filled; never leaves this file.
+// Thrown after the error record is filled; never leaves this file.
 struct Failure {
     mukca_status status;
 };
 
-// urdfdom's complaints, kept instead of printed; the first one says most.
+// Collects urdfdom's messages instead of printing them; the first is the most specific.
 class Listener : public console_bridge::OutputHandler
 {
    public:
@@ -48,7 +49,7 @@ class Listener : public console_bridge::OutputHandler
     std::string first;
 };
 
-// urdfdom takes an allocation that fails for a bad number, or leaves an element out.
+// Detects failed allocations, which urdfdom reports as bad numbers or omitted elements.
 class Memory
 {
    public:
@@ -76,7 +77,7 @@ struct Mass {
     double kg, com[3];
 };
 
-// "a, b, c" cut at a length that leaves room for the rest of an error line.
+// "a, b, c", truncated to leave room for the rest of an error message.
 std::string join(const std::vector<std::string> &names)
 {
     std::string text;
@@ -114,7 +115,7 @@ class Loader
     {
         mukca_urdf_text_free(&text_);
         if (!model_) return;
-        /* links in a cycle own each other and would never go */
+        /* links in a cycle own each other and would never be freed */
         for (const auto &entry : model_->links_) entry.second->child_links.clear();
     }
     Loader(const Loader &) = delete;
@@ -191,7 +192,7 @@ class Loader
                      one_line(listener.first));
     }
 
-    // Every link is below the root, by one joint; urdfdom does not check that.
+    // Checks that every link is below the root by one joint; urdfdom does not check this.
     void check_tree()
     {
         std::map<std::string, std::string> parent_joint;
@@ -302,7 +303,7 @@ class Loader
         }
     }
 
-    // A joint's name is the name of a column in recordings, which must be readable.
+    // Joint names are column names of recordings and must be readable.
     void check_column(const std::string &name)
     {
         static const std::set<std::string> taken = {
@@ -355,7 +356,7 @@ class Loader
         chain_->n_elements++;
     }
 
-    // The origin exactly as written: urdfdom keeps a quaternion and loses rpy near +-90 degrees.
+    // The origin as written: urdfdom stores a quaternion and loses rpy near +-90 degrees.
     mukca_frame joint_origin(const std::string &name, double xyz[3], double rpy[3]) const
     {
         mukca_frame frame;
@@ -369,7 +370,7 @@ class Loader
         return frame;
     }
 
-    // The link of a row of --inertials, whose name may lack the prefix of an arm ("panda_").
+    // The link of a row of --inertials, whose name may lack an arm's prefix ("panda_").
     std::string find_link(const char *name)
     {
         std::string found;
@@ -411,7 +412,7 @@ class Loader
         }
     }
 
-    // Sum kg and kg * com of `link` and all that hangs on it but for the joint `next`; T is its
+    // Sum kg and kg * com of `link` and its descendants except beyond the joint `next`; T is its
     // pose in the frame of the element.
     void fold(double *kg, double moment[3], const std::string &link, const mukca_frame &T,
               const std::string &next) const

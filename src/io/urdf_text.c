@@ -1,4 +1,4 @@
-/* A URDF as text: read, hashed, checked and its joints located with libxml2's SAX parser. */
+/* A URDF as text: read, hashed and checked, its joints located with libxml2's SAX parser. */
 #include "io/urdf_text.h"
 
 #include <libxml/parser.h>
@@ -13,17 +13,18 @@
 #include "base/number.h"
 #include "io/xml_memory.h"
 
-/* Far beyond any real robot.  The depth also bounds the stack of urdfdom's recursive parser, which
- * is given the elements written anew: it would find elements in processing instructions. */
+/* Limits far beyond any real robot.  The depth also bounds the stack of urdfdom's recursive parser.
+ * urdfdom is given the elements serialised again, as it would find elements in processing
+ * instructions. */
 enum { DEEPEST = 64, MOST_JOINTS = 4096 };
 
 typedef struct {
     mukca_urdf_text *urdf;
-    size_t length; /* of its text */
+    size_t length; /* of the text */
     xmlParserCtxtPtr parser;
     int depth;
-    mukca_urdf_joint *joint; /* open now, or NULL */
-    FILE *elements;          /* writes urdf->elements */
+    mukca_urdf_joint *joint; /* the open joint element, or NULL */
+    FILE *elements;          /* stream that writes urdf->elements */
     mukca_status status;
     mukca_error *error;
     const char *path;
@@ -35,14 +36,14 @@ static void stop(scan *s, mukca_status status)
     xmlStopParser(s->parser);
 }
 
-/* Bytes of the input consumed so far: at `>` or `/>` of a start tag while its callback runs. */
+/* Bytes of the input consumed so far: during the callback of a start tag, up to its `>` or `/>`. */
 static size_t position(const scan *s)
 {
     const xmlParserInput *input = s->parser->input;
     return input->consumed + (size_t)(input->cur - input->base);
 }
 
-/* Value of an attribute without a namespace, copied into value[size]; false where absent. */
+/* Copy the value of an attribute without namespace to value[size]; false: absent. */
 static bool attribute(char *value, size_t size, const char *name, const xmlChar **attributes, int n)
 {
     value[0] = '\0';
@@ -58,7 +59,7 @@ static bool attribute(char *value, size_t size, const char *name, const xmlChar 
     return false;
 }
 
-/* A zeroed joint; NULL where there are too many. */
+/* Append a zeroed joint; NULL: too many. */
 static mukca_urdf_joint *new_joint(scan *s)
 {
     mukca_urdf_text *urdf = s->urdf;
@@ -79,8 +80,8 @@ static mukca_urdf_joint *new_joint(scan *s)
     return joint;
 }
 
-/* Bytes [start, end) of the start tag that is being parsed; where the parser's count is not that of
- * the text's bytes, urdf->located becomes false. */
+/* Locate the bytes [start, end) of the current start tag; urdf->located becomes false if the
+ * parser's byte count differs from that of the text. */
 static void locate_tag(size_t *start, size_t *end, const scan *s, const char *name)
 {
     const char *text = s->urdf->text;
@@ -96,7 +97,7 @@ static void read_origin(scan *s, const xmlChar **attributes, int n)
 {
     mukca_urdf_joint *joint = s->joint;
     char value[256];
-    if (joint->has_origin) return; /* urdfdom takes the first */
+    if (joint->has_origin) return; /* urdfdom uses the first */
     joint->has_origin = true;
     locate_tag(&joint->origin_start, &joint->origin_stop, s, "origin");
     if (attribute(value, sizeof value, "xyz", attributes, n))
@@ -105,7 +106,7 @@ static void read_origin(scan *s, const xmlChar **attributes, int n)
         joint->bad_origin |= !mukca_number_parse_list(joint->rpy, 3, value);
 }
 
-/* Elements that no URDF for this program has. */
+/* Refuse elements that no URDF for this program has. */
 static void check_element(scan *s, const char *tag, const char *prefix, int depth, int line)
 {
     if (depth == 0 && strcmp(tag, "robot") != 0)
@@ -128,7 +129,8 @@ static void write_name(FILE *out, const xmlChar *prefix, const xmlChar *name)
     fputs((const char *)name, out);
 }
 
-/* Attributes come with references replaced and white space as blanks, as urdfdom needs numbers. */
+/* Write a start tag.  References in attributes are resolved and white space becomes blanks, as
+ * urdfdom requires for numbers. */
 static void write_start(FILE *out, const xmlChar *prefix, const xmlChar *name,
                         const xmlChar **attributes, int n)
 {
@@ -183,7 +185,7 @@ static void end_element(void *context, const xmlChar *name, const xmlChar *prefi
     if (--s->depth == 1) s->joint = NULL;
 }
 
-/* Entities could hide elements and expand without end. */
+/* Refuse document types: entities could hide elements and expand without limit. */
 static void document_type(void *context, const xmlChar *name, const xmlChar *id, const xmlChar *uri)
 {
     (void)name, (void)id, (void)uri;
@@ -218,7 +220,7 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
                       XML_PARSE_NOENT | XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
     urdf->located = true;
     xmlParseDocument(s.parser);
-    const char *encoding = (const char *)s.parser->encoding; /* others are converted on the way */
+    const char *encoding = (const char *)s.parser->encoding; /* others are converted */
     if (encoding && strcasecmp(encoding, "UTF-8") != 0 && strcasecmp(encoding, "US-ASCII") != 0)
         urdf->located = false;
     if (s.status == MUKCA_OK && !s.parser->wellFormed) {
@@ -238,7 +240,7 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
     return s.status;
 }
 
-/* A `${...}` outside comments is a xacro expression that nobody expanded. */
+/* Refuse `${...}` outside comments: an unexpanded xacro expression. */
 static mukca_status check_expressions(const mukca_urdf_text *urdf, const char *path,
                                       mukca_error *error)
 {

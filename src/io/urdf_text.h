@@ -1,4 +1,4 @@
-/* A URDF as text: checked for size, depth and xacro, its joints located byte by byte. */
+/* A URDF as text: checked for size, depth and xacro, its joints located by byte offsets. */
 #ifndef MUKCA_IO_URDF_TEXT_H
 #define MUKCA_IO_URDF_TEXT_H
 
@@ -13,30 +13,30 @@ extern "C" {
 
 /* One <joint> of the robot.  Offsets count bytes from the start of the text. */
 typedef struct {
-    char name[MUKCA_NAME_SIZE]; /* cut at 63 characters */
+    char name[MUKCA_NAME_SIZE]; /* truncated to 63 characters */
     int line;
-    size_t tag_end;                   /* just behind the joint's start tag */
-    size_t origin_start, origin_stop; /* the origin's start tag, `<` to behind `>` */
-    double xyz[3], rpy[3];            /* of the origin, as written; 0 where absent */
+    size_t tag_end;                   /* directly after the joint's start tag */
+    size_t origin_start, origin_stop; /* start tag of the origin, from `<` to after `>` */
+    double xyz[3], rpy[3];            /* of the origin, as written; 0 if absent */
     bool has_origin;
-    bool bad_origin; /* xyz or rpy are not three numbers */
+    bool bad_origin; /* xyz or rpy is not three numbers */
 } mukca_urdf_joint;
 
 typedef struct {
-    char *text;     /* the file's bytes, ended by a zero byte */
-    char *elements; /* its elements and attributes alone, UTF-8: nothing else is there to parse */
+    char *text;     /* the file's bytes, zero-terminated */
+    char *elements; /* its elements and attributes only, UTF-8, as input of urdfdom */
     char sha256[65];
-    bool located; /* byte offsets below can be trusted (not in other encodings than UTF-8) */
+    bool located; /* byte offsets below are valid (false for encodings other than UTF-8) */
     int n_joints;
     mukca_urdf_joint *joints;
 } mukca_urdf_text;
 
-/* Read and check a file.  Errors: MUKCA_INPUT (also: broken XML with its line, nested too deeply,
- * too large, unexpanded xacro, a document type), MUKCA_MEMORY. */
+/* Read and check a file.  Errors: MUKCA_INPUT (also: malformed XML, with its line; nested too
+ * deeply; too large; unexpanded xacro; a document type), MUKCA_MEMORY. */
 mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error);
-void mukca_urdf_text_free(mukca_urdf_text *urdf); /* harmless on a zeroed one */
+void mukca_urdf_text_free(mukca_urdf_text *urdf); /* harmless on zeroed text */
 
-/* The joint of that name, NULL where there is none. */
+/* The joint of that name; NULL: none. */
 const mukca_urdf_joint *mukca_urdf_text_joint(const mukca_urdf_text *urdf, const char *name);
 
 #ifdef __cplusplus

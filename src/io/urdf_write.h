@@ -6,7 +6,7 @@
 
 #include "mukca/chain.h"
 
-/* Print the chain's links and joints; masses and shapes are not part of a chain. */
+/* Print the chain's links and joints; a chain has no masses or shapes to print. */
 void mukca_urdf_write(FILE *stream, const mukca_chain *chain);
 
 #endif

@@ -1,4 +1,4 @@
-/* libxml2's memory, watched: where an allocation fails, it reports another error, or none. */
+/* Detection of failed allocations in libxml2, which reports another error, or none. */
 #include "io/xml_memory.h"
 
 #include <libxml/xmlmemory.h>
