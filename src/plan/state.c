@@ -12,8 +12,8 @@
 static const double prior_socket = 5e-2;
 /* Standard deviation of the distance between two sockets of the printed tool, m: a good printer. */
 static const double distance_sigma = 5e-5;
-/* Prior standard deviation of a cause relative to its stated size: wide, so that the data dominate.
- */
+/* Prior standard deviation of a cause relative to its stated size: wide, so that the data
+ * dominate. */
 static const double prior_cause = 30;
 
 static double size_of(const mukca_effect *effect)

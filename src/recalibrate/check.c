@@ -1,4 +1,4 @@
-/* Checks before a re-calibration, on at most the first 1000 rows. */
+/* Checks of a pose log before re-calibration, on at most its first 1000 rows. */
 #include "recalibrate/check.h"
 
 #include <math.h>
@@ -42,7 +42,7 @@ static void measure(preview *p, mukca_quaternion_order order)
     }
 }
 
-/* Nominal poses of the child link of `element`, angles times `scale`. */
+/* Predict the nominal poses of the child link of `element`, with angles multiplied by `scale`. */
 static void predict(preview *p, int element, double scale)
 {
     p->geometry.n_elements = element + 1;
@@ -70,7 +70,8 @@ static double rotation_median(preview *p)
     return mukca_stats_median(p->work, n);
 }
 
-/* Median difference between the steps from row to row, which no choice of frames changes. */
+/* Median error of the motion between consecutive rows, which is independent of base and tool
+ * frame. */
 static double step_median(preview *p, bool rotations)
 {
     int n = 0;
@@ -86,7 +87,7 @@ static double step_median(preview *p, bool rotations)
     return mukca_stats_median(p->work, n);
 }
 
-/* Length of the way from row to row, m. */
+/* Length of the path through all poses, m. */
 static double path(const mukca_frame *poses, int n)
 {
     double sum = 0;
@@ -124,7 +125,7 @@ static void check_order(mukca_pose_check *check, preview *p, bool frames_known)
     double score[2] = {HUGE_VAL, HUGE_VAL};
     for (int order = 0; order < 2; order++) {
         measure(p, (mukca_quaternion_order)order);
-        for (int k = last; k >= joint; k--) { /* whichever link it is */
+        for (int k = last; k >= joint; k--) { /* try the tip and all links after the last joint */
             predict(p, k, 1);
             score[order] =
                 fmin(score[order], step_median(p, true) + (frames_known ? rotation_median(p) : 0));
@@ -135,7 +136,7 @@ static void check_order(mukca_pose_check *check, preview *p, bool frames_known)
     measure(p, check->order);
 }
 
-/* The poses fit as well as they can when paired with another row's angles. */
+/* Whether most predicted positions match the measured position of another row. */
 static bool shuffled(preview *p, double median)
 {
     double *nearest = p->work;
@@ -161,7 +162,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     for (int k = last; k >= 0; k--) {
         predict(p, k, 1);
         median = position_median(p);
-        /* The tip is preferred where another link is hardly better. */
+        /* prefer the tip unless another link fits much better */
         if (median < (check->position_median == HUGE_VAL ? 1 : 0.5) * check->position_median)
             check->position_median = median, check->position_element = k;
         median = check->rotations ? rotation_median(p) : 0;
@@ -170,7 +171,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     }
     predict(p, check->position_element, 1);
     median = check->rotations ? rotation_median(p) : 0;
-    if (median <= 1.5 * best_turn) /* links that differ by nothing */
+    if (median <= 1.5 * best_turn) /* no link fits the orientations much better */
         best_turn = median, check->rotation_element = check->position_element;
     if (check->position_median > 0.1 && shuffled(p, check->position_median))
         return mukca_fail(error, MUKCA_INPUT,
@@ -188,7 +189,8 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
                           "--tip or record the tip's poses",
                           c->element[check->position_element].child, c->element[joint].name);
     if (check->rotation_element != check->position_element && best_turn < 0.1) {
-        /* Orientations of one link, positions of another: a turned tool that is known. */
+        /* Positions of one link with orientations of another: a known, fixed rotation of the
+         * tool. */
         predict(p, check->rotation_element, 1);
         const mukca_frame of_rotation = p->nominal[0];
         predict(p, check->position_element, 1);
@@ -203,7 +205,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     return MUKCA_OK;
 }
 
-/* First guesses of unknown frames, from the nominal arm: measured = base nominal tool. */
+/* Start values of the unknown frames from the nominal arm: measured = base nominal tool. */
 static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bool free_tool)
 {
     double mean[2][3] = {{0}}, base[9] = {0}, tool[9] = {0};

@@ -6,15 +6,15 @@
 
 typedef struct {
     int rotations;                          /* samples with a quaternion */
-    int position_element, rotation_element; /* whose child link the poses belong to */
-    double position_median;                 /* m: measured to that link, nominal */
+    int position_element, rotation_element; /* elements whose child links the poses belong to */
+    double position_median;                 /* median distance to that link in the nominal arm, m */
     mukca_quaternion_order order;
-    mukca_frame base, tool; /* first guess: of the arm in the poses' frame, of these in the tip */
+    mukca_frame base, tool; /* start values: base in the poses' frame, tool in the tip's */
 } mukca_pose_check;
 
-/* Decide on these.  With the task's free_base or free_tool the frames are unknown (then the last
- * element is taken).  Errors: MUKCA_INPUT with what is wrong (millimetres, degrees, poses of
- * another row, of another link before a joint, a turned frame), MUKCA_MEMORY, and the log's own. */
+/* Determine these from the log.  With the task's free_base or free_tool the frames are unknown and
+ * the last element is assumed.  Errors: MUKCA_INPUT with the defect (millimetres, degrees, poses of
+ * other rows, of a link before a joint, a rotated frame), MUKCA_MEMORY, and those of the log. */
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
                                   mukca_error *error);
 

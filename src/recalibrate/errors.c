@@ -1,4 +1,5 @@
-/* Running mean and deviation (Welford), and a logarithmic histogram for medians. */
+/* Running mean and standard deviation (Welford's algorithm), and a logarithmic histogram for
+ * medians. */
 #include "recalibrate/errors.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Errors of predicted poses, gathered row by row in constant memory. */
+/* Statistics of pose errors, accumulated row by row in constant memory. */
 #ifndef MUKCA_RECALIBRATE_ERRORS_H
 #define MUKCA_RECALIBRATE_ERRORS_H
 
@@ -30,7 +30,7 @@ void mukca_moments_add(mukca_moments *moments, double x);
 /* Standard deviation, 1 / (n - 1); 0 for n < 2. */
 double mukca_moments_std(const mukca_moments *moments);
 
-/* Median to 1 %; 0 where nothing was counted. */
+/* Median within 1 %; 0 for an empty histogram. */
 double mukca_histogram_median(const mukca_histogram *histogram);
 
 #endif

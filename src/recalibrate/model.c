@@ -1,4 +1,4 @@
-/* Kinematics of re-calibration. */
+/* Kinematic model of re-calibration: residuals and derivatives of one pose. */
 #include "recalibrate/model.h"
 
 #include <math.h>
@@ -38,7 +38,8 @@ void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain)
     model->base = model->tool = identity;
 }
 
-/* Axis of an unknown: in its joint's frame, or (base, tool) in that frame; `own` is room for it. */
+/* Axis of an unknown in its joint's frame, or in the frame of base or tool; `own` is storage for
+ * it. */
 static inline const double *local_axis(double own[3], const mukca_geometry *g,
                                        const mukca_unknown *u)
 {
@@ -121,7 +122,7 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
     for (int j = 0; j < g->n_joints; j++)
         q[j] = row->q[j] + model->zero[j] + (model->lag != 0 ? model->lag * row->velocity[j] : 0);
     mukca_fk_frames(look->before, &look->flange, g, q, NULL);
-    if (!is_identity(&model->base)) { /* mostly it is not free */
+    if (!is_identity(&model->base)) { /* skip the common case */
         for (int k = 0; k < g->n_elements; k++)
             mukca_frame_multiply(&look->before[k], &model->base, &look->before[k]);
         mukca_frame_multiply(&look->flange, &model->base, &look->flange);
@@ -139,8 +140,8 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
     mukca_rotation_log(look->rotation, off);
 }
 
-/* Motion of the tip, m per m or rad, and its rotation about its own axes, by a turn about (else a
- * shift along) an axis that is given in frame T. */
+/* Derivative of the tip's position, m per m or rad, and of its rotation about its own axes, by a
+ * rotation about (`turning`) or a translation along an axis given in frame T. */
 static inline void motion(double position[3], double rotation[3], const mukca_pose_look *look,
                           const mukca_frame *T, const double axis[3], bool turning)
 {
@@ -156,7 +157,7 @@ static inline void motion(double position[3], double rotation[3], const mukca_po
     mukca_mat3_tvec(rotation, look->tip.R, world);
 }
 
-/* Motion of the tip by the joints' velocities. */
+/* Derivative of the tip's pose by the lag: its velocity. */
 static void lag_motion(double position[3], double rotation[3], const mukca_pose_look *look)
 {
     const mukca_geometry *g = &look->model->geometry;

@@ -1,4 +1,4 @@
-/* Do the poses contain a calibration, and do a few constants explain it? */
+/* Whether poses contain a calibration, and whether a few constants explain it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +13,7 @@ static double without(double nominal, double left)
 
 void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r)
 {
-    static const double rounding = 1e-6; /* m, rad: of numbers in files */
+    static const double rounding = 1e-6; /* rounding of numbers in files, m and rad */
     const mukca_pose_errors *before = &r->errors[MUKCA_BEFORE],
                             *after = &r->errors[MUKCA_WITH_BOTH];
     *oracle =
@@ -27,7 +27,7 @@ void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r
                          oracle->rotation_systematic > fmax(oracle->rotation_left, rounding);
 }
 
-/* Of a longer log every second, every third ... row is taken: constants are then known to 1/100 of
+/* A longer log is thinned to every second, third ... row: constants are then determined to 1/100 of
  * the noise. */
 enum { MOST_ROWS = 20000 };
 
@@ -35,20 +35,21 @@ enum { MAX_CANDIDATES = MUKCA_MAX_UNKNOWNS + MUKCA_MAX_JOINTS };
 
 /* One constant that may explain the difference: a combination of the system's unknowns. */
 typedef struct {
-    double column[MUKCA_MAX_UNKNOWNS]; /* in Q's frame */
+    double column[MUKCA_MAX_UNKNOWNS]; /* column of R for this candidate */
     mukca_unknown unknown;
-    double direction[3]; /* of a shift, parent's frame */
+    double direction[3]; /* of a shift, in the parent's frame */
     bool along_axis;
 } candidate;
 
 typedef struct {
-    mukca_pose_system system; /* all constants together */
-    mukca_pose_model model;   /* nominal, with the lag and the frames of the full fit */
+    mukca_pose_system system; /* all constants */
+    mukca_pose_model model;   /* nominal, with lag and frames of the full fit */
     int n;
     candidate list[MAX_CANDIDATES];
 } search;
 
-/* Rows at the nominal model, weighted by how well the full fit explains each. */
+/* Accumulate the rows at the nominal model, with Huber weights from the residuals of the full
+ * fit. */
 static mukca_status gather(long *rows, search *s, const mukca_recalibration *r,
                            const mukca_recalibrate_task *task, mukca_error *error)
 {
@@ -71,7 +72,7 @@ static mukca_status gather(long *rows, search *s, const mukca_recalibration *r,
     }
 }
 
-/* Add `direction` over the unknowns u, u + 1, ... (three for a shift, one else). */
+/* Add the candidate `direction` over the unknowns u, u + 1, ... (three for a shift, else one). */
 static void add_candidate(search *s, int u, int width, const double *direction, bool along_axis)
 {
     const int n = s->system.n;
@@ -84,8 +85,8 @@ static void add_candidate(search *s, int u, int width, const double *direction, 
     }
 }
 
-/* Zeros, shifts along the parents' axes, and along the joint's own axis ("d", before the others).
- */
+/* List the candidates: zeros, shifts along the joint's own axis ("d") and along the parent's
+ * axes. */
 static void list_candidates(search *s, const mukca_chain *chain)
 {
     static const double one[1] = {1};
@@ -95,7 +96,7 @@ static void list_candidates(search *s, const mukca_chain *chain)
             add_candidate(s, u, 1, one, false);
             continue;
         }
-        if (unknown->axis != 0) continue; /* all three at the first */
+        if (unknown->axis != 0) continue; /* all three with the first */
         const mukca_element *e = &chain->element[unknown->element];
         double R[9], d[3] = {0, 0, 0};
         if (e->joint >= 0) {
@@ -110,7 +111,8 @@ static void list_candidates(search *s, const mukca_chain *chain)
     }
 }
 
-/* Share of what can be explained that the chosen candidates explain; skip: one to ignore. */
+/* Fraction of the explainable square that the chosen candidates explain, without number `skip` (-1:
+ * with all). */
 static double explained(const search *s, const int *chosen, int count, int skip)
 {
     const int n = s->system.n;
@@ -131,7 +133,7 @@ static double explained(const search *s, const int *chosen, int count, int skip)
         total += b[i] * b[i];
     }
     if (mukca_dense_svd(A, singular, NULL, n, width)) return 0;
-    /* A direction counts where more than 1e-3 of a column is independent of the others. */
+    /* Ignore directions of which less than 1e-3 is independent of the other columns. */
     for (int c = 0; c < width && singular[c] > 1e-3 * singular[0]; c++) {
         double part = 0;
         for (int i = 0; i < n; i++) part += A[i * width + c] * b[i];
@@ -140,11 +142,11 @@ static double explained(const search *s, const int *chosen, int count, int skip)
     return total > 0 ? gained / total : 0;
 }
 
-/* Greedy choice (orthogonal matching pursuit) until all but 2 % is explained, then those out again
- * that are not needed.  Returns the count, 0 where no few do. */
+/* Choose greedily (orthogonal matching pursuit) until all but 2 % is explained, then remove the
+ * superfluous ones.  Returns the count; 0: no few constants suffice. */
 static int choose(int chosen[MUKCA_MAX_CONSTANTS], double *share, search *s)
 {
-    const double enough = 0.98; /* of the square; what is left is 14 % of the difference */
+    const double enough = 0.98; /* of the square: 14 % of the difference remain */
     int count = 0;
     for (*share = 0; *share < enough && count < MUKCA_MAX_CONSTANTS; count++) {
         double best = *share;
@@ -168,7 +170,7 @@ static int choose(int chosen[MUKCA_MAX_CONSTANTS], double *share, search *s)
     return count;
 }
 
-/* Least squares on the chosen ones; the others' part counts as noise. */
+/* Least squares for the chosen candidates; the remainder counts as noise. */
 static void solve_chosen(mukca_constants *out, const int *chosen, const search *s)
 {
     const int n = s->system.n, k = out->n;
@@ -196,7 +198,7 @@ static void solve_chosen(mukca_constants *out, const int *chosen, const search *
     }
 }
 
-/* Errors with the chosen constants alone. */
+/* Compute the errors of the nominal model with the chosen constants alone. */
 static mukca_status measure(mukca_constants *out, const int *chosen, search *s,
                             const mukca_recalibrate_task *task, mukca_error *error)
 {
@@ -225,7 +227,7 @@ mukca_status mukca_recalibrate_constants(mukca_constants *constants, const mukca
     s->system.positions = true;
     s->system.rotations = r->rotations > 0;
     s->system.metres_per_radian = mukca_metres_per_radian(&r->errors[MUKCA_WITH_BOTH]);
-    for (int zeros = 0; zeros < 2; zeros++) /* last: see the blocks in system.h */
+    for (int zeros = 0; zeros < 2; zeros++) /* zeros last: see the blocks in system.h */
         for (int u = 0; u < r->n; u++) {
             const mukca_unknown_kind kind = r->unknown[u].kind;
             const bool length = kind == MUKCA_UNKNOWN_SHIFT || kind == MUKCA_UNKNOWN_TOOL_SHIFT;
@@ -243,7 +245,7 @@ mukca_status mukca_recalibrate_constants(mukca_constants *constants, const mukca
             constants->along_axis[c] = s->list[chosen[c]].along_axis;
         }
         if (constants->n > 0) status = measure(constants, chosen, s, task, error);
-        /* Tilts and frames, which are no candidates, may carry most of the difference. */
+        /* Most of the difference may be due to tilts and frames, which are not candidates. */
         const double left = mukca_histogram_median(&constants->errors.position_histogram);
         if (left > 0.5 * mukca_histogram_median(&r->errors[MUKCA_BEFORE].position_histogram))
             constants->n = 0;

@@ -1,4 +1,4 @@
-/* Pose logs: a dataset as a log, and logs read with velocities. */
+/* Pose logs: a dataset as a log, and a reader that adds velocities. */
 #include "recalibrate/pose_log.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ static mukca_status cursor_next(void *context, mukca_pose_row *row, bool *more, 
     for (int a = 0; a < 4; a++)
         row->quaternion[a] = d->quaternion ? d->quaternion[4 * i + a] : (double)NAN;
     row->time = d->time ? d->time[i] : (double)NAN;
-    /* Sockets are recorded one after the other: no motion leads from one to the next. */
+    /* Sockets are recorded one by one: treat each as a file, as no motion connects them. */
     row->file = d->socket[i] < 0 ? d->file[i] : d->n_files + d->socket[i];
     return MUKCA_OK;
 }
@@ -41,13 +41,13 @@ void mukca_pose_log_from_dataset(mukca_pose_log *log, mukca_pose_cursor *cursor,
     *log = (mukca_pose_log){.next = cursor_next, .rewind = cursor_rewind, .context = cursor};
 }
 
-/* Place in `row` and `state` of the row before (0), now (1), after (2). */
+/* Index in `row` and `state` of the preceding (0), present (1) or following (2) row. */
 static int place(const mukca_pose_reader *r, int i)
 {
     return (r->first + i) % 3;
 }
 
-/* Move the window on by one row. */
+/* Advance the window by one row. */
 static mukca_status advance(mukca_pose_reader *r, mukca_error *error)
 {
     r->first = place(r, 1);
@@ -65,7 +65,7 @@ static mukca_status advance(mukca_pose_reader *r, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Rows of the window at places a and b follow each other closely. */
+/* Whether the rows of the window at indices a and b are consecutive in a motion. */
 static bool adjacent(const mukca_pose_reader *r, int a, int b)
 {
     if (!r->state[a] || r->state[a] != r->state[b] || r->row[a].file != r->row[b].file)

@@ -1,21 +1,21 @@
-/* Re-calibration from measured poses: the passes over the log. */
+/* Re-calibration from measured poses: passes over the log and Gauss-Newton steps. */
 #include "recalibrate/recalibrate.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* An unknown with a larger standard error (m, rad) is not identified: arms are built to 20 mm. */
+/* An unknown with a larger standard error (m, rad) is not identifiable: arms are built to 20 mm. */
 static const double loosest = 0.02;
 
-/* Gauss-Newton converges in 3 or 4 passes from nominal; a lag must exceed 8 standard errors, which
- * correlated rows alone do not reach (a standard error counts them as independent). */
+/* Gauss-Newton converges in 3 or 4 passes from nominal.  The threshold of a lag, in standard
+ * errors, allows for correlated rows, which a standard error treats as independent. */
 enum { MOST_PASSES = 10, LAG_SCORE = 8 };
 
-/* Largest last step, m and rad, of a fit that converged: a hundredth of what trackers measure. */
+/* Largest last step, m and rad, of a converged fit: a hundredth of the accuracy of trackers. */
 static const double converged_step = 1e-6;
 
-/* A lag must lower the median by 5 %, or outliers alone would explain it. */
+/* A lag must reduce the median error by 5 %; outliers alone do not. */
 static const double lag_gain = 0.95;
 
 mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task)
@@ -28,11 +28,11 @@ typedef struct {
     mukca_recalibration *out;
     const mukca_recalibrate_task *task;
     mukca_pose_model model;
-    mukca_pose_system angles, offsets; /* joint: all in `offsets` */
+    mukca_pose_system angles, offsets; /* joint solution: all unknowns in `offsets` */
     mukca_pose_solution solution;
     mukca_pose_errors errors;
-    bool measured;   /* `errors` holds the last pass */
-    bool lag_denied; /* a lag made the median no better */
+    bool measured;   /* `errors` are those of the last pass */
+    bool lag_denied; /* a lag did not reduce the median */
 } session;
 
 static void add_unknown(mukca_pose_system *s, mukca_unknown_kind kind, int element, int axis)
@@ -47,8 +47,9 @@ static void add_three(mukca_pose_system *s, mukca_unknown_kind kind, int element
     for (int axis = 0; axis < 3; axis++) add_unknown(s, kind, element, axis);
 }
 
-/* Angles go to `a`, lengths to `p` (the same system in the joint solution).  A free base takes the
- * place of the first joint's origin and zero; the tip's offset is the last fixed element's. */
+/* Assign angles to `a` and lengths to `p` (the same system in the joint solution).  A free base
+ * replaces the first joint's origin and zero; the tip's offset is that of the last fixed
+ * element. */
 static void choose_unknowns(mukca_pose_system *a, mukca_pose_system *p, const mukca_chain *chain,
                             const mukca_recalibrate_options *o, bool oriented)
 {
@@ -76,7 +77,7 @@ static void choose_unknowns(mukca_pose_system *a, mukca_pose_system *p, const mu
 
 double mukca_pose_huber(double length, double median)
 {
-    const double bend = 1.6 * median; /* 2.5 sigma: the median of three normals' length is 1.54 */
+    const double bend = 1.6 * median; /* 2.5 sigma: the median length of 3 normals is 1.54 */
     return length > bend && bend > 0 ? bend / length : 1;
 }
 
@@ -98,7 +99,7 @@ static void note_range(mukca_recalibration *out, const mukca_pose_row *row, int 
     out->rows++;
 }
 
-/* Read the log once at the present model: errors, and the equations of both systems (NULL: not). */
+/* Read the log once with the present model: errors, and the equations of both systems (or NULL). */
 static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b, mukca_error *error)
 {
     const double position_scale = mukca_histogram_median(&s->errors.position_histogram);
@@ -130,7 +131,7 @@ static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b,
     return status;
 }
 
-/* Solve for all unknowns but the lag (with it where asked), and move the model. */
+/* Solve for all unknowns, the lag only `with_lag`, and update the model. */
 static mukca_status step(double *size, session *s, mukca_pose_system *system, bool with_lag,
                          mukca_error *error)
 {
@@ -147,7 +148,7 @@ static mukca_status step(double *size, session *s, mukca_pose_system *system, bo
     return MUKCA_OK;
 }
 
-/* Keep a system's last solution in the result, values as the model has them. */
+/* Append a system's last solution to the result, with the accumulated values. */
 static void keep(session *s, const mukca_pose_system *system)
 {
     mukca_recalibration *out = s->out;
@@ -177,21 +178,21 @@ static bool lag_shows(session *s, const mukca_pose_system *system)
     return true;
 }
 
-/* What a lag must improve: outliers alone cannot. */
+/* Median error that a lag must reduce; outliers have no effect on it. */
 static double lag_median(const session *s, const mukca_pose_system *system)
 {
     return mukca_histogram_median(system->rotations ? &s->errors.rotation_histogram
                                                     : &s->errors.position_histogram);
 }
 
-/* Repeat pass and step for one system, its lag included, until it converges.  `later` (may be NULL)
- * is filled from the second pass on, which is then made in any case. */
+/* Repeat pass and step for one system, including its lag, until it converges.  `later` (may be
+ * NULL) accumulates equations from the second pass on, and then a second pass is always made. */
 static mukca_status converge(session *s, mukca_pose_system *system, mukca_pose_system *later,
                              mukca_error *error)
 {
     const mukca_recalibrate_options *o = s->task->options;
     const bool repeat = o->iterate || o->robust || (!later && !system->rotations);
-    const int first = later ? 1 : 0; /* pass that may be the last */
+    const int first = later ? 1 : 0; /* first pass that may be the last */
     mukca_pose_model without = s->model;
     double size, median = 0;
     for (int i = 0;; i++) {
@@ -199,7 +200,7 @@ static mukca_status converge(session *s, mukca_pose_system *system, mukca_pose_s
         if (status != MUKCA_OK) return status;
         if (i == 0) s->out->errors[MUKCA_BEFORE] = s->errors;
         if (s->model.lag != 0 && without.lag == 0 && lag_median(s, system) > lag_gain * median) {
-            s->model = without; /* without the lag, and once more */
+            s->model = without; /* repeat without the lag */
             s->lag_denied = true;
             continue;
         }
@@ -222,7 +223,7 @@ static mukca_status two_steps(session *s, mukca_error *error)
     double size = 0;
     mukca_status status = converge(s, &s->angles, &s->offsets, error);
     if (status != MUKCA_OK) return status;
-    /* The last pass measured offsets at angles that have moved by the last step. */
+    /* The offsets' equations are from before the last step of the angles. */
     mukca_pose_system_move_carried(&s->offsets, s->solution.x);
     s->out->errors[MUKCA_WITH_ANGLES] = s->errors;
     s->out->stage[MUKCA_WITH_ANGLES] = s->model;
@@ -238,7 +239,7 @@ static mukca_status two_steps(session *s, mukca_error *error)
     return status;
 }
 
-/* Has the log orientations?  One row is read. */
+/* Whether the log has orientations, by its first row. */
 static mukca_status look_ahead(bool *oriented, session *s, mukca_error *error)
 {
     mukca_pose_reader reader = mukca_recalibrate_reader(s->task);
@@ -249,7 +250,7 @@ static mukca_status look_ahead(bool *oriented, session *s, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Divide the unknowns among the systems; the lag comes last in its own. */
+/* Assign the unknowns to the systems; the lag is the last one of its system. */
 static void set_systems(session *s, bool together, bool oriented)
 {
     mukca_pose_system *angles = &s->angles, *offsets = &s->offsets;
@@ -275,7 +276,7 @@ static void start_model(mukca_pose_model *model, const mukca_chain *chain,
     if (mukca_dot3(options->tool.R, options->tool.R) > 0) model->tool = options->tool;
 }
 
-/* Root of the mean square over the median, 1.126 times as large for lengths of normal vectors. */
+/* Ratio of root mean square to median, relative to that of normal vectors, 1.126. */
 static double tail(const mukca_moments *m, const mukca_histogram *histogram)
 {
     const double median = mukca_histogram_median(histogram);

@@ -1,9 +1,8 @@
 /* Fast re-calibration from measured poses (Kana et al., Sensors 2022, 22, 2295).
  *
- * Step one fits joint zeros to orientations: J_rot(q) dq = (R'R~ - I)^v, stacked; step two fits the
- * links' offsets to positions: dP/dp dp = P~ - P.  Each is one linear regression; rows are reduced
- * as they are read, and logs are read once per pass.
- */
+ * Step one fits joint zeros to orientations: J_rot(q) dq = (R'R~ - I)^v, stacked; step two fits
+ * link offsets to positions: dP/dp dp = P~ - P.  Each is one linear regression whose rows are
+ * reduced while the log is read, once per pass. */
 #ifndef MUKCA_RECALIBRATE_RECALIBRATE_H
 #define MUKCA_RECALIBRATE_RECALIBRATE_H
 
@@ -11,40 +10,41 @@
 #include "recalibrate/system.h"
 
 typedef struct {
-    bool iterate;   /* repeat the linearisation until it converges */
-    bool joint;     /* both steps as one problem; implied where no pose has an orientation */
-    bool robust;    /* Huber weights; implies repetition */
-    bool tilts;     /* fit the tilts of the joints' axes, too */
-    bool free_base; /* the poses' frame is not the arm's base */
-    bool free_tool; /* the measured frame is turned against the tip */
+    bool iterate;   /* repeat the linearisation until convergence */
+    bool joint;     /* both steps as one problem; implied if no pose has an orientation */
+    bool robust;    /* Huber weights; implies iterate */
+    bool tilts;     /* also fit the tilts of the joint axes */
+    bool free_base; /* the arm's base in the poses' frame is unknown */
+    bool free_tool; /* the rotation of the measured frame relative to the tip is unknown */
     mukca_quaternion_order order;
-    mukca_frame base, tool; /* of the poses, to begin with; R all 0: the identity */
-    bool (*stop)(void);     /* true: leave with MUKCA_INTERRUPTED; may be NULL */
+    mukca_frame base, tool; /* of the poses: start values; R all 0: the identity */
+    bool (*stop)(void);     /* true aborts with MUKCA_INTERRUPTED; may be NULL */
 } mukca_recalibrate_options;
 
 enum { MUKCA_BEFORE, MUKCA_WITH_ANGLES, MUKCA_WITH_BOTH, MUKCA_STAGES };
 
 typedef struct {
-    int n; /* unknowns */
+    int n; /* number of unknowns */
     mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
     double value[MUKCA_MAX_UNKNOWNS], sigma[MUKCA_MAX_UNKNOWNS];
     bool identifiable[MUKCA_MAX_UNKNOWNS];
     int rank, n_null;
-    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] not identifiable */
+    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] unidentifiable */
     mukca_pose_model stage[MUKCA_STAGES];
-    mukca_pose_errors errors[MUKCA_STAGES]; /* on the log itself */
-    bool has_angles;                        /* the stage "with angular offsets" exists */
-    long rows, rotations;                   /* poses; of these with an orientation */
+    mukca_pose_errors errors[MUKCA_STAGES]; /* on the log itself, by stage */
+    bool has_angles;                        /* whether the stage "with angular offsets" exists */
+    long rows, rotations;                   /* poses, and those with an orientation */
     double lowest[MUKCA_MAX_JOINTS], highest[MUKCA_MAX_JOINTS]; /* of q */
-    bool lag_found, in_rows;                                    /* lag in rows, not in s */
-    double lag, lag_score;                                      /* score in standard errors */
-    double tail; /* rms over median of what is left, 1 for normal errors; the worse of position and
-                    orientation */
+    bool lag_found, in_rows; /* whether a lag was found; its unit is rows, not s */
+    double lag, lag_score;   /* score: in standard errors */
+    double tail; /* ratio of rms to median of the remaining error, 1 for normal errors; the larger
+                    of position and orientation */
     int passes;
-    bool converged; /* the last of repeated steps was small; one linear step counts, too */
+    bool converged; /* the last of the repeated steps was small, or a single linear step was
+                       requested */
 } mukca_recalibration;
 
-/* What to fit or to test. */
+/* Input of a fit or a test. */
 typedef struct {
     const mukca_chain *chain;
     const mukca_pose_log *logs;
@@ -57,21 +57,21 @@ typedef struct {
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error);
 
-/* Errors of models[n] on the task's logs. */
+/* Compute the errors of models[n] on the task's logs. */
 mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
                                     int n, const mukca_recalibrate_task *task, mukca_error *error);
 
-/* A reader of the task's logs. */
+/* Create a reader of the task's logs. */
 mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task);
 
-/* Huber's weight of a residual of that length, where `median` is that of all. */
+/* Huber's weight of a residual of that length; `median` is the median length. */
 double mukca_pose_huber(double length, double median);
 
-/* Position error over rotation error (medians, 0.01 to 10 m); 0 where one of them vanishes. */
+/* Ratio of position to rotation error (medians), 0.01 to 10 m; 0 if either vanishes. */
 double mukca_metres_per_radian(const mukca_pose_errors *errors);
 
-/* Do the poses contain a calibration?  Only where the part of the error that the fit removes is
- * larger than what is left (medians), in position or in orientation. */
+/* Whether the poses contain a calibration: the part of the error that the fit removes must exceed
+ * the remaining error (medians), in position or in orientation. */
 typedef struct {
     bool calibrated;
     double position_nominal, position_left, position_systematic; /* m */
@@ -79,16 +79,16 @@ typedef struct {
 } mukca_oracle;
 void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *result);
 
-/* A few constants that explain the difference as well as all of them do. */
+/* A few constants that explain the difference as well as all unknowns do. */
 enum { MUKCA_MAX_CONSTANTS = 4 };
 typedef struct {
-    int n;     /* 0: no few do */
-    long rows; /* that determine them; `errors` are of all rows */
+    int n;     /* 0: a few do not suffice */
+    long rows; /* rows used to determine them; `errors` are of all rows */
     mukca_unknown unknown[MUKCA_MAX_CONSTANTS];
     bool along_axis[MUKCA_MAX_CONSTANTS]; /* a SHIFT along the joint's own axis ("d") */
     double value[MUKCA_MAX_CONSTANTS], sigma[MUKCA_MAX_CONSTANTS];
-    double share;             /* of the difference's square that they explain */
-    mukca_pose_errors errors; /* with them alone */
+    double share;             /* fraction of the squared difference that they explain */
+    mukca_pose_errors errors; /* of the model with them alone */
 } mukca_constants;
 mukca_status mukca_recalibrate_constants(mukca_constants *constants,
                                          const mukca_recalibration *result,

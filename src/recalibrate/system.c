@@ -1,4 +1,4 @@
-/* Streaming least squares for re-calibration. */
+/* Least squares for re-calibration, row by row. */
 #include "recalibrate/system.h"
 
 #include <float.h>
@@ -32,7 +32,7 @@ void mukca_pose_system_flush(mukca_pose_system *s)
     for (int kind = 0; kind < 2; kind++) absorb(s, kind);
 }
 
-/* Room for three more rows of positions (0) or rotations (1). */
+/* Allocate three more rows of positions (0) or rotations (1). */
 static double *three_rows(mukca_pose_system *s, int kind)
 {
     if (s->filled[kind] + 3 > MUKCA_SYSTEM_BLOCK) absorb(s, kind);
@@ -40,7 +40,7 @@ static double *three_rows(mukca_pose_system *s, int kind)
     return s->block[kind] + (s->filled[kind] - 3) * width_of(s);
 }
 
-/* Scale three rows and put their right-hand side at the end. */
+/* Set the right-hand side of three rows and apply the weight. */
 static void finish_rows(mukca_pose_system *s, double *rows, const double *residual, double weight)
 {
     const int width = width_of(s);
@@ -73,14 +73,14 @@ void mukca_pose_system_move_carried(mukca_pose_system *s, const double *steps)
             s->R[i * width + width - 1] -= s->R[i * width + s->n + c] * steps[c];
 }
 
-/* Prior sizes of a tool's unknowns over those of an arm's: what the rows leave to both goes to the
- * tool, as calibrate, which does not regularise the tool, has it.  1e3 leaves 1e-6 of it to the
- * arm. */
+/* Ratio of prior sizes, tool to arm.  Combinations of both that the data do not determine are
+ * assigned to the tool, in agreement with calibrate, which does not regularise the tool.  A ratio
+ * of 1e3 assigns 1e-6 of them to the arm. */
 static const double tool_freedom = 1e3;
 
-/* Replace the solutions v[n] in the first `rank` columns of V[n][n] by those that are as good, with
- * the least norm in units of the prior sizes: null directions N, the other columns, are added to v,
- * v + N c with (N' W N) c = -N' W v. */
+/* Replace the solutions v[n] in the first `rank` columns of V[n][n] by the equivalent ones of least
+ * norm in units of the prior sizes: v + N c with the null directions N, the other columns, and (N'
+ * W N) c = -N' W v. */
 static void prefer_tool(double *V, const mukca_pose_system *s, int n, int rank)
 {
     double A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], w[MUKCA_MAX_UNKNOWNS];
@@ -116,7 +116,7 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
     double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
     mukca_pose_system_flush(s);
     memset(out, 0, sizeof *out);
-    double left = s->rss[s->carried]; /* what the unknowns from n on would have explained stays */
+    double left = s->rss[s->carried]; /* includes the square explained by the unknowns from n on */
     for (int i = n; i < s->n; i++)
         left += s->R[i * width + width - 1] * s->R[i * width + width - 1];
     for (int i = 0; i < n; i++) {
