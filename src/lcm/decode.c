@@ -11,9 +11,9 @@ typedef struct {
     const signed char (*role)[MUKCA_LCM_MAX_DEPTH + 1];
     int guiding_mode;
     mukca_lcm_joints *out;
-    int count[MUKCA_LCM_ROLES]; /* values stored so far */
+    int count[MUKCA_LCM_ROLES]; /* values stored per role */
     mukca_lcm_wire wire;
-    size_t steps; /* fields that may still be visited: time stays linear in the size */
+    size_t steps; /* remaining fields that may be visited: bounds the time to linear in the size */
     mukca_error *error;
 } decoder;
 
@@ -55,7 +55,7 @@ static mukca_status fail(const decoder *d, const mukca_lcm_field *field, const c
     return mukca_fail(d->error, MUKCA_INPUT, "malformed message: %s %s", field->name, what);
 }
 
-/* Keep a value for each role of the mask. */
+/* Store a value for each role of the mask. */
 static mukca_status keep(decoder *d, const mukca_lcm_field *field, unsigned mask,
                          const unsigned char *at)
 {
@@ -81,7 +81,7 @@ static mukca_status keep(decoder *d, const mukca_lcm_field *field, unsigned mask
     return MUKCA_OK;
 }
 
-/* Number of elements of a field; `value` are the integers read so far in this struct. */
+/* Number of elements of a field; `value` has the integers of this struct read so far. */
 static mukca_status count_elements(const decoder *d, const mukca_lcm_field *field,
                                    const int64_t *value, size_t *count)
 {
@@ -89,7 +89,7 @@ static mukca_status count_elements(const decoder *d, const mukca_lcm_field *fiel
     for (int i = 0; i < field->n_dimensions; i++) {
         const mukca_lcm_dimension *dimension = &field->dimension[i];
         int64_t n = dimension->field < 0 ? dimension->count : value[dimension->field];
-        /* each element that is kept takes a byte at least */
+        /* each element that is stored occupies at least a byte */
         if (n < 0 || (uint64_t)n > d->wire.left || (n && *count > d->wire.left / (uint64_t)n))
             return fail(d, field, "has a count that does not fit the message");
         *count *= (size_t)n;
@@ -97,7 +97,7 @@ static mukca_status count_elements(const decoder *d, const mukca_lcm_field *fiel
     return MUKCA_OK;
 }
 
-/* One struct; bit r of `mask` is set while the path of role r leads here. */
+/* Decode one struct; bit r of `mask` is set while the path of role r leads here. */
 static mukca_status decode_struct(decoder *d, int t, int depth, unsigned mask)
 {
     const mukca_lcm_type *type = &d->types->type[t];

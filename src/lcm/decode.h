@@ -4,20 +4,20 @@
 
 #include "lcm/type.h"
 
-/* One message of joint states, decoded. */
+/* Decoded joint states of one message. */
 typedef struct {
-    int64_t time; /* us, the sender's; 0 where the type has none */
-    bool guided;  /* a person moves the arm by hand now */
-    int n;        /* joints */
+    int64_t time; /* us, by the sender's clock; 0: the type has no time */
+    bool guided;  /* a person is guiding the arm by hand */
+    int n;        /* number of joints */
     bool has[MUKCA_LCM_ROLES];
-    const char *name[MUKCA_LCM_MAX_JOINTS]; /* into the message */
+    const char *name[MUKCA_LCM_MAX_JOINTS]; /* points into the message */
     /* rad, rad/s, N m, rad; by role */
     double value[MUKCA_LCM_ROLES][MUKCA_LCM_MAX_JOINTS];
 } mukca_lcm_joints;
 
-/* Decode a message of type `type` from data[size].  Reads nothing outside, takes time linear in
- * `size`, and allocates nothing.  Errors: MUKCA_INPUT (short, left-over bytes, counts that do not
- * fit or exceed 64 joints, unequal lengths, positions that are no numbers). */
+/* Decode a message of type `type` from data[size].  Reads within data only, in time linear in
+ * `size`, without allocation.  Errors: MUKCA_INPUT (truncated, excess bytes, counts that exceed the
+ * message or 64 joints, unequal lengths, positions that are not finite). */
 mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_types *types,
                                      int type, const void *data, size_t size, mukca_error *error);
 

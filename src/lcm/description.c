@@ -1,4 +1,4 @@
-/* Reader of .lcm type descriptions: package, struct, const, comments; as lcm-gen accepts them. */
+/* Parser of .lcm type descriptions: package, struct, const, comments; as lcm-gen accepts them. */
 #include "lcm/description.h"
 
 #include <ctype.h>
@@ -10,10 +10,10 @@
 
 enum { TOKEN_SIZE = 96 };
 
-/* After a failure the token is empty and nothing more is read. */
+/* State of the parser.  After an error the token is empty and nothing more is read. */
 typedef struct {
     const char *text, *at, *end, *file;
-    const char *token_at;   /* where the token begins */
+    const char *token_at;   /* start of the token */
     char token[TOKEN_SIZE]; /* empty: end of the text */
     char package[MUKCA_LCM_NAME_SIZE];
     mukca_lcm_types *types;
@@ -62,7 +62,7 @@ static bool is_word(char c)
     return isalnum((unsigned char)c) || c == '_' || c == '.' || c == '-' || c == '+';
 }
 
-/* Next token: a word (name, number) or one other character. */
+/* Read the next token: a word (name, number) or one other character. */
 static void next(reader *r)
 {
     skip_blank(r);
@@ -82,7 +82,7 @@ static bool is(const reader *r, const char *text)
     return strcmp(r->token, text) == 0;
 }
 
-/* Skip the token where it is `text`. */
+/* Consume the token if it equals `text`. */
 static bool take(reader *r, const char *text)
 {
     if (!is(r, text)) return false;
@@ -97,7 +97,7 @@ static void expect(reader *r, const char *text)
     if (!take(r, text)) fail(r, what);
 }
 
-/* Copy the token, which must be a name (with dots where `dots`), and go on. */
+/* Copy and consume the token, which must be a name (dots are allowed with `dots`). */
 static void take_name(reader *r, char *name, size_t size, bool dots)
 {
     bool good = isalpha((unsigned char)r->token[0]) || r->token[0] == '_';
@@ -111,7 +111,7 @@ static void take_name(reader *r, char *name, size_t size, bool dots)
     next(r);
 }
 
-/* "package.name" */
+/* Form "package.name". */
 static void qualify(reader *r, char whole[MUKCA_LCM_NAME_SIZE], const char *name)
 {
     const char *package = r->package;
@@ -119,7 +119,7 @@ static void qualify(reader *r, char whole[MUKCA_LCM_NAME_SIZE], const char *name
     if (n >= MUKCA_LCM_NAME_SIZE) fail(r, "type name too long before this");
 }
 
-/* "[ size ]" of a field; `type` holds the fields before it. */
+/* Parse "[ size ]" of a field; `type` has the fields before it. */
 static void parse_dimension(reader *r, mukca_lcm_field *field, const mukca_lcm_type *type)
 {
     const mukca_lcm_field *before = &r->types->field[type->first_field];
@@ -146,7 +146,7 @@ static void parse_dimension(reader *r, mukca_lcm_field *field, const mukca_lcm_t
     expect(r, "]");
 }
 
-/* "name[..]", a field like `form`. */
+/* Parse "name[..]", a field with the type of `form`. */
 static void parse_field(reader *r, mukca_lcm_type *type, const mukca_lcm_field *form)
 {
     mukca_lcm_types *types = r->types;
@@ -165,7 +165,7 @@ static void parse_field(reader *r, mukca_lcm_type *type, const mukca_lcm_field *
     type->n_fields++;
 }
 
-/* "type name[..], name ... ;" */
+/* Parse "type name[..], name ... ;". */
 static void parse_members(reader *r, mukca_lcm_type *type)
 {
     mukca_lcm_field form = {.primitive = 0};
@@ -200,7 +200,7 @@ static void parse_struct(reader *r)
     qualify(r, type->name, name);
     expect(r, "{");
     while (r->status == MUKCA_OK && !take(r, "}")) {
-        if (is(r, "const")) { /* no part of the message */
+        if (is(r, "const")) { /* constants are not part of the message */
             while (r->token[0] && !is(r, ";")) next(r);
             expect(r, ";");
         } else if (is(r, "enum") || is(r, "struct")) {

@@ -1,4 +1,4 @@
-/* Where LCM messages come from and go to: one interface to networks and logs. */
+/* Transport of LCM messages: one interface to networks and logs. */
 #include "lcm/link.h"
 
 #include <errno.h>
@@ -9,7 +9,7 @@
 #include "base/clock.h"
 #include "lcm/log.h"
 
-enum { MAX_CHANNELS = 8, BURST = 256 /* events of a log at a time */ };
+enum { MAX_CHANNELS = 8, BURST = 256 /* events of a log per call */ };
 
 struct mukca_lcm_link {
     mukca_lcm_receiver *network; /* NULL: a log is replayed */
@@ -19,14 +19,14 @@ struct mukca_lcm_link {
     mukca_lcm_packet_fn *receive;
     void *context;
     mukca_lcm_log log;     /* replayed */
-    mukca_lcm_event event; /* of the log, not handed over yet */
+    mukca_lcm_event event; /* of the log, read but not delivered */
     bool pending, started;
-    double speed;              /* of the replay, 0: no waiting */
-    int64_t clock;             /* time of the last event handed over, us */
-    int64_t first, first_wall; /* time of the log's first event, and when it was replayed */
+    double speed;              /* of the replay; 0: as fast as possible */
+    int64_t clock;             /* time of the last event delivered, us */
+    int64_t first, first_wall; /* time of the log's first event, and of its replay */
     mukca_lcm_log record;
-    int64_t flushed;    /* us */
-    mukca_error failed; /* why the record ended */
+    int64_t flushed;    /* us, last flush of the record */
+    mukca_error failed; /* why the record was closed */
     mukca_note_fn *note;
     void *note_context;
 };
@@ -91,14 +91,14 @@ static bool is_named(const mukca_lcm_link *link, const char *channel)
     return false;
 }
 
-/* Named channels are recorded, others are not. */
+/* Deliver a message; named channels are recorded, others are not. */
 static void deliver(mukca_lcm_link *link, const mukca_lcm_packet *packet, bool named)
 {
     if (named) record(link, packet);
     link->receive(link->context, packet);
 }
 
-/* Of a network.  A message of a named channel comes by both subscriptions. */
+/* Handler of network messages.  Those of a named channel may arrive by both subscriptions. */
 static void on_packet(void *context, const mukca_lcm_packet *packet, bool all)
 {
     mukca_lcm_link *link = context;
@@ -192,7 +192,7 @@ void mukca_lcm_link_unlisten_all(mukca_lcm_link *link)
 
 /* ---- wait ---- */
 
-/* Wait for `other` alone. */
+/* Wait for `other` only. */
 static void wait_other(int other, bool *readable, int timeout_ms)
 {
     struct pollfd p = {.fd = other, .events = POLLIN};

@@ -1,5 +1,5 @@
-/* LCM event logs.  An event is, big-endian: sync word, event number, time in us, length of the
- * channel, length of the data (28 bytes), then channel and data. */
+/* LCM event logs.  Format of an event, big-endian: sync word, event number, time in us, length of
+ * the channel, length of the data (28 bytes), then channel and data. */
 #include "lcm/log.h"
 
 #include <errno.h>
@@ -13,7 +13,7 @@
 
 enum {
     HEADER = 28,
-    MAX_DATA = 1 << 26 /* longer ones cannot be ours */
+    MAX_DATA = 1 << 26 /* larger events cannot be joint states or mukca's own */
 };
 static const unsigned char sync_word[4] = {0xED, 0xA1, 0xDA, 0x01};
 
@@ -71,7 +71,7 @@ bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
         bool event_here = memcmp(head, sync_word, 4) == 0 && n_channel > 0 &&
                           n_channel < sizeof event->channel && (int64_t)n_data <= left &&
                           (int64_t)n_channel <= left - (int64_t)n_data;
-        if (!event_here) { /* on to the next byte that may begin a sync word */
+        if (!event_here) { /* advance to the next byte that may start a sync word */
             unsigned char *at = memchr(head + 1, sync_word[0], sizeof head - 1);
             size_t skip = at ? (size_t)(at - head) : sizeof head;
             have -= skip;
@@ -135,7 +135,7 @@ mukca_status mukca_lcm_log_flush(mukca_lcm_log *log, mukca_error *error)
 mukca_status mukca_lcm_log_finish(mukca_lcm_log *log, mukca_error *error)
 {
     mukca_status status = mukca_lcm_log_flush(log, error);
-    if (status == MUKCA_OK && fsync(fileno(log->file)) && errno != EINVAL) /* a pipe */
+    if (status == MUKCA_OK && fsync(fileno(log->file)) && errno != EINVAL) /* pipes have no fsync */
         status = write_error(log, error);
     mukca_lcm_log_close(log);
     return status;

@@ -1,4 +1,4 @@
-/* LCM event logs (as lcm-logger writes them), read and written with capped lengths. */
+/* LCM event logs (the format of lcm-logger), read and written with bounded lengths. */
 #ifndef MUKCA_LCM_LOG_H
 #define MUKCA_LCM_LOG_H
 
@@ -10,7 +10,7 @@
 #include "mukca/status.h"
 
 typedef struct {
-    int64_t time; /* us since 1970, when it was logged */
+    int64_t time; /* us since 1970, time of logging */
     char channel[64];
     const void *data; /* valid until the next read */
     size_t size;
@@ -20,31 +20,33 @@ typedef struct {
 typedef struct {
     FILE *file;
     char path[1024];
-    int64_t length;  /* of the file, bytes; reading */
-    int64_t number;  /* of the next event; writing */
-    int64_t skipped; /* bytes that were no event, or too long for one; reading */
-    bool exhausted;  /* out of memory for an event */
+    int64_t length;  /* reading: bytes of the file */
+    int64_t number;  /* writing: number of the next event */
+    int64_t skipped; /* reading: bytes outside events, or of events that are too long */
+    bool exhausted;  /* memory for an event was exhausted */
     unsigned char *data;
     size_t capacity;
 } mukca_lcm_log;
 
-/* Errors: MUKCA_INPUT (cannot be opened; is no log; exists, when writing without `force`). */
+/* Open a log.  Errors: MUKCA_INPUT (cannot be opened; not a log; create: exists, without
+ * `force`). */
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error);
 mukca_status mukca_lcm_log_create(mukca_lcm_log *log, const char *path, bool force,
                                   mukca_error *error);
 
-/* Next event; false at the end.  Skips to the next sync word where the file is damaged. */
+/* Read the next event; false at the end.  Skips damaged parts up to the next sync word. */
 bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event);
 
-/* Errors: MUKCA_MEMORY (disk full and the like).  Buffered: see mukca_lcm_log_flush. */
+/* Append an event, buffered (see mukca_lcm_log_flush).  Errors: MUKCA_MEMORY (disk full and the
+ * like). */
 mukca_status mukca_lcm_log_write(mukca_lcm_log *log, const char *channel, int64_t time,
                                  const void *data, size_t size, mukca_error *error);
 mukca_status mukca_lcm_log_flush(mukca_lcm_log *log, mukca_error *error);
 
-/* Put all of it on disk and close it.  Errors: MUKCA_MEMORY. */
+/* Sync the file and close it.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_lcm_log_finish(mukca_lcm_log *log, mukca_error *error);
 
-/* Harmless on a closed one. */
+/* Harmless on a closed log. */
 void mukca_lcm_log_close(mukca_lcm_log *log);
 
 #endif

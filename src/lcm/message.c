@@ -1,4 +1,4 @@
-/* LCM messages of mukca itself: one table of fields per type drives both directions. */
+/* mukca's own LCM messages: one table of fields per type drives encoding and decoding. */
 #include "lcm/message.h"
 
 #include <stdio.h>
@@ -8,15 +8,15 @@
 #include "lcm/wire.h"
 
 typedef enum { INT64, INT32, REAL, FLAG, TEXT, COUNT } field_kind;
-static const size_t wire_size[] = {8, 4, 8, 1, 4, 4}; /* of a text: of its length */
+static const size_t wire_size[] = {8, 4, 8, 1, 4, 4}; /* of a text: size of its length */
 static const size_t member_size[] = {sizeof(int64_t), sizeof(int),    sizeof(double),
                                      sizeof(bool),    sizeof(char *), sizeof(int)};
 
-enum { N = -1 }; /* as many as the COUNT before it */
+enum { N = -1 }; /* number of elements from the preceding COUNT */
 
 typedef struct {
     field_kind kind;
-    int count; /* of elements, or N; of a COUNT: its largest value */
+    int count; /* elements, or N; for a COUNT its largest value */
     size_t offset;
 } field;
 
@@ -99,7 +99,7 @@ const char *mukca_message_identify(const void *data, size_t size)
     return NULL;
 }
 
-/* Number of elements of a field after the count `n`; -1 for a COUNT out of range. */
+/* Number of elements of a field after the count `n`; -1: a COUNT out of range. */
 static int elements(const field *f, const void *member, int *n)
 {
     if (f->kind == COUNT) {
@@ -113,7 +113,7 @@ static int elements(const field *f, const void *member, int *n)
 
 typedef struct {
     unsigned char *at;
-    size_t size, used; /* used may exceed size: then nothing is written */
+    size_t size, used; /* nothing is written once `used` exceeds `size` */
 } writer;
 
 static void put(writer *w, const void *bytes, uint64_t number, size_t n)
@@ -175,7 +175,7 @@ size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind, 
 
 /* ---- decode ---- */
 
-/* Whether no character of a text controls a terminal. */
+/* Whether a text has no characters that control a terminal. */
 static bool is_printable(const char *text)
 {
     for (const char *c = text; *c; c++)

@@ -1,4 +1,4 @@
-/* LCM messages of mukca itself (package mukca, data/lcm): as C structs, to the wire and back. */
+/* mukca's own LCM messages (package mukca, data/lcm): C structs, encoding and decoding. */
 #ifndef MUKCA_LCM_MESSAGE_H
 #define MUKCA_LCM_MESSAGE_H
 
@@ -27,10 +27,10 @@ typedef enum {
 
 enum {
     MUKCA_MESSAGE_ARGUMENTS = 8,
-    MUKCA_MESSAGE_ROWS = 512 /* of an offsets table */
+    MUKCA_MESSAGE_ROWS = 512 /* largest number of rows of an offsets table */
 };
 
-/* data/lcm describes each field.  Texts are NUL-terminated and belong to the sender, or point
+/* data/lcm describes each field.  Texts are NUL-terminated; the sender owns them, or they point
  * into the received message.  NULL is sent as "". */
 typedef struct {
     int64_t utime, id;
@@ -87,19 +87,19 @@ typedef struct {
     double position[3], quaternion[4];
 } mukca_message_pose;
 
-/* Channel of a message: PREFIX_TRIGGER and so on; `prefix` NULL is MUKCA. */
+/* Channel of a message: PREFIX_TRIGGER and so on; `prefix` NULL means MUKCA. */
 void mukca_message_channel(char channel[64], mukca_message_kind kind, const char *prefix);
 
-/* Name of the type of data[size], "mukca.status" for one; NULL for a foreign message. */
+/* Type name of data[size], for instance "mukca.status"; NULL: not a mukca message. */
 const char *mukca_message_identify(const void *data, size_t size);
 
-/* Encode `message` (the struct of `kind`) to buffer[size].  Returns the bytes it takes, which may
- * exceed `size` (then only the count is right); 0 where a count in it is out of range.  Allocates
- * nothing.  `buffer` may be NULL with size 0. */
+/* Encode `message` (the struct of `kind`) to buffer[size].  Returns the bytes required, which may
+ * exceed `size` (the buffer is then incomplete); 0: a count is out of range.  Does not allocate.
+ * `buffer` may be NULL with size 0. */
 size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind,
                             const void *message);
 
-/* Decode data[size] into the struct of `kind`; a signature behind a request (lcm/signature.h) is
+/* Decode data[size] into the struct of `kind`; the signature after a request (lcm/signature.h) is
  * not checked.  Errors: MUKCA_INPUT (another type, malformed). */
 mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const void *data,
                                   size_t size, mukca_error *error);

@@ -1,5 +1,5 @@
-/* Reading a multicast group.  A thread empties the socket into a bounded queue, so that a wait for
- * the disk loses no joint states and a flood costs no memory. */
+/* Receiver of a multicast group.  A thread empties the socket into a bounded queue: joint states
+ * are not lost during disk waits, and a flood does not consume memory. */
 #include "lcm/multicast.h"
 
 #include <arpa/inet.h>
@@ -20,32 +20,32 @@
 #include "base/clock.h"
 #include "lcm/queue.h"
 
-enum { DATAGRAM = 65536 /* bytes: above the largest of UDP */, MAX_LOCAL = 64 };
+enum { DATAGRAM = 65536 /* bytes: exceeds UDP's maximum */, MAX_LOCAL = 64 };
 
 struct mukca_lcm_multicast {
     mukca_lcm_multicast_options options;
     int socket;
-    int stop[2], ready[2]; /* pipes: end of the thread; a byte while a message waits */
+    int stop[2], ready[2]; /* pipes: termination of the thread; readable while a message waits */
     bool running;
     pthread_t thread;
-    /* of the thread alone */
+    /* private to the thread */
     mukca_lcm_reassembly reassembly;
     uint32_t local[MAX_LOCAL]; /* addresses of this machine */
     int n_local;
-    int64_t local_read; /* us, when */
+    int64_t local_read; /* us, time of reading them */
     unsigned char datagram[DATAGRAM];
-    /* shared */
+    /* shared, under `lock` */
     pthread_mutex_t lock;
     mukca_lcm_queue queue;
     bool all;
     int n_named;
     char named[MUKCA_LCM_MAX_NAMED][MUKCA_LCM_CHANNEL_SIZE];
     int64_t malformed[MUKCA_LCM_DROPS], foreign;
-    uint32_t stranger; /* the last foreign sender */
+    uint32_t stranger; /* address of the last foreign sender */
     int64_t reported[MUKCA_LCM_DROPS + 2];
 };
 
-/* ---- who may send ---- */
+/* ---- accepted senders ---- */
 
 static void read_local(mukca_lcm_multicast *m, int64_t now)
 {
@@ -69,16 +69,17 @@ static bool contains(const uint32_t *list, int n, uint32_t address)
     return false;
 }
 
-/* The kernel drops datagrams from outside that bear an address of this machine. */
+/* Whether a sender is accepted.  The kernel drops datagrams from outside with an address of this
+ * machine. */
 static bool may_send(mukca_lcm_multicast *m, uint32_t address, int64_t now)
 {
     const mukca_lcm_multicast_options *o = &m->options;
     if (o->n_from) return contains(o->from, o->n_from, address);
     if (o->interface) return true;
-    /* 0: a sender whose interface has no address; the kernel drops it when it comes from outside */
+    /* 0: a sender whose interface has no address; from outside, the kernel drops it */
     if (!address || address >> 24 == IN_LOOPBACKNET || contains(m->local, m->n_local, address))
         return true;
-    /* the machine may have got a new address */
+    /* addresses of the machine may have changed */
     if (now - m->local_read < 1000000 && now >= m->local_read) return false;
     read_local(m, now);
     return contains(m->local, m->n_local, address);
@@ -113,7 +114,7 @@ static void take(mukca_lcm_multicast *m, size_t size, const struct sockaddr_in *
     bool first = m->queue.n == 0;
     if (whole && (m->all || is_named(m, packet.channel)) &&
         mukca_lcm_queue_push(&m->queue, &packet) && first && write(m->ready[1], "", 1) < 0) {
-        /* cannot be: the pipe holds one byte at most */
+        /* impossible: the pipe holds at most one byte */
     }
     pthread_mutex_unlock(&m->lock);
 }
@@ -126,7 +127,7 @@ static void *run(void *multicast)
     for (;;) {
         if (poll(p, 2, -1) < 0 && errno != EINTR) break;
         if (p[1].revents) break;
-        for (int i = 0; i < 256; i++) { /* then look at `stop` again */
+        for (int i = 0; i < 256; i++) { /* before polling `stop` again */
             struct sockaddr_in from = {.sin_family = AF_INET};
             socklen_t length = sizeof from;
             ssize_t n = recvfrom(m->socket, m->datagram, sizeof m->datagram, MSG_DONTWAIT,
@@ -147,7 +148,7 @@ static bool join(const mukca_lcm_multicast *m, uint32_t interface)
     return setsockopt(m->socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) == 0;
 }
 
-/* Bound to the group's address, the socket hears no unicast. */
+/* Open the socket.  Bound to the group's address, it receives no unicast. */
 static bool open_socket(mukca_lcm_multicast *m)
 {
     const mukca_lcm_multicast_options *o = &m->options;
@@ -158,7 +159,8 @@ static bool open_socket(mukca_lcm_multicast *m)
     if (m->socket < 0) return false;
     if (setsockopt(m->socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on)) return false;
     (void)setsockopt(m->socket, SOL_SOCKET, SO_RCVBUF, &o->buffer, sizeof o->buffer);
-#ifdef IP_MULTICAST_ALL /* hear this socket's interfaces only, not those of other programs */
+#ifdef IP_MULTICAST_ALL /* receive from this socket's interfaces only, not from those that other \
+                           programs joined */
     if (setsockopt(m->socket, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off)) return false;
 #endif
     if (bind(m->socket, (const struct sockaddr *)&address, sizeof address)) return false;
@@ -181,7 +183,7 @@ static bool open_pipe(int ends[2])
     return true;
 }
 
-/* Signals are the business of the program's own thread. */
+/* Start the thread with all signals blocked; the main thread handles them. */
 static bool start_thread(mukca_lcm_multicast *m)
 {
     sigset_t all, before;
@@ -278,7 +280,7 @@ void mukca_lcm_multicast_pop(mukca_lcm_multicast *m)
     pthread_mutex_lock(&m->lock);
     mukca_lcm_queue_pop(&m->queue);
     if (m->queue.n == 0 && read(m->ready[0], &byte, 1) < 0) {
-        /* cannot be: a byte is there while a message waits */
+        /* impossible: a byte is in the pipe while messages wait */
     }
     pthread_mutex_unlock(&m->lock);
 }

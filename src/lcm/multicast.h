@@ -1,4 +1,4 @@
-/* The receiving end of an LCM network: a UDP multicast group, read by a thread of its own. */
+/* Receiver of an LCM network: a UDP multicast group, read by a separate thread. */
 #ifndef MUKCA_LCM_MULTICAST_H
 #define MUKCA_LCM_MULTICAST_H
 
@@ -7,13 +7,13 @@
 
 enum { MUKCA_LCM_MAX_NAMED = 8, MUKCA_LCM_MAX_FROM = 16 };
 
-/* IPv4 addresses as numbers, the first byte highest. */
+/* IPv4 addresses in host byte order. */
 typedef struct {
-    uint32_t group, interface; /* interface 0: the multicast route's, and this machine's senders */
+    uint32_t group, interface; /* interface 0: that of the multicast route, local senders only */
     uint16_t port;
-    int buffer; /* of the socket, bytes */
+    int buffer; /* of the socket's receive buffer, bytes */
     int n_from;
-    uint32_t from[MUKCA_LCM_MAX_FROM]; /* senders to accept; none: see `interface` */
+    uint32_t from[MUKCA_LCM_MAX_FROM]; /* accepted senders; none: see `interface` */
 } mukca_lcm_multicast_options;
 
 typedef struct mukca_lcm_multicast mukca_lcm_multicast;
@@ -23,20 +23,21 @@ mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **multicast,
                                       const mukca_lcm_multicast_options *options,
                                       mukca_error *error);
 
-/* Receive a channel, taken literally; NULL is all channels.  Errors: MUKCA_USAGE (too many). */
+/* Subscribe to a channel by its literal name; NULL: all channels.  Errors: MUKCA_USAGE (too
+ * many). */
 mukca_status mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel,
                                         mukca_error *error);
 void mukca_lcm_multicast_unlisten_all(mukca_lcm_multicast *m);
 
-/* Readable while a message waits, for poll(2). */
+/* Descriptor for poll(2), readable while a message waits. */
 int mukca_lcm_multicast_descriptor(const mukca_lcm_multicast *m);
 
-/* The oldest message, NULL: none waits; valid until it is removed.  `named`: its channel is
- * listened to by name. */
+/* The oldest message, valid until it is removed; NULL: empty.  `named`: its channel is subscribed
+ * by name. */
 const mukca_lcm_packet *mukca_lcm_multicast_front(mukca_lcm_multicast *m, bool *named);
 void mukca_lcm_multicast_pop(mukca_lcm_multicast *m);
 
-/* Messages and datagrams dropped so far; `reason` is that of the last ones. */
+/* Number of messages and datagrams dropped so far; `reason` is that of the last ones. */
 int64_t mukca_lcm_multicast_dropped(mukca_lcm_multicast *m, char reason[128]);
 
 /* NULL is harmless. */

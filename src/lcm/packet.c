@@ -1,4 +1,4 @@
-/* Reassembly of LCM's UDP protocol.  All sizes are checked in 64 bit before use. */
+/* Reassembly of LCM's UDP protocol.  All sizes are checked in 64-bit arithmetic before use. */
 #include "lcm/packet.h"
 
 #include <stdlib.h>
@@ -6,14 +6,14 @@
 
 #include "lcm/wire.h"
 
-enum { /* the protocol's magic numbers, and bytes before the channel */
+enum { /* the protocol's magic numbers and header sizes before the channel */
        SMALL = 0x4c433032,
        FRAGMENT = 0x4c433033,
        SMALL_HEADER = 8,
        FRAGMENT_HEADER = 20
 };
 
-static const int64_t expiry_us = 1000000; /* a message's fragments are sent back to back */
+static const int64_t expiry_us = 1000000; /* the fragments of a message are sent back to back */
 
 #define DROP_TEXT(name, text) text,
 const char *const mukca_lcm_drop_texts[MUKCA_LCM_DROPS] = {MUKCA_LCM_DROP_LIST(DROP_TEXT)};
@@ -24,7 +24,7 @@ static bool drop(mukca_lcm_reassembly *r, mukca_lcm_drop why)
     return false;
 }
 
-/* The channel at the start of `wire`, which moves behind its NUL; NULL: there is none. */
+/* Read the channel at the start of `wire` and advance past its NUL; NULL: invalid. */
 static const char *take_channel(mukca_lcm_wire *wire)
 {
     const char *channel = (const char *)wire->at;
@@ -40,7 +40,7 @@ static size_t cost(const mukca_lcm_partial *p)
     return p->size + p->n * sizeof *p->piece;
 }
 
-/* Forget a partial message; its data stay allocated where `keep`. */
+/* Free a partial message; with `keep`, not its data. */
 static void release(mukca_lcm_reassembly *r, mukca_lcm_partial *p, bool keep)
 {
     r->bytes -= cost(p);
@@ -49,7 +49,7 @@ static void release(mukca_lcm_reassembly *r, mukca_lcm_partial *p, bool keep)
     *p = (mukca_lcm_partial){.piece = NULL};
 }
 
-/* Drop what has waited too long, or was sent in the future: the clock went back. */
+/* Drop partial messages that are too old, or later than now: the clock was set back. */
 static void expire(mukca_lcm_reassembly *r, int64_t now)
 {
     for (mukca_lcm_partial *p = r->partial; p < r->partial + MUKCA_LCM_MAX_PARTIALS; p++) {
@@ -59,7 +59,7 @@ static void expire(mukca_lcm_reassembly *r, int64_t now)
     }
 }
 
-/* Drop the oldest partial message, of `sender` or (0) of any. */
+/* Drop the oldest partial message of `sender` (0: of any sender). */
 static void evict(mukca_lcm_reassembly *r, uint64_t sender)
 {
     mukca_lcm_partial *oldest = NULL;
@@ -78,7 +78,7 @@ static mukca_lcm_partial *find_free(mukca_lcm_reassembly *r)
     return NULL;
 }
 
-/* A slot for a new message, with memory for it; NULL: no memory. */
+/* Allocate a slot for a new message; NULL: out of memory. */
 static mukca_lcm_partial *begin(mukca_lcm_reassembly *r, const mukca_lcm_partial *wanted)
 {
     int own = 0;
@@ -89,7 +89,7 @@ static mukca_lcm_partial *begin(mukca_lcm_reassembly *r, const mukca_lcm_partial
         own++;
         own_bytes += cost(p);
     }
-    /* a sender pushes out its own messages before it can push out those of others */
+    /* a sender evicts its own messages before those of others */
     if (own >= MUKCA_LCM_SENDER_PARTIALS ||
         (own && own_bytes + cost(wanted) > MUKCA_LCM_PARTIAL_BYTES / 2))
         evict(r, wanted->sender);
@@ -113,7 +113,7 @@ static mukca_lcm_partial *begin(mukca_lcm_reassembly *r, const mukca_lcm_partial
     return slot;
 }
 
-/* Whether the fragments follow each other without gap or overlap from 0 to the message's end. */
+/* Whether the fragments cover the message without gap or overlap. */
 static bool complete(const mukca_lcm_partial *p)
 {
     uint64_t end = 0;

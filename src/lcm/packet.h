@@ -1,4 +1,4 @@
-/* LCM's UDP protocol, receiving side: datagrams to whole messages, within fixed bounds. */
+/* LCM's UDP protocol, receiving side: reassembly of datagrams to messages within fixed bounds. */
 #ifndef MUKCA_LCM_PACKET_H
 #define MUKCA_LCM_PACKET_H
 
@@ -7,30 +7,30 @@
 #include <stdint.h>
 
 enum {
-    MUKCA_LCM_CHANNEL_SIZE = 64,       /* LCM's own limit, with the NUL */
-    MUKCA_LCM_MAX_MESSAGE = 8 << 20,   /* bytes; the largest of ours is a result with its JSON */
+    MUKCA_LCM_CHANNEL_SIZE = 64,       /* LCM's limit, including the NUL */
+    MUKCA_LCM_MAX_MESSAGE = 8 << 20,   /* bytes; mukca's largest is a result with JSON */
     MUKCA_LCM_MAX_PARTIALS = 32,       /* incomplete messages of all senders */
     MUKCA_LCM_SENDER_PARTIALS = 4,     /* of one sender; liblcm sends one at a time */
-    MUKCA_LCM_PARTIAL_BYTES = 16 << 20 /* that incomplete messages may take together */
+    MUKCA_LCM_PARTIAL_BYTES = 16 << 20 /* bytes of all incomplete messages */
 };
 
-/* A whole message. */
+/* A complete message. */
 typedef struct {
     const char *channel;
     const void *data;
     size_t size;
-    int64_t time;    /* us since 1970: when it was received or logged */
+    int64_t time;    /* us since 1970, time of reception or logging */
     uint64_t sender; /* IPv4 address << 16 | port; 0: unknown */
 } mukca_lcm_packet;
 
 typedef struct {
     const void *data;
     size_t size;
-    int64_t time; /* us; only differences count */
+    int64_t time; /* us; only differences are used */
     uint64_t sender;
 } mukca_lcm_datagram;
 
-/* Why datagrams and incomplete messages were dropped. */
+/* Reasons for dropping datagrams and incomplete messages. */
 #define MUKCA_LCM_DROP_LIST(X)                              \
     X(SHORT, "too short, or not LCM")                       \
     X(CHANNEL, "channel empty, too long or without end")    \
@@ -49,37 +49,37 @@ typedef enum {
 
 extern const char *const mukca_lcm_drop_texts[MUKCA_LCM_DROPS];
 
-/* One fragment's place in its message; `size` 0: not received. */
+/* Position of a fragment in its message; `size` 0: not received. */
 typedef struct {
     uint32_t offset, size;
 } mukca_lcm_piece;
 
 typedef struct {
     uint64_t sender;
-    uint32_t sequence, size; /* bytes of the whole payload */
-    unsigned n, received;    /* fragments */
-    int64_t time;            /* us, of the last fragment */
+    uint32_t sequence, size; /* size: bytes of the complete payload */
+    unsigned n, received;    /* numbers of fragments */
+    int64_t time;            /* us, of the latest fragment */
     char channel[MUKCA_LCM_CHANNEL_SIZE];
-    mukca_lcm_piece *piece; /* [n]; NULL: this slot is free */
+    mukca_lcm_piece *piece; /* [n]; NULL: the slot is free */
     unsigned char *data;    /* [size] */
 } mukca_lcm_partial;
 
-/* Zeroed: nothing received. */
+/* Zeroed: no messages. */
 typedef struct {
     mukca_lcm_partial partial[MUKCA_LCM_MAX_PARTIALS];
-    size_t bytes;                         /* in use by `partial` */
-    unsigned char *whole;                 /* the last message of several fragments */
+    size_t bytes;                         /* allocated by `partial` */
+    unsigned char *whole;                 /* the last reassembled message */
     char channel[MUKCA_LCM_CHANNEL_SIZE]; /* its channel */
     int64_t dropped[MUKCA_LCM_DROPS];
 } mukca_lcm_reassembly;
 
-/* Take one datagram of any content.  True: it completes a message, which `packet` describes; it
- * points into the datagram or into `r` and is valid until the next call.  A message of one datagram
- * costs no allocation.  Bytes of a message that no fragment brought are never delivered. */
+/* Process one datagram of any content.  True: it completes a message; `packet` points into the
+ * datagram or into `r` and is valid until the next call.  Messages of one datagram need no
+ * allocation.  Only bytes that were received are delivered. */
 bool mukca_lcm_packet_take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r,
                            const mukca_lcm_datagram *datagram);
 
-/* Free all memory; the counts stay. */
+/* Free all memory; the counts are kept. */
 void mukca_lcm_packet_clear(mukca_lcm_reassembly *r);
 
 #endif

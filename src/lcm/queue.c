@@ -1,9 +1,9 @@
-/* A ring of messages whose bytes lie in a second ring, each in one piece. */
+/* Ring of messages with their bytes in a second ring, each contiguous. */
 #include "lcm/queue.h"
 
 #include <string.h>
 
-/* Where `size` bytes in one piece fit; MUKCA_LCM_QUEUE_BYTES: nowhere. */
+/* Start of a free contiguous range of `size` bytes; MUKCA_LCM_QUEUE_BYTES: none. */
 static size_t find_room(const mukca_lcm_queue *q, size_t size)
 {
     if (q->n == 0) return 0;
@@ -13,7 +13,7 @@ static size_t find_room(const mukca_lcm_queue *q, size_t size)
     return size <= begin ? 0 : MUKCA_LCM_QUEUE_BYTES;
 }
 
-/* The sender's slot; -1: it has its share already, or there are too many senders. */
+/* Slot of the sender; -1: its share is exhausted, or there are too many senders. */
 static int find_sender(const mukca_lcm_queue *q, uint64_t id, size_t size)
 {
     int slot = -1;
@@ -61,5 +61,5 @@ void mukca_lcm_queue_pop(mukca_lcm_queue *q)
     q->sender[e->sender].n--;
     q->sender[e->sender].bytes -= e->used;
     q->first = (q->first + 1) % MUKCA_LCM_QUEUE_LENGTH;
-    if (--q->n == 0) q->first = 0; /* few messages touch little memory */
+    if (--q->n == 0) q->first = 0; /* restart at 0: low traffic touches little memory */
 }

@@ -1,4 +1,4 @@
-/* An LCM network: liblcm to send, and to receive where it is no UDP multicast. */
+/* An LCM network: liblcm for sending, and for receiving from networks other than UDP multicast. */
 #include "lcm/receiver.h"
 
 #include <arpa/inet.h>
@@ -16,12 +16,12 @@ struct mukca_lcm_receiver {
     lcm_t *lcm;
     mukca_lcm_multicast *multicast; /* NULL: liblcm receives */
     bool listens_to_all;
-    lcm_subscription_t *all; /* liblcm's, to all channels */
+    lcm_subscription_t *all; /* liblcm's subscription to all channels */
     mukca_lcm_receive_fn *receive;
     void *context;
 };
 
-/* lcm_create without its screenful about a missing route. */
+/* lcm_create without its long message about a missing route. */
 static lcm_t *create_quietly(const char *url)
 {
     int silence = open("/dev/null", O_WRONLY | O_CLOEXEC), kept = dup(STDERR_FILENO);
@@ -33,7 +33,7 @@ static lcm_t *create_quietly(const char *url)
     return lcm;
 }
 
-/* An IPv4 address text[length] as a number; 0: it is none. */
+/* Parse an IPv4 address text[length]; 0: invalid. */
 static uint32_t read_address(const char *text, size_t length)
 {
     char copy[16];
@@ -44,12 +44,12 @@ static uint32_t read_address(const char *text, size_t length)
     return inet_pton(AF_INET, copy, &address) == 1 ? ntohl(address.s_addr) : 0;
 }
 
-/* Read "udpm://GROUP:PORT?recv_buf_size=N", where each part may be left out; the rest of it
- * concerns sending.  False: no such URL. */
+/* Parse "udpm://GROUP:PORT?recv_buf_size=N"; each part is optional, other options concern sending.
+ * False: invalid. */
 static bool read_url(mukca_lcm_multicast_options *options, const char *url)
 {
     *options = (mukca_lcm_multicast_options){
-        .group = 0xefff4c43, .port = 7667, .buffer = 2 << 20}; /* 239.255.76.67, as liblcm */
+        .group = 0xefff4c43, .port = 7667, .buffer = 2 << 20}; /* 239.255.76.67, liblcm's default */
     const char *host = url + strlen("udpm://");
     size_t length = strcspn(host, ":?");
     if (length) options->group = read_address(host, length);
@@ -155,7 +155,7 @@ mukca_status mukca_lcm_receiver_subscribe(mukca_lcm_receiver *r, const char *cha
         return mukca_fail(error, MUKCA_TRANSPORT,
                           "LCM cannot listen to \"%s\": is multicast blocked by a firewall?",
                           channel ? channel : "all channels");
-    lcm_subscription_set_queue_capacity(subscription, 0); /* else it drops beyond 30 */
+    lcm_subscription_set_queue_capacity(subscription, 0); /* by default, more than 30 are dropped */
     if (!channel) r->all = subscription;
     return MUKCA_OK;
 }
@@ -171,7 +171,7 @@ void mukca_lcm_receiver_unsubscribe_all(mukca_lcm_receiver *r)
 int mukca_lcm_receiver_descriptor(const mukca_lcm_receiver *r)
 {
     if (r->multicast) return mukca_lcm_multicast_descriptor(r->multicast);
-    return lcm_get_fileno(r->lcm); /* makes liblcm receive: not over UDP */
+    return lcm_get_fileno(r->lcm); /* the descriptor starts liblcm's receiver; not for UDP */
 }
 
 static void handle_multicast(mukca_lcm_receiver *r)

@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 
-enum { SHORTEST = 16 /* bytes: 128 bit if they are random, RFC 2104 section 3 */ };
+enum { SHORTEST = 16 /* bytes; 128 bits if random, RFC 2104 section 3 */ };
 
 mukca_status mukca_lcm_key_read(mukca_lcm_key *key, const char *path, mukca_error *error)
 {
@@ -42,7 +42,7 @@ mukca_status mukca_lcm_key_read(mukca_lcm_key *key, const char *path, mukca_erro
     return status;
 }
 
-/* Begin a hash with the key's block, each byte combined with `pad`. */
+/* Start a hash with the key's block, each byte XORed with `pad`. */
 static void begin(SHA2_CTX *hash, const mukca_lcm_key *key, unsigned char pad)
 {
     unsigned char block[MUKCA_LCM_KEY_BLOCK];
@@ -73,7 +73,7 @@ bool mukca_lcm_signature_check(const mukca_lcm_key *key, const mukca_lcm_packet 
     content.size -= MUKCA_LCM_SIGNATURE;
     mukca_lcm_signature_make(signature, key, &content);
     const unsigned char *claimed = (const unsigned char *)packet->data + content.size;
-    /* all bytes each time: how long it takes says nothing of how many are right */
+    /* compare all bytes: the time must not depend on the number of matches */
     for (int i = 0; i < MUKCA_LCM_SIGNATURE; i++)
         difference = (unsigned char)(difference | (signature[i] ^ claimed[i]));
     return !difference;

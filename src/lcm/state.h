@@ -1,11 +1,11 @@
-/* The message types of joint states that mukca knows: one row here and one file state_NAME.c each.
- * The row drives decoding, help and tests. */
+/* Built-in LCM types of joint states: one row here and one file state_NAME.c each.  The row drives
+ * decoding, help and tests. */
 #ifndef MUKCA_LCM_STATE_H
 #define MUKCA_LCM_STATE_H
 
 #include "lcm/type.h"
 
-/* file, type, its usual channel (for help), its fingerprint by lcm-gen 1.3.1 (for tests) */
+/* file, type, usual channel (for help), fingerprint by lcm-gen 1.3.1 (for tests) */
 #define MUKCA_LCM_STATE_LIST(X)                                                        \
     X(iiwa_status, "drake.lcmt_iiwa_status", "IIWA_STATUS", 0xf16fb804284abca3)        \
     X(panda_status, "drake.lcmt_panda_status", "PANDA_STATUS", 0x19571cdf4d82fae6)     \
@@ -14,7 +14,7 @@
     X(joint_state, "bot_core.joint_state_t", "any channel", 0x3e377b4cebc593a4)        \
     X(joint_angles, "bot_core.joint_angles_t", "any channel", 0x3e7cd307b8f9e790)
 
-/* Indices of the rows; types from MUKCA_LCM_STATES on are described by the user. */
+/* Indices of the rows; types from MUKCA_LCM_STATES on are the user's. */
 enum {
 #define MUKCA_LCM_STATE_INDEX(name, type, channel, fingerprint) MUKCA_LCM_STATE_##name,
     MUKCA_LCM_STATE_LIST(MUKCA_LCM_STATE_INDEX)
@@ -22,12 +22,12 @@ enum {
         MUKCA_LCM_STATES
 };
 
-/* What a file state_NAME.c defines as mukca_lcm_state_NAME. */
+/* Type of mukca_lcm_state_NAME in a file state_NAME.c. */
 typedef struct {
     const char *description;           /* the struct, in the language of .lcm files */
-    const char *role[MUKCA_LCM_ROLES]; /* the field of each role, NULL where there is none */
+    const char *role[MUKCA_LCM_ROLES]; /* path of the field of each role; NULL: none */
     double effort_factor;              /* see mukca_lcm_type; 0: 1 */
-    int guiding_mode;                  /* value of the mode while a person guides the arm by hand */
+    int guiding_mode;                  /* value of the mode field while the arm is guided by hand */
 } mukca_lcm_state;
 
 #define MUKCA_LCM_STATE_EXTERN(name, type, channel, fingerprint) \
@@ -35,8 +35,8 @@ typedef struct {
 MUKCA_LCM_STATE_LIST(MUKCA_LCM_STATE_EXTERN)
 #undef MUKCA_LCM_STATE_EXTERN
 
-/* Fill `types` with the rows, in their order.  Errors: none on a consistent table (a test checks
- * it). */
+/* Initialise `types` with the rows in their order.  Errors: none for a consistent table
+ * (tested). */
 mukca_status mukca_lcm_types_init(mukca_lcm_types *types, mukca_error *error);
 
 #endif

@@ -10,7 +10,7 @@ const mukca_lcm_state mukca_lcm_state_iiwa_status = {
         " double joint_torque_measured[num_joints];"
         " double joint_torque_commanded[num_joints];"
         " double joint_torque_external[num_joints]; }",
-    .effort_factor = -1, /* KUKA reports the torque of the load on the joint */
+    .effort_factor = -1, /* KUKA reports the load's torque on the joint */
     .role = {[MUKCA_LCM_ROLE_TIME] = "utime",
              [MUKCA_LCM_ROLE_POSITION] = "joint_position_measured",
              [MUKCA_LCM_ROLE_VELOCITY] = "joint_velocity_estimated",

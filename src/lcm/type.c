@@ -1,4 +1,4 @@
-/* LCM message types: their fingerprints as lcm-gen computes them, and what their fields mean. */
+/* LCM message types: fingerprints as lcm-gen computes them, and roles of fields. */
 #include "lcm/type.h"
 
 #include <string.h>
@@ -15,7 +15,7 @@ const unsigned char mukca_lcm_primitive_sizes[] = {MUKCA_LCM_PRIMITIVE_LIST(PRIM
 
 static uint64_t hash_char(uint64_t hash, char c)
 {
-    /* lcm-gen shifts a signed number to the right, which copies the sign bit */
+    /* lcm-gen shifts a signed number to the right, with sign extension */
     uint64_t high = hash >> 55 | (hash >> 63 ? ~(uint64_t)0 << 9 : 0);
     return (hash << 8 ^ high) + (uint64_t)(int64_t)c;
 }
@@ -27,9 +27,9 @@ static uint64_t hash_text(uint64_t hash, const char *text)
     return hash;
 }
 
-/* Fingerprint of a type: the hash of its own fields plus the fingerprints of the types nested in
- * it, rotated left by one bit.  A type that contains itself adds nothing.  `budget` bounds the
- * fields that are visited. */
+/* Fingerprint of a type: the hash of its own fields plus the fingerprints of nested types,
+ * rotated left by one bit.  A type nested in itself adds 0.  `budget` limits the number of fields
+ * visited. */
 static uint64_t fingerprint(const mukca_lcm_types *types, int t, const int *parents, int depth,
                             int *budget)
 {
@@ -108,7 +108,7 @@ static int find_field(const mukca_lcm_types *types, int t, const char *name, siz
     return -1;
 }
 
-/* No such field; the error lists those there are. */
+/* Fail for an unknown field; the error lists the known ones. */
 static mukca_status no_field(const mukca_lcm_types *types, int t, const char *name,
                              mukca_error *error)
 {

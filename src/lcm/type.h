@@ -1,8 +1,7 @@
-/* LCM message types: their fields, their fingerprints, what a field means.
+/* LCM message types: fields, fingerprints, roles of fields.
  *
- * Every type is described in the language of .lcm files: the built-in ones (state.h) and those of
- * `--type FILE.lcm` alike.
- */
+ * Every type is described in the .lcm language, both the built-in ones (state.h) and those of
+ * `--type FILE.lcm`. */
 #ifndef MUKCA_LCM_TYPE_H
 #define MUKCA_LCM_TYPE_H
 
@@ -13,7 +12,7 @@
 #include "mukca/chain.h"
 #include "mukca/status.h"
 
-/* The primitives of .lcm files: name, bytes on the wire (0: varies). */
+/* The primitives of .lcm files: name, bytes on the wire (0: variable). */
 #define MUKCA_LCM_PRIMITIVE_LIST(X) \
     X(INT8, "int8_t", 1)            \
     X(INT16, "int16_t", 2)          \
@@ -32,11 +31,11 @@ typedef enum {
         MUKCA_LCM_NESTED
 } mukca_lcm_primitive;
 
-/* Name and size by primitive. */
+/* Name and size of each primitive. */
 extern const char *const mukca_lcm_primitive_names[MUKCA_LCM_NESTED];
 extern const unsigned char mukca_lcm_primitive_sizes[MUKCA_LCM_NESTED];
 
-/* What a field of a message means to mukca. */
+/* Roles of message fields. */
 typedef enum {
     MUKCA_LCM_ROLE_TIME,
     MUKCA_LCM_ROLE_NAME,
@@ -48,27 +47,27 @@ typedef enum {
     MUKCA_LCM_ROLES
 } mukca_lcm_role;
 
-enum { /* several times what the public descriptions of robots need */
+enum { /* several times the requirements of public robot descriptions */
        MUKCA_LCM_MAX_TYPES = 48,
-       MUKCA_LCM_MAX_FIELDS = 768, /* of all types together */
+       MUKCA_LCM_MAX_FIELDS = 768, /* of all types */
        MUKCA_LCM_MAX_TYPE_FIELDS = 64,
        MUKCA_LCM_MAX_DIMENSIONS = 3,
-       MUKCA_LCM_MAX_DEPTH = 8, /* of nested types */
+       MUKCA_LCM_MAX_DEPTH = 8, /* of nesting */
        MUKCA_LCM_MAX_JOINTS = 64,
        MUKCA_LCM_NAME_SIZE = 96
 };
 
 typedef struct {
-    char text[32]; /* as written: a number, or the name of an earlier integer field */
-    int field;     /* of that name within the type, -1: constant */
-    int count;     /* of a constant */
+    char text[32]; /* as written: a number, or the name of a preceding integer field */
+    int field;     /* index of that field in the type, -1: constant */
+    int count;     /* value of a constant */
 } mukca_lcm_dimension;
 
 typedef struct {
     char name[MUKCA_NAME_SIZE];
     mukca_lcm_primitive primitive;
     char nested_name[MUKCA_LCM_NAME_SIZE]; /* of a NESTED field */
-    int nested;                            /* its type's index */
+    int nested;                            /* index of its type */
     int n_dimensions;
     mukca_lcm_dimension dimension[MUKCA_LCM_MAX_DIMENSIONS];
 } mukca_lcm_field;
@@ -77,9 +76,9 @@ typedef struct {
     char name[MUKCA_LCM_NAME_SIZE]; /* "package.name" */
     int first_field, n_fields;
     uint64_t fingerprint;
-    /* Path of field indices for each role, ended by -1; [0] = -1 where the type has none. */
+    /* path of field indices for each role, ended by -1; [0] = -1: none */
     signed char role[MUKCA_LCM_ROLES][MUKCA_LCM_MAX_DEPTH + 1];
-    double effort_factor; /* the message's torque times this is the torque that holds the arm */
+    double effort_factor; /* ratio of the torque that holds the arm to the message's torque */
     int guiding_mode;     /* see mukca_lcm_state */
 } mukca_lcm_type;
 
@@ -89,23 +88,24 @@ typedef struct {
     mukca_lcm_field field[MUKCA_LCM_MAX_FIELDS];
 } mukca_lcm_types;
 
-/* Resolve nested types and compute fingerprints of the types from index `first` on; `file` is for
- * messages.  Errors: MUKCA_INPUT (a nested type without description). */
+/* Resolve nested types and compute fingerprints of the types from index `first` on; `file` is used
+ * in messages.  Errors: MUKCA_INPUT (a nested type without description). */
 mukca_status mukca_lcm_types_link(mukca_lcm_types *types, int first, const char *file,
                                   mukca_error *error);
 
-/* Set which field has a role; `path` as in "head.q".  Errors: MUKCA_INPUT (no such field; a text
- * where a number is needed or the other way round). */
+/* Assign a role to a field; `path` as in "head.q".  Errors: MUKCA_INPUT (no such field; a text
+ * instead of a number or vice versa). */
 mukca_status mukca_lcm_type_set_role(mukca_lcm_types *types, int type, mukca_lcm_role role,
                                      const char *path, mukca_error *error);
 
-/* Type of the message data[size] by its fingerprint, -1 where unknown.  Later types win. */
+/* Index of the type of message data[size] by its fingerprint, -1: unknown.  Later types take
+ * precedence. */
 int mukca_lcm_types_find(const mukca_lcm_types *types, const void *data, size_t size);
 
-/* The same by name, "package.name". */
+/* The same by its name "package.name". */
 int mukca_lcm_types_find_name(const mukca_lcm_types *types, const char *name);
 
-/* Whether messages of that type carry joint positions. */
+/* Whether messages of that type contain joint positions. */
 static inline bool mukca_lcm_type_has_joints(const mukca_lcm_types *types, int type)
 {
     return type >= 0 && types->type[type].role[MUKCA_LCM_ROLE_POSITION][0] >= 0;

@@ -1,4 +1,4 @@
-/* Big-endian numbers and texts of LCM messages and event logs, read within bounds. */
+/* Big-endian numbers and texts of LCM messages and event logs, with bounds checks. */
 #ifndef MUKCA_LCM_WIRE_H
 #define MUKCA_LCM_WIRE_H
 
@@ -6,13 +6,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What is left to read. */
+/* The unread rest of a message. */
 typedef struct {
     const unsigned char *at;
     size_t left; /* bytes */
 } mukca_lcm_wire;
 
-/* The unsigned number in at[size], 1 to 8 bytes; and the way back. */
+/* Read, or write, an unsigned number of 1 to 8 bytes at `at`. */
 static inline uint64_t mukca_lcm_wire_get(const unsigned char *at, int size)
 {
     uint64_t value = 0;
@@ -25,7 +25,7 @@ static inline void mukca_lcm_wire_put(unsigned char *at, uint64_t value, int siz
     for (int i = 0; i < size; i++) at[i] = (unsigned char)(value >> 8 * (size - 1 - i));
 }
 
-/* The next n bytes; NULL where fewer are left. */
+/* Read the next n bytes; NULL: fewer are left. */
 static inline const unsigned char *mukca_lcm_wire_bytes(mukca_lcm_wire *wire, size_t n)
 {
     const unsigned char *at = wire->at;
@@ -35,8 +35,8 @@ static inline const unsigned char *mukca_lcm_wire_bytes(mukca_lcm_wire *wire, si
     return at;
 }
 
-/* The next text: its length with the NUL in 4 bytes, then the characters.  It points into the
- * message.  NULL where it does not fit or has no NUL at its end. */
+/* Read the next text: 4 bytes of length, including the NUL, then the characters.  The result points
+ * into the message; NULL: truncated, or not NUL-terminated. */
 static inline const char *mukca_lcm_wire_text(mukca_lcm_wire *wire)
 {
     const unsigned char *head = mukca_lcm_wire_bytes(wire, 4);
