@@ -1,4 +1,5 @@
-/* The figure of two models compared: distribution of the tip's error over the workspace. */
+/* Figure of the comparison of two models: distribution of the tip's difference over the
+ * workspace. */
 #include <math.h>
 
 #include "report/comparison.h"
@@ -11,7 +12,7 @@ void mukca_comparison_draw(mukca_plot *plot, const mukca_comparison *c)
     for (int aligned = 0; aligned < 2; aligned++) {
         fprintf(s, "$d%d << EOD\n", aligned);
         for (int i = 0; i < MUKCA_COMPARED; i++)
-            /* a logarithmic axis has no zero: a hundredth of a micrometre takes its place */
+            /* a logarithmic axis has no zero: a hundredth of a micrometre replaces it */
             fprintf(s, "%.6g %.6g\n", 1e3 * fmax(c->error[aligned][i], 1e-8),
                     100.0 * (i + 1) / MUKCA_COMPARED);
         fputs("EOD\n", s);

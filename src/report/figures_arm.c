@@ -6,24 +6,24 @@
 #include "report/parts.h"
 
 enum {
-    MOST_VECTORS = 600, /* of a long recording every n-th sample is drawn */
-    MOST_ARMS = 9       /* postures; the first one in full, the others faint */
+    MOST_VECTORS = 600, /* a long recording is thinned to every n-th sample */
+    MOST_ARMS = 9       /* postures; the first is drawn in full, the others faint */
 };
-/* The camera is 25 degrees above the horizon and looks past the samples at 60 degrees, so that both
- * depth and height are visible. */
+/* The camera is 25 degrees above the horizon, at an azimuth of 60 degrees from the mean of the
+ * samples: both depth and height are visible. */
 static const double elevation = 25 * M_PI / 180, aside = 60 * M_PI / 180;
-/* Length of the drawn vectors: their 90 % quantile as a share of the picture. */
+/* Length of the drawn vectors: their 90 % quantile as a fraction of the picture. */
 static const double vector_share = 0.1;
 static const double axis_length = 0.15; /* m */
 
-/* Orthographic projection, and the rectangle that holds what was projected so far, m. */
+/* Orthographic projection, and the bounding rectangle of the points projected so far, m. */
 typedef struct {
     FILE *script;
     double right[3], up[3];
     double low[2], high[2];
 } view;
 
-/* A view in which the mean of the samples lies to the right of the base. */
+/* A view with the mean of the samples to the right of the base. */
 static view aim(FILE *script, const mukca_report *r)
 {
     double x = 0, y = 0;
@@ -61,7 +61,7 @@ static bool of_placement(const mukca_dataset *data, int sample, int placement)
     return placement < 0 || mukca_dataset_placement(data, sample) == placement;
 }
 
-/* The sample in the middle of a placement's (-1: of all samples); -1 without any. */
+/* The middle sample, in recording order, of a placement (-1: of all); -1: there is none. */
 static int middle_sample(const mukca_dataset *data, int placement)
 {
     int count = 0;
@@ -72,7 +72,7 @@ static int middle_sample(const mukca_dataset *data, int placement)
     return -1;
 }
 
-/* Links and joints of one posture as block $arm<index>. */
+/* Print links and joints of one posture as block $arm<index>. */
 static void put_arm(view *v, const mukca_report *r, int index, int sample)
 {
     mukca_geometry geometry;
@@ -82,15 +82,15 @@ static void put_arm(view *v, const mukca_report *r, int index, int sample)
     mukca_geometry_set(&geometry, chain, r->offsets->theta);
     mukca_fk_frames(before, &tip, &geometry, r->data.q + sample * r->data.n_joints, NULL);
     fprintf(v->script, "$arm%d << EOD\n", index);
-    /* a pose log's chain begins at the tracker, its first frame is the arm's base */
+    /* the chain of a pose log starts at the tracker; its first frame is the arm's base */
     if (chain->n_elements == r->chain->n_elements) put_point(v, origin);
     for (int k = 0; k < chain->n_elements; k++) put_point(v, before[k].p);
     put_point(v, tip.p);
     fputs("EOD\n", v->script);
 }
 
-/* Each placement with its name, a plumb line to the base plane and a posture of the arm; one
- * posture for a pose log.  Returns the number of postures. */
+/* Print each placement with its name, a plumb line to the base plane and a posture of the arm; for
+ * a pose log one posture.  Returns the number of postures. */
 static int put_placements(mukca_plot *plot, view *v, const mukca_report *r)
 {
     const int placements = r->data.n_placements;
@@ -112,7 +112,7 @@ static int put_placements(mukca_plot *plot, view *v, const mukca_report *r)
     return arms;
 }
 
-/* Grid of the base plane under the base and all samples; returns its step, m. */
+/* Print a grid of the base plane below the base and all samples; returns its spacing, m. */
 static double put_ground(view *v, const mukca_report *r)
 {
     double low[2] = {-axis_length, -axis_length}, high[2] = {axis_length, axis_length};
@@ -157,14 +157,14 @@ static void put_axes(const view *v)
     }
 }
 
-/* The largest of 1, 2, 5, 10, 20, ... that is not above x. */
+/* The largest of 1, 2, 5, 10, 20, ... not above x. */
 static double round_down(double x)
 {
     const double power = pow(10, floor(log10(x)));
     return x >= 5 * power ? 5 * power : x >= 2 * power ? 2 * power : power;
 }
 
-/* 90 % quantile of the residuals' lengths, m; 0 without any. */
+/* 90 % quantile of the residuals' lengths, m; 0: no residuals. */
 static double large_residual(const mukca_report *r)
 {
     double *length = calloc((size_t)r->data.n_rows + 1, sizeof *length), result = 0;
@@ -178,7 +178,8 @@ static double large_residual(const mukca_report *r)
     return result;
 }
 
-/* Residuals from the true position on, enlarged, as block $<name>; returns how many. */
+/* Print the magnified residuals, starting at the true positions, as block $<name>; returns their
+ * number. */
 static int put_residuals(view *v, const mukca_report *r, const char *name, const double *residual,
                          double scale)
 {
@@ -236,7 +237,7 @@ bool mukca_report_arm(mukca_plot *plot, const mukca_report *r, int index)
     fputs("$geometry with lines lc rgb " PLOT_BEFORE " lw 0.8 title 'after geometry', ", s);
     if (r->explained)
         fputs("$causes with lines lc rgb " PLOT_AFTER " lw 0.8 title 'with the causes', ", s);
-    /* the first point of each vector is its socket */
+    /* the first point of each vector is the socket */
     fprintf(s, "$geometry every ::0::0 with points lc rgb 'black' pt 7 ps %g notitle\n",
             r->data.n_sockets > 0 ? 0.5 : 0.1);
     fprintf(

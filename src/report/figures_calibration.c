@@ -5,7 +5,7 @@
 
 static const double mm = MUKCA_REPORT_MM;
 
-/* A logarithmic axis has no zero: a hundredth of a micrometre takes its place. */
+/* A logarithmic axis has no zero: a hundredth of a micrometre replaces it. */
 static double positive(double metres)
 {
     return fmax(metres, 1e-8) * mm;
@@ -144,7 +144,7 @@ bool mukca_report_offsets(mukca_plot *plot, const mukca_report *r, int index)
     bool any = false;
     const mukca_offsets *table = r->offsets;
     double nominal[MUKCA_MAX_THETA];
-    int n = 0, known = 0, first[MUKCA_MAX_ELEMENTS] = {0}; /* place of its first offset, 0: none */
+    int n = 0, known = 0, first[MUKCA_MAX_ELEMENTS] = {0}; /* tic of its first offset, 0: none */
     mukca_chain_theta(nominal, r->fitted);
     if (index > 1) return false;
     mukca_plot_begin(

@@ -3,7 +3,8 @@
 
 #include "report/parts.h"
 
-/* Positions in each socket of a placement about `origin`, mm, as blocks $<name><n>. */
+/* Print the positions in each socket of a placement relative to `origin`, mm, as blocks
+ * $<name><n>. */
 static void put_block(FILE *s, const char *name, const double *positions, const double *origin,
                       const mukca_dataset *data, int placement)
 {
@@ -19,7 +20,8 @@ static void put_block(FILE *s, const char *name, const double *positions, const 
     }
 }
 
-/* Mean of the calibrated positions, and the largest coordinate about it; returns the samples. */
+/* Mean of the calibrated positions, and the largest coordinate relative to it; returns the number
+ * of samples. */
 static int measure(double origin[3], double *reach, const mukca_report *r, int placement)
 {
     int rows = 0;

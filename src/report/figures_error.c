@@ -1,4 +1,4 @@
-/* Figures of the remaining error: step by step, by joint and by sample. */
+/* Figures of the remaining error: by model, by joint and by sample. */
 #include <math.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@
 
 static const double mm = MUKCA_REPORT_MM;
 
-/* ---- held-out error, step by step ---- */
+/* ---- held-out error by model ---- */
 
 enum { MAX_RUNGS = MUKCA_MAX_CAUSES + 5 };
 
@@ -15,7 +15,7 @@ typedef struct {
     double value, low, high; /* m */
 } rung;
 
-/* Appends a rung with the interval of `held_out` (NULL: none), unless its value is unknown. */
+/* Append a bar with the interval of `held_out` (NULL: none), unless its value is unknown. */
 static void add_rung(rung *rungs, int *n, const char *name, double value,
                      const mukca_shrink *held_out)
 {
@@ -59,7 +59,7 @@ bool mukca_report_ladder(mukca_plot *plot, const mukca_report *r, int index)
     const double floor = r->diagnosed.diagnosis->noise_floor_m;
     double most = 0;
     for (int k = 1; k < n; k++) most = fmax(most, fmax(rungs[k].value, rungs[k].high));
-    /* A nominal model that would press the others together is an arrow at the edge. */
+    /* A nominal error that would compress the other bars is drawn as an arrow at the edge. */
     const double edge = 1.25 * most * mm, nominal = rungs[0].value * mm;
     const bool beyond = nominal > edge;
     mukca_plot_begin(plot, "error-steps", "Held-out error, step by step", MUKCA_PLOT_HALF,
@@ -145,7 +145,7 @@ bool mukca_report_joints(mukca_plot *plot, const mukca_report *r, int index)
 
 /* ---- error of each sample in recording order, faults marked ---- */
 
-/* A line and a name where each placement begins. */
+/* Mark the start of each placement by a line and its name. */
 static void mark_placements(mukca_plot *plot, const mukca_dataset *data)
 {
     for (int k = 0; k < data->n_rows; k++) {

@@ -6,12 +6,12 @@
 #include "report/wording_fleet.h"
 
 enum {
-    MOST_ARMS = 24, /* as many names as a figure has room for */
-    NAME = 12       /* characters of a name below its arm */
+    MOST_ARMS = 24, /* as many names as fit a figure */
+    NAME = 12       /* characters of an arm's name */
 };
 static const double per = MUKCA_WORDING_PER_SPRING;
 
-/* The arms' coefficients as blocks $sound and $departing, their names as tics. */
+/* Print the arms' coefficients as blocks $sound and $departing, with their names as tics. */
 static int put_arms(FILE *s, const mukca_fleet_page *p, int k)
 {
     const mukca_fleet_result *r = p->result;
@@ -24,10 +24,10 @@ static int put_arms(FILE *s, const mukca_fleet_page *p, int k)
             const bool departs = d->k == k && i < p->n_departing;
             if (d->k < 0 || departs != departing) continue;
             fprintf(s, "%d %.6g %.6g %.6g\n", i + 1, per * fmax(e->value, 0), per * e->low,
-                    per * fmax(e->high, 0)); /* no spring is negative, an estimate may be */
+                    per * fmax(e->high, 0)); /* estimates may be negative */
             drawn++;
         }
-        /* a block without any point is an error of gnuplot's */
+        /* gnuplot reports a block without points as an error */
         fputs("0 0 0 0\nEOD\n", s);
     }
     fputs("set xtics rotate by -50 (", s);
@@ -110,7 +110,7 @@ bool mukca_fleet_draw_orders(mukca_plot *plot, const mukca_fleet_page *p, int in
         favoured += pooled > 0;
         most = fmax(most, pooled);
     }
-    const double top = fmax(1.25 * most, 10); /* 10: noise stays low; orders against end below */
+    const double top = fmax(1.25 * most, 10); /* noise remains small; room for evidence against */
     fprintf(s,
             "EOD\nset xrange [0:%d]\nset yrange [%.6g:%.6g]\nset xzeroaxis lc rgb "
             "'black' lw 0.6\nset xlabel 'order, per turn'\n"

@@ -9,7 +9,7 @@
 #include "report/page.h"
 #include "report/wording_fleet.h"
 
-enum { MOST_ROWS = 200 }; /* of a table: more than anybody reads */
+enum { MOST_ROWS = 200 }; /* largest number of rows of a table */
 static const double per = MUKCA_WORDING_PER_SPRING;
 
 /* ---- the order of the page ---- */
@@ -88,7 +88,7 @@ static void put_verdict(FILE *out, const mukca_fleet_page *p)
     fputs("</ul>\n", out);
 }
 
-/* What the arms share, as a list. */
+/* List the shared coefficients and orders. */
 static void put_shared(FILE *out, const mukca_fleet_page *p)
 {
     const mukca_fleet_result *r = p->result;

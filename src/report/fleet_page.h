@@ -6,18 +6,18 @@
 #include "report/plot.h"
 
 typedef struct {
-    /* Filled by the caller, who keeps the memory. */
-    const char *command, *when; /* that made the page; UTC */
+    /* Set by the caller, who owns the memory. */
+    const char *command, *when; /* command of the page; UTC */
     const mukca_fleet *fleet;
     const mukca_fleet_result *result;
-    /* Filled by mukca_fleet_page_prepare. */
+    /* Set by mukca_fleet_page_prepare. */
     mukca_departure *arms;         /* [n_arms]: most probable departure first */
-    int n_departing;               /* the first ones */
+    int n_departing;               /* number of departing arms, at the start of `arms` */
     int panels[MUKCA_FLEET_TERMS]; /* coefficients: of departing arms first, then shared ones */
 } mukca_fleet_page;
 
-/* Put arms and coefficients in the order of the page.  Free with mukca_fleet_page_free.
- * Errors: MUKCA_MEMORY. */
+/* Sort arms and coefficients for the page.  Free with mukca_fleet_page_free.  Errors:
+ * MUKCA_MEMORY. */
 mukca_status mukca_fleet_page_prepare(mukca_fleet_page *page, mukca_error *error);
 void mukca_fleet_page_free(mukca_fleet_page *page);
 
@@ -28,9 +28,10 @@ mukca_status mukca_fleet_page_write(FILE *out, const mukca_fleet_page *page, muk
 mukca_status mukca_fleet_page_write_figures(const char *directory, const char *format,
                                             const mukca_fleet_page *page, mukca_error *error);
 
-/* Draw panel or joint `index` on an open plot; false where there is none (figures_fleet.c). */
+/* Draw the figure of panel or joint `index` on an open plot; false: there is none
+ * (figures_fleet.c). */
 typedef bool mukca_fleet_figure(mukca_plot *plot, const mukca_fleet_page *page, int index);
-mukca_fleet_figure mukca_fleet_draw_coefficient; /* of the arms side by side */
+mukca_fleet_figure mukca_fleet_draw_coefficient; /* coefficients of the arms side by side */
 mukca_fleet_figure mukca_fleet_draw_orders;      /* pooled ripple spectrum of a joint */
 
 #endif

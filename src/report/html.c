@@ -1,4 +1,4 @@
-/* Pieces of HTML: escaped text and tables. */
+/* Elements of HTML: escaped text and tables. */
 #include "report/html.h"
 
 #include <ctype.h>
@@ -18,7 +18,7 @@ static void escape(FILE *out, const char *text, size_t length)
         const char *found = strchr(special, *text);
         size_t n = mukca_utf8_fit(text, 1);
         for (size_t k = 2; n == 0 && k <= 4; k++) n = mukca_utf8_fit(text, k);
-        if (n == 0) /* a byte outside UTF-8 would make the page invalid */
+        if (n == 0) /* a byte that is not UTF-8 would make the page invalid */
             fputc('?', out);
         else if (found)
             fputs(escaped[found - special], out);
@@ -55,7 +55,7 @@ void mukca_html_sentence(FILE *out, const char *text)
     }
 }
 
-/* Write a heading without its mark; return the next one. */
+/* Write a heading without its mark; returns the next one. */
 static const char *put_heading(FILE *out, const char *column)
 {
     const size_t length = strcspn(column, "|"), mark = *column == '#';
@@ -87,7 +87,7 @@ static void put_cell(mukca_html_table *table, const char *text)
     const bool number = *table->at == '#', name = matrix && !number;
     const double value = number ? strtod(text, NULL) : 0;
     fputs(number ? "<td class=\"n\"" : name ? "<th scope=\"row\"" : "<td", out);
-    /* at 45 % of the colour the number stays readable */
+    /* at 45 % of the colour the number remains legible */
     if (number && matrix && isfinite(value)) fprintf(out, " style=\"--share:%.0f%%\"", 45 * value);
     if (cards) {
         fputs(" data-label=\"", out);
@@ -98,7 +98,7 @@ static void put_cell(mukca_html_table *table, const char *text)
     if (!isfinite(value))
         fputs("&ndash;", out);
     else
-        mukca_html_escape(out, text + (number && value == 0 && *text == '-')); /* no "-0.00" */
+        mukca_html_escape(out, text + (number && value == 0 && *text == '-')); /* avoids "-0.00" */
     fputs(name ? "</th>" : "</td>", out);
     table->at += strcspn(table->at, "|");
     table->at += *table->at == '|';

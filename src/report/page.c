@@ -1,4 +1,4 @@
-/* What all pages share: head and figures. */
+/* Head and figures, shared by all pages. */
 #include "report/page.h"
 
 #include "mukca/version.h"

@@ -1,13 +1,13 @@
-/* The parts of the page: figures and tables, one function each. */
+/* Parts of the page: figures and tables, one function each. */
 #ifndef MUKCA_REPORT_PARTS_H
 #define MUKCA_REPORT_PARTS_H
 
 #include "report/plot.h"
 #include "report/report.h"
 
-#define MUKCA_REPORT_MM 1e3 /* per m */
+#define MUKCA_REPORT_MM 1e3 /* mm per m */
 
-/* Draw figure `index` of a kind on an open `plot`; false where there is none. */
+/* Draw figure `index` of a kind on an open `plot`; false: there is none. */
 typedef bool mukca_report_figure(mukca_plot *plot, const mukca_report *report, int index);
 
 /* in figures_error.c, figures_arm.c, figures_centres.c, figures_calibration.c */

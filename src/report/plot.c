@@ -1,4 +1,5 @@
-/* Run gnuplot and make its SVG part of a page: ids unique, no prologue, a text alternative. */
+/* Figures by gnuplot, and the conversion of its SVG for a page: unique ids, no prologue, a text
+ * alternative. */
 #include "report/plot.h"
 
 #include <errno.h>
@@ -51,7 +52,7 @@ void mukca_plot_begin(mukca_plot *plot, const char *id, const char *title, int w
         plot->script);
 }
 
-/* Nothing is special within single quotes but the quote, and `more`. */
+/* Quote a text: within single quotes only the quote itself, and `more`, need doubling. */
 static void quote(FILE *script, const char *text, char more)
 {
     fputc('\'', script);
@@ -64,7 +65,7 @@ static void quote(FILE *script, const char *text, char more)
 
 void mukca_plot_tic(FILE *script, const char *text)
 {
-    quote(script, text, '%'); /* the text of a tic is a format */
+    quote(script, text, '%'); /* gnuplot treats the text of a tic as a format */
 }
 
 void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ...)
@@ -83,13 +84,13 @@ void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ..
 
 static const char interrupted_text[] = "interrupted; the page was not written";
 
-/* What gnuplot wrote. */
+/* Output of gnuplot. */
 typedef struct {
-    char *bytes; /* ended by a zero byte */
+    char *bytes; /* zero-terminated */
     size_t size;
 } drawing;
 
-/* Read from gnuplot to the end, under the signal mask `unblocked`: an interrupt ends it.
+/* Read gnuplot's output to the end, under the signal mask `unblocked`: an interrupt aborts it.
  * Errors: MUKCA_MEMORY, MUKCA_INPUT, MUKCA_INTERRUPTED. */
 static mukca_status read_all(drawing *drawn, int in, const sigset_t *unblocked, mukca_error *error)
 {
@@ -116,17 +117,16 @@ static mukca_status read_all(drawing *drawn, int in, const sigset_t *unblocked, 
     }
 }
 
-/* Wait for gnuplot; MUKCA_NEGATIVE where it complained. */
+/* Wait for gnuplot; MUKCA_NEGATIVE: it reported an error. */
 static mukca_status wait_for(pid_t pid, mukca_error *error)
 {
     int status = 0;
     if (waitpid(pid, &status, 0) < 0)
         return mukca_fail(error, MUKCA_INPUT, "lost gnuplot: %s", strerror(errno));
-    /* a signal to the whole process group may end gnuplot before it interrupts the reading */
+    /* a signal to the process group may end gnuplot before it interrupts the read */
     if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM))
         return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
-    /* POSIX: so ends a spawned process whose program could not be run, where spawning did not tell
-     */
+    /* POSIX: exit status of a spawned process that could not execute the program */
     if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
         return mukca_fail(error, MUKCA_INPUT,
                           "cannot run gnuplot, which draws the figures; install the package "
@@ -134,7 +134,7 @@ static mukca_status wait_for(pid_t pid, mukca_error *error)
     return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
-/* Start gnuplot on the descriptors of a script, of its output and of its complaints. */
+/* Start gnuplot with descriptors for its script, output and error messages. */
 static mukca_status start(pid_t *pid, const int descriptors[3], const sigset_t *mask,
                           mukca_error *error)
 {
@@ -143,7 +143,7 @@ static mukca_status start(pid_t *pid, const int descriptors[3], const sigset_t *
     posix_spawnattr_t attributes;
     int failure = posix_spawn_file_actions_init(&actions);
     if (failure) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    posix_spawnattr_init(&attributes); /* it allocates nothing, and cannot fail */
+    posix_spawnattr_init(&attributes); /* does not allocate and cannot fail */
     posix_spawnattr_setsigmask(&attributes, mask);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
     for (int k = 0; k < 3 && failure == 0; k++)
@@ -160,8 +160,8 @@ static mukca_status start(pid_t *pid, const int descriptors[3], const sigset_t *
                       strerror(failure));
 }
 
-/* Run gnuplot on a script; its output is read through a pipe, which no full disk cuts off.
- * Signals are blocked meanwhile but in pselect, so that none comes unnoticed before it. */
+/* Run gnuplot on a script.  Its output is read through a pipe, independent of disk space.  Signals
+ * are blocked outside pselect: none arrives unnoticed before it. */
 static mukca_status run(drawing *drawn, FILE *script, FILE *complaints, mukca_error *error)
 {
     int ends[2];
@@ -233,7 +233,7 @@ mukca_status mukca_plot_file(const char *path, const char *format, mukca_plot *p
 {
     const int width = plot->width, height = plot->height;
     char terminal[160];
-    if (strcmp(format, "pdf") == 0) /* inches of 96 px */
+    if (strcmp(format, "pdf") == 0) /* inches; 96 px per inch */
         snprintf(terminal, sizeof terminal, "pdfcairo size %g,%g linewidth 1.2 font 'sans,10'",
                  width / 96.0, height / 96.0);
     else if (strcmp(format, "png") == 0)
@@ -254,13 +254,13 @@ mukca_status mukca_plot_file(const char *path, const char *format, mukca_plot *p
 
 /* ---- SVG for the page ---- */
 
-/* What changes in gnuplot's SVG: each `from` becomes `to` and, where `prefix`, the figure's id; the
- * text up to the end of `until` (NULL: nothing) goes. */
+/* Replacements in gnuplot's SVG: each `from` becomes `to`, followed with `prefix` by the figure's
+ * id; the text up to the end of `until` (NULL: none) is removed. */
 static const struct {
     const char *from, *until, *to;
     bool prefix;
 } edits[] = {
-    {"<title>Gnuplot", "\n", "", false}, /* its title is the file's name */
+    {"<title>Gnuplot", "\n", "", false}, /* its title is the file name */
     {"<desc>", "\n", "", false},
     {" id=\"gnuplot_", "\"", "", false},
     {"xlink:href='#", NULL, "href='#", true},
@@ -270,14 +270,15 @@ static const struct {
     {"url(#", NULL, "url(#", true},
 };
 
-/* The elements within gnuplot's <svg>; its ids are the same in every figure. */
+/* Write the content of gnuplot's <svg> with unique ids; gnuplot uses the same ones in every
+ * figure. */
 static void put_body(FILE *out, const char *body, const char *id)
 {
     enum { EDITS = sizeof edits / sizeof *edits };
     const char *end = strstr(body, "</svg>");
     while (*body && body != end) {
         const char *tag = strncmp(body, "<g ", 3) == 0 ? strchr(body, '>') : NULL;
-        if (tag && strncmp(tag, ">\n</g>\n", 7) == 0) { /* an empty group */
+        if (tag && strncmp(tag, ">\n</g>\n", 7) == 0) { /* skip an empty group */
             body = tag + 7;
             continue;
         }

@@ -1,4 +1,4 @@
-/* The numbers that the report shows, from the arm, the data and the results. */
+/* Numbers of the report, computed from the arm, the data and the results. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "fit/frames.h"
 #include "report/report.h"
 
-/* Append the samples of `from`, its sockets and placements to r->data, which has room for them. */
+/* Append the samples, sockets and placements of `from` to r->data, which has room for them. */
 static void append(mukca_dataset *all, const mukca_dataset *from, int row, int socket,
                    int placement)
 {
@@ -25,7 +25,7 @@ static void append(mukca_dataset *all, const mukca_dataset *from, int row, int s
         all->placements[placement + p] = from->placements[p];
 }
 
-/* Training and test samples as one dataset. */
+/* Concatenate training and test samples to one dataset. */
 static mukca_status join(mukca_report *r, mukca_error *error)
 {
     mukca_dataset *all = &r->data;
@@ -43,8 +43,8 @@ static mukca_status join(mukca_report *r, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Ball or target of each sample by models[0] for the training data and models[1] for the test data,
- * [n_rows][3]; NULL out of memory. */
+/* Positions of ball or target of each sample, by models[0] for the training data and models[1] for
+ * the test data, [n_rows][3]; NULL: out of memory. */
 static double *positions(mukca_report *r, const mukca_model models[2])
 {
     double *tips = MUKCA_TAKE(&r->pool, double, 3 * r->data.n_rows + 1);
@@ -59,8 +59,8 @@ static double *positions(mukca_report *r, const mukca_model models[2])
     return tips;
 }
 
-/* Tips minus their socket's mean, or minus the measured position, [n_rows][3]; NULL out of memory.
- */
+/* Residuals of the tips from their socket's mean or from the measured position, [n_rows][3]; NULL:
+ * out of memory. */
 static double *residuals(mukca_report *r, const double *tips)
 {
     const mukca_dataset *data = &r->data;
@@ -83,8 +83,8 @@ static double *residuals(mukca_report *r, const double *tips)
     return residual;
 }
 
-/* Part of each residual along which the ball moves with each joint, r . J_j / |J_j|, m,
- * [n_rows][n_joints]; NULL out of memory. */
+/* Component of each residual along the ball's motion by each joint, r . J_j / |J_j|, m,
+ * [n_rows][n_joints]; NULL: out of memory. */
 static double *joint_errors(mukca_report *r, const mukca_chain *chain, const double *theta,
                             const double *residual)
 {
@@ -102,15 +102,15 @@ static double *joint_errors(mukca_report *r, const mukca_chain *chain, const dou
                 dot += residual[3 * i + k] * J[k * n + j];
                 square += J[k * n + j] * J[k * n + j];
             }
-            /* below 1 um per rad the joint does not move the ball */
+            /* below 1 um per rad the joint has no effect on the ball */
             errors[i * n + j] = square > 1e-12 && isfinite(dot) ? dot / sqrt(square) : 0;
         }
     }
     return errors;
 }
 
-/* Geometry and effects of the diagnosis: the joint errors that they leave.  Its effects name the
- * placements of the training data; those of a placement do not act on the test data. */
+/* Joint errors of the diagnosed model, geometry and effects.  Effects of a placement refer to the
+ * training data and are omitted for the test data. */
 static double *explain(mukca_report *r)
 {
     const mukca_applied *applied = &r->diagnosed.diagnosis->applied;
@@ -130,8 +130,8 @@ static double *explain(mukca_report *r)
     return joint_errors(r, r->chain, theta, r->explained);
 }
 
-/* Positions, residuals and their parts by joint; models[0] for the training data, models[1] for the
- * test data. */
+/* Compute positions, residuals and their components by joint; models[0] for the training data,
+ * models[1] for the test data. */
 static mukca_status predict(mukca_report *r, const mukca_model *nominal,
                             const mukca_model models[2], mukca_error *error)
 {
@@ -141,7 +141,7 @@ static mukca_status predict(mukca_report *r, const mukca_model *nominal,
     r->residual = residuals(r, r->calibrated);
     double *errors = joint_errors(r, r->fitted, r->offsets->theta, r->residual);
     r->joint_error = errors;
-    /* the effects know nothing of the frames that a pose log's calibration adds */
+    /* the effects refer to the chain without the frames added for a pose log */
     if (applied->fitted && applied->n_effects > 0 &&
         r->fitted->n_elements == r->chain->n_elements) {
         double *left = explain(r);
@@ -175,7 +175,7 @@ static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukc
     return MUKCA_OK;
 }
 
-/* Append a bar, unless nothing was left to test on. */
+/* Append a bar, unless there were no test samples. */
 static bool add_bar(void *context, const mukca_cross_training *t, double share)
 {
     mukca_report *r = context;

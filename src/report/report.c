@@ -1,4 +1,4 @@
-/* The report's page: its head, its sections in the order of reading, and where the figures go. */
+/* The page of the report: head, sections in reading order, and their figures. */
 #include "report/report.h"
 
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include "report/page.h"
 #include "report/parts.h"
 
-/* In the order of reading.  A section without any of its figures is omitted. */
+/* Sections in reading order; one without any of its figures is omitted. */
 static const struct {
     const char *id, *heading;
     mukca_report_figure *figures[2];
@@ -29,7 +29,7 @@ static const struct {
 };
 enum { SECTIONS = sizeof sections / sizeof *sections };
 
-/* All figures of a section. */
+/* Draw all figures of a section. */
 static mukca_status put_figures(const mukca_page_figures *to, int section, const mukca_report *r,
                                 mukca_error *error)
 {
@@ -51,7 +51,7 @@ static mukca_status put_figures(const mukca_page_figures *to, int section, const
     return status;
 }
 
-/* Write a section, and its entry of the list of sections into `list`. */
+/* Write a section, and its entry in the list of sections to `list`. */
 static mukca_status put_section(FILE *out, FILE *list, int section, const mukca_report *r,
                                 mukca_error *error)
 {
@@ -80,7 +80,7 @@ mukca_status mukca_report_write(FILE *out, const mukca_report *r, mukca_error *e
 {
     char *text = NULL;
     size_t size = 0;
-    FILE *body = open_memstream(&text, &size); /* the list of sections comes before them */
+    FILE *body = open_memstream(&text, &size); /* the list of sections precedes them */
     mukca_status status = MUKCA_OK;
     if (!body) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
     mukca_page_begin(out, &(mukca_page_head){.robot = r->chain->robot,

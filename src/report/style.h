@@ -1,9 +1,9 @@
-/* The report's style sheet: light and dark, screen, telephone and paper. */
+/* The report's style sheet: light and dark schemes, screen, phone and paper. */
 #ifndef MUKCA_REPORT_STYLE_H
 #define MUKCA_REPORT_STYLE_H
 
-/* The figures carry the light colours as attributes; rules for an attribute's value restate each
- * for the scheme in use.  (gnuplot writes a colour as rgb with padded numbers.) */
+/* The figures have the light colours as attributes; rules for the value of an attribute replace
+ * each by that of the scheme in use.  (gnuplot writes a colour as rgb with padded numbers.) */
 #define REPORT_COLOUR(value, variable)                    \
     ".plot [stroke=\"" value "\"]{stroke:var(--" variable \
     ")}"                                                  \

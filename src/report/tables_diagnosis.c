@@ -8,7 +8,7 @@
 
 enum { COLUMNS = (MUKCA_MAX_JOINTS + 1) * (MUKCA_NAME_SIZE + 2) }; /* characters of headings */
 
-/* `first` and a column of numbers for each joint. */
+/* Form the headings of a table: `first` and a column of numbers for each joint. */
 static void joint_columns(char columns[COLUMNS], const char *first, const mukca_chain *chain)
 {
     strcpy(columns, first);
@@ -18,9 +18,9 @@ static void joint_columns(char columns[COLUMNS], const char *first, const mukca_
     }
 }
 
-/* ---- verdict and what to do ---- */
+/* ---- verdict and remedies ---- */
 
-/* One item for each remedy, with all causes that it is for. */
+/* Write one item for each remedy, with all causes it applies to. */
 static void put_remedies(FILE *out, const mukca_diagnosed *d)
 {
     const mukca_cause *causes = d->diagnosis->causes;
@@ -43,7 +43,7 @@ static void put_remedies(FILE *out, const mukca_diagnosed *d)
     }
 }
 
-/* What the diagnosis asks for, else how to use its result. */
+/* Write the next step that the diagnosis recommends, else how to use its result. */
 static void put_next(FILE *out, const mukca_diagnosed *d)
 {
     char next[MUKCA_WORDING];
@@ -131,7 +131,7 @@ static void put_ties(FILE *out, const mukca_diagnosed *d)
     mukca_html_table_end(&table);
 }
 
-/* Matrix of what is confounded with what. */
+/* Write the matrix of correlations among causes and close candidates. */
 static void put_confounding(FILE *out, const mukca_diagnosed *d)
 {
     const mukca_confounding *c = &d->diagnosis->confounding;
@@ -202,7 +202,7 @@ void mukca_report_put_faults(FILE *out, const mukca_report *r)
 
 /* ---- detection limits ---- */
 
-/* Not testable, and by the same effect and reason? */
+/* Whether two tested effects are not testable for the same reason. */
 static bool same_reason(const mukca_tested *a, const mukca_tested *b)
 {
     return !a->testable && !b->testable && a->effect == b->effect && strcmp(a->why, b->why) == 0;
@@ -235,7 +235,7 @@ static void put_untestable(FILE *out, const mukca_report *r)
     mukca_html_table_end(&table);
 }
 
-/* Smallest detection limit of an effect at a joint (-1: at none), rad or m; NaN: not testable. */
+/* Smallest detection limit of an effect at a joint (-1: no joint), rad or m; NaN: not testable. */
 static double limit_of(const mukca_diagnosis *d, int effect, int joint)
 {
     double limit = NAN;

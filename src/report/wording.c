@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Append to a text of MUKCA_WORDING characters; what does not fit is cut off. */
+/* Append to a text of MUKCA_WORDING characters; longer text is truncated. */
 __attribute__((format(printf, 2, 3))) static void put(char *text, const char *format, ...)
 {
     const size_t used = strlen(text);
@@ -81,7 +81,7 @@ void mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         if (strcmp(unit, table[i].si) == 0) shown = table[i].shown, factor = table[i].factor;
     if (cause->effect.variant.to_command) shown = "% of command minus reading", factor = 100;
-    /* two figures of the interval's half width */
+    /* two significant digits of the interval's half width */
     const double half = fmax(factor * fabs(cause->high - cause->amplitude), 1e-12);
     int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
     digits = digits < 0 ? 0 : digits > 4 ? 4 : digits;
@@ -100,13 +100,13 @@ void mukca_wording_probability(char text[MUKCA_WORDING], double probability)
         put(text, "probability %.*f %%", probability > 0.99 ? 1 : 0, 100 * probability);
 }
 
-/* Words of a cause that its effect alone does not have. */
+/* Texts of a cause that differ from those of its effect. */
 typedef struct {
     const char *mechanism, *remedy;
 } particular;
 
-/* A tool is one and the same in all placements: where one differs, it moved.  The load on the last
- * link depends on how the link is tilted and on nothing else, as the seat of a ball does. */
+/* A tool is the same in all placements: a difference means that it moved.  A load on the last link
+ * acts by the link's tilt only, as does an error of the ball's seat. */
 static const particular *find_particular(const mukca_cause *cause, const mukca_diagnosed *r)
 {
     static const particular moved = {"it differs from that of the other placements",
@@ -141,7 +141,7 @@ const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed
 
 /* ---- the verdict ---- */
 
-/* It names the joints that share what remains about evenly, or one with its range. */
+/* Names the joints that share the remaining error about equally, or one joint with its range. */
 void mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -209,7 +209,7 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put(text, "; unexplained structure remains");
 }
 
-/* Gravity that explains the data better than that of the model. */
+/* Append the gravity vector that explains the data better than that of the model. */
 static void put_gravity(char *text, const double g[3], const double given[3])
 {
     const bool opposite = g[0] * given[0] + g[1] * given[1] + g[2] * given[2] < 0;

@@ -1,11 +1,11 @@
-/* The wording of a fleet: one place for what screen and page say of it. */
+/* The wording of a fleet, shared by screen and page. */
 #ifndef MUKCA_REPORT_WORDING_FLEET_H
 #define MUKCA_REPORT_WORDING_FLEET_H
 
 #include "fleet/traits.h"
 #include "report/wording.h"
 
-/* Unit of all coefficients that a fleet has, and what makes it of rad/(N m). */
+/* Unit of all coefficients of a fleet, and their factor from rad/(N m). */
 #define MUKCA_WORDING_SPRING "urad/(N·m)"
 #define MUKCA_WORDING_PER_SPRING 1e6
 
