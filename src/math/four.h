@@ -1,4 +1,4 @@
-/* Four doubles at a time in the compiler's portable vectors. */
+/* Four doubles at a time, as portable vectors of the compiler. */
 #ifndef MUKCA_MATH_FOUR_H
 #define MUKCA_MATH_FOUR_H
 
@@ -7,17 +7,17 @@
 
 #include "base/clones.h"
 
-/* Unaligned; the compiler splits it where the processor has no such register. */
+/* Unaligned; the compiler splits it on processors without such registers. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 typedef float four_floats __attribute__((vector_size(16), aligned(4), may_alias));
 
-/* Macros: a function that returns a wide vector has no fixed calling convention. */
+/* Macros, as a function that returns a wide vector has no fixed calling convention. */
 #define LOAD4(x) (*(const four *)(const void *)(x))
 #define STORE4(x, value) (*(four *)(void *)(x) = (value))
 #define WIDEN4(x) __builtin_convertvector(*(const four_floats *)(const void *)(x), four)
 
-/* Lanes of kernels that a controller runs too: four where a processor has vectors of doubles, else
- * one, which any compiler turns into good code.  The bits of a result are the same. */
+/* Lanes of the kernels shared with controllers: four on processors with vectors of doubles, else
+ * one, which any compiler translates efficiently.  The bits of a result are the same. */
 #if (defined(__x86_64__) || defined(__aarch64__)) && !defined(MUKCA_SCALAR)
 #define MUKCA_LANES 4
 typedef four lanes;
@@ -45,7 +45,7 @@ static inline lanes BITS_LANES(lane_bits b)
 #define NOT_WITHIN(x, limit) (-(lane_bits) !((x) <= (limit)))
 #define ANY_LANE(b) (b)
 #endif
-/* Of a member that holds lanes: none lies across two cache lines, where access takes longer. */
+/* Alignment of members that contain lanes: access across two cache lines is slower. */
 #define LANES_ALIGNED _Alignas(8 * MUKCA_LANES)
 #define LOAD_LANES(x) (*(const lanes *)(const void *)(x))
 #define STORE_LANES(x, value) (*(lanes *)(void *)(x) = (value))

@@ -1,4 +1,4 @@
-/* The rotation nearest to points. */
+/* The rotation nearest to a matrix. */
 #include <string.h>
 
 #include "math/dense.h"
@@ -6,12 +6,12 @@
 
 void mukca_rotation_nearest(double R[9], const double H[9])
 {
-    double U[9], s[3], V[9], u[3][3], v[3][3]; /* u, v: columns */
+    double U[9], s[3], V[9], u[3][3], v[3][3]; /* columns of U and V */
     memcpy(U, H, sizeof U);
     if (mukca_dense_svd(U, s, V, 3, 3) || !(s[1] > 1e-9 * s[0])) return;
     for (int c = 0; c < 2; c++)
         for (int i = 0; i < 3; i++) u[c][i] = U[3 * i + c], v[c][i] = V[3 * i + c];
-    mukca_cross(u[2], u[0], u[1]); /* so that det R = 1 */
+    mukca_cross(u[2], u[0], u[1]); /* for det R = 1 */
     mukca_cross(v[2], v[0], v[1]);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)

@@ -6,7 +6,7 @@
 
 #define PI 3.14159265358979323846
 
-/* `angle` shifted by whole turns to lie nearest to `near`. */
+/* `angle` plus the multiple of 2 pi that brings it closest to `near`. */
 static double unwrap(double angle, double near)
 {
     return angle + 2 * PI * round((near - angle) / (2 * PI));
@@ -44,7 +44,7 @@ void mukca_rotation_log(double w[3], const double R[9])
 {
     const double half[3] = {0.5 * (R[7] - R[5]), 0.5 * (R[2] - R[6]), 0.5 * (R[3] - R[1])};
     const double s2 = mukca_dot3(half, half);  /* sin^2 */
-    if (s2 < 1e-4 && R[0] + R[4] + R[8] > 0) { /* asin(s) / s, the next term is 3e-18 */
+    if (s2 < 1e-4 && R[0] + R[4] + R[8] > 0) { /* asin(s) / s to 3e-18 */
         const double f = 1 + s2 * (1.0 / 6 + s2 * (3.0 / 40 + s2 * (15.0 / 336)));
         for (int i = 0; i < 3; i++) w[i] = f * half[i];
         return;

@@ -58,6 +58,6 @@ int mukca_random_below(mukca_random *random, int n)
 {
     uint64_t range = (uint64_t)n, bits, value;
     do bits = mukca_random_bits(random), value = bits % range;
-    while (bits - value > UINT64_MAX - range); /* the last numbers are no whole range */
+    while (bits - value > UINT64_MAX - range); /* reject the last, incomplete range */
     return (int)value;
 }

@@ -6,7 +6,7 @@
 
 typedef struct {
     uint64_t state[4];
-    double spare; /* second normal of the polar pair */
+    double spare; /* second normal variate of the polar method */
     int has_spare;
 } mukca_random;
 

@@ -19,7 +19,7 @@ void mukca_rotation_from_rpy_derivative(double dR[3][9], const double rpy[3])
 {
     double R[9], turned[3], column[3];
     mukca_rotation_from_rpy(R, rpy);
-    /* roll, pitch and yaw turn about these axes, in the outer frame */
+    /* axes of roll, pitch and yaw in the outer frame */
     const double axes[3][3] = {{R[0], R[3], R[6]}, {-sin(rpy[2]), cos(rpy[2]), 0}, {0, 0, 1}};
     for (int i = 0; i < 3; i++)
         for (int c = 0; c < 3; c++) {
@@ -33,7 +33,7 @@ void mukca_rotation_exp(double R[9], const double w[3])
 {
     const double t2 = mukca_dot3(w, w);
     double a, b;     /* sin t / t, (1 - cos t) / t^2 */
-    if (t2 < 0.01) { /* displacements: the series' next terms are below 3e-18 */
+    if (t2 < 0.01) { /* small angles: the next terms of the series are below 3e-18 */
         a = 1 - t2 * (1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040 - t2 * (1.0 / 362880))));
         b = 0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720 - t2 * (1.0 / 40320 - t2 * (1.0 / 3628800))));
     } else {

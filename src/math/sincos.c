@@ -10,7 +10,7 @@ MUKCA_CLONES bool mukca_sincos_near(double *s, double *c, const double *x, int n
     for (; i + MUKCA_LANES <= n; i += MUKCA_LANES) sincos_lanes(s + i, c + i, &wide, x + i);
 #if MUKCA_LANES > 1
     if (i < n) {
-        /* made up in a register: a copy in memory would make its reader wait */
+        /* built in a register: loading a copy from memory would stall */
         const int left = n - i;
         const lanes last = {x[i], left > 1 ? x[i + 1] : 0, left > 2 ? x[i + 2] : 0, 0};
         sincos_lanes(s + i, c + i, &wide, (const double *)&last);

@@ -1,9 +1,9 @@
 /* Sine and cosine of four angles at a time, and of an array.
  *
  * Up to |x| = MUKCA_SINCOS_LARGEST the error is below 1 ulp (largest found: 0.91, against 113
- * bits); beyond, for infinities and for NaN the C library computes.  Nothing is contracted or
- * reassociated: an angle's bits depend neither on its place among the others nor on the processor.
- */
+ * bits); beyond, and for infinities and NaN, the C library is used.  No operation is contracted or
+ * reassociated: the bits of a result depend neither on the angle's position in the array nor on the
+ * processor. */
 #ifndef MUKCA_MATH_SINCOS_H
 #define MUKCA_MATH_SINCOS_H
 
@@ -14,28 +14,28 @@
 
 #define MUKCA_SINCOS_LARGEST 0x1p20
 
-/* s[i], c[i] := sine, cosine of x[i], rad.  s and c must not overlap x, and have room for n rounded
+/* s[i], c[i] := sine, cosine of x[i], rad.  s and c must not overlap x and need room for n rounded
  * up to a multiple of 4. */
 void mukca_sincos(double *s, double *c, const double *x, int n);
 
-/* The same without the C library; false: some angle is beyond MUKCA_SINCOS_LARGEST, and its results
- * mean nothing. */
+/* The same without the C library; false: an angle exceeds MUKCA_SINCOS_LARGEST and its results are
+ * invalid. */
 bool mukca_sincos_near(double *s, double *c, const double *x, int n);
 
-/* The kernel, for MUKCA_LANES angles of |x| <= MUKCA_SINCOS_LARGEST; others leave bits in `wide`,
- * and their results mean nothing.
+/* The kernel, for MUKCA_LANES angles of |x| <= MUKCA_SINCOS_LARGEST; others set bits in `wide`, and
+ * their results are invalid.
  *
  * Reduction to [-pi/4, pi/4] by a multiple n of pi/2 in four parts (Cody and Waite 1980): products
  * of n with the first three, of 33 bits, are exact, and the rounding errors of the subtractions are
- * kept.  The parts hold pi/2 to 2^-157, so that the relative error is small next to a multiple of
- * pi/2 too.  Polynomials: the minimax ones of fdlibm (k_sin.c, k_cos.c), good to 2^-58.  Sine of
- * |x|, then the sign: zero keeps its own. */
+ * compensated.  The parts represent pi/2 to 2^-157, which keeps the relative error small close to
+ * multiples of pi/2, too.  Polynomials: the minimax ones of fdlibm (k_sin.c, k_cos.c), accurate to
+ * 2^-58.  The sine of |x| gets the sign of x, also for zero. */
 MUKCA_INLINE void sincos_lanes(double *s, double *c, lane_bits *wide, const double *angle)
 {
     const lane_bits given = LANE_BITS(LOAD_LANES(angle));
     const lanes x = BITS_LANES(given & INT64_MAX);
     *wide |= NOT_WITHIN(x, MUKCA_SINCOS_LARGEST);
-    const lanes shifted = x * 0x1.45f306dc9c883p-1 + 0x1.8p52; /* rounds; n is in the low bits */
+    const lanes shifted = x * 0x1.45f306dc9c883p-1 + 0x1.8p52; /* rounds; the low bits are n */
     const lanes n = shifted - 0x1.8p52;
     const lane_bits quadrant = LANE_BITS(shifted);
     const lanes first = x - n * 0x1.921fb544p+0;

@@ -1,4 +1,4 @@
-/* Quantiles, the tails that evidence needs, and a one-dimensional minimiser. */
+/* Quantiles, log-domain sums and tails, and a one-dimensional minimiser. */
 #include "math/stats.h"
 
 #include <float.h>
@@ -63,7 +63,8 @@ double mukca_stats_minimize(double *value, double (*f)(void *, double), void *co
         if (q > 0) p = -p;
         q = fabs(q);
         if (fabs(before) > tol && fabs(p) < fabs(0.5 * q * before) && p > q * (lo - x) &&
-            p < q * (hi - x)) { /* the parabola's minimum lies inside and is not far */
+            p < q * (hi - x)) { /* the parabola's minimum lies inside the interval, within half the
+                                   last step but one */
             before = step;
             step = p / q;
             if (x + step - lo < 2 * tol || hi - x - step < 2 * tol)

@@ -1,4 +1,4 @@
-/* The chain: look-ups and parameter vectors. */
+/* Look-ups in a chain, and its parameter vectors. */
 #include "mukca/chain.h"
 
 #include <string.h>

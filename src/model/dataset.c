@@ -1,11 +1,11 @@
-/* Recorded rows: allocation, freeing, subsets. */
+/* Datasets: allocation, freeing, subsets. */
 #include "mukca/dataset.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* calloc that never asks for 0 bytes, so that NULL means out of memory. */
+/* calloc of at least one byte: NULL means out of memory. */
 static void *zeros(size_t count, size_t size)
 {
     return calloc(count ? count : 1, size);
@@ -63,7 +63,7 @@ void mukca_dataset_free(mukca_dataset *data)
     memset(data, 0, sizeof *data);
 }
 
-/* Copy of source[rows][width] with the kept rows only; NULL stays NULL. */
+/* Copy the kept samples of source[rows][width]; NULL stays NULL. */
 static bool copy_doubles(double **out, const double *source, int width, const mukca_dataset *data,
                          const unsigned char *keep, int kept)
 {
@@ -80,7 +80,7 @@ static bool copy_doubles(double **out, const double *source, int width, const mu
     return true;
 }
 
-/* Copy of count items of a list; NULL stays NULL. */
+/* Copy a list of `count` items; NULL stays NULL. */
 static bool copy_list(void *out_pointer, const void *source, int count, size_t size)
 {
     void *copy = NULL;

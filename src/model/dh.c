@@ -1,4 +1,4 @@
-/* Denavit-Hartenberg tables: from a chain, and a chain from one. */
+/* Denavit-Hartenberg tables: conversion from a chain and to a chain. */
 #include "model/dh.h"
 
 #include <stdio.h>
@@ -10,12 +10,13 @@ const char *const mukca_dh_convention_name[] = {"standard", "modified", NULL};
 
 static const double pi = 3.14159265358979323846;
 
-/* Sine of the angle below which two axes count as parallel.  Taking them for parallel costs sine
- * times a metre; keeping the common normal costs the rounding of d = metre / sine, 1e-16 / sine:
- * equal at 1e-8. */
+/* Sine of the angle below which two axes are treated as parallel.  This causes an error of sine
+ * times a metre; the alternative, a common normal, causes the rounding error of d = metre / sine,
+ * 1e-16 / sine.  Both are equal at 1e-8. */
 static const double parallel = 1e-8;
 
-/* Smaller lengths and angles (m, rad) are rounding; the rows that follow take them up. */
+/* Smaller lengths and angles (m, rad) are rounding errors and set to 0; the following rows absorb
+ * them. */
 static const double smallest = 1e-12;
 
 static double clean(double x)
@@ -31,8 +32,8 @@ static mukca_frame row_frame(const mukca_dh_row *r)
                          .p = {r->a * c, r->a * s, r->d}};
 }
 
-/* The row from the frame F, whose z axis is one line, to the line through p along z, base frame.
- * For the last line, `tip` is the frame on it that is wanted; else NULL. */
+/* Find the row from frame F, whose z axis is one line, to the z axis of frame `line`, base frame.
+ * For the last row, `tip` is the frame to be reached; else NULL. */
 static void find_row(mukca_dh_row *r, const mukca_frame *F, const mukca_frame *line,
                      const mukca_frame *tip)
 {
@@ -55,7 +56,7 @@ static void find_row(mukca_dh_row *r, const mukca_frame *F, const mukca_frame *l
     } else {
         r->theta = 0;
     }
-    /* x may point either way along the normal: the smaller turn */
+    /* of the two directions of x along the normal, the one with the smaller rotation */
     if (fabs(r->theta) > pi / 2 + parallel && (sine >= parallel || !tip))
         r->theta -= copysign(pi, r->theta);
     r->theta = clean(r->theta);
@@ -64,7 +65,7 @@ static void find_row(mukca_dh_row *r, const mukca_frame *F, const mukca_frame *l
     r->alpha = clean(atan2(s * z[0] - c * z[1], z[2]));
 }
 
-/* A frame whose z axis is that of joint j at q = 0; past the last joint: the tip. */
+/* A frame whose z axis is that of joint j at q = 0; for j = n_joints the tip. */
 static mukca_frame joint_line(const mukca_chain *chain, const mukca_geometry *g, int j,
                               const mukca_frame *before, const mukca_frame *tip)
 {
@@ -82,7 +83,7 @@ static bool is_zero(const mukca_dh_row *r)
     return r->a == 0 && r->alpha == 0 && r->d == 0 && r->theta == 0;
 }
 
-/* A name for a fixed row that no joint has. */
+/* Make a name for a fixed row, different from those of the joints. */
 static void name_row(char name[MUKCA_NAME_SIZE], const mukca_chain *chain, const char *wanted)
 {
     snprintf(name, MUKCA_NAME_SIZE, "%s", wanted);
@@ -92,7 +93,8 @@ static void name_row(char name[MUKCA_NAME_SIZE], const mukca_chain *chain, const
     }
 }
 
-/* Standard rows become modified ones: what lies behind the turn of a row moves to the next. */
+/* Convert standard rows to modified ones: the part of a row after its rotation moves to the
+ * next. */
 static void shift_rows(mukca_dh_row *row, int n)
 {
     for (int k = n - 1; k >= 0; k--) {
@@ -136,7 +138,7 @@ void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *t
         if (row[k].type != MUKCA_FIXED || !is_zero(&row[k])) dh->row[dh->n_rows++] = row[k];
 }
 
-/* An element whose origin is Tz(d) Tx(a) Rx(alpha) Rz(theta) Tz(e). */
+/* Append an element with the origin Tz(d) Tx(a) Rx(alpha) Rz(theta) Tz(e). */
 static void add_element(mukca_chain *chain, const mukca_dh_row *r, const double before[3],
                         double theta, double e)
 {
@@ -162,7 +164,7 @@ static void add_element(mukca_chain *chain, const mukca_dh_row *r, const double 
 void mukca_dh_to_chain(mukca_chain *chain, const mukca_dh *dh)
 {
     const bool modified = dh->convention == MUKCA_DH_MODIFIED;
-    double before[3] = {0}; /* d, a, alpha that lie behind the last turn */
+    double before[3] = {0}; /* d, a, alpha after the preceding rotation */
     *chain = (mukca_chain){.base = "base_link", .tip = "tip_link"};
     for (int k = 0; k < dh->n_rows; k++) {
         const mukca_dh_row *r = &dh->row[k];

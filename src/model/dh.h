@@ -1,4 +1,4 @@
-/* Denavit-Hartenberg tables: from a chain, and a chain from one. */
+/* Denavit-Hartenberg tables: conversion from a chain and to a chain. */
 #ifndef MUKCA_MODEL_DH_H
 #define MUKCA_MODEL_DH_H
 
@@ -14,9 +14,9 @@ extern const char *const mukca_dh_convention_name[]; /* ended by NULL */
 
 typedef struct {
     char name[MUKCA_NAME_SIZE];
-    mukca_joint_type type;     /* fixed: a frame that does not move, as of the base and the tool */
+    mukca_joint_type type;     /* fixed: a constant frame, as of the base and the tool */
     double a, alpha, d, theta; /* m, rad */
-    double lower, upper;       /* rad or m; -HUGE_VAL, HUGE_VAL where unlimited */
+    double lower, upper;       /* rad or m; -HUGE_VAL, HUGE_VAL: no limit */
 } mukca_dh_row;
 
 typedef struct {
@@ -25,17 +25,17 @@ typedef struct {
     mukca_dh_row row[MUKCA_MAX_ELEMENTS - 1];
 } mukca_dh;
 
-/* The chain with theta[6 * n_elements] (NULL: nominal).  Exact: fixed rows before the first and
- * behind the last joint take what the rows of the joints cannot hold; they are left out where they
- * are zero.  d of nearly parallel axes is large (Hayati 1983): their common normal is far away. */
+/* Convert the chain with theta[6 * n_elements] (NULL: nominal).  Exact: fixed rows before the first
+ * and after the last joint contain what the joints' rows cannot represent; they are omitted if
+ * zero.  d of nearly parallel axes is large, as their common normal is far away (Hayati 1983). */
 void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *theta,
                          mukca_dh_convention convention);
 
-/* The chain of a table, from link `base` to link `tip`; robot and SHA-256 are empty. */
+/* Convert a table to a chain from link `base` to link `tip`; robot and SHA-256 are empty. */
 void mukca_dh_to_chain(mukca_chain *chain, const mukca_dh *dh);
 
-/* Largest distance between the tips of the chain with `theta` and of the table, m, over random
- * postures within the limits. */
+/* Largest distance between the tips of the chain with `theta` and of the table over random postures
+ * within the limits, m. */
 double mukca_dh_residual(const mukca_dh *dh, const mukca_chain *chain, const double *theta);
 
 #endif

@@ -7,7 +7,7 @@ void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, co
                             const mukca_displacement *displacement)
 {
     const int n = geometry->n_joints;
-    at->moved[0] = 0; /* of an arm without joints */
+    at->moved[0] = 0; /* for an arm without joints */
     at->q = displacement ? at->moved : q;
     for (int j = 0; displacement && j < n; j++) at->moved[j] = q[j] + displacement->q[j];
     mukca_sincos(at->s, at->c, at->q, n);

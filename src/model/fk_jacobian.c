@@ -1,4 +1,4 @@
-/* Derivatives of forward kinematics by the joints and by the parameters. */
+/* Derivatives of forward kinematics by joint angles and by parameters. */
 #include <math.h>
 #include <string.h>
 
@@ -49,12 +49,12 @@ MUKCA_CLONES void mukca_fk_parameter_jacobian(double *J, double position[3],
     double yaw[PADDED], s[PADDED], c[PADDED], origin[MUKCA_MAX_ELEMENTS][3];
     columns F;
     joint_angles at;
-    yaw[0] = 0; /* of a chain without elements */
+    yaw[0] = 0; /* for a chain without elements */
     for (int k = 0; k < n; k++) yaw[k] = theta[MUKCA_PARAMETERS * k + 5];
     mukca_sincos(s, c, yaw, n);
     mukca_joint_angles_set(&at, geometry, q, NULL);
     columns_base(&F, NULL);
-    for (int k = 0; k < n; k++) { /* axes along and about which an element moves */
+    for (int k = 0; k < n; k++) { /* axes of an element's translations and rotations */
         const columns parent = F;
         columns_enter(&F, geometry, k);
         for (int i = 0; i < 3; i++) {

@@ -1,4 +1,4 @@
-/* Positions of many configurations at once, one in each lane. */
+/* Tip positions of many configurations at once, one per lane. */
 #include "model/turn.h"
 
 #if MUKCA_LANES == 1
@@ -12,7 +12,8 @@ void mukca_fk_positions(double *positions, const mukca_geometry *geometry, const
 
 #else
 
-/* v := R(axis of element k, angles) v: turn_vector's operations in its order, for the same bits. */
+/* v := R(axis of element k, angles) v: the operations of turn_vector in the same order, for
+ * identical bits. */
 MUKCA_INLINE void turn_lanes(lanes v[3], const mukca_geometry *geometry, int k, const double *sines,
                              const double *cosines)
 {
@@ -30,8 +31,8 @@ MUKCA_INLINE void turn_lanes(lanes v[3], const mukca_geometry *geometry, int k, 
     v[2] = c * z + s * (a[0] * y - a[1] * x) + along * a[2];
 }
 
-/* Tips v[3] of the configurations at row[MUKCA_LANES]; `wide` gets bits where an angle is beyond
- * the kernel of sines. */
+/* Tips v[3] of the configurations at row[MUKCA_LANES]; bits are set in `wide` if an angle exceeds
+ * the range of the sine kernel. */
 MUKCA_INLINE void positions_lanes(lanes v[3], lane_bits *wide, const mukca_geometry *geometry,
                                   const double *const *row)
 {

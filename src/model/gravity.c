@@ -5,7 +5,8 @@
 
 #include "model/turn.h"
 
-/* The arm in a posture under its load; what may be NULL is so in mukca_chain_moments. */
+/* The arm in a posture under its load; the members that may be NULL are those of
+ * mukca_chain_moments. */
 typedef struct {
     const mukca_chain *chain;
     const mukca_geometry *geometry;
@@ -15,7 +16,8 @@ typedef struct {
     double payload_kg;
 } posture;
 
-/* Rotation of the origin of element k, displaced; in R[9] where it is not that of the geometry. */
+/* Rotation of the origin of element k with its displacement; R[9] is storage for the displaced
+ * one. */
 static const double *turn_origin(double R[9], const posture *p, int k)
 {
     const double *w = joint_rotation(p->displacement, p->geometry->joint[k]);
@@ -49,10 +51,10 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
     const mukca_geometry *geometry = at->geometry;
     const bool tilted = at->displacement && at->displacement->any_rotation;
     const int n = chain->n_elements;
-    double R[9], tilt[9]; /* of the base */
+    double R[9], tilt[9]; /* tilt: of the base */
     joint_angles angles;
     double gravity[MUKCA_MAX_ELEMENTS][3];
-    double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3]; /* child frames */
+    double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3]; /* in the child frames */
     double g[3] = {chain->gravity[0], chain->gravity[1], chain->gravity[2]};
 
     mukca_chain_masses(kg, first, chain, at->mass_scale, at->payload_kg);
@@ -61,7 +63,7 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
         mukca_rotation_exp(tilt, at->displacement->base);
         mukca_mat3_tvec(g, tilt, chain->gravity);
     }
-    /* Gravity in each joint frame, outwards. */
+    /* Gravity in each joint frame, from base to tip. */
     for (int k = 0; k < n; k++) {
         const int j = geometry->joint[k];
         mukca_mat3_tvec(gravity[k], turn_origin(R, at, k), g);
@@ -70,7 +72,7 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
             turn_vector(g, geometry, k, -angles.s[j], angles.c[j]);
     }
 
-    /* Mass and first moment of all that each joint carries, inwards. */
+    /* Mass and first moment of everything that each joint carries, from tip to base. */
     double total = 0, carried[3] = {0, 0, 0}; /* of element k + 1, in the child frame of k */
     for (int k = n - 1; k >= 0; k--) {
         const double *axis = geometry->axis[k], *p = geometry->origin[k].p;

@@ -1,4 +1,4 @@
-/* The state of a row from the rows before it: move, time, command. */
+/* Joint state of a row from the preceding rows: move, time, command. */
 #include "mukca/row_state.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ void mukca_row_state_start(mukca_row_state *rows, int n_joints)
 void mukca_row_state_stream(mukca_row_state *rows, int n_joints)
 {
     mukca_row_state_start(rows, n_joints);
-    rows->window = 0.1; /* five times the scale of approach hysteresis, whose tanh is then 1 */
+    rows->window = 0.1; /* five scales of approach hysteresis, whose tanh is then 1 */
 }
 
 const mukca_joint_state *mukca_row_state_set(mukca_row_state *rows, const double *q)
@@ -29,7 +29,7 @@ const mukca_joint_state *mukca_row_state_set(mukca_row_state *rows, const double
     return &rows->state;
 }
 
-/* Seconds since the recording's start. */
+/* Time since the start of the recording, s. */
 static double elapsed(mukca_row_state *rows, const mukca_row_reading *reading)
 {
     const int skipped = rows->rows > 0 ? reading->number - rows->number : 0;
