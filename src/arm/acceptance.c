@@ -1,4 +1,4 @@
-/* The verdict of an offsets table, from its comment lines. */
+/* The verdict of an offsets table: reading it from comment lines. */
 #include "arm/acceptance.h"
 
 #include <math.h>
@@ -31,7 +31,7 @@ static void refuse(mukca_acceptance *a, const char *reason)
     a->accepted = false;
 }
 
-/* The text after "# KEY: " of a line, else NULL. */
+/* The text after "# KEY: " in a line; NULL: another line. */
 static const char *value_of(const char *line, const char *key)
 {
     const size_t length = strlen(key);
@@ -43,12 +43,12 @@ void mukca_acceptance_read(mukca_acceptance *a, const char *line)
 {
     const char *text = value_of(line, "accepted");
     if (text && strcmp(text, "yes") == 0) {
-        a->accepted = !a->given || a->accepted; /* one refusal is enough */
+        a->accepted = !a->given || a->accepted; /* a preceding refusal remains */
         a->given = true;
     } else if (text) {
         text += strncmp(text, "no; ", 4) == 0 ? 4 : 0;
         refuse(a, text);
-    } else if (strcmp(line, "# NOT CONVERGED") == 0) { /* release 0.1.0 */
+    } else if (strcmp(line, "# NOT CONVERGED") == 0) { /* of release 0.1.0 */
         refuse(a, "NOT CONVERGED");
     }
     text = value_of(line, "converged");

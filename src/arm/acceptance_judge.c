@@ -1,16 +1,16 @@
-/* The verdict of an offsets table: its gates. */
+/* The verdict of an offsets table: conditions of acceptance. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 
 #include "arm/acceptance.h"
 
-/* Measurement noise above this, m, means that the samples are not those of this arm: five times
- * what the worst published arm shows. */
+/* Measurement noise above this, m, means that the samples are of another arm: five times that of
+ * the worst published arm. */
 static const double foreign_noise = 10e-3;
 
-/* Displacement of the tip over its prior standard deviation.  A normal prior exceeds 5 once in 1.7
- * million arms: the URDF, the labels or the units are wrong instead. */
+/* Largest ratio of the tip's displacement to its prior standard deviation.  A normal prior exceeds
+ * 5 in one of 1.7 million arms: an error of URDF, labels or units is more probable. */
 static const double most_sigma = 5;
 
 void mukca_acceptance_refuse(mukca_acceptance *a, const char *format, ...)

@@ -1,4 +1,5 @@
-/* Two models of one arm: the errors of the tip, as they are and with base and tool aligned. */
+/* Comparison of two models of one arm: differences of the tip, without and with alignment of base
+ * and tool. */
 #include "arm/compare.h"
 
 #include <math.h>
@@ -9,16 +10,16 @@
 #include "math/dense.h"
 #include "math/stats.h"
 
-enum { FREE = 9, MOST_STEPS = 50 }; /* turn and shift of the base, shift of the tool */
+enum { FREE = 9, MOST_STEPS = 50 }; /* base (6), tool translation (3) */
 
-/* B's tip, aligned: base * b * tool. */
+/* B's tip after alignment: base * b * tool. */
 static void align(mukca_frame *out, const mukca_comparison *c, const mukca_frame *b)
 {
     mukca_frame_multiply(out, &c->base, b);
     mukca_frame_multiply(out, out, &c->tool);
 }
 
-/* Base from the positions alone (Kabsch 1976), for a start. */
+/* Start value of the base, from positions alone (Kabsch 1976). */
 static void start(mukca_comparison *c)
 {
     double mean[2][3] = {{0}}, H[9] = {0}, turned[3];
@@ -37,7 +38,7 @@ static void start(mukca_comparison *c)
     for (int r = 0; r < 3; r++) c->base.p[r] = mean[0][r] - turned[r];
 }
 
-/* One Gauss-Newton step of the positions; returns its largest element. */
+/* One Gauss-Newton step for the positions; returns its largest element. */
 static double refine(mukca_comparison *c)
 {
     enum { SIZE = FREE + 1 };
@@ -58,7 +59,7 @@ static double refine(mukca_comparison *c)
         }
         mukca_dense_qr_absorb(R, NULL, rows, 3, FREE, 1);
     }
-    for (int a = 0; a < FREE; a++) { /* what nothing determines stays */
+    for (int a = 0; a < FREE; a++) { /* undetermined directions stay */
         double row[SIZE] = {0};
         row[a] = 1e-6;
         mukca_dense_qr_absorb(R, NULL, row, 1, FREE, 1);
@@ -79,7 +80,7 @@ static double refine(mukca_comparison *c)
     return largest;
 }
 
-/* Turn of the tool: the mean of those from B's aligned tip to A's. */
+/* Rotation of the tool: the mean of those from B's aligned tip to A's. */
 static void turn_tool(mukca_comparison *c)
 {
     double H[9] = {0};

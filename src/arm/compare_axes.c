@@ -1,31 +1,33 @@
-/* The joint axes of two models: at each joint, B's axis is brought onto A's, and what that takes is
- * the difference.
+/* Comparison of the joint axes of two models: at each joint, the difference is the motion that
+ * brings B's axis onto A's.
  *
- * A turn about an axis and a shift along it commute with the joint's motion: they are carried to
- * the next joint, where the turn (the joint's zero) and the shift are those that bring the next
- * axes closest together (theta and d of Denavit and Hartenberg; between parallel axes, of Hayati).
- */
+ * A rotation about an axis and a translation along it commute with the joint's motion.  They are
+ * carried to the next joint and determined there as those that bring the next axes closest
+ * together: the rotation (the joint's zero) and the translation (theta and d of Denavit and
+ * Hartenberg; between parallel axes, of Hayati). */
 #include "arm/compare_axes.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Axes within this angle count as parallel: a shift of 8 mm, the widest that arms call for, then
- * moves the next axis by less than 0.2 mm, which nobody could tell from its distance. */
+/* Axes within this angle, rad, are treated as parallel: a translation of 8 mm, the largest prior of
+ * real arms, then changes the distance of the next axis by less than 0.2 mm, which is not
+ * measurable. */
 static const double parallel = 0.02;
-/* Axes nearer than this count as one line, m: a turn of 20 mrad moves the next by 0.2 mm. */
+/* Axes closer than this, m, are treated as coincident: a rotation of 20 mrad displaces the next
+ * axis by 0.2 mm. */
 static const double one_line = 0.01;
 
-/* Next joints, in the frame of A's present one. */
+/* The next joints of A and B, in the frame of A's present joint. */
 typedef struct {
     mukca_frame a, b;
     double axis[2][3];
     double own[3];       /* A's present axis */
-    mukca_frame carried; /* B's present frame in A's: a turn about `own` and a shift along it */
-    bool slides;         /* the next joint: its axis has no place */
+    mukca_frame carried; /* B's present frame in A's: a screw along `own` */
+    bool slides;         /* the next joint is prismatic: its axis has no position */
 } pair;
 
-/* The links before the next joint, from element `from` on; returns its element. */
+/* Compose the links before the next joint, from element `from`; returns the joint's element. */
 static int next_link(mukca_frame *link, double axis[3], const mukca_geometry *g, int from)
 {
     int k = from;
@@ -43,14 +45,14 @@ static double turn_between(const double axis[3], const double v[3], const double
     return atan2(mukca_dot3(axis, c), mukca_dot3(v, w) - mukca_dot3(axis, v) * mukca_dot3(axis, w));
 }
 
-/* The part of v across `axis`. */
+/* Component of v perpendicular to `axis`. */
 static void across(double out[3], const double axis[3], const double v[3])
 {
     const double along = mukca_dot3(axis, v);
     for (int i = 0; i < 3; i++) out[i] = v[i] - along * axis[i];
 }
 
-/* Apply a turn about the present axis and a shift along it to B. */
+/* Rotate B about the present axis and translate it along the axis. */
 static void apply(pair *p, double turn, double shift)
 {
     mukca_frame screw;
@@ -62,7 +64,7 @@ static void apply(pair *p, double turn, double shift)
     memcpy(p->axis[1], turned, sizeof turned);
 }
 
-/* Bring B's next axis as close to A's as the present joint can; NaN: nothing shows it. */
+/* Move B's next axis as close to A's as the present joint permits; NaN: undetermined. */
 static void fit_screw(double *turn, double *shift, pair *p)
 {
     double v[3], w[3], off[3];
@@ -82,7 +84,7 @@ static void fit_screw(double *turn, double *shift, pair *p)
     apply(p, 0, *shift);
 }
 
-/* Record the difference of the axes and remove it: what is left is carried on. */
+/* Compute and remove the difference of the axes; the remaining motion is carried on. */
 static void bring_onto(mukca_axis_difference *out, pair *p)
 {
     double w[3], Q[9], off[3], from[3], level[9];
@@ -121,6 +123,6 @@ void mukca_compare_axes(mukca_axis_difference *out, const mukca_geometry *a,
             if (j > 1) out[j - 1].zero = -turn, out[j - 1].slide = -shift;
         }
         bring_onto(&out[j], &p);
-        if (j == 0) out[0].angle = 0, out[0].distance = p.slides ? (double)NAN : 0; /* the base's */
+        if (j == 0) out[0].angle = 0, out[0].distance = p.slides ? (double)NAN : 0; /* base frame */
     }
 }

@@ -13,8 +13,8 @@ const char *const mukca_reach_sentence[MUKCA_REACH_COUNT] = {MUKCA_REACH_LIST(RE
 #undef REACH_TEXT
 #undef REACH_SENTENCE
 
-/* A step of a joint (rad, m) that no correction of a calibrated arm needs, and that no path makes
- * from one row to the next; poses less than path_step (m) apart belong to one path. */
+/* A joint step (rad, m) larger than any correction of a calibrated arm, and than any step between
+ * rows of a path; poses less than path_step (m) apart are on one path. */
 static const double far = 0.5, path_step = 0.05;
 
 void mukca_compensator_start(mukca_compensator *c, const mukca_corrected *arm, bool position_only,
@@ -28,7 +28,7 @@ void mukca_compensator_start(mukca_compensator *c, const mukca_corrected *arm, b
     mukca_row_state_start(&c->rows, arm->chain.n_joints);
 }
 
-/* Begin a row with the angles that are meant; `reading` may be NULL. */
+/* Start a row with the intended angles; `reading` may be NULL. */
 static void begin_row(mukca_compensator *c, const double *q, const mukca_row_reading *reading)
 {
     mukca_row_reading row = {.time = (double)NAN, .placement = -1, .number = c->rows.number + 1};
@@ -69,7 +69,7 @@ static mukca_compensation outcome(const mukca_inverse_result *found)
                                 .rotation_error = found->rotation_error};
 }
 
-/* End a row whose targets became q. */
+/* Finish a row with corrected targets q. */
 static void end_row(mukca_compensator *c, const double *q)
 {
     c->on_path = true;
@@ -118,7 +118,8 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     return result;
 }
 
-/* Postures spread evenly over the joints' ranges (Halton's sequence); the first is their middle. */
+/* Postures evenly distributed over the joint ranges (Halton's sequence); the first is their
+ * centre. */
 static void start_posture(double *q, int index, const mukca_chain *chain)
 {
     static const int prime[MUKCA_MAX_JOINTS] = {2,  3,  5,  7,  11, 13, 17, 19,

@@ -1,11 +1,12 @@
-/* Joint targets corrected so that the calibrated arm reaches what the nominal model meant. */
+/* Correction of joint targets: the calibrated arm reaches the poses that the nominal model
+ * intended. */
 #ifndef MUKCA_ARM_COMPENSATE_H
 #define MUKCA_ARM_COMPENSATE_H
 
 #include "mukca/corrected.h"
 #include "mukca/row_state.h"
 
-/* name in the output, sentence for people */
+/* name in the output, description */
 #define MUKCA_REACH_LIST(X)                                                        \
     X(OK, "ok", "reached")                                                         \
     X(LIMIT, "limit", "a joint's limit is in the way")                             \
@@ -25,17 +26,17 @@ extern const char *const mukca_reach_sentence[MUKCA_REACH_COUNT];
 
 typedef struct {
     mukca_reach reach;
-    double position_before;                /* m: uncorrected; 0 for poses */
-    double position_error, rotation_error; /* m, rad: corrected */
+    double position_before;                /* m: error without correction; 0 for poses */
+    double position_error, rotation_error; /* m, rad: error with correction */
 } mukca_compensation;
 
-/* What stays the same from row to row, and the last row.  Do not copy it. */
+/* State of a compensation from row to row.  Do not copy it. */
 typedef struct {
     const mukca_corrected *arm;
     mukca_geometry nominal;
     bool position_only; /* implied by fewer than 6 joints */
-    double tolerance;   /* m, rad */
-    /* the row before, for paths */
+    double tolerance;   /* m and rad */
+    /* the preceding row, for paths */
     mukca_row_state rows;
     bool on_path;
     double target[MUKCA_MAX_JOINTS], sent[MUKCA_MAX_JOINTS];
@@ -46,17 +47,18 @@ typedef struct {
 void mukca_compensator_start(mukca_compensator *compensator, const mukca_corrected *arm,
                              bool position_only, double tolerance);
 
-/* The arm stands at q[n_joints], from where poses are reached. */
+/* Set the arm's present angles q[n_joints], the start for poses. */
 void mukca_compensator_place(mukca_compensator *compensator, const double *q);
 
-/* q[n_joints]: the targets in, the corrected targets out; least change.  `reading` (may be NULL)
- * gives time, payload, placement and row number; its angles and commands are not used.  The move is
- * that from the last corrected targets.  Where the pose cannot be reached, q is the best found. */
+/* Correct q[n_joints], targets in, corrected targets out, with the least change.  `reading` (may be
+ * NULL) has time, payload, placement and row number; its angles and commands are ignored.  The move
+ * is measured from the last corrected targets.  If the pose is out of reach, q is the closest
+ * found. */
 mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *compensator,
                                            const mukca_row_reading *reading);
 
-/* q[n_joints] that bring the corrected arm to `target`: near the last row; for the first one near
- * q, or (where that fails) from other postures. */
+/* Compute q[n_joints] that bring the corrected arm to `target`, close to the last row; the first
+ * row starts from q and, if that fails, from other postures. */
 mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *compensator,
                                          const mukca_frame *target,
                                          const mukca_row_reading *reading);

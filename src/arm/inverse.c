@@ -1,10 +1,10 @@
 /* Damped least squares with an active set of joint limits and a preferred posture in the null
  * space.
  *
- * Each step solves (J J' + mu I) y = e for the task error e (at most 6 numbers) and moves by
- * dq = J' y + (I - J'(J J' + mu I)^-1 J) g, where g points to the preferred posture.  A joint that
- * would exceed its range is put on the limit and taken out of J for that step.  mu falls while the
- * error falls and rises when a step fails (Levenberg-Marquardt). */
+ * Each step solves (J J' + mu I) y = e for the task error e (at most 6 numbers) and moves by dq =
+ * J' y + (I - J'(J J' + mu I)^-1 J) g; g points to the preferred posture.  A joint that would
+ * exceed its range is set to the limit and removed from J for that step.  mu decreases while the
+ * error decreases and increases when a step fails (Levenberg-Marquardt). */
 #include "arm/inverse.h"
 
 #include <math.h>
@@ -14,11 +14,11 @@
 
 enum { TASK = 6, DEFAULT_STEPS = 100 };
 
-/* Rotation errors count as if on a lever of this length (m), so that metres and radians add up. */
+/* Lever that converts rotation errors to lengths (m). */
 static const double lever = 0.3;
 
-/* The first half of the steps moves towards the posture, where one is given; the task error may
- * rise up to this (m) on that way.  The other half brings the tip home. */
+/* Largest task error (m) while the first half of the steps moves towards a preferred posture.  The
+ * second half reduces the task error alone. */
 static const double detour = 0.05;
 
 typedef struct {
@@ -36,7 +36,7 @@ typedef struct {
     double position_error, rotation_error;
 } point;
 
-/* Fill the rest of a point from its q. */
+/* Evaluate a point at its q. */
 static void look(point *at, const problem *p)
 {
     const int n = p->chain->n_joints;
@@ -58,13 +58,13 @@ static void look(point *at, const problem *p)
     at->size = hypot(at->position_error, lever * at->rotation_error);
 }
 
-/* One step dq[n] from a point, joints with fixed[j] left out; `posture` may be NULL. */
+/* Compute one step dq[n] from a point, without the joints with fixed[j]; `posture` may be NULL. */
 static void step(double *dq, const point *at, const bool *fixed, const double *posture,
                  double damping, const problem *p)
 {
     const int n = p->chain->n_joints, m = p->rows;
     const double *J = at->J;
-    const double gain = 0.2; /* share of the way to the posture per step */
+    const double gain = 0.2; /* fraction of the distance to the posture per step */
     double A[TASK * TASK], y[TASK], toward[MUKCA_MAX_JOINTS] = {0}, trace = 0, largest = 0;
     for (int j = 0; j < n; j++)
         if (posture && !fixed[j]) toward[j] = gain * (posture[j] - at->q[j]);
@@ -90,7 +90,7 @@ static void step(double *dq, const point *at, const bool *fixed, const double *p
         for (int a = 0; a < m; a++) dq[j] += fixed[j] ? 0 : J[a * n + j] * y[a];
         largest = fmax(largest, fabs(dq[j]));
     }
-    /* No joint turns by more than half a radian at once: beyond that J is no approximation. */
+    /* Limit the step of a joint to half a radian, the range of the linearisation. */
     for (int j = 0; j < n && largest > 0.5; j++) dq[j] *= 0.5 / largest;
 }
 
@@ -100,8 +100,8 @@ static bool within(double q, int joint, const problem *p)
     return q > e->lower && q < e->upper;
 }
 
-/* next = q + dq; joints that would exceed their range stop at the limit and are marked in fixed.
- * True where one was. */
+/* next = q + dq; joints that would exceed their range are set to the limit and marked in fixed.
+ * Returns whether there was one. */
 static bool advance(double *next, bool *fixed, const double *q, const double *dq, const problem *p)
 {
     bool stopped = false;

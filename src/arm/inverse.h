@@ -1,5 +1,4 @@
-/* Inverse kinematics: joint angles that bring the tip to a position or a pose, within the limits.
- */
+/* Inverse kinematics: joint angles within the limits that bring the tip to a position or a pose. */
 #ifndef MUKCA_ARM_INVERSE_H
 #define MUKCA_ARM_INVERSE_H
 
@@ -7,16 +6,16 @@
 
 #include "mukca/chain.h"
 
-/* What effects add at q (mukca_effects_displacement and the like). */
+/* Displacement by effects at q (mukca_effects_displacement and the like). */
 typedef void mukca_displace_fn(mukca_displacement *displacement, const double *q, void *context);
 
-/* Zeroed: 100 steps, 1e-9 m and rad, no posture preferred, no effects. */
+/* Zeroed: 100 steps, 1e-9 m and rad, no preferred posture, no effects. */
 typedef struct {
     int max_steps;
-    double tolerance;            /* m, and rad where a rotation is wanted */
+    double tolerance;            /* m, and rad if a rotation is given */
     const double *posture;       /* [n_joints] preferred in the null space, or NULL */
     mukca_displace_fn *displace; /* or NULL */
-    void *context;               /* of displace */
+    void *context;               /* of `displace` */
 } mukca_inverse_options;
 
 typedef struct {
@@ -24,11 +23,11 @@ typedef struct {
     bool limited; /* a joint is at its limit */
     int steps;
     double position_error; /* m, |target - reached| */
-    double rotation_error; /* rad; 0 where only a position was wanted */
+    double rotation_error; /* rad; 0 without a rotation */
 } mukca_inverse_result;
 
-/* Bring the tip to target->p (and target->R where `with_rotation`) by damped least squares.
- * q[n_joints]: the start in, the best found out.  `options` may be NULL.  Does not allocate. */
+/* Bring the tip to target->p (`with_rotation`: and target->R) by damped least squares.
+ * q[n_joints]: start in, closest solution out.  `options` may be NULL.  Does not allocate. */
 mukca_inverse_result mukca_inverse_solve(double *q, const mukca_chain *chain,
                                          const mukca_geometry *geometry, const mukca_frame *target,
                                          bool with_rotation, const mukca_inverse_options *options);

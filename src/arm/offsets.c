@@ -1,4 +1,4 @@
-/* The offsets table in memory: its rows, and the placements that its effects mean. */
+/* Offsets tables in memory: their rows, and the placements of their effects. */
 #include "arm/offsets.h"
 
 #include <string.h>

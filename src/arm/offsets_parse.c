@@ -1,4 +1,4 @@
-/* The offsets table, and the chain in its comments, from its text. */
+/* Parser of offsets tables and of the chain in their comments. */
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
@@ -18,12 +18,12 @@ typedef struct {
     const mukca_offsets_target *into;
     mukca_offsets_origin *origin;
     const mukca_chain *chain;
-    mukca_chain *new_chain; /* in the making, of mukca_chain_parse */
-    const char *name;       /* what messages call the table */
+    mukca_chain *new_chain; /* under construction in mukca_chain_parse */
+    const char *name;       /* name of the table in messages */
     mukca_error *error;
     mukca_lines lines;
     char delimiter;
-    int n_cells; /* of the header, and so of each row; 0 before it */
+    int n_cells; /* cells of the header and each row; 0 before the header */
     char *cell[MOST_CELLS];
     int n_placements;
     int column[COLUMNS]; /* index of each column, -1: absent */
@@ -39,7 +39,7 @@ static mukca_status fail(const reader *r, const char *format, ...)
     va_list args;
     if (!error) return MUKCA_INPUT;
     error->status = MUKCA_INPUT;
-    if (r->lines.number > 0) /* else: the table as a whole */
+    if (r->lines.number > 0) /* else the error concerns the whole table */
         mukca_print(error->text, sizeof error->text, "%s:%d: ", r->name, r->lines.number);
     else
         mukca_print(error->text, sizeof error->text, "%s: ", r->name);
@@ -50,7 +50,7 @@ static mukca_status fail(const reader *r, const char *format, ...)
     return MUKCA_INPUT;
 }
 
-/* Failure in one of the COLUMNS. */
+/* Fail in one of the COLUMNS. */
 static mukca_status fail_cell(const reader *r, int column, const char *what)
 {
     return fail(r, "column '%s': %s", column_name[column], what);
@@ -63,7 +63,7 @@ static mukca_status read_number(double *value, const reader *r, int column)
     return fail_cell(r, column, fault);
 }
 
-/* Where the line is the comment "# key: value": the value, cut to value[size]; else false. */
+/* Match the comment "# key: value" and copy the value, truncated to value[size]; else false. */
 static bool comment(char *value, size_t size, const char *line, const char *key)
 {
     const size_t length = strlen(key);
@@ -87,7 +87,7 @@ static void read_comment(reader *r)
     r->n_placements++;
 }
 
-/* Of the table as a whole: messages have no line. */
+/* Check the origin.  The error concerns the whole table and has no line number. */
 static mukca_status check_origin(reader *r)
 {
     const int number = r->lines.number;
@@ -114,7 +114,7 @@ static mukca_status check_origin(reader *r)
     return MUKCA_OK;
 }
 
-/* The columns may stand in any order. */
+/* Read the header; columns may be in any order. */
 static mukca_status read_header(reader *r)
 {
     r->delimiter = mukca_cells_delimiter(r->lines.line);
@@ -144,7 +144,7 @@ static mukca_status read_sigma(double *sigma, const reader *r)
     return read_number(sigma, r, SIGMA);
 }
 
-/* Nominal, calibrated and offset, which must agree. */
+/* Read nominal, calibrated and offset, which must agree. */
 static mukca_status read_values(double value[OFFSET + 1], const reader *r)
 {
     for (int c = NOMINAL; c <= OFFSET; c++) {
@@ -153,7 +153,7 @@ static mukca_status read_values(double value[OFFSET + 1], const reader *r)
     }
     if (!(fabs(value[NOMINAL] + value[OFFSET] - value[CALIBRATED]) <= 1e-9))
         return fail_cell(r, CALIBRATED, "is not nominal + offset");
-    for (int c = CALIBRATED; c <= OFFSET; c++) /* either may be used */
+    for (int c = CALIBRATED; c <= OFFSET; c++) /* either may be applied */
         if (fabs(value[c]) > MUKCA_NUMBER_LARGEST)
             return fail_cell(r, c, "is larger than any arm's");
     return MUKCA_OK;
@@ -172,7 +172,7 @@ static mukca_status read_parameter(reader *r, int parameter)
     if (into->listed[i]) return fail_cell(r, PARAMETER, "this parameter comes twice");
     mukca_status status = read_values(value, r);
     if (status != MUKCA_OK) return status;
-    /* theta holds the chain's nominal value still */
+    /* here theta still has the chain's nominal value */
     into->theta[i] =
         value[NOMINAL] == into->theta[i] ? value[CALIBRATED] : into->theta[i] + value[OFFSET];
     into->listed[i] = 1;
@@ -181,7 +181,7 @@ static mukca_status read_parameter(reader *r, int parameter)
     return read_sigma(&into->rest->sigma[i], r);
 }
 
-/* The effect that a row belongs to: the last one where it goes on with that, else a new one. */
+/* Find the effect of a row, or append it; NULL: too many. */
 static mukca_effect *find_effect(const mukca_offsets_target *into, const mukca_effect *wanted)
 {
     for (int e = 0; e < *into->n_effects; e++)
@@ -315,7 +315,7 @@ static mukca_status read_mass(reader *r)
     return MUKCA_OK;
 }
 
-/* The chain's lines among the comments: "# key: value", or "# key:" and cells. */
+/* Parse a comment line of the chain: "# key: value", or "# key:" and cells. */
 static mukca_status read_chain_line(reader *r)
 {
     mukca_chain *c = r->new_chain;

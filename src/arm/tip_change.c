@@ -1,16 +1,16 @@
-/* How far one offsets table moves the tip against another, or against the nominal model. */
+/* Displacement of the tip from one offsets table, or the nominal model, to another. */
 #include "arm/tip_change.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    DRAWN = 256,   /* postures; 1 % of the workspace is missed with a probability of 8 % */
-    RECORDED = 512 /* at most, of the data */
+    DRAWN = 256,   /* postures; 1 % of the workspace is missed with probability 8 % */
+    RECORDED = 512 /* largest number from the data */
 };
 
-/* Prior standard deviations, the widest that real arms call for (as in diagnose): lengths, angles
- * with the zeros of the joints, and the place of the ball on the tool, which nobody measures. */
+/* Prior standard deviations, the widest that real arms require (as in diagnose): lengths, angles
+ * including joint zeros, and the position of the ball on the tool, which is not measured. */
 static const double length_sigma = 8e-3, angle_sigma = 20e-3, ball_sigma = 20e-3;
 
 /* Whether an element is a frame of the measurement. */
@@ -30,7 +30,7 @@ static double prior_sigma(const mukca_tip_change_task *task, int i)
                : length_sigma;
 }
 
-/* theta[6 * n_elements] of the model before, with the frames of the measurement taken from `to`. */
+/* theta[6 * n_elements] of the previous model, with the frames of the measurement from `to`. */
 static void take_theta_before(double *theta, const mukca_tip_change_task *task)
 {
     const int n = MUKCA_PARAMETERS * task->chain->n_elements;
@@ -72,7 +72,7 @@ static void compare(comparison *c, const double *q)
         for (int a = 0; a < 3; a++) variance += c->J[a * n + i] * c->J[a * n + i] * sigma * sigma;
     }
     change = sqrt(change);
-    if (!(change <= c->largest)) c->largest = change; /* NaN stays */
+    if (!(change <= c->largest)) c->largest = change; /* propagates NaN */
     if (variance > 0 && !(change / sqrt(variance) <= c->ratio)) c->ratio = change / sqrt(variance);
 }
 

@@ -1,4 +1,4 @@
-/* Where a simulated tool stands: places that the arm reaches in many postures, spread out. */
+/* Placements of a simulated tool: reachable in many postures, far from each other. */
 #include <math.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@
 #include "simulate/simulate.h"
 
 enum { CANDIDATES = 32, TRIES = 10, SEARCH = 200 };
-static const double margin = 0.03; /* m */
+static const double margin = 0.03; /* m, reserve for errors and effects */
 
 static void random_rotation(double R[9], mukca_random *random)
 {
@@ -15,8 +15,8 @@ static void random_rotation(double R[9], mukca_random *random)
     mukca_rotation_from_quaternion(R, q);
 }
 
-/* Share of random starts from which a point somewhat beyond each socket is reached: the lesser of
- * the two, so that errors and effects do not take a socket out of reach. */
+/* Fraction of random starts from which inverse kinematics reaches a point `margin` beyond each
+ * socket; the smaller of both sockets. */
 static double reachable(const mukca_place *place, const mukca_chain *chain,
                         const mukca_geometry *geometry, double distance, mukca_random *random)
 {
@@ -32,7 +32,7 @@ static double reachable(const mukca_place *place, const mukca_chain *chain,
     return fmin(reached[0], reached[1]) / TRIES;
 }
 
-/* Distance to the nearest of the other places that stand already. */
+/* Distance to the nearest of the other placements determined so far, m; at most 10. */
 static double nearest(const mukca_place *places, int n_places, const double p[3])
 {
     double best = 10;
@@ -41,7 +41,8 @@ static double nearest(const mukca_place *places, int n_places, const double p[3]
     return best;
 }
 
-/* A place at the ball of a random posture; above the base plane as long as tries last. */
+/* Draw a placement at the ball of a random posture, above the base plane if one of SEARCH tries
+ * is. */
 static void draw(mukca_place *place, const mukca_chain *chain, const mukca_geometry *geometry,
                  mukca_random *random)
 {

@@ -14,7 +14,8 @@ const mukca_recipe_info mukca_recipe_table[MUKCA_RECIPE_COUNT] = {
 
 static const double pi = 3.14159265358979323846;
 
-/* Rows evenly along the whole way of all joints: 0 to the top, down to the bottom. */
+/* Rows evenly spaced along the path of joint after joint: from 0 to the upper end, then to the
+ * lower end. */
 static void sweeps(double *q, int rows, const mukca_chain *chain)
 {
     const int n = chain->n_joints;
@@ -28,7 +29,7 @@ static void sweeps(double *q, int rows, const mukca_chain *chain)
     }
     memset(q, 0, (size_t)(rows * n) * sizeof *q);
     int j = 0;
-    double before = 0; /* way of the joints that are done */
+    double before = 0; /* path length of the preceding joints */
     for (int i = 0; i < rows; i++) {
         double at = length * i / rows - before;
         while (j < n - 1 && at >= 2 * fabs(way[j][0]) + fabs(way[j][1])) {
@@ -42,7 +43,7 @@ static void sweeps(double *q, int rows, const mukca_chain *chain)
     }
 }
 
-/* Halton's sequence: evenly strewn points, the same everywhere. */
+/* Halton's sequence: evenly distributed points, the same on every machine. */
 static double halton(int index, int base)
 {
     double f = 1, x = 0;
@@ -53,7 +54,7 @@ static double halton(int index, int base)
     return x;
 }
 
-/* Points in units of the arm's reach. */
+/* Point i of a recipe, in units of the arm's reach. */
 static void point_of(double p[3], mukca_recipe_kind kind, int i)
 {
     if (kind == MUKCA_RECIPE_RASTER) {
@@ -69,7 +70,7 @@ static void point_of(double p[3], mukca_recipe_kind kind, int i)
     }
 }
 
-/* Postures to begin with: folded one way or the other, the first joint towards the point. */
+/* Start postures of two configurations, with the first joint turned towards the point. */
 static void posture_of(double *q, int which, const double target[3], const mukca_geometry *geometry)
 {
     static const double fold[2][7] = {{0, 0.26, 3.14, -2.27, 0, 0.96, 1.57},

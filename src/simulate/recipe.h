@@ -1,10 +1,10 @@
-/* Recipes: rows of joint angles of known experiments. */
+/* Recipes: joint angles of published experiments. */
 #ifndef MUKCA_SIMULATE_RECIPE_H
 #define MUKCA_SIMULATE_RECIPE_H
 
 #include "mukca/chain.h"
 
-/* name, rows, sentence for people.  After Kana et al., Sensors 2022, 22, 2295. */
+/* name, rows, description.  After Kana et al., Sensors 2022, 22, 2295. */
 #define MUKCA_RECIPE_LIST(X)                                                                      \
     X(SWEEPS, "sweeps", 1940,                                                                     \
       "one joint at a time, the others at zero; odd joints 0 to pi to -pi, even ones half of it") \
@@ -27,8 +27,8 @@ typedef struct {
 
 extern const mukca_recipe_info mukca_recipe_table[MUKCA_RECIPE_COUNT];
 
-/* q[rows][n_joints] of the recipe for an arm at its nominal geometry, joint limits kept.  Errors:
- * MUKCA_INPUT (the arm does not reach the points). */
+/* Fill q[rows][n_joints] of a recipe for an arm with its nominal geometry, within the joint limits.
+ * Errors: MUKCA_INPUT (a point is out of reach). */
 mukca_status mukca_recipe_rows(double *q, mukca_recipe_kind kind, const mukca_chain *chain,
                                mukca_error *error);
 

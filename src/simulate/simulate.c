@@ -1,4 +1,4 @@
-/* Recording a made-up arm row by row. */
+/* Recording of a simulated arm, sample by sample. */
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -9,13 +9,13 @@
 #include "fit/parameters.h"
 #include "mukca/gravity.h"
 
-/* Attempts at one row, and the slack of its seat (m). */
+/* Attempts per sample, and tolerance of the ball's position (m). */
 enum { ATTEMPTS = 200 };
 static const double seated = 1e-12;
 
 static const mukca_simulate_options standard = {.rows = 30, .distance = 0.05, .interval = 5};
 
-/* Options with the defaults filled in. */
+/* Replace zeroed options by the defaults. */
 static mukca_simulate_options settle(const mukca_simulate_options *options)
 {
     mukca_simulate_options o = options ? *options : standard;
@@ -52,28 +52,28 @@ void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const dou
         arm->chain.mass[i].kg *= fmax(0, 1 + mass_error * mukca_random_normal(&random));
 }
 
-/* ---- one row ---- */
+/* ---- one sample ---- */
 
-/* The row that is being recorded. */
+/* State of a recording. */
 typedef struct {
     const mukca_true_arm *arm;
     mukca_dataset *data;
     mukca_simulate_options options;
     mukca_row_state states;
     mukca_random postures, noise, effort, rotation, clock;
-    double phase[MUKCA_MAX_JOINTS], pace[MUKCA_MAX_JOINTS]; /* of a sweep */
-    double wander[3];                                       /* noise of the row, m */
-    double stale; /* how far the reading lags along the last move, rad */
+    double phase[MUKCA_MAX_JOINTS], pace[MUKCA_MAX_JOINTS]; /* of a sweep; rad per sample */
+    double wander[3];                                       /* noise of the present sample, m */
+    double stale; /* readback lag along the last move, rad */
     int row;
 } recorder;
 
-/* What the effects do in the row at hand if its angles are q. */
+/* Displacement by the effects at angles q in the present sample. */
 static void displace(mukca_displacement *displacement, const double *q, void *context)
 {
     const mukca_effect last_move = {.kind = MUKCA_EFFECT_READBACK_LAG};
     recorder *r = context;
     const int n = r->data->n_joints;
-    double meant[MUKCA_MAX_JOINTS]; /* by a controller whose reading is stale */
+    double meant[MUKCA_MAX_JOINTS]; /* commands of a controller whose readings lag */
     mukca_joint_state state = *mukca_row_state_set(&r->states, q);
     mukca_effect_direction(meant, n, &last_move, &state);
     for (int j = 0; j < n; j++) meant[j] = q[j] + r->stale * meant[j];
@@ -84,8 +84,7 @@ static void displace(mukca_displacement *displacement, const double *q, void *co
                                &r->arm->geometry, q, &state);
 }
 
-/* The posture of a sweep in the row at hand: each joint swings through its range at its own pace.
- */
+/* Posture of a sweep in the present sample: a sine over each joint's range, at its own rate. */
 static void sweep(double *q, const recorder *r)
 {
     const mukca_chain *chain = &r->arm->chain;
@@ -107,7 +106,7 @@ static void next_noise(recorder *r, bool fresh)
             rho * r->wander[a] + sqrt(1 - rho * rho) * o->noise * mukca_random_normal(&r->noise);
 }
 
-/* The joints rest beside their commands: those were q so far, and are read where they rest. */
+/* Replace the angles of the sample, the commands so far, by the readings of the sagging joints. */
 static void read_sag(recorder *r)
 {
     const size_t n = (size_t)r->data->n_joints, at = (size_t)r->row * n;
@@ -124,7 +123,7 @@ static void read_sag(recorder *r)
     for (size_t j = 0; j < n; j++) q[j] += sag.q[j];
 }
 
-/* Fill the columns that follow from the row's angles, and go to the next row. */
+/* Fill the columns that depend on the sample's angles, and advance to the next sample. */
 static void finish_row(recorder *r)
 {
     mukca_dataset *data = r->data;
@@ -146,7 +145,7 @@ static void finish_row(recorder *r)
     r->row++;
 }
 
-/* Begin a row `pause` s after the row before and a little more or less. */
+/* Start a sample `pause` s after the preceding one, with jitter. */
 static void tick(recorder *r, double pause)
 {
     double *t = r->data->time + r->row;
@@ -165,7 +164,7 @@ static bool interrupted(const recorder *r)
     return r->options.interrupted && r->options.interrupted();
 }
 
-/* Begin a recording of `rows` rows; without placements it has no sockets. */
+/* Start a recording of `rows` samples; without placements it has no sockets. */
 static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placements,
                           mukca_error *error)
 {
@@ -234,7 +233,7 @@ void mukca_simulate_seat(double position[3], const mukca_simulated_session *sess
         position[a] = pose->p[a] + (seat - 0.5) * distance * pose->R[3 * a] + shift[a];
 }
 
-/* Angles that bring the true ball to `target`; false where no posture was found. */
+/* Find angles that bring the true ball to `target`; false: no posture was found. */
 static bool seat_ball(recorder *r, const mukca_frame *target)
 {
     const size_t n = (size_t)r->data->n_joints;
@@ -250,7 +249,7 @@ static bool seat_ball(recorder *r, const mukca_frame *target)
         options.posture = follow ? posture : NULL;
         const mukca_inverse_result found =
             mukca_inverse_solve(q, &r->arm->chain, &r->arm->geometry, target, false, &options);
-        /* Nobody records an arm at its stops, if he can help it. */
+        /* Avoid joint limits, as an operator does, in the first half of the attempts. */
         if (found.reached && (!found.limited || attempt > ATTEMPTS / 2)) return true;
     }
     return false;
@@ -267,7 +266,7 @@ static bool is_duplicate(const mukca_simulated_session *session, int place, int 
     return false;
 }
 
-/* Record one row of a socket. */
+/* Record one sample of a socket. */
 static mukca_status record_socket(recorder *r, const mukca_simulated_session *session, int place,
                                   int socket, int row, mukca_error *error)
 {

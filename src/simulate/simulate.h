@@ -1,10 +1,10 @@
-/* Simulated recordings: an arm whose true geometry, masses and effects are known, recording
- * faults and noise.
+/* Simulated recordings of an arm with known true geometry, masses, effects, recording faults and
+ * noise.
  *
- * The recorded angles are the encoders'; the true arm, displaced by its effects at those angles,
- * has its ball in the socket up to the noise.  The same seed gives the same rows everywhere; what
- * is drawn for one purpose (placements, postures, noise ...) does not depend on the other options.
- */
+ * The recorded angles are those of the encoders.  The ball of the true arm, displaced by its
+ * effects at those angles, is in the socket within the noise.  The same seed gives the same
+ * recording on every machine; random numbers of one purpose (placements, postures, noise ...) do
+ * not depend on the options of another. */
 #ifndef MUKCA_SIMULATE_SIMULATE_H
 #define MUKCA_SIMULATE_SIMULATE_H
 
@@ -29,71 +29,70 @@ typedef enum {
 
 void mukca_simulate_seed(mukca_random *random, uint64_t seed, mukca_draw purpose);
 
-/* An arm as it really is. */
+/* A simulated arm. */
 typedef struct {
-    mukca_chain chain;       /* with the true masses; its origins stay the nominal ones */
+    mukca_chain chain;       /* with the true masses and the nominal origins */
     mukca_geometry geometry; /* the true origins */
     int n_effects;
     mukca_effect effects[MUKCA_MAX_EFFECTS];
 } mukca_true_arm;
 
-/* What is recorded of a tool in one place of the workspace: two sockets on the x axis of `pose`,
- * symmetric about its origin. */
+/* A placement: two sockets on the x axis of `pose`, symmetric about its origin. */
 typedef struct {
     char name[MUKCA_NAME_SIZE];
-    bool placed; /* false: to be found (mukca_simulate_places) */
+    bool placed; /* false: to be determined (mukca_simulate_places) */
     mukca_frame pose;
 } mukca_place;
 
 typedef enum {
-    MUKCA_SIMULATED_STEP,         /* from `row` on the socket stands off by `shift` */
-    MUKCA_SIMULATED_CREEP,        /* from `row` on it creeps there until the last row */
-    MUKCA_SIMULATED_WRONG_SOCKET, /* the ball sat in the other socket */
-    MUKCA_SIMULATED_OUTLIER,      /* the ball was not seated: off by `shift` */
-    MUKCA_SIMULATED_DUPLICATE     /* the row before was recorded again */
+    MUKCA_SIMULATED_STEP,         /* the socket is displaced by `shift` from sample `row` on */
+    MUKCA_SIMULATED_CREEP,        /* the displacement grows from sample `row` to the last */
+    MUKCA_SIMULATED_WRONG_SOCKET, /* the ball was in the other socket */
+    MUKCA_SIMULATED_OUTLIER,      /* the ball was not seated: displaced by `shift` */
+    MUKCA_SIMULATED_DUPLICATE     /* the preceding sample was recorded again */
 } mukca_simulated_fault_kind;
 
 typedef struct {
     mukca_simulated_fault_kind kind;
-    int placement, socket; /* index of the place; 0 or 1 */
-    int row;               /* 0-based, within the socket */
+    int placement, socket; /* index of the placement; 0 or 1 */
+    int row;               /* index of the sample in the socket, from 0 */
     double shift[3];       /* m, base frame */
 } mukca_simulated_fault;
 
-/* How rows are recorded.  Zeroed: 30 rows per socket, 50 mm, no noise, 5 s between rows. */
+/* Options of a recording.  Zeroed: 30 samples per socket, 50 mm, no noise, 5 s between samples. */
 typedef struct {
-    int rows; /* per socket */
+    int rows; /* samples per socket */
     double distance;
     double noise;       /* sigma per axis at the ball, m */
     double rotation;    /* sigma per axis of measured orientations, rad (pose logs) */
-    double correlation; /* of the noise of a row with that of the row before */
-    double interval;    /* mean seconds between rows */
-    bool sweep;         /* postures follow each other smoothly; else each is random */
+    double correlation; /* correlation of the noise of consecutive samples */
+    double interval;    /* mean time between samples, s */
+    bool sweep;         /* consecutive postures follow smooth motions; else random */
     bool effort, command;
     double effort_noise; /* sigma, N m */
-    double payload;      /* kg at the tip, recorded where it is not 0 */
+    double payload;      /* at the tip, kg; recorded unless 0 */
     bool position_only;  /* pose logs: no orientations */
     uint64_t seed;
-    bool (*interrupted)(void); /* asked at each row; may be NULL */
+    bool (*interrupted)(void); /* polled at each sample; may be NULL */
 } mukca_simulate_options;
 
-/* Give every free parameter of theta[6 * n_elements] (in: nominal) a normal error of `shift` m or
- * `turn` rad; listed[] (may be NULL) is set to 1 for those. */
+/* Add normal errors of `shift` m or `turn` rad to every free parameter of theta[6 * n_elements]
+ * (in: nominal) and set listed[] (may be NULL) to 1 for those. */
 void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_chain *chain,
                             double shift, double turn, uint64_t seed);
 
-/* The arm with those origins, each mass off by a normal error of `mass_error` (relative); no
- * effects yet. */
+/* Initialise the arm with those origins and normal errors of its masses, relative size
+ * `mass_error`; without effects. */
 void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const double *theta,
                         double mass_error, uint64_t seed);
 
-/* Find poses for the places that have none: both sockets in reach in many postures, above the base
- * where the arm can, far from the other places.  Only the nominal arm counts.
- * Errors: MUKCA_INPUT (the arm reaches nothing). */
+/* Find poses for the undetermined placements: both sockets reachable in many postures of the
+ * nominal arm, above the base if possible, far from the other placements.  Errors: MUKCA_INPUT
+ * (nothing is reachable). */
 mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukca_chain *chain,
                                    double distance, uint64_t seed, mukca_error *error);
 
-/* What is recorded with sockets; `faults` may be NULL. */
+/* Input of a recording with sockets; `faults` may be NULL. */
 typedef struct {
     const mukca_true_arm *arm;
     const mukca_place *places;
@@ -103,23 +102,23 @@ typedef struct {
     const mukca_simulate_options *options;
 } mukca_simulated_session;
 
-/* Record the arm with its ball in the sockets of all places in order.  Free with
- * mukca_dataset_free.  Errors: MUKCA_INPUT (a place out of reach), MUKCA_MEMORY,
+/* Record the arm with its ball in the sockets of all placements in order.  Free with
+ * mukca_dataset_free.  Errors: MUKCA_INPUT (a socket is out of reach), MUKCA_MEMORY,
  * MUKCA_INTERRUPTED. */
 mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_session *session,
                                     mukca_error *error);
 
-/* Record a pose log of n_rows rows: at the angles q[n_rows][n_joints], or (NULL) at postures of its
- * own.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
+/* Record a pose log of n_rows samples at the angles q[n_rows][n_joints] or (NULL) at simulated
+ * postures.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm, const double *q,
                                   int n_rows, const mukca_simulate_options *options,
                                   mukca_error *error);
 
-/* Where a socket of a place is in row `row` (0-based) of it, faults included; m, base frame. */
+/* Position of a socket during sample `row` (from 0), including faults; m, base frame. */
 void mukca_simulate_seat(double position[3], const mukca_simulated_session *session, int place,
                          int socket, int row);
 
-/* A random posture within the limits (without limits: +- pi, +- 0.5 m), q[n_joints]. */
+/* Draw a random posture q[n_joints] within the limits (without limits: +- pi, +- 0.5 m). */
 void mukca_simulate_posture(double *q, const mukca_chain *chain, mukca_random *random);
 
 #endif
