@@ -48,7 +48,7 @@ below() { awk -v value="$1" -v most="$2" 'BEGIN { exit !(value + 0 > 0 && value 
 for form in columns rows; do
     run diagnose "$dir/$form.csv" --free-base --test "$dir/test.csv" -o "$dir/$form.tsv" --json "$dir/$form.json" \
         >"$dir/$form.txt" 2>"$dir/said"
-    ok "$form: three targets" grep -q 'each of the 3 targets has a place on the tool of its own' "$dir/$form.txt"
+    ok "$form: three targets" grep -q 'each of the 3 targets has its own position on the tool' "$dir/$form.txt"
     ok "$form: nothing is found in noise" grep -q '"verdict": "none"' "$dir/$form.json"
     ok "$form: an untrained target is placed by the test data" below \
         "$(sed -n 's/^Test data, mm:.*geometry \([0-9.]*\),.*/\1/p' "$dir/$form.txt")" 0.25

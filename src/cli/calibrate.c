@@ -219,7 +219,7 @@ static void note_logs(cli_call *call, const mukca_dataset *data)
     if ((o->free_base || o->free_tool) && mukca_recording_number_logs(NULL, data) > 1)
         cli_note(call,
                  "several pose logs: one tracker's frame and one target for all; `mukca "
-                 "diagnose -o` gives each its own where the evidence wants it");
+                 "diagnose -o` fits separate ones if the evidence supports them");
 }
 
 static mukca_status use_traits(cli_call *call)

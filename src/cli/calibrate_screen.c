@@ -95,7 +95,8 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
     const mukca_score *nominal = &r->train_scores.nominal_mean;
     const double distance = call->common->distance;
     if (!enough_samples(fit))
-        cli_answer_wrapped(call, "warning: %d samples give %d numbers for %d parameters",
+        cli_answer_wrapped(call,
+                           "warning: %d samples provide %d measured numbers for %d parameters",
                            r->train->n_rows, fit->n_measured, fit->parameters.n);
     if (r->train->n_sockets > 0 && fit->chain.element[fit->chain.n_elements - 1].joint >= 0)
         cli_answer_wrapped(call,

@@ -33,7 +33,7 @@ void compensate_count(compensate_job *b, const mukca_compensation *c, const char
     if (b->to && c->reach != MUKCA_REACH_OK) /* tables have a status column */
         mukca_note_format(cli_note, b->call, "%s:%d: %s%s", mukca_file_shown(path), line,
                           mukca_reach_sentence[c->reach],
-                          o->poses && b->from == b->to ? "; the pose stays as it is" : "");
+                          o->poses && b->from == b->to ? "; the pose is unchanged" : "");
 }
 
 void compensate_put(compensate_job *b, const double *q, const mukca_compensation *c)

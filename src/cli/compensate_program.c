@@ -32,14 +32,15 @@ static void note_program(const compensate_job *b, const char *path)
                                    : "correct these next, in the result, with --poses");
     else if (o->poses)
         mukca_note_format(cli_note, b->call,
-                          "%s: no joint target in the program says in which posture the poses are "
-                          "reached; the first one found was taken",
+                          "%s: no joint target in the program determines the posture at the poses; "
+                          "the first solution was used",
                           mukca_file_shown(path));
     if (b->tally.incomplete > 0)
-        mukca_note_format(cli_note, b->call,
-                          "%s: targets that leave out components, behind a move whose target is "
-                          "not in the program: %ld, not corrected; write all components",
-                          mukca_file_shown(path), b->tally.incomplete);
+        mukca_note_format(
+            cli_note, b->call,
+            "%s: targets with omitted components, after a move to a target outside the "
+            "program: %ld, not corrected; write all components",
+            mukca_file_shown(path), b->tally.incomplete);
 }
 
 /* Replace a target of a program by the corrected one.  A pose becomes that of the nominal model at

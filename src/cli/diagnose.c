@@ -27,7 +27,7 @@ static const cli_option options[] = {
                "pose logs: fit the offset of the target"),
     CLI_OPTION(
         diagnose_options, summary, "summary", CLI_TEXT, "FILE",
-        "write what the data say of effects that arms of this model share (for mukca fleet)"),
+        "write a summary of the data on effects shared by arms of this model (for mukca fleet)"),
     CLI_OPTION(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
                "label of the arm in the summary (default: the name of the data's folder)"),
     CLI_TRAITS_OPTION(diagnose_options, traits),
@@ -206,7 +206,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = prepare(call);
     if (status != MUKCA_OK) return status;
     if (s->data.n_targets > 1 && !o->free_tool) {
-        cli_note(call, "several targets: each has a place on the tool of its own (--free-tool)");
+        cli_note(call, "several targets: each has its own position on the tool (--free-tool)");
         o->free_tool = true;
     }
     const mukca_dataset *test = s->test.n_rows ? &s->test : NULL;

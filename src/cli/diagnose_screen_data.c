@@ -171,7 +171,8 @@ void cli_screen_streams(FILE *stream, const mukca_diagnosed *r)
                            mukca_chain_joint_name(r->chain, j), 1e6 * s->joint[j].sag,
                            1e6 * s->joint[j].low, 1e6 * s->joint[j].high);
     if (isfinite(s->sigma_command_m))
-        mukca_text_put(&text, "; geometry leaves %.3g mm with readings, %.3g with commands",
+        mukca_text_put(&text,
+                       "; residual of the geometry: %.3g mm with readings, %.3g mm with commands",
                        1e3 * s->sigma_reading_m, 1e3 * s->sigma_command_m);
     const double ratio = s->sigma_command_m / s->sigma_reading_m;
     if (r->data->by_command ? ratio > 1 / worth_changing : ratio < worth_changing)
@@ -194,7 +195,7 @@ void cli_screen_logs(FILE *stream, const mukca_diagnosed *r)
     char line[TEXT] = "";
     mukca_text text = MUKCA_TEXT(line);
     if (targets)
-        mukca_text_put(&text, "each of the %d targets has a place on the tool of its own", logs->n);
+        mukca_text_put(&text, "each of the %d targets has its own position on the tool", logs->n);
     else if (chosen)
         mukca_text_put(&text, "each of the %d pose logs has %s of its own (log Bayes factor %.3g)",
                        logs->n, own[chosen], evidence[chosen] - evidence[0]);

@@ -198,7 +198,7 @@ static mukca_status run(cli_call *call)
     cli_model *model = &s->model;
     if (o->matrix && call->common->offsets)
         return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--matrix trains from the nominal model: leave out --offsets");
+                          "--matrix trains from the nominal model: omit --offsets");
     call->common->accept_failed = true; /* also evaluate a table that was not accepted */
     mukca_status status = cli_check_outputs(call);
     w->read_by_eye = isatty(STDOUT_FILENO) && !o->matrix && !call->common->output &&

@@ -53,9 +53,10 @@ typedef struct {
                    "labels of the sockets, commas between (default: 0,1)"),                        \
         CLI_OPTION(type, live.recorder.log, "record", CLI_TEXT, "LOG",                             \
                    "also write the raw LCM stream to this log"),                                   \
-        CLI_OPTION(type, live.recorder.traits, "traits", CLI_TEXT, "FILE",                         \
-                   "what the fleet of this model knows (mukca fleet -o): correct the angles for "  \
-                   "its mean elasticity before samples are judged; they are recorded as read"),    \
+        CLI_OPTION(                                                                                \
+            type, live.recorder.traits, "traits", CLI_TEXT, "FILE",                                \
+            "traits of the model's fleet (mukca fleet -o): correct the angles for its mean "       \
+            "elasticity before samples are judged; they are recorded as read"),                    \
         CLI_OPTION(type, live.recorder.prefix, "prefix", CLI_TEXT, "NAME",                         \
                    "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")
 

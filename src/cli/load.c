@@ -152,7 +152,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets)
         status =
             mukca_fail(&call->error, MUKCA_INPUT,
-                       "the pose logs have %d targets; mukca diagnose -o fits the place of each",
+                       "the pose logs have %d targets; mukca diagnose -o fits the position of each",
                        data->n_targets);
     if (status == MUKCA_OK && c->angles == 1)
         status = mukca_dataset_take_commands(data, &call->error);

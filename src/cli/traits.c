@@ -79,10 +79,10 @@ void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_dia
         cli_answer_keyed(call, "Fleet",
                          a->log_evidence < CONTRADICTION
                              ? "the traits of %d arms contradict this arm's data (log Bayes factor "
-                               "%.1f) and are not used; its own fit stands. Are they of this "
-                               "model, and the link masses right?"
+                               "%.1f) and are not used. Are they of this model, and are the link "
+                               "masses right?"
                              : "the traits of %d arms explain this arm's data less well than its "
-                               "own fit (log Bayes factor %.1f), which stands",
+                               "own fit (log Bayes factor %.1f) and are not used",
                          a->traits->n_arms, a->log_evidence);
         return;
     }

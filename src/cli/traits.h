@@ -8,7 +8,7 @@
 /* --traits FILE. */
 #define CLI_TRAITS_OPTION(type, member)                  \
     CLI_OPTION(type, member, "traits", CLI_TEXT, "FILE", \
-               "what the fleet of this model knows (mukca fleet -o), as prior")
+               "traits of the model's fleet (mukca fleet -o), as prior")
 
 /* The label of the arm: `given`, else the name of the data's folder.  Errors: MUKCA_USAGE (data of
  * several folders, no usable name). */

@@ -48,8 +48,7 @@ static mukca_status load(cli_call *call, mukca_chain *chain)
     if (status == MUKCA_OK) status = mukca_dh_read(&dh, &stated, o->dh, &format, &call->error);
     if (status != MUKCA_OK) return status;
     if (stated && o->convention >= 0 && o->convention != (int)dh.convention)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "%s says that it is a %s table; leave out --convention",
+        return mukca_fail(&call->error, MUKCA_USAGE, "%s declares a %s table; omit --convention",
                           mukca_file_shown(o->dh), mukca_dh_convention_name[dh.convention]);
     if (o->convention >= 0) dh.convention = (mukca_dh_convention)o->convention;
     if (!stated && o->convention < 0)

@@ -13,7 +13,7 @@ for format in dh mdh; do
         END { if (NR != 51) exit 1 }' both.tsv
     answer "agrees with the table" export --urdf arm.urdf --check "arm.$format"
 done
-refuse 2 'says that it is a modified table' urdf --dh arm.mdh --convention standard
+refuse 2 'declares a modified table' urdf --dh arm.mdh --convention standard
 refuse 2 'dh FILE is needed' urdf
 refuse 2 'arm.dh is an input of this command' urdf --dh arm.dh -o arm.dh --force
 

@@ -44,7 +44,7 @@ echo 'movej([10,20,30,40,50,60,70])' >degrees.script
 refuse 3 "degrees.script:1: joint 'joint_2' is 20 rad, more than two turns; check --from" \
     compensate $arm --from urscript degrees.script -o new.script
 echo '[[4000,0,0],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]' >far.mod
-accept "far.mod:1: the arm does not get there.*; the pose stays as it is" compensate $arm --from rapid --poses far.mod
+accept "far.mod:1: the arm does not get there.*; the pose is unchanged" compensate $arm --from rapid --poses far.mod
 expect "and nothing goes elsewhere" cmp "$scratch/out" far.mod
 {
     echo '<robot name="long"><link name="l0"/>'
@@ -60,7 +60,7 @@ refuse 3 'a target in krl has at most 12 axes' compensate --urdf long.urdf --for
 accept 'path.mod: poses not corrected: 1; correct these next, in the result, with --poses' compensate $arm --from rapid path.mod
 accept 'path.mod: joint targets not corrected: 2; correct these as well, without --poses' \
     compensate $arm --from rapid --poses path.mod
-accept 'far.mod: no joint target in the program says in which posture the poses are reached' \
+accept 'far.mod: no joint target in the program determines the posture at the poses' \
     compensate $arm --from rapid --poses far.mod
 
 # Linear moves stay linear moves: the nominal controller is sent to a pose from where the real arm is where it was meant to be.
@@ -113,5 +113,5 @@ expect "both poses of movec" test "$(grep -c movec arc) $(poses arc)" = "1 $(pos
 expect "the base's frame is no target" grep -qxF '$BASE={X 0,Y 0,Z 0,A 0,B 0,C 0}' corrected
 expect "what a KRL move leaves out is written" grep -qE '^LIN \{Y [0-9.]+,A [0-9.]+,X -[0-9.]+,Z [0-9.]+,B -?[0-9.]+,C -?[0-9.]+\}$' corrected
 printf 'PTP XHOME\nLIN {X 100}\nLIN {X 400,Y 100,Z 300,A 0,B 0,C 180}\n' >named.src
-accept 'named.src: targets that leave out components, behind a move whose target is not in the program: 1' \
+accept 'named.src: targets with omitted components, after a move to a target outside the program: 1' \
     compensate $ur --from krl --poses named.src
