@@ -168,7 +168,7 @@ check-cortex-m7: ## libmukca_rt.a on a bare Cortex-M7 (qemu): figures, and equal
 soak: $(PROGRAM) ## the LCM tests in full: 60 s at 1 kHz, 100 kills, a million hostile messages
 	@$(TEST_ENVIRONMENT) MUKCA_LONG=1 tests/lcm/run.sh
 
-programs: $(PROGRAM) $(TESTS) $(EXAMPLES) $(RT) ## what check runs
+programs: $(PROGRAM) $(TESTS) $(EXAMPLES) $(RT) ## build the programs that check runs
 
 faults: $(PROGRAM) ## every failing allocation, write, sync and rename; 100 kills, 100 power cuts
 	@$(TEST_ENVIRONMENT) MUKCA_LONG=1 tests/run $(abspath tests/fault/run.sh)
@@ -205,7 +205,7 @@ script = $(or $(firstword $(wildcard $(1:%=tools/%/run) $(1:%=tools/%/run.sh) $(
     $(1:%=tools/%.sh) $(1:%=tools/%.py)) $(if $(wildcard tools/$(1)/.),,$(wildcard tools/$(1)))),\
     sh -c 'echo "make $@: its script tools/$(1) is not in this tree" >&2; exit 1')
 
-bench: $(PROGRAM) $(BENCHES) ## times and memory beside the references
+bench: $(PROGRAM) $(BENCHES) ## times and memory compared with the references
 	@$(TEST_ENVIRONMENT) $(call script,bench)
 
 golden: $(PROGRAM) ## rewrite the expected output of the command-line tests and the man page's COMMANDS
@@ -218,13 +218,13 @@ verify-real: $(PROGRAM) ## the published real robots: Table I, minima of J, diag
 verify-outside: $(PROGRAM) ## rules of an honest diagnosis on public measurements of others (needs the data)
 	@$(TEST_ENVIRONMENT) $(call script,verify_outside)
 
-verify-orders: $(PROGRAM) ## the leading cause in other orders and halves of real recordings (needs the data)
+verify-orders: $(PROGRAM) ## the main cause in reordered and halved real recordings (needs the data)
 	@$(TEST_ENVIRONMENT) $(call script,verify_orders)
 
 verify-fleet: $(PROGRAM) ## shared traits of published arms, each predicted with those of the others (needs the data)
 	@$(TEST_ENVIRONMENT) $(call script,verify_fleet)
 
-fleets: $(PROGRAM) ## simulated fleets: what is found, what is not there, which arm is broken (FLEETS=20)
+fleets: $(PROGRAM) ## simulated fleets: shared traits found, false ones, broken arms (FLEETS=20)
 	@$(TEST_ENVIRONMENT) $(PYTHON) tools/fleet/simulated.py --fleets $(or $(FLEETS),20)
 
 verify-small-arms: $(PROGRAM) ## false causes on pure noise for arms with two to seven axes
@@ -235,7 +235,7 @@ closed-loop: $(PROGRAM) $(EXAMPLES) ## from capture to a peg in a hole, against 
 	@$(TEST_ENVIRONMENT) tools/closed_loop/run failures.py
 	@$(TEST_ENVIRONMENT) tools/closed_loop/run realtime.py
 
-verify-paper: $(PROGRAM) ## Kana et al. (2022), Tables 3 to 12, ours beside theirs
+verify-paper: $(PROGRAM) ## Kana et al. (2022), Tables 3 to 12, compared with ours
 	@$(TEST_ENVIRONMENT) $(call script,verify_paper)
 
 interop: $(PROGRAM) ## exported models in Pinocchio, MuJoCo, yourdfpy (PyPI) against mukca fk
@@ -245,7 +245,7 @@ interop: $(PROGRAM) ## exported models in Pinocchio, MuJoCo, yourdfpy (PyPI) aga
 blind: $(PROGRAM) ## sealed cases of the independent generator, scored
 	@$(TEST_ENVIRONMENT) $(call script,blind)
 
-verify-plan: $(BENCHES) ## what planned poses are worth on simulated arms
+verify-plan: $(BENCHES) ## value of planned postures on simulated arms
 	@$(BUILD)/bench/bench_plan accuracy 50
 	@$(BUILD)/bench/bench_plan ties 50
 	@$(BUILD)/bench/bench_plan ties 50 random
@@ -294,7 +294,7 @@ install: all ## program, core library, headers, mukca.pc, unit, man pages, compl
 	$(EMULATOR) $(BUILD)/mukca completion bash > $(share)/bash-completion/completions/mukca
 	$(EMULATOR) $(BUILD)/mukca completion zsh > $(share)/zsh/site-functions/_mukca
 
-uninstall: ## remove what install put there
+uninstall: ## remove the installed files
 	rm -f $(bindir)/mukca $(libdir)/libmukca_core.a $(libdir)/libmukca_rt.a $(libdir)/pkgconfig/mukca.pc \
 	    $(libdir)/systemd/system/mukca.service \
 	    $(share)/man/man1/mukca.1 $(share)/man/man5/mukca-formats.5 \

@@ -19,7 +19,7 @@ enum { PROBES = 32, ITERATIONS = 4, MAX_PAIRS = 4096, MORE_ROWS = 10 };
 enum { LEAST_TWINS = 3 };
 
 /* Least log Bayes factor for samples to override the expected elasticity: odds of 3 to 1; less is
- * "not worth more than a bare mention" (R. Kass, A. Raftery, J. Am.  Stat.  Assoc. 90, 1995). */
+ * "not worth more than a bare mention" (R. Kass, A. Raftery, J. Am. Stat. Assoc. 90, 1995). */
 #define LEAST_EVIDENCE 1.1
 
 /* Prior of the noise, m (repeatability of a printed socket: 0.1 to 0.2 mm), and its weight in

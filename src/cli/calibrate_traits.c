@@ -9,7 +9,7 @@
 #include "io/traits.h"
 
 /* Least log Bayes factor for the use of the traits: odds of 3 to 1; less is "not worth more than a
- * bare mention" (R. Kass, A. Raftery, Bayes factors, J. Am.  Stat.  Assoc. 90, 1995). */
+ * bare mention" (R. Kass, A. Raftery, Bayes factors, J. Am. Stat. Assoc. 90, 1995). */
 #define LEAST_EVIDENCE 1.1
 
 /* The data with their recorded angles. */

@@ -42,7 +42,7 @@ mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const ch
 
 /* ---- screen ---- */
 
-/* Log Bayes factor of 1 to 20, strong evidence (R. Kass, A. Raftery, J. Am.  Stat.  Assoc. 90,
+/* Log Bayes factor of 1 to 20, strong evidence (R. Kass, A. Raftery, J. Am. Stat. Assoc. 90,
  * 1995); weaker evidence is no contradiction. */
 #define CONTRADICTION (-3.)
 

@@ -123,8 +123,7 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         departure[a].k = top;
         departure[a].effect = mukca_fleet_term(all->term[top], f->model.n_joints);
         departure[a].log_bayes_factor = odds[top] - each;
-        departure[a].probability =
-            1 - exp(-total); /* of any departure; the most probable is reported */
+        departure[a].probability = 1 - exp(-total); /* of any departure; the top one is reported */
         estimate(&departure[a], &c, top, size[top]);
         const bool wanted = estimates && compare(&own, &sisters, f, a, true);
         for (int k = 0; k < n && wanted; k++) {

@@ -47,7 +47,7 @@ void mukca_population_fit(mukca_population *population, const mukca_fleet *fleet
 
 /* Compute averages, values and probabilities from information and vector by model averaging over
  * the sets of nonzero coefficients (A. Raftery, D. Madigan, J. Hoeting, Bayesian model averaging
- * for linear regression models, J. Am.  Stat.  Assoc. 92, 1997). */
+ * for linear regression models, J. Am. Stat. Assoc. 92, 1997). */
 void mukca_population_average(mukca_population *population);
 
 /* Description of a coefficient of the population. */
