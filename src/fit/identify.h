@@ -14,8 +14,8 @@ typedef struct {
     double noise;         /* standard deviation of a sample's coordinate, m; from the residuals */
     double observability; /* (s_1 ... s_rank)^(1/rank) of the weighted Jacobian (index O1 of Borm
                              and Menq over the observable directions): m per m or rad */
-    double
-        sigma[MUKCA_MAX_FREE]; /* standard error of each free parameter; infinite: unidentifiable */
+    double sigma[MUKCA_MAX_FREE]; /* standard error of each free parameter; infinite if
+                                     unidentifiable */
     unsigned char identifiable[MUKCA_MAX_FREE];
 } mukca_identification;
 
