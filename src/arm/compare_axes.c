@@ -85,7 +85,7 @@ static void fit_screw(double *turn, double *shift, pair *p)
 }
 
 /* Compute and remove the difference of the axes; the remaining motion is carried on. */
-static void bring_onto(mukca_axis_difference *out, pair *p)
+static void remove_difference(mukca_axis_difference *out, pair *p)
 {
     double w[3], Q[9], off[3], from[3], level[9];
     for (int i = 0; i < 3; i++) from[i] = p->b.p[i] - p->a.p[i];
@@ -122,7 +122,7 @@ void mukca_compare_axes(mukca_axis_difference *out, const mukca_geometry *a,
             fit_screw(&turn, &shift, &p);
             if (j > 1) out[j - 1].zero = -turn, out[j - 1].slide = -shift;
         }
-        bring_onto(&out[j], &p);
+        remove_difference(&out[j], &p);
         if (j == 0) out[0].angle = 0, out[0].distance = p.slides ? (double)NAN : 0; /* base frame */
     }
 }

@@ -31,7 +31,7 @@ static double prior_sigma(const mukca_tip_change_task *task, int i)
 }
 
 /* theta[6 * n_elements] of the previous model, with the frames of the measurement from `to`. */
-static void take_theta_before(double *theta, const mukca_tip_change_task *task)
+static void set_theta_before(double *theta, const mukca_tip_change_task *task)
 {
     const int n = MUKCA_PARAMETERS * task->chain->n_elements;
     mukca_chain_theta(theta, task->chain);
@@ -94,7 +94,7 @@ double mukca_tip_change(double *sigma, const mukca_tip_change_task *task)
     double q[MUKCA_MAX_JOINTS];
     const mukca_dataset *data = task->data;
     const int step = data ? data->n_rows / RECORDED + 1 : 1;
-    take_theta_before(c.theta[0], task);
+    set_theta_before(c.theta[0], task);
     memcpy(c.theta[1], task->to->theta,
            sizeof *c.theta[1] * (size_t)(MUKCA_PARAMETERS * task->chain->n_elements));
     for (int side = 0; side < 2; side++)

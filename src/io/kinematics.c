@@ -69,7 +69,7 @@ static mukca_status open_entry(reader *r, int level)
 }
 
 /* Process KEY: text, below r->key[0 .. depth - 1]. */
-static mukca_status take_value(reader *r, const char *text, int line)
+static mukca_status read_value(reader *r, const char *text, int line)
 {
     mukca_kinematics *k = r->to;
     const bool rooted = strcmp(r->key[0], "kinematics") == 0;
@@ -99,7 +99,7 @@ static mukca_status take_value(reader *r, const char *text, int line)
     return MUKCA_OK;
 }
 
-static mukca_status take_scalar(reader *r, const yaml_event_t *event)
+static mukca_status read_scalar(reader *r, const yaml_event_t *event)
 {
     const int line = (int)event->start_mark.line + 1;
     const char *text = (const char *)event->data.scalar.value;
@@ -110,7 +110,7 @@ static mukca_status take_scalar(reader *r, const yaml_event_t *event)
     if (tag) return fail(r, line, "tags are not read: '", tag);
     if (r->value_next) {
         r->value_next = false;
-        return take_value(r, text, line);
+        return read_value(r, text, line);
     }
     if (length >= MUKCA_NAME_SIZE) return fail(r, line, "a name longer than 63 characters", "");
     memcpy(r->key[r->depth - 1], text, length + 1);
@@ -119,7 +119,7 @@ static mukca_status take_scalar(reader *r, const yaml_event_t *event)
     return MUKCA_OK;
 }
 
-static mukca_status take_event(reader *r, const yaml_event_t *event)
+static mukca_status read_event(reader *r, const yaml_event_t *event)
 {
     const int line = (int)event->start_mark.line + 1;
     switch ((int)event->type) {
@@ -133,7 +133,7 @@ static mukca_status take_event(reader *r, const yaml_event_t *event)
             r->depth--;
             return MUKCA_OK;
         case YAML_SCALAR_EVENT:
-            return take_scalar(r, event);
+            return read_scalar(r, event);
         case YAML_SEQUENCE_START_EVENT:
         case YAML_ALIAS_EVENT:
             return fail(r, line, "expected NAME: NUMBER, not a list or an alias", "");
@@ -160,7 +160,7 @@ static mukca_status parse(reader *r, const char *text, size_t size)
             break;
         }
         more = event.type != YAML_STREAM_END_EVENT;
-        status = take_event(r, &event);
+        status = read_event(r, &event);
         yaml_event_delete(&event);
     }
     yaml_parser_delete(&parser);

@@ -115,7 +115,7 @@ static bool is_linear(const mukca_chain *chain, int joint)
     return chain->element[chain->joint_element[joint]].type == MUKCA_PRISMATIC;
 }
 
-static bool take_pose(mukca_frame *pose, const mukca_language *l, const double *v)
+static bool convert_pose(mukca_frame *pose, const mukca_language *l, const double *v)
 {
     double turn[4] = {v[3] * l->angle, v[4] * l->angle, v[5] * l->angle};
     for (int i = 0; i < 3; i++) pose->p[i] = v[i] * l->length;
@@ -251,7 +251,7 @@ bool mukca_program_next(mukca_program_target *t, mukca_program_reader *r)
     for (size_t at = r->at; line[at] && line[at] != l->comment; at++) {
         if (line[at] != *pattern || !(follows(l, line, at) || is_second(r, at))) continue;
         if (!match_target(t, r, pattern, at)) continue;
-        if (!t->incomplete && r->pose && !take_pose(&t->pose, l, t->value)) continue;
+        if (!t->incomplete && r->pose && !convert_pose(&t->pose, l, t->value)) continue;
         for (int j = 0; j < r->chain->n_joints && !r->pose; j++)
             t->q[j] = t->value[j] * (is_linear(r->chain, j) ? l->length : l->angle);
         r->at = t->end;

@@ -113,7 +113,7 @@ static mukca_status fail(const place *at, const char *what)
                       what);
 }
 
-static bool take_name(char name[MUKCA_NAME_SIZE], const json_t *value)
+static bool read_name(char name[MUKCA_NAME_SIZE], const json_t *value)
 {
     const char *text = json_string_value(value);
     if (!text || strlen(text) >= MUKCA_NAME_SIZE) return false;
@@ -121,7 +121,7 @@ static bool take_name(char name[MUKCA_NAME_SIZE], const json_t *value)
     return true;
 }
 
-static bool take_hash(uint64_t *hash, const json_t *value)
+static bool read_hash(uint64_t *hash, const json_t *value)
 {
     const char *text = json_string_value(value);
     if (!text || strlen(text) != 16 || strspn(text, "0123456789abcdef") != 16) return false;
@@ -130,7 +130,7 @@ static bool take_hash(uint64_t *hash, const json_t *value)
 }
 
 /* JSON lacks infinity; the bound also keeps sums of these numbers finite. */
-static bool take_numbers(double *x, const json_t *array, int n)
+static bool read_numbers(double *x, const json_t *array, int n)
 {
     const double most = 1e60;
     if (!json_is_array(array) || json_array_size(array) != (size_t)n) return false;
@@ -142,26 +142,26 @@ static bool take_numbers(double *x, const json_t *array, int n)
     return true;
 }
 
-static mukca_status take_model(mukca_fleet_model *m, const json_t *root, const place *at)
+static mukca_status read_model(mukca_fleet_model *m, const json_t *root, const place *at)
 {
     const json_t *joints = json_object_get(root, "joints");
     const size_t n = json_array_size(joints);
     if (n < 1 || n > MUKCA_MAX_JOINTS) return fail(at, "`joints` is missing or has no usable size");
     m->n_joints = (int)n;
     for (size_t j = 0; j < n; j++)
-        if (!take_name(m->joint[j], json_array_get(joints, j)))
+        if (!read_name(m->joint[j], json_array_get(joints, j)))
             return fail(at, "`joints` holds something that is no name");
-    if (!take_name(m->robot, json_object_get(root, "robot")) ||
-        !take_name(m->base, json_object_get(root, "base")) ||
-        !take_name(m->tip, json_object_get(root, "tip")))
+    if (!read_name(m->robot, json_object_get(root, "robot")) ||
+        !read_name(m->base, json_object_get(root, "base")) ||
+        !read_name(m->tip, json_object_get(root, "tip")))
         return fail(at, "`robot`, `base` or `tip` is missing");
-    if (!take_hash(&m->geometry, json_object_get(root, "geometry")) ||
-        !take_hash(&m->masses, json_object_get(root, "masses")))
+    if (!read_hash(&m->geometry, json_object_get(root, "geometry")) ||
+        !read_hash(&m->masses, json_object_get(root, "masses")))
         return fail(at, "`geometry` or `masses` is no hash of 16 hexadecimal digits");
     return MUKCA_OK;
 }
 
-static mukca_status take_summary(mukca_summary *s, const json_t *root, const place *at)
+static mukca_status read_summary(mukca_summary *s, const json_t *root, const place *at)
 {
     const char *schema = json_string_value(json_object_get(root, "schema"));
     memset(s, 0, sizeof *s);
@@ -170,14 +170,14 @@ static mukca_status take_summary(mukca_summary *s, const json_t *root, const pla
                           "%s:%d: no summary; give the files of diagnose --summary", at->path,
                           at->line);
     if (strcmp(schema, SCHEMA) != 0) return fail(at, "of another version than " SCHEMA);
-    mukca_status status = take_model(&s->model, root, at);
+    mukca_status status = read_model(&s->model, root, at);
     if (status != MUKCA_OK) return status;
     const int n = s->model.n_joints, terms = mukca_fleet_terms(n);
     const json_t *samples = json_object_get(root, "samples"),
                  *ripple = json_object_get(root, "ripple");
-    if (!take_name(s->arm, json_object_get(root, "arm")) || !*s->arm)
+    if (!read_name(s->arm, json_object_get(root, "arm")) || !*s->arm)
         return fail(at, "`arm` is missing or longer than 63 bytes");
-    if (!take_hash(&s->data, json_object_get(root, "recording")))
+    if (!read_hash(&s->data, json_object_get(root, "recording")))
         return fail(at, "`recording` is no hash of 16 hexadecimal digits");
     if (!json_is_integer(samples) || json_integer_value(samples) < 1 ||
         json_integer_value(samples) > INT32_MAX)
@@ -185,12 +185,12 @@ static mukca_status take_summary(mukca_summary *s, const json_t *root, const pla
     s->samples = (int)json_integer_value(samples);
     s->sigma_m = json_number_value(json_object_get(root, "sigma_m"));
     if (!(s->sigma_m > 0)) return fail(at, "`sigma_m` is not above 0");
-    if (!take_numbers(s->information, json_object_get(root, "information"),
+    if (!read_numbers(s->information, json_object_get(root, "information"),
                       mukca_fleet_packed(terms)))
         return fail(at,
                     "`information` has another size than the joints ask for, or holds "
                     "something that is no finite number");
-    if (!take_numbers(s->vector, json_object_get(root, "vector"), terms))
+    if (!read_numbers(s->vector, json_object_get(root, "vector"), terms))
         return fail(at,
                     "`vector` has another size than the joints ask for, or holds something "
                     "that is no finite number");
@@ -241,7 +241,7 @@ mukca_status mukca_summary_read_stream(FILE *stream, const char *path, mukca_sum
         at.line++;
         json_t *root = json_loadb(line, (size_t)length, JSON_REJECT_DUPLICATES, &wrong);
         if (root)
-            status = take_summary(s, root, &at);
+            status = read_summary(s, root, &at);
         else
             status = refuse_line(line, (size_t)length, &at);
         json_decref(root);

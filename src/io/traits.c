@@ -114,7 +114,7 @@ static const char *const columns[COLUMNS] = {
     "effect",           "joint",       "term", "mean", "spread", "arms",
     "log_bayes_factor", "probability", "error"};
 
-static mukca_status take_effect(mukca_effect *e, const mukca_table *table, const int *column,
+static mukca_status read_effect(mukca_effect *e, const mukca_table *table, const int *column,
                                 const mukca_chain *chain, mukca_error *error)
 {
     const char *joint = table->cell[column[JOINT]], *term = table->cell[column[TERM]];
@@ -141,13 +141,13 @@ static mukca_status take_effect(mukca_effect *e, const mukca_table *table, const
     return MUKCA_OK;
 }
 
-static mukca_status take_row(mukca_traits *t, const mukca_table *table, const int *column,
+static mukca_status read_row(mukca_traits *t, const mukca_table *table, const int *column,
                              const mukca_chain *chain, mukca_error *error)
 {
     mukca_trait r = {.spread = NAN, .error = NAN, .value = NAN, .low = NAN, .high = NAN};
     double arms = 0, *const number[] = {&r.mean,        &r.spread, &arms, &r.log_bayes_factor,
                                         &r.probability, &r.error};
-    mukca_status status = take_effect(&r.effect, table, column, chain, error);
+    mukca_status status = read_effect(&r.effect, table, column, chain, error);
     const bool order = r.effect.kind == MUKCA_EFFECT_GEAR_HARMONIC;
     for (int i = MEAN; i < COLUMNS && status == MUKCA_OK; i++) {
         if (order && (i == SPREAD || i == ERROR)) continue;
@@ -183,7 +183,7 @@ mukca_status mukca_traits_read(mukca_traits *t, const char *path, const mukca_ch
     while (status == MUKCA_OK) {
         status = mukca_table_next(&table, &more, error);
         if (status != MUKCA_OK || !more) break;
-        status = take_row(t, &table, column, chain, error);
+        status = read_row(t, &table, column, chain, error);
     }
     if (status == MUKCA_OK && table.cut_off)
         status = mukca_table_fail(error, &table, -1, "the file is cut off; make it again");

@@ -83,7 +83,7 @@ static bool is(const reader *r, const char *text)
 }
 
 /* Consume the token if it equals `text`. */
-static bool take(reader *r, const char *text)
+static bool consume(reader *r, const char *text)
 {
     if (!is(r, text)) return false;
     next(r);
@@ -94,11 +94,11 @@ static void expect(reader *r, const char *text)
 {
     char what[32];
     snprintf(what, sizeof what, "expected \"%s\"", text);
-    if (!take(r, text)) fail(r, what);
+    if (!consume(r, text)) fail(r, what);
 }
 
 /* Copy and consume the token, which must be a name (dots are allowed with `dots`). */
-static void take_name(reader *r, char *name, size_t size, bool dots)
+static void read_name(reader *r, char *name, size_t size, bool dots)
 {
     bool good = isalpha((unsigned char)r->token[0]) || r->token[0] == '_';
     for (const char *c = r->token; *c; c++)
@@ -156,7 +156,7 @@ static void parse_field(reader *r, mukca_lcm_type *type, const mukca_lcm_field *
         return;
     }
     *field = *form;
-    take_name(r, field->name, sizeof field->name, false);
+    read_name(r, field->name, sizeof field->name, false);
     while (is(r, "[")) parse_dimension(r, field, type);
     for (int i = 0; i < type->n_fields; i++)
         if (strcmp(types->field[type->first_field + i].name, field->name) == 0)
@@ -170,7 +170,7 @@ static void parse_members(reader *r, mukca_lcm_type *type)
 {
     mukca_lcm_field form = {.primitive = 0};
     char name[MUKCA_LCM_NAME_SIZE] = "";
-    take_name(r, name, sizeof name, true);
+    read_name(r, name, sizeof name, true);
     while (form.primitive < MUKCA_LCM_NESTED &&
            strcmp(name, mukca_lcm_primitive_names[form.primitive]) != 0)
         form.primitive++;
@@ -179,7 +179,7 @@ static void parse_members(reader *r, mukca_lcm_type *type)
     else if (form.primitive == MUKCA_LCM_NESTED)
         qualify(r, form.nested_name, name);
     do parse_field(r, type, &form);
-    while (take(r, ","));
+    while (consume(r, ","));
     expect(r, ";");
 }
 
@@ -196,10 +196,10 @@ static void parse_struct(reader *r)
     memset(type->role, -1, sizeof type->role);
     type->effort_factor = 1;
     type->first_field = types->n_fields;
-    take_name(r, name, sizeof name, false);
+    read_name(r, name, sizeof name, false);
     qualify(r, type->name, name);
     expect(r, "{");
-    while (r->status == MUKCA_OK && !take(r, "}")) {
+    while (r->status == MUKCA_OK && !consume(r, "}")) {
         if (is(r, "const")) { /* constants are not part of the message */
             while (r->token[0] && !is(r, ";")) next(r);
             expect(r, ";");
@@ -224,10 +224,10 @@ mukca_status mukca_lcm_types_parse(mukca_lcm_types *types, const char *text, siz
                 .error = error};
     next(&r);
     while (r.token[0]) {
-        if (take(&r, "package")) {
-            take_name(&r, r.package, sizeof r.package, true);
+        if (consume(&r, "package")) {
+            read_name(&r, r.package, sizeof r.package, true);
             expect(&r, ";");
-        } else if (take(&r, "struct")) {
+        } else if (consume(&r, "struct")) {
             parse_struct(&r);
         } else if (is(&r, "enum")) {
             fail(&r, "enum is not understood (deprecated in LCM): use an int32_t field");

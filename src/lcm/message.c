@@ -183,7 +183,7 @@ static bool is_printable(const char *text)
     return true;
 }
 
-static bool take_element(mukca_lcm_wire *wire, field_kind kind, char *member)
+static bool decode_element(mukca_lcm_wire *wire, field_kind kind, char *member)
 {
     if (kind == TEXT) {
         const char *text = mukca_lcm_wire_text(wire);
@@ -216,7 +216,7 @@ mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const 
         char *member = (char *)message + f->offset;
         int count = f->kind == COUNT ? 1 : elements(f, member, &n);
         for (int k = 0; k < count && good; k++)
-            good = take_element(&wire, f->kind, member + (size_t)k * member_size[f->kind]);
+            good = decode_element(&wire, f->kind, member + (size_t)k * member_size[f->kind]);
         if (good && f->kind == COUNT) good = elements(f, member, &n) == 1;
     }
     const bool request = kind == MUKCA_MESSAGE_TRIGGER || kind == MUKCA_MESSAGE_COMMAND;

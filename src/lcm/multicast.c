@@ -94,7 +94,7 @@ static bool is_named(const mukca_lcm_multicast *m, const char *channel)
     return false;
 }
 
-static void take(mukca_lcm_multicast *m, size_t size, const struct sockaddr_in *from)
+static void process(mukca_lcm_multicast *m, size_t size, const struct sockaddr_in *from)
 {
     int64_t now = mukca_clock_wall();
     uint32_t address = ntohl(from->sin_addr.s_addr);
@@ -133,7 +133,7 @@ static void *run(void *multicast)
             ssize_t n = recvfrom(m->socket, m->datagram, sizeof m->datagram, MSG_DONTWAIT,
                                  (struct sockaddr *)&from, &length);
             if (n < 0) break;
-            take(m, (size_t)n, &from);
+            process(m, (size_t)n, &from);
         }
     }
     return NULL;

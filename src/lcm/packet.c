@@ -25,7 +25,7 @@ static bool drop(mukca_lcm_reassembly *r, mukca_lcm_drop why)
 }
 
 /* Read the channel at the start of `wire` and advance past its NUL; NULL: invalid. */
-static const char *take_channel(mukca_lcm_wire *wire)
+static const char *read_channel(mukca_lcm_wire *wire)
 {
     const char *channel = (const char *)wire->at;
     size_t limit = wire->left < MUKCA_LCM_CHANNEL_SIZE ? wire->left : MUKCA_LCM_CHANNEL_SIZE;
@@ -124,8 +124,8 @@ static bool complete(const mukca_lcm_partial *p)
     return end == p->size;
 }
 
-static bool take_fragment(mukca_lcm_packet *packet, mukca_lcm_reassembly *r,
-                          const mukca_lcm_datagram *datagram)
+static bool add_fragment(mukca_lcm_packet *packet, mukca_lcm_reassembly *r,
+                         const mukca_lcm_datagram *datagram)
 {
     const unsigned char *head = datagram->data;
     mukca_lcm_wire wire = {head + FRAGMENT_HEADER, datagram->size - FRAGMENT_HEADER};
@@ -136,7 +136,7 @@ static bool take_fragment(mukca_lcm_packet *packet, mukca_lcm_reassembly *r,
                                 .time = datagram->time};
     uint64_t offset = mukca_lcm_wire_get(head + 12, 4);
     unsigned number = (unsigned)mukca_lcm_wire_get(head + 16, 2);
-    const char *channel = number == 0 ? take_channel(&wire) : "";
+    const char *channel = number == 0 ? read_channel(&wire) : "";
     if (!channel) return drop(r, MUKCA_LCM_DROP_CHANNEL);
     if (header.size > MUKCA_LCM_MAX_MESSAGE || offset + wire.left > header.size || !wire.left)
         return drop(r, MUKCA_LCM_DROP_SIZE);
@@ -178,11 +178,11 @@ bool mukca_lcm_packet_take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r,
     uint64_t magic = datagram->size >= SMALL_HEADER ? mukca_lcm_wire_get(head, 4) : 0;
     if (magic == SMALL) {
         mukca_lcm_wire wire = {head + SMALL_HEADER, datagram->size - SMALL_HEADER};
-        const char *channel = take_channel(&wire);
+        const char *channel = read_channel(&wire);
         if (!channel) return drop(r, MUKCA_LCM_DROP_CHANNEL);
         *packet = (mukca_lcm_packet){.channel = channel, .data = wire.at, .size = wire.left};
     } else if (magic == FRAGMENT && datagram->size >= FRAGMENT_HEADER) {
-        if (!take_fragment(packet, r, datagram)) return false;
+        if (!add_fragment(packet, r, datagram)) return false;
     } else {
         return drop(r, MUKCA_LCM_DROP_SHORT);
     }

@@ -66,7 +66,7 @@ static int socket_of_row(const mukca_planner *p, int row)
 }
 
 /* Update the covariance by the recorded samples and by the distances between the plan's sockets. */
-static void take_recorded(mukca_planner *p)
+static void add_recorded(mukca_planner *p)
 {
     const double *before = NULL;
     for (int r = 0; p->data && r < p->data->n_rows; r++) {
@@ -104,7 +104,7 @@ mukca_status mukca_planner_create(mukca_planner *p, const mukca_planner_room *ro
     if (!options->poses_only || s->n_effects == 0)
         mukca_plan_look_elsewhere(s, &p->rules, options->seed);
     if (s->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
-    take_recorded(p);
+    add_recorded(p);
     mukca_random_seed(&p->random, options->seed);
     return MUKCA_OK;
 }
@@ -192,7 +192,7 @@ static int middle_pose(const mukca_planner *p, int socket)
     return best;
 }
 
-static void take(mukca_planner *p, int pose, int *count)
+static void add_choice(mukca_planner *p, int pose, int *count)
 {
     mukca_plan_state_row(&p->state, p->poses[pose].H, p->poses[pose].socket, 1);
     p->poses[pose].used = true;
@@ -231,7 +231,7 @@ void mukca_plan_choose(mukca_planner *p, int rows)
     const int room = fresh > 0 && fresh == p->n_sockets ? (rows + fresh - 1) / fresh : rows;
     for (int k = 0; k < p->n_sockets && p->n_chosen < rows; k++) {
         const int first = p->recorded[k] == 0 ? middle_pose(p, k) : -1;
-        if (first >= 0) take(p, first, count);
+        if (first >= 0) add_choice(p, first, count);
     }
     while (p->n_chosen < rows && !mukca_plan_stopped(p)) {
         const double *before = p->n_chosen > 0 ? p->poses[p->chosen[p->n_chosen - 1]].q : NULL;
@@ -242,7 +242,7 @@ void mukca_plan_choose(mukca_planner *p, int rows)
             continue;
         }
         renew(p, &p->poses[best], before);
-        take(p, best, count);
+        add_choice(p, best, count);
         if (o->progress) o->progress(o->context, 0.3 + 0.5 * p->n_chosen / rows);
     }
 }

@@ -10,14 +10,14 @@
  * ball if that is lower; the first two joints are not counted, as the base fixes their height. */
 typedef struct {
     double lean, clear;
-} standing;
+} attitude;
 
-static standing stand(const double *q, const mukca_plan_rules *rules)
+static attitude attitude_of(const double *q, const mukca_plan_rules *rules)
 {
     const mukca_chain *chain = rules->chain;
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
     double up[3], stem[3];
-    standing s = {.lean = 0, .clear = HUGE_VAL};
+    attitude s = {.lean = 0, .clear = HUGE_VAL};
     const double weight = mukca_norm3(chain->gravity);
     if (!(weight > 0)) return s;
     mukca_fk_frames(before, &tip, rules->geometry, q, NULL);
@@ -48,7 +48,7 @@ void mukca_plan_rules_set(mukca_plan_rules *rules, const mukca_chain *chain,
                                 .separation = o->separation > 0 ? o->separation : 0.2,
                                 .margin = o->margin > 0 ? o->margin : 0.02};
     for (int r = 0; data && r < data->n_rows; r++) {
-        const standing s = stand(data->q + r * data->n_joints, rules);
+        const attitude s = attitude_of(data->q + r * data->n_joints, rules);
         if (!(o->tilt > 0)) rules->tilt = fmax(rules->tilt, s.lean);
         if (o->clearance == 0) rules->clearance = fmin(rules->clearance, s.clear);
     }
@@ -63,7 +63,7 @@ bool mukca_plan_differs(const double *a, const double *b, int n_joints, double s
 
 static bool allowed(const double *q, const mukca_plan_rules *rules)
 {
-    const standing s = stand(q, rules);
+    const attitude s = attitude_of(q, rules);
     return s.lean <= rules->tilt && !(s.clear < rules->clearance);
 }
 

@@ -26,7 +26,7 @@ static void trigger(mukca_recorder *r)
 
 /* Process one line.  False: the line defined the mapping and stays in the buffer until the mapping
  * is confirmed. */
-static bool take_line(mukca_recorder *r, const char *line)
+static bool process_line(mukca_recorder *r, const char *line)
 {
     mukca_error error;
     mukca_joint_lines *l = r->lines;
@@ -71,7 +71,7 @@ mukca_status mukca_recorder_wait_lines(mukca_recorder *r, int timeout_ms, int ot
     for (int i = 0; i < BURST && more; i++) {
         const int rows = r->session.n_rows;
         line = mukca_joint_lines_peek(l);
-        more = line && take_line(r, line) && r->connected && rows == r->session.n_rows;
+        more = line && process_line(r, line) && r->connected && rows == r->session.n_rows;
     }
     if (!line && l->ended) return MUKCA_NEGATIVE;
     /* while lines are buffered, poll the link without waiting */

@@ -16,7 +16,7 @@ static bool plausible(const mukca_recorder *r, int j, double q)
     return fabs(q) <= (linear ? 20 : 4 * M_PI);
 }
 
-static void take_values(double *out, const mukca_recorder *r, mukca_lcm_role role)
+static void copy_values(double *out, const mukca_recorder *r, mukca_lcm_role role)
 {
     for (int j = 0; j < r->chain->n_joints; j++) out[j] = r->joints.value[role][r->map[j]];
 }
@@ -119,7 +119,7 @@ static bool find_names(mukca_recorder *r)
 }
 
 /* Copy the message's readings to the arm's joints; false: they are not plausible. */
-static bool take_readings(mukca_recorder *r)
+static bool copy_readings(mukca_recorder *r)
 {
     if (r->by_name && !find_names(r)) {
         mukca_recorder_refuse(r, MUKCA_RECORDER_NAMES,
@@ -146,8 +146,8 @@ static bool take_readings(mukca_recorder *r)
         }
         r->q[j] = q;
     }
-    if (r->joints.has[MUKCA_LCM_ROLE_EFFORT]) take_values(r->effort, r, MUKCA_LCM_ROLE_EFFORT);
-    if (r->joints.has[MUKCA_LCM_ROLE_COMMAND]) take_values(r->command, r, MUKCA_LCM_ROLE_COMMAND);
+    if (r->joints.has[MUKCA_LCM_ROLE_EFFORT]) copy_values(r->effort, r, MUKCA_LCM_ROLE_EFFORT);
+    if (r->joints.has[MUKCA_LCM_ROLE_COMMAND]) copy_values(r->command, r, MUKCA_LCM_ROLE_COMMAND);
     return true;
 }
 
@@ -175,7 +175,7 @@ static void on_joints(mukca_recorder *r, const mukca_lcm_packet *packet)
 void mukca_recorder_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type)
 {
     if (!r->mapped && !map_first(r, type)) return;
-    if (!take_readings(r) || !mukca_recorder_one_sender(r, packet)) return;
+    if (!copy_readings(r) || !mukca_recorder_one_sender(r, packet)) return;
     int64_t time = r->joints.time > 0 ? r->joints.time : packet->time;
     bool use = r->connected && r->confirmed;
     if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, r->q);

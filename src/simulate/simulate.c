@@ -62,8 +62,8 @@ typedef struct {
     mukca_row_state states;
     mukca_random postures, noise, effort, rotation, clock;
     double phase[MUKCA_MAX_JOINTS], pace[MUKCA_MAX_JOINTS]; /* of a sweep; rad per sample */
-    double wander[3];                                       /* noise of the present sample, m */
-    double stale; /* readback lag along the last move, rad */
+    double ball_noise[3];                                   /* noise of the present sample, m */
+    double lag; /* readback lag along the last move, rad */
     int row;
 } recorder;
 
@@ -76,7 +76,7 @@ static void displace(mukca_displacement *displacement, const double *q, void *co
     double meant[MUKCA_MAX_JOINTS]; /* commands of a controller whose readings lag */
     mukca_joint_state state = *mukca_row_state_set(&r->states, q);
     mukca_effect_direction(meant, n, &last_move, &state);
-    for (int j = 0; j < n; j++) meant[j] = q[j] + r->stale * meant[j];
+    for (int j = 0; j < n; j++) meant[j] = q[j] + r->lag * meant[j];
     state.command = meant;
     if (r->data->command)
         memcpy(r->data->command + (size_t)r->row * (size_t)n, meant, (size_t)n * sizeof *meant);
@@ -102,8 +102,8 @@ static void next_noise(recorder *r, bool fresh)
     const mukca_simulate_options *o = &r->options;
     const double rho = fresh ? 0 : o->correlation;
     for (int a = 0; a < 3; a++)
-        r->wander[a] =
-            rho * r->wander[a] + sqrt(1 - rho * rho) * o->noise * mukca_random_normal(&r->noise);
+        r->ball_noise[a] = rho * r->ball_noise[a] +
+                           sqrt(1 - rho * rho) * o->noise * mukca_random_normal(&r->noise);
 }
 
 /* Replace the angles of the sample, the commands so far, by the readings of the sagging joints. */
@@ -187,9 +187,9 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placem
         const mukca_effect *effect = &arm->effects[e];
         if (mukca_effect_table[effect->kind]->site != MUKCA_SITE_ANGLES) continue;
         compared |= effect->variant.to_command;
-        if (!effect->variant.to_command) r->stale += effect->coefficient[0];
+        if (!effect->variant.to_command) r->lag += effect->coefficient[0];
     }
-    if (compared && r->stale == 0) r->stale = 1e-3;
+    if (compared && r->lag == 0) r->lag = 1e-3;
     mukca_status status =
         mukca_dataset_create(data, rows, (int)n, 2 * placements, placements, error);
     if (status != MUKCA_OK) return status;
@@ -277,7 +277,7 @@ static mukca_status record_socket(recorder *r, const mukca_simulated_session *se
     tick(r, row > 0 ? interval : socket ? 2 * interval : 10 * interval);
     next_noise(r, row == 0);
     mukca_simulate_seat(target.p, session, place, socket, row);
-    for (int a = 0; a < 3; a++) target.p[a] += r->wander[a];
+    for (int a = 0; a < 3; a++) target.p[a] += r->ball_noise[a];
     if (is_duplicate(session, place, socket, row)) {
         double *q = r->data->q + (size_t)r->row * n;
         memcpy(q, q - n, n * sizeof *q);
@@ -352,7 +352,7 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
         displace(&displacement, data->q + i * n, &r);
         mukca_fk_pose(&pose, &arm->geometry, data->q + i * n, &displacement);
         next_noise(&r, i == 0);
-        for (int a = 0; a < 3; a++) data->position[3 * i + (size_t)a] = pose.p[a] + r.wander[a];
+        for (int a = 0; a < 3; a++) data->position[3 * i + (size_t)a] = pose.p[a] + r.ball_noise[a];
         if (data->quaternion) {
             double w[3], turn[9], R[9];
             for (int a = 0; a < 3; a++)
