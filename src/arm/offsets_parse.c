@@ -99,7 +99,7 @@ static mukca_status check_origin(reader *r)
     if (r->origin->other && !r->origin->force)
         return fail(r,
                     "was made for another URDF (robot '%.40s', SHA-256 %.12s..., not %.12s...); "
-                    "--force takes its offsets nevertheless",
+                    "--force applies its offsets nevertheless",
                     r->robot, r->sha, r->chain->urdf_sha256);
     if (strcmp(r->kinematics, r->chain->kinematics_sha256) != 0 && !r->origin->force)
         return fail(

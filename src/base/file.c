@@ -50,7 +50,7 @@ static mukca_status read_stream(char **text, FILE *stream, const char *path, muk
         return mukca_fail(error, MUKCA_INPUT, "%s: is larger than %d MiB", mukca_file_shown(path),
                           LARGEST >> 20);
     if (strlen(*text) == length) return MUKCA_OK;
-    return mukca_fail(error, MUKCA_INPUT, "%s: holds a zero byte; save it as UTF-8 text",
+    return mukca_fail(error, MUKCA_INPUT, "%s: contains a zero byte; save it as UTF-8 text",
                       mukca_file_shown(path));
 }
 

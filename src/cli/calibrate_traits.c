@@ -114,7 +114,7 @@ void calibrate_print_traits(cli_call *call, const calibrate_result *r)
     mukca_effect elastic[MUKCA_FLEET_TERMS];
     if (!r->traits) return;
     if (mukca_traits_effects(elastic, NULL, r->traits) == 0) {
-        cli_answer_wrapped(call, "Fleet: the traits of %d arms hold no elastic coefficient.",
+        cli_answer_wrapped(call, "Fleet: the traits of %d arms contain no elastic coefficient.",
                            r->traits->n_arms);
         return;
     }

@@ -50,7 +50,7 @@ mukca_status mukca_fleet_take(mukca_fleet *f, const mukca_summary *s, const char
     if (!is_possible(s, terms))
         return mukca_fail(
             error, MUKCA_INPUT,
-            "%s: the information is not positive semidefinite; write the summary anew", path);
+            "%s: the information is not positive semidefinite; write the summary again", path);
     /* one block per session: numbers, ripple, name */
     double *numbers = mukca_pool_take(
         &f->pool, 1,

@@ -77,7 +77,7 @@ static mukca_status read_type(mukca_dh_row *row, const mukca_table *table, int c
             return MUKCA_OK;
         }
     return mukca_table_fail(error, table, column,
-                            "unknown type; give revolute, continuous, prismatic or fixed");
+                            "unknown type; use revolute, continuous, prismatic or fixed");
 }
 
 /* Context of a row. */

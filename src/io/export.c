@@ -92,8 +92,8 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
     const int needs = keep_held(&r->offsets, input, exporter);
     if ((needs & MUKCA_NEEDS_MASSES) && input->chain->n_masses == 0)
         mukca_note_format(input->note, input->context,
-                          "without link masses (--inertials FILE) nothing can be fitted to what "
-                          "gravity moves");
+                          "without link masses (--inertials FILE) the fit cannot approximate "
+                          "deflection under gravity");
     const mukca_refit_task task = {.chain = input->chain,
                                    .arm = input->offsets,
                                    .held = r->offsets.effects,

@@ -177,9 +177,9 @@ static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input, mu
     fputs("<!--\n", stream);
     mukca_export_provenance(stream, "     ", input);
     fputs(
-        "     A statics model: bodies and joints have the URDF's names; pos and quat hold the\n"
-        "     calibrated origins.  Springs (_flex, _bend, base_flex) and stops (_play) stand for\n"
-        "     found effects; inertias are rough, take your own.\n",
+        "     A statics model: bodies and joints have the URDF's names; pos and quat are the\n"
+        "     calibrated origins.  Springs (_flex, _bend, base_flex) and stops (_play) represent\n"
+        "     the identified effects; inertias are rough, replace them with yours.\n",
         stream);
     gather(&w);
     fputs("-->\n<mujoco", stream);

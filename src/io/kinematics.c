@@ -106,7 +106,7 @@ static mukca_status read_scalar(reader *r, const yaml_event_t *event)
     const size_t length = event->data.scalar.length;
     const char *tag = (const char *)event->data.scalar.tag;
     if (r->depth == 0) return fail(r, line, "expected `kinematics:` or names of joints", "");
-    if (strlen(text) != length) return fail(r, line, "holds a zero byte", "");
+    if (strlen(text) != length) return fail(r, line, "contains a zero byte", "");
     if (tag) return fail(r, line, "tags are not read: '", tag);
     if (r->value_next) {
         r->value_next = false;

@@ -187,7 +187,7 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
                           origin.name, origin.ignored, chain->base, chain->tip);
     if (!offsets->acceptance.given)
         mukca_note_format(note, context,
-                          "%s: holds no verdict (older, or made by hand); check it with mukca "
+                          "%s: has no verdict (older, or made by hand); check it with mukca "
                           "evaluate",
                           origin.name);
     else if (!offsets->acceptance.accepted)

@@ -135,7 +135,7 @@ static mukca_status read_matrix(mukca_row *row, const mukca_rows *rows,
         if (!(fabs(T[12 + c] - (c == 3)) <= 1e-6)) /* the last row is 0 0 0 1 within rounding */
             return mukca_table_fail(error, t, m->matrix[12 + c],
                                     "the last row of the matrix is not 0 0 0 1; the 16 numbers "
-                                    "stand row by row");
+                                    "must be in row-major order");
     for (int i = 0; i < 3; i++) {
         row->position[i] = T[4 * i + 3];
         for (int k = 0; k < 3; k++) R[3 * i + k] = T[4 * i + k];
@@ -147,7 +147,7 @@ static mukca_status read_matrix(mukca_row *row, const mukca_rows *rows,
         if (!(fabs(product - (a == b)) <= length_tolerance))
             return mukca_table_fail(
                 error, t, m->matrix[0],
-                "the matrix holds no rotation; its 16 numbers stand row by row");
+                "the matrix contains no rotation; its 16 numbers must be in row-major order");
     }
     mukca_rotation_to_quaternion(row->quaternion, R);
     return MUKCA_OK;

@@ -109,7 +109,7 @@ typedef struct {
 static mukca_status fail(const place *at, const char *what)
 {
     return mukca_fail(at->error, MUKCA_INPUT,
-                      "%s:%d: %s; write the summary anew (diagnose --summary)", at->path, at->line,
+                      "%s:%d: %s; write the summary again (diagnose --summary)", at->path, at->line,
                       what);
 }
 
@@ -150,7 +150,7 @@ static mukca_status read_model(mukca_fleet_model *m, const json_t *root, const p
     m->n_joints = (int)n;
     for (size_t j = 0; j < n; j++)
         if (!read_name(m->joint[j], json_array_get(joints, j)))
-            return fail(at, "`joints` holds something that is no name");
+            return fail(at, "`joints` contains something other than names");
     if (!read_name(m->robot, json_object_get(root, "robot")) ||
         !read_name(m->base, json_object_get(root, "base")) ||
         !read_name(m->tip, json_object_get(root, "tip")))
@@ -167,7 +167,7 @@ static mukca_status read_summary(mukca_summary *s, const json_t *root, const pla
     memset(s, 0, sizeof *s);
     if (!schema || strncmp(schema, "mukca.summary/", 14) != 0)
         return mukca_fail(at->error, MUKCA_INPUT,
-                          "%s:%d: no summary; give the files of diagnose --summary", at->path,
+                          "%s:%d: not a summary; use the files of diagnose --summary", at->path,
                           at->line);
     if (strcmp(schema, SCHEMA) != 0) return fail(at, "of another version than " SCHEMA);
     mukca_status status = read_model(&s->model, root, at);
@@ -188,12 +188,12 @@ static mukca_status read_summary(mukca_summary *s, const json_t *root, const pla
     if (!read_numbers(s->information, json_object_get(root, "information"),
                       mukca_fleet_packed(terms)))
         return fail(at,
-                    "`information` has another size than the joints ask for, or holds "
-                    "something that is no finite number");
+                    "`information` does not match the number of joints, or contains "
+                    "something other than finite numbers");
     if (!read_numbers(s->vector, json_object_get(root, "vector"), terms))
         return fail(at,
-                    "`vector` has another size than the joints ask for, or holds something "
-                    "that is no finite number");
+                    "`vector` does not match the number of joints, or contains something "
+                    "other than finite numbers");
     for (int j = 0; j < n; j++) {
         const char *text = json_string_value(json_array_get(ripple, (size_t)j));
         if (!text || json_array_size(ripple) != (size_t)n || !decode(s->ripple[j], text))
@@ -212,7 +212,7 @@ static mukca_status refuse_line(const char *line, size_t length, const place *at
             "%s:%d: a traits table, which cannot be pooled again; give the summaries "
             "it was made from, or the file in which mukca fleet --partial joined them",
             at->path, at->line);
-    return mukca_fail(at->error, MUKCA_INPUT, "%s:%d: %s; write the summary anew", at->path,
+    return mukca_fail(at->error, MUKCA_INPUT, "%s:%d: %s; write the summary again", at->path,
                       at->line, line[length - 1] == '\n' ? "no JSON" : "the file is cut off");
 }
 

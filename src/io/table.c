@@ -51,7 +51,7 @@ static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
     if (length == LONGEST_LINE - 1 && line[length - 1] != '\n')
         return mukca_table_fail(error, t, -1, "the line is longer than 1 MiB; this is no table");
     if (length == 0 || (!t->cut_off && line[length - 1] != '\n'))
-        return mukca_table_fail(error, t, -1, "holds a zero byte; this is no text file");
+        return mukca_table_fail(error, t, -1, "contains a zero byte; this is not a text file");
     while (length && (line[length - 1] == '\n' || line[length - 1] == '\r')) line[--length] = '\0';
     if (strchr(line, '\r'))
         return mukca_table_fail(error, t, -1,

@@ -119,7 +119,7 @@ static void check_element(scan *s, const char *tag, const char *prefix, int dept
                            line, (int)DEEPEST));
     else if (prefix && strcmp(prefix, "xacro") == 0)
         stop(s, mukca_fail(s->error, MUKCA_INPUT,
-                           "%s:%d: holds xacro macros; expand them first: xacro IN > OUT.urdf",
+                           "%s:%d: contains xacro macros; expand them first: xacro IN > OUT.urdf",
                            s->path, line));
 }
 
@@ -252,7 +252,7 @@ static mukca_status check_expressions(const mukca_urdf_text *urdf, const char *p
         if (strncmp(c, "-->", 3) == 0) comment = false;
         if (!comment && c[0] == '$' && c[1] == '{')
             return mukca_fail(error, MUKCA_INPUT,
-                              "%s:%d: holds a xacro expression ${...}; expand it first: "
+                              "%s:%d: contains a xacro expression ${...}; expand it first: "
                               "xacro IN > OUT.urdf",
                               path, line);
     }

@@ -121,9 +121,10 @@ static mukca_status open_log(mukca_lcm_link *link, const char *url, mukca_error 
         if (strncmp(path + length, "?speed=", 7) == 0)
             link->speed = strtod(path + length + 7, &end);
         if (!end || *end || !(link->speed >= 0 && link->speed <= 1e6))
-            return mukca_fail(error, MUKCA_USAGE,
-                              "\"%.80s\": a log takes no option but speed=NUMBER, 0 for no waiting",
-                              url);
+            return mukca_fail(
+                error, MUKCA_USAGE,
+                "\"%.80s\": the only option of a log is speed=NUMBER (0: as fast as possible)",
+                url);
     }
     return mukca_lcm_log_open(&link->log, name, error);
 }

@@ -175,12 +175,12 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
         best_turn = median, check->rotation_element = check->position_element;
     if (check->position_median > 0.1 && shuffled(p, check->position_median))
         return mukca_fail(error, MUKCA_INPUT,
-                          "the poses belong to other rows' joint angles (median %.0f mm off, but "
-                          "near when paired anew): sort both into the same order",
+                          "the poses are those of other rows' joint angles (median error %.0f mm, "
+                          "small in another order): sort both into the same order",
                           1e3 * check->position_median);
     if (check->position_median > 0.1)
         return mukca_fail(error, MUKCA_INPUT,
-                          "the poses lie %.0f mm (median) from every link of this arm: another "
+                          "the poses are %.0f mm (median) from every link of this arm: another "
                           "base frame or tool (--free-base, --free-tool), or another arm",
                           1e3 * check->position_median);
     if (check->position_element < joint || (best_turn < 0.1 && check->rotation_element < joint))
@@ -198,9 +198,9 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     }
     if (check->rotations && best_turn > 0.1)
         return mukca_fail(error, MUKCA_INPUT,
-                          "the orientations are turned by %.3f rad (median) against every link, "
-                          "the positions are not: rotation and position are in different frames; "
-                          "--free-tool fits a turned tool",
+                          "the orientations differ by %.3f rad (median) from those of every link, "
+                          "the positions do not: rotation and position are in different frames; "
+                          "--free-tool fits a rotated tool",
                           best_turn);
     return MUKCA_OK;
 }

@@ -139,7 +139,7 @@ static mukca_status step(double *size, session *s, mukca_pose_system *system, bo
     *size = 0;
     if (n > 0 && system->unknown[n - 1].kind == MUKCA_UNKNOWN_LAG && !with_lag) n--;
     if (!mukca_pose_system_solve(&s->solution, system, n, loosest))
-        return mukca_fail(error, MUKCA_INPUT, "the rows hold numbers that are not finite");
+        return mukca_fail(error, MUKCA_INPUT, "the rows contain numbers that are not finite");
     for (int u = 0; u < n; u++) {
         mukca_pose_model_add(&s->model, &system->unknown[u], s->solution.x[u]);
         system->value[u] += s->solution.x[u];

@@ -68,8 +68,9 @@ static mukca_status read_types(mukca_recorder *r, mukca_error *error)
     mukca_status status = mukca_lcm_types_init(&r->types, error);
     if (status != MUKCA_OK) return status;
     if (o->n_types && !o->position)
-        return mukca_fail(error, MUKCA_USAGE,
-                          "--type needs --position FIELD: which field holds the joint positions?");
+        return mukca_fail(
+            error, MUKCA_USAGE,
+            "--type needs --position FIELD: which field contains the joint positions?");
     if (!o->n_types && (o->position || o->names))
         return mukca_fail(error, MUKCA_USAGE, "--position and --names belong to a --type FILE.lcm");
     if (!o->n_types) return MUKCA_OK;

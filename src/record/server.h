@@ -23,7 +23,7 @@ enum {
     X(socket, " [LABEL]", 1, "select a socket of this placement; the next one without LABEL") \
     X(placement, " [NAME]", 1, "select a placement; a new one without NAME")                  \
     X(finish, "", 0, "close the session")                                                     \
-    X(calibrate, "", 0, "calibrate on the session; the result holds the offsets table")       \
+    X(calibrate, "", 0, "calibrate on the session; the result contains the offsets table")    \
     X(diagnose, "", 0, "diagnose the session; the result adds the effects found")             \
     X(use, " [SESSION]", 1, "use the last result (of SESSION) for poses, if it is plausible") \
     X(result, "", 0, "send the offsets table in use")

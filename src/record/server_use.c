@@ -41,7 +41,7 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
     if (status != MUKCA_OK) return status;
     if (!a->given)
         return mukca_fail(error, MUKCA_INPUT,
-                          "%s holds no verdict: calibrate again, then use the result", name);
+                          "%s has no verdict: calibrate again, then use the result", name);
     mukca_tip_change_judge(offsets,
                            &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
     mukca_acceptance_judge(a, NULL);

@@ -43,7 +43,7 @@ static mukca_status read_traits(mukca_recorder *r, mukca_error *error)
         r,
         c->n_effects ? "samples are judged with the mean elasticity of %d arms (coefficients: %d) "
                        "and recorded as read"
-                     : "the traits of %d arms hold no elastic coefficient",
+                     : "the traits of %d arms contain no elastic coefficient",
         c->n_arms, c->n_effects);
     return MUKCA_OK;
 }

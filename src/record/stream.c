@@ -81,8 +81,8 @@ static void refuse_type(mukca_recorder *r, const mukca_lcm_packet *packet, int t
                               r->channel, fingerprint);
     else if (type >= 0 || own)
         mukca_fail(&r->problem, MUKCA_INPUT,
-                   "%s sends %s, which holds no joint positions: name another --channel",
-                   r->channel, own ? own : r->types.type[type].name);
+                   "%s sends %s, which has no joint positions: name another --channel", r->channel,
+                   own ? own : r->types.type[type].name);
     else
         mukca_fail(&r->problem, MUKCA_INPUT,
                    "%s sends a type that mukca does not know (fingerprint %016" PRIx64

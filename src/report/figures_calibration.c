@@ -183,7 +183,7 @@ bool mukca_report_offsets(mukca_plot *plot, const mukca_report *r, int index)
             n + 1, angles ? "offset, mrad" : "offset, mm");
     fprintf(plot->description,
             "Offset of each %s parameter with two standard deviations, joint by joint; "
-            "%d of %d are identifiable. The table holds the same numbers.",
+            "%d of %d are identifiable. The table lists the same numbers.",
             angles ? "angle" : "length", known, n);
     return true;
 }

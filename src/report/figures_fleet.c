@@ -71,7 +71,7 @@ bool mukca_fleet_draw_coefficient(mukca_plot *plot, const mukca_fleet_page *p, i
         per * (c->value + 1.96 * c->spread), per * c->value, per * c->value);
     fprintf(plot->description,
             "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
-            "%.3g [%.3g, %.3g]; grey: where 95 %% of its arms lie.",
+            "%.3g [%.3g, %.3g]; grey: range of 95 %% of its arms.",
             per * c->value, per * c->low, per * c->high);
     for (int i = 0; i < p->n_departing; i++)
         if (i < MOST_ARMS && p->arms[i].k == k)

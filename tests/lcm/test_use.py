@@ -102,7 +102,7 @@ def main():
         p = serve(state)
         client.wait_stream()
         check("a table without a verdict is not used", pose(client, arm) is None and
-              any("holds no verdict" in line for line in p.said), p.said)
+              any("has no verdict" in line for line in p.said), p.said)
         stop(p)
     finish()
 

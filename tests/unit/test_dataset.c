@@ -437,7 +437,7 @@ static void tables_of_others_are_read(void **state)
         {"j1,j2,x_m,y_m,z_m\n8,0,1,2,3\n", &inverse, "--inverse-poses needs orientations"},
         {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,1,0,0,0,0,1,0,.1,.2,.3,1\n", NULL,
          "t.csv:2: column 'm30': the last row of the matrix is not 0 0 0 1"},
-        {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,2,0,0,0,0,1,0,0,0,0,1\n", NULL, "holds no rotation"},
+        {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,2,0,0,0,0,1,0,0,0,0,1\n", NULL, "contains no rotation"},
         {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,1,0,,0,0,1,0,0,0,0,1\n", NULL, "all 16 numbers"},
         {"j1,j2,m00\n0,0,1\n", NULL, "no column 'm33'; m00 to m33 belong together"},
     };

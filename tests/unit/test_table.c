@@ -130,7 +130,7 @@ static void bad_tables_name_their_place(void **state)
     assert_error(read_all("/nowhere/t", MUKCA_HEADER), MUKCA_INPUT, error, "No such file");
     assert_error(read_all(scratch_folder, MUKCA_HEADER), MUKCA_INPUT, error, "directory");
     assert_error(read_all(scratch_bytes("t", "a\tb\n1\0\t2\n", 9), MUKCA_HEADER), MUKCA_INPUT,
-                 error, "t:2: holds a zero byte");
+                 error, "t:2: contains a zero byte");
     mukca_table_close(&table);
     assert_error(read_all(scratch_bytes("t", "\0\n", 2), MUKCA_HEADER), MUKCA_INPUT, error,
                  "zero byte");

@@ -29,9 +29,9 @@ refuse 3 'bad.urdf:1: elements nested more than' calibrate --urdf bad.urdf good 
 head -c 40000000 /dev/zero | tr '\0' ' ' >bad.urdf
 refuse 3 'bad.urdf: is larger than' calibrate --urdf bad.urdf good -o new.tsv
 edit 's/0 0 0.25/0 0 ${height}/'
-refuse 3 'bad.urdf:10: holds a xacro expression.*expand it first' calibrate --urdf bad.urdf good
+refuse 3 'bad.urdf:10: contains a xacro expression.*expand it first' calibrate --urdf bad.urdf good
 edit 's/<robot name="small">/<robot name="small" xmlns:xacro="http:\/\/x"><xacro:arg name="y"\/>/'
-refuse 3 'bad.urdf:2: holds xacro macros; expand them first' calibrate --urdf bad.urdf good
+refuse 3 'bad.urdf:2: contains xacro macros; expand them first' calibrate --urdf bad.urdf good
 edit 's/name="j2" type="revolute"/name="j2" type="floating"/'
 refuse 3 "bad.urdf:15: joint 'j2': planar and floating joints" calibrate --urdf bad.urdf good
 edit 's/<child link="upper"/<child link="base"/'
@@ -107,7 +107,7 @@ refuse 3 'bad.tsv:1: starts with numbers; the first line' calibrate $a bad.tsv
 : >bad.tsv
 refuse 3 'bad.tsv: is empty' calibrate $a bad.tsv
 head -c 5000 /dev/zero >bad.tsv
-refuse 3 'bad.tsv:1: holds a zero byte' calibrate $a bad.tsv
+refuse 3 'bad.tsv:1: contains a zero byte' calibrate $a bad.tsv
 
 LC_ALL=C sed '2,$s/^p/gr\xfcn/' session.tsv >bad.tsv
 refuse 3 "bad.tsv:2: column 'placement': is not UTF-8" calibrate $a bad.tsv

@@ -25,7 +25,7 @@ accept 'note: failed.tsv: this calibration did not pass' export $a --offsets fai
 answer 'Table not accepted: moves the tip by 551 mm' evaluate $a --offsets failed.tsv sim.tsv -o scores.tsv
 answer 'Table accepted: held-out error' evaluate $a --offsets ok.tsv sim.tsv -o scores.tsv --force
 sed '/^# accepted/d' ok.tsv >old.tsv
-accept 'note: old.tsv: holds no verdict' fk $a --offsets old.tsv good/hole_0.csv
+accept 'note: old.tsv: has no verdict' fk $a --offsets old.tsv good/hole_0.csv
 sed 's/^# accepted: yes/&\n# accepted: no; twice/' ok.tsv >failed.tsv
 refuse 3 'did not pass: twice' fk $a --offsets failed.tsv good/hole_0.csv
 sed 's/^# accepted: yes/# NOT CONVERGED/' ok.tsv >failed.tsv

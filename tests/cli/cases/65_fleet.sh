@@ -70,7 +70,7 @@ expect "the consistency errors are smaller" awk '/"spread_m"/ { s[FILENAME] += $
     END { exit !(s["live_traits.json"] > 0 && s["live_traits.json"] < 0.9 * s["live.json"]) }' live.json live_traits.json
 # a fleet may share nothing
 awk -F '\t' '/^#/ || $1 == "effect"' all.traits.tsv >empty.traits.tsv
-answer "Fleet: the traits of 3 arms hold no elastic coefficient" calibrate $a seven/train.tsv --traits empty.traits.tsv
+answer "Fleet: the traits of 3 arms contain no elastic coefficient" calibrate $a seven/train.tsv --traits empty.traits.tsv
 answer "^Fleet   the traits table of 3 arms is empty" diagnose $a seven/train.tsv --traits empty.traits.tsv
 # traits that the samples contradict are said, and no longer used
 for traits in wrong soft; do
@@ -94,11 +94,11 @@ sed 's/summary\/1/summary\/2/' 8.json >new.json
 refuse 3 "new.json:1: of another version than mukca.summary/1" fleet 7.json new.json
 refuse 3 "all.traits.tsv:1: a traits table, which cannot be pooled again; give the summaries" fleet 7.json all.traits.tsv
 echo '{"schema": "other"}' >other.json
-refuse 3 "other.json:1: no summary" fleet 7.json other.json
+refuse 3 "other.json:1: not a summary" fleet 7.json other.json
 sed 's/"vector":\[[^,]*/"vector":[1e999/' 8.json >inf.json
 refuse 3 "inf.json:1: " fleet 7.json inf.json
 sed 's/"vector":\[[^,]*/"vector":[null/' 8.json >null.json
-refuse 3 'null.json:1: `vector` .* no finite number' fleet 7.json null.json
+refuse 3 'null.json:1: `vector` .* other than finite numbers' fleet 7.json null.json
 sed 's/"joint_3"/"elbow"/' 8.json >names.json
 refuse 3 "names.json: of another model than 7.json: the names of the joints differ" fleet 7.json names.json
 sed 's/"ripple":\["...../"ripple":["*****/' 8.json >ripple.json

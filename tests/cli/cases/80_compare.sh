@@ -19,7 +19,7 @@ refuse 3 'no offsets table, or one of an older version' compare arm.urdf session
     printf 'joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\tterm\n'
     printf 'j3\tx\tm\t0.5\t0.502\t0.002\t1e-5\t1\t-\n'
 } >hand.tsv
-accept "holds no verdict" compare arm.urdf hand.tsv --urdf arm.urdf
+accept "has no verdict" compare arm.urdf hand.tsv --urdf arm.urdf
 expect "a table and the URDF that it makes are one model" sh -c "
     '$MUKCA' compare hand.tsv longer.urdf --urdf arm.urdf -q --json same.json &&
     awk '/\"max_m\"/ { n++; if (!(\$2 + 0 < 1e-12)) exit 1 } END { exit n != 2 }' same.json"
