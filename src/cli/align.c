@@ -231,10 +231,10 @@ const cli_command cli_command_align = {
     .description =
         "LEFT and RIGHT are sessions of two arms with the same artefact in the same placements: "
         "sockets with the same placement and label are one point. Prints the pose of the right "
-        "arm's base in the left arm's base with 95 % intervals. The intervals come from the "
-        "scatter of the samples; they grow where the sockets disagree by more (the arms' "
-        "geometry). Calibrate both arms first and give their tables: the pose belongs to the bases "
-        "of these tables.",
+        "arm's base in the left arm's base with 95 % intervals. The intervals are computed "
+        "from the measurement noise, or from the larger disagreement of the sockets (errors of the "
+        "arms' geometry). Calibrate both arms first and give their tables: the pose is that of the "
+        "bases of these tables.",
     .example =
         "mukca simulate --urdf data/demo/arm.urdf --place a=0.4,0.2,0.1 --place b=0.4,-0.2,0.3 "
         "--noise 1e-4 -o build/demo/left.tsv --force\n"

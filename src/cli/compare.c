@@ -299,15 +299,13 @@ const cli_command cli_command_compare = {
     .max_arguments = 2,
     .description =
         "A and B are URDFs, factory files (YAML, with --urdf) or offsets tables: nominal and "
-        "calibrated, or this year's table and last year's. Where the base frame, the tool and the "
-        "links' frames lie is convention "
-        "(gauge); it does not count.\n\n"
-        "Tip: distance of the two tips in postures drawn within the joint limits of A, as the "
-        "models are, and after the base and the tool of B were moved to fit best (least "
-        "squares).\n\n"
-        "Axes: for each joint the angle between its axes and their distance, seen from the axis "
-        "before; the difference of the joint's zero and the shift along the axis to the next one. "
-        "A dash stands for gauge, and for what parallel axes leave open.\n\n"
+        "calibrated, or this year's table and last year's. The position of the base frame, the "
+        "tool and the links' frames is a convention (gauge) and is not compared.\n\n"
+        "Tip: distance of the two tips in postures drawn within the joint limits of A, for the "
+        "models as given, and with the base and the tool of B aligned to A (least squares).\n\n"
+        "Axes: for each joint the angle between its two axes and their distance, relative to the "
+        "preceding axis; the difference of the joint's zero and the shift along the axis to the "
+        "next one. A dash marks gauge, and what is undetermined because axes are parallel.\n\n"
         "A table without the arm's chain in its comments (made by hand) belongs to --urdf.",
     .example = "mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
     .options = options,

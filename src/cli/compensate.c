@@ -246,19 +246,18 @@ const cli_command cli_command_compensate = {
     .description =
         "For controllers whose model cannot be changed. Reads rows of joint targets (with --poses: "
         "of poses in the base frame) and writes corrected joint targets: with these the arm of "
-        "--offsets, effects included, reaches what the nominal model meant. Damped least squares "
-        "with the smallest change of the joints, within their limits; along a path the corrections "
-        "are continuous. For a target out of reach the row holds the nearest solution, and its "
-        "status says why.\n\n"
+        "--offsets, effects included, reaches the pose that the nominal model predicts for the "
+        "given targets. Damped least squares with the smallest change of the joints, within their "
+        "limits; along a path the corrections are continuous. For a target out of reach the row "
+        "holds the nearest solution and its status the reason.\n\n"
         "--from and --format read and write programs; joints from the seventh on are external "
         "axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
         "In URScript, targets are the arguments of movej, movel, movep, movec and servoj, and values of "
         "variables whose names end in _q or _p. Correct joint targets first, without --poses, then "
-        "poses in the result. A pose stays a pose, of the same move: the one that the "
-        "controller's nominal model takes to the corrected joint targets. The arm "
-        "is in the posture nearest to the targets before it. In another language, or a table, poses become "
-        "joint targets. KRL's components that are left out are those of the last move. A pose out "
-        "of reach stays as it is.",
+        "poses in the result. A pose remains a pose of the same move: the one for which the "
+        "controller's nominal model computes the corrected joint targets, in the posture nearest to "
+        "the preceding targets. In another language, or a table, poses become joint targets. "
+        "Components omitted in KRL are those of the last move. A pose out of reach is not changed.",
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",

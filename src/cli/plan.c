@@ -226,9 +226,8 @@ const cli_command cli_command_plan = {
         "selects those that add most information to DATA: about the geometry (D-optimality), or, "
         "with --settle or --separate, about which of two causes is present (T-optimality). If "
         "postures alone cannot separate elastic causes, the plan is for the smallest payload with "
-        "which they do. Writes a session file in the order to visit. The angles say where to guide "
-        "the arm; record the "
-        "angles at which the ball is seated.",
+        "which they do. Writes a session file in the order to visit. Guide the arm to these angles "
+        "and record the angles at which the ball is seated.",
     .example =
         "mukca plan --urdf data/demo/arm.urdf --place front=0.45,0,0.05,0,0,1.57 --rows 40 -o "
         "build/demo/plan.tsv --force",
