@@ -51,8 +51,8 @@ static int innovations(double *square, const double *r, const mukca_recording *r
         for (int i = 1; i < group->count; i++) square[count + i - 1] = 0;
         for (int c = 0; c < 3; c++) {
             double mean = 0;
-            for (int i = 1; i < group->count; i++)
-                mean += (x[3 * i + c] - memory * x[3 * i - 3 + c]) / (group->count - 1);
+            for (int i = 1; i < group->count; i++) mean += x[3 * i + c] - memory * x[3 * i - 3 + c];
+            mean /= group->count - 1;
             for (int i = 1; i < group->count; i++) {
                 const double e = x[3 * i + c] - memory * x[3 * i - 3 + c] - mean;
                 square[count + i - 1] += e * e;
@@ -63,23 +63,36 @@ static int innovations(double *square, const double *r, const mukca_recording *r
     return count;
 }
 
+/* Sum of x / (scale + x). */
+MUKCA_CLONES static double sum_shares(const double *x, int n, double scale)
+{
+    four s = {0};
+    const int n4 = n & ~3;
+    for (int i = 0; i < n4; i += 4) s += LOAD4(x + i) / (scale + LOAD4(x + i));
+    double sum = (s[0] + s[1]) + (s[2] + s[3]);
+    for (int i = n4; i < n; i++) sum += x[i] / (scale + x[i]);
+    return sum;
+}
+
 /* Largest log likelihood of vectors of these squared lengths over the scale: nu infinite is
  * Gaussian.  Constants of both are kept, so that they compare. */
 static double likelihood(const double *square, int count, double nu)
 {
-    double variance = 1e-18, sum = 0;
-    for (int i = 0; i < count; i++) variance += square[i] / (3 * count);
+    double variance = 1e-18, sum = 0, product = 1; /* one logarithm for a few */
+    for (int i = 0; i < count; i++) variance += square[i];
+    variance /= 3 * count;
     if (!isfinite(nu)) return -1.5 * count * (log(2 * PI * variance) + 1);
     double before = 0;
     for (int pass = 0; pass < 30 && fabs(variance - before) > 1e-6 * variance; pass++) {
         before = variance; /* expectation maximisation */
-        double next = 1e-18;
-        for (int i = 0; i < count; i++)
-            next += (nu + 3) / (nu + square[i] / variance) * square[i] / (3 * count);
-        variance = next;
+        variance *= (nu + 3) * sum_shares(square, count, nu * variance) / (3 * count);
+        variance += 1e-18;
     }
-    for (int i = 0; i < count; i++) sum -= 0.5 * (nu + 3) * log1p(square[i] / (variance * nu));
-    return sum +
+    for (int i = 0; i < count; i++) {
+        product *= 1 + square[i] / (variance * nu);
+        if (product > 1e100 || i + 1 == count) sum -= log(product), product = 1;
+    }
+    return 0.5 * (nu + 3) * sum +
            count * (lgamma(0.5 * (nu + 3)) - lgamma(0.5 * nu) - 1.5 * log(nu * PI * variance));
 }
 
