@@ -398,7 +398,8 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
         h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
         return true;
     double *unit = MUKCA_TAKE(pool, double, h->terms);
-    h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term));
+    /* three numbers behind it: it is read four at a time */
+    h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term) + 3);
     if (!unit || !h->basis) return false;
     for (int t = 0; t < h->terms; t++) unit[t] = 1;
     h->unit = unit;

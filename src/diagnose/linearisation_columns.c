@@ -4,6 +4,7 @@
 #include "base/clones.h"
 #include "diagnose/linearisation.h"
 #include "diagnose/unlisted.h"
+#include "math/four.h"
 
 /* Levers [d][width] of a candidate's terms, width 1 or 3: of sample 0, and how far the next
  * sample's are behind. */
@@ -42,18 +43,26 @@ MUKCA_CLONES static void turn_levers(double *E, int ld, const lever_rows *by,
                                      mukca_span of)
 {
     const int d = recording->dim, terms = h->terms, width = h->width_of_term;
-    double b[3][MUKCA_MAX_COLUMNS];
-    for (int i = of.start; i < of.end; i++) {
-        const float *basis = h->basis + (size_t)recording->order[i] * (size_t)(terms * width);
-        for (int t = 0; t < terms; t++)
-            for (int k = 0; k < 3; k++) b[k][t] = k < width ? (double)basis[width * t + k] : 0;
-        const double *l = by->first + (size_t)i * by->step;
-        for (int c = 0; c < d; c++, l += width, E += ld)
-            if (width == 1)
-                for (int t = 0; t < terms; t++) E[t] = l[0] * b[0][t];
-            else
-                for (int t = 0; t < terms; t++)
-                    E[t] = l[0] * b[0][t] + l[1] * b[1][t] + l[2] * b[2][t];
+    for (int i = of.start; i < of.end; i++, E += d * ld) {
+        const float *b = h->basis + (size_t)recording->order[i] * (size_t)(terms * width);
+        const double *levers = by->first + (size_t)i * by->step;
+        int t = 0;
+        for (; t + 4 <= terms && width == 3; t += 4, b += 12) {
+            const four x = {(double)b[0], (double)b[3], (double)b[6], (double)b[9]},
+                       y = {(double)b[1], (double)b[4], (double)b[7], (double)b[10]},
+                       z = {(double)b[2], (double)b[5], (double)b[8], (double)b[11]};
+            const double *l = levers;
+            for (int c = 0; c < d; c++, l += 3)
+                STORE4(E + c * ld + t, l[0] * x + l[1] * y + l[2] * z);
+        }
+        for (; t < terms; t++, b += width) {
+            const double *l = levers;
+            for (int c = 0; c < d; c++, l += width) {
+                double sum = l[0] * (double)b[0];
+                for (int k = 1; k < width; k++) sum += l[k] * (double)b[k];
+                E[c * ld + t] = sum;
+            }
+        }
     }
 }
 

@@ -41,10 +41,10 @@ static bool take(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
     return !pool->failed;
 }
 
-/* More rows of `cross`. */
+/* More rows of `cross`, and three numbers: it is read four at a time. */
 static bool grow(mukca_products *x, mukca_pool *pool, int rows)
 {
-    double *cross = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)x->columns);
+    double *cross = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)x->columns + 3);
     if (!cross) return false;
     if (x->rows) memcpy(cross, x->cross, sizeof *cross * (size_t)x->rows * (size_t)x->columns);
     x->cross = cross;
@@ -281,31 +281,32 @@ static void put(batch *b, mukca_products *x, int first, int count)
     b->width += count;
 }
 
-/* The functions of a candidate. */
-MUKCA_CLONES static void fill_functions(double *E, int ld, const mukca_candidate *h,
-                                        const mukca_recording *r, mukca_span of)
+/* The functions of the candidates of the batch, four at a time: what is written behind an entry is
+ * overwritten by the next entry or sample. */
+MUKCA_CLONES static void fill_functions(const job *j, const mukca_candidate *const *candidate)
 {
-    for (int i = of.start; i < of.end; i++, E += ld) {
-        const float *basis = h->basis + (size_t)r->order[i] * (size_t)h->terms;
-        int t = 0;
-        for (; t + 4 <= h->terms; t += 4) STORE4(E + t, WIDEN4(basis + t));
-        for (; t < h->terms; t++) E[t] = (double)basis[t];
-    }
+    const int *order = j->m->recording.order;
+    double *E = j->s->E;
+    for (int i = j->of.start; i < j->of.end; i++)
+        for (int e = 0; e < j->b.n; e++) {
+            const int terms = j->b.entry[e].count;
+            const float *basis = candidate[e]->basis + (size_t)order[i] * (size_t)terms;
+            for (int t = 0; t < terms; t += 4) STORE4(E + t, WIDEN4(basis + t));
+            E += terms;
+        }
 }
 
 /* The candidates of the batch side by side. */
 static void fill(const job *j, const mukca_candidate *const *candidate)
 {
     const mukca_recording *r = &j->m->recording;
-    const int width = j->b.width;
-    for (int e = 0; e < j->b.n; e++) {
-        const mukca_candidate *h = candidate[e];
-        double *E = j->s->E + j->b.entry[e].at;
-        if (j->joint < 0)
-            mukca_linearisation_columns_of(E, width, &j->m->linear, r, h, j->of);
-        else
-            fill_functions(E, width, h, r, j->of);
+    if (j->joint >= 0) {
+        fill_functions(j, candidate);
+        return;
     }
+    for (int e = 0; e < j->b.n; e++)
+        mukca_linearisation_columns_of(j->s->E + j->b.entry[e].at, j->b.width, &j->m->linear, r,
+                                       candidate[e], j->of);
 }
 
 void mukca_products_ripple(mukca_products *x, int joint, const int *order,

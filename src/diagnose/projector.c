@@ -102,7 +102,8 @@ typedef struct {
     } entry[MUKCA_BATCH];
 } batch;
 
-/* What the samples have in the right sides of an entry, and what it does to the distances. */
+/* What the samples have in the right sides of an entry, and what it does to the distances.  Up to
+ * three columns behind are overwritten: those of the next entry, or the rest of a row of T. */
 MUKCA_CLONES static void fill(const batch *b, const mukca_projector *p, int e)
 {
     const mukca_products *x = b->entry[e].item->products;
@@ -111,7 +112,7 @@ MUKCA_CLONES static void fill(const batch *b, const mukca_projector *p, int e)
     for (int t = 0; t <= n; t++) {
         const double *cross = x->cross + (size_t)held[t] * (size_t)x->columns + first;
         double *out = p->T + t * STRIDE + at;
-        for (int k = 0; k < count; k++) out[k] = p->factor[t] * cross[k];
+        for (int k = 0; k < count; k += 4) STORE4(out + k, p->factor[t] * LOAD4(cross + k));
     }
     for (int q = 0; q < p->normal->n_pairs; q++)
         memcpy(p->along + q * STRIDE + at, x->along + q * x->columns + first,
@@ -132,12 +133,12 @@ MUKCA_CLONES static void take_block(double *G, double *g, const batch *b, const 
         for (int c = 0; c <= a; c++)
             lost[a * k + c] = lost[c * k + a] = p->near[(a - c) * STRIDE + at + c];
     for (int a = 0; a < k; a++)
-        for (int c = 0; c < k; c++) {
+        for (int c = 0; c <= a; c++) {
             double sum = p->precision * x->gram[(first + a) * k + c] - lost[a * k + c];
             for (int q = 0; q < p->normal->n_pairs; q++)
                 sum += p->inverse[q] * x->along[q * x->columns + first + a] *
                        x->along[q * x->columns + first + c];
-            G[a * k + c] = sum;
+            G[a * k + c] = G[c * k + a] = sum;
         }
 }
 
@@ -260,11 +261,11 @@ MUKCA_CLONES static void sum_rows(double *T, double *g, const mukca_projector *p
                                   const mukca_candidate *h, const fault_span *span)
 {
     const mukca_recording *r = &p->m->recording;
-    memset(T, 0, sizeof *T * (size_t)(3 * p->n));
     for (int i = span->from; i < span->to; i++) {
         const double share = mukca_candidate_fault_share(h, r, r->order[i]);
         const double *z = p->Zt + (size_t)(i * r->dim) * (size_t)p->n, *u = p->u + i * r->dim;
-        for (int k = 0; k < 3 * p->n; k++) T[k] -= share * z[k];
+        for (int k = 0; k < 3 * p->n && i == span->from; k++) T[k] = -share * z[k];
+        for (int k = 0; k < 3 * p->n && i > span->from; k++) T[k] -= share * z[k];
         for (int c = 0; c < 3; c++) g[c] -= share * u[c];
     }
 }

@@ -168,8 +168,8 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
         for (int k = 0; k < scan->n_scores; k++) {
             if (!scan->wanted[k]) continue;
             const mukca_candidate *h = mukca_scan_candidate(scan, k);
-            const int joint = mukca_candidate_turns_joint(h) ? h->joint : -1;
-            if (joint != j) continue;
+            if (j >= 0 && h->joint != j) continue;
+            if (mukca_candidate_turns_joint(h) != (j >= 0)) continue;
             if (mukca_candidate_is_fault(h)) {
                 const bool kept = m->recording.keep[h->fault.first];
                 if (!kept) scan->value[k] = -HUGE_VAL;
@@ -179,7 +179,7 @@ static void score_all(mukca_scan *scan, int rho, bool pick)
             }
             mukca_products *x = products_of(scan, rho, k, h->terms);
             if (!x) return;
-            scan->item[n] = (mukca_product_item){h, joint, x};
+            scan->item[n] = (mukca_product_item){h, j, x};
             scan->scored[n++] = (mukca_scored){x, h, &scan->value[k], &scan->information[k]};
         }
     mukca_products_update(scan->item, n, m, p->normal, &p->scratch);
