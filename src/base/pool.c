@@ -3,28 +3,74 @@
 
 #include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
 
 struct mukca_pool_block {
     mukca_pool_block *next;
+    size_t used, size; /* bytes, this head included */
 };
+
+enum {
+    LINE = 64, /* of the cache: a piece begins at one */
+    LEAST = 4096,
+    MOST = 64 * LEAST /* of a block that is shared */
+};
+
+/* Where the next piece of a block begins. */
+static size_t next_line(const mukca_pool_block *block)
+{
+    const uintptr_t at = (uintptr_t)block + block->used;
+    return block->used + (size_t)((0 - at) & (LINE - 1));
+}
+
+static bool fits(const mukca_pool_block *block, size_t bytes)
+{
+    const size_t at = next_line(block);
+    return at <= block->size && bytes <= block->size - at;
+}
+
+/* A block with room for a piece.  A piece that needs much of a shared block has its own, behind the
+ * first block, which has room for others. */
+static mukca_pool_block *grow(mukca_pool *pool, size_t bytes)
+{
+    const size_t head = sizeof(mukca_pool_block) + LINE;
+    mukca_pool_block *first = pool->blocks;
+    size_t shared = first ? 2 * first->size : LEAST;
+    if (shared > MOST) shared = MOST;
+#ifdef __SANITIZE_ADDRESS__
+    shared = 0; /* it finds accesses beyond a block */
+#endif
+    const bool own = bytes >= shared / 4;
+    const size_t size = own ? head + bytes : shared;
+    mukca_pool_block *block = calloc(1, size);
+    if (!block) return NULL;
+    *block = (mukca_pool_block){.used = sizeof *block, .size = size};
+    if (own && first) {
+        block->next = first->next;
+        first->next = block;
+    } else {
+        block->next = first;
+        pool->blocks = block;
+    }
+    return block;
+}
 
 void *mukca_pool_take(mukca_pool *pool, size_t count, size_t size)
 {
-    const size_t head = 128; /* link and alignment */
-    if (size != 0 && count > (SIZE_MAX - head) / size) {
+    mukca_pool_block *block = pool->blocks;
+    const size_t most = SIZE_MAX - MOST;
+    if (size != 0 && count > most / size) {
         pool->failed = true;
         return NULL;
     }
-    mukca_pool_block *block = calloc(1, head + count * size);
+    const size_t bytes = count * size;
+    if (!block || !fits(block, bytes)) block = grow(pool, bytes);
     if (!block) {
         pool->failed = true;
         return NULL;
     }
-    block->next = pool->blocks;
-    pool->blocks = block;
-    const uintptr_t at = ((uintptr_t)block + sizeof *block + 63u) & ~(uintptr_t)63u;
-    return (char *)block + (at - (uintptr_t)block);
+    const size_t at = next_line(block);
+    block->used = at + bytes;
+    return (char *)block + at;
 }
 
 void mukca_pool_free(mukca_pool *pool)
