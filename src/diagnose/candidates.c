@@ -30,7 +30,7 @@ static void append(lister *l, mukca_candidate h)
         (l->springs && !mukca_effect_has(class, MUKCA_TRAIT_ELASTIC)))
         return;
     if (all->count == all->capacity) {
-        const int capacity = all->capacity ? 2 * all->capacity : 512;
+        const int capacity = all->capacity ? 2 * all->capacity : 2048;
         mukca_candidate *bigger = MUKCA_TAKE(l->pool, mukca_candidate, capacity);
         if (!bigger) {
             l->ok = false;

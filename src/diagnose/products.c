@@ -33,23 +33,22 @@ bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mu
 static bool take(mukca_products *x, mukca_pool *pool, const mukca_regression *m, int columns,
                  int block)
 {
-    *x = (mukca_products){
-        .columns = columns,
-        .block = block,
-        .gram = MUKCA_TAKE(pool, double, columns *block),
-        .along = MUKCA_TAKE(pool, double, (m->recording.data->n_distances + 1) * columns)};
+    const int pairs = m->recording.data->n_distances + 1;
+    *x = (mukca_products){.columns = columns,
+                          .block = block,
+                          .gram = MUKCA_TAKE(pool, double, columns *(block + pairs))};
+    x->along = x->gram + columns * block;
     return !pool->failed;
 }
 
-/* More rows of `cross`, and three numbers: it is read four at a time. */
+/* Another piece of `cross`, and three numbers: it is read four at a time. */
 static bool grow(mukca_products *x, mukca_pool *pool, int rows)
 {
-    double *cross = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)x->columns + 3);
-    if (!cross) return false;
-    if (x->rows) memcpy(cross, x->cross, sizeof *cross * (size_t)x->rows * (size_t)x->columns);
-    x->cross = cross;
-    x->rows = rows;
-    return true;
+    const int piece = x->rows ? 1 + (x->rows - x->first) / MUKCA_PRODUCT_ROWS : 0;
+    x->cross[piece] = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)x->columns + 3);
+    if (!piece) x->first = rows;
+    x->rows += rows;
+    return x->cross[piece] != NULL;
 }
 
 bool mukca_products_create(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
@@ -63,7 +62,9 @@ bool mukca_products_reserve(mukca_products *x, mukca_pool *pool, const mukca_reg
                             int columns)
 {
     if (pool->failed || (!x->columns && !take(x, pool, m, columns, columns))) return false;
-    return x->rows >= m->linear.n_held || grow(x, pool, m->linear.stride);
+    while (x->rows < m->linear.n_held)
+        if (!grow(x, pool, x->rows ? MUKCA_PRODUCT_ROWS : m->linear.n_held)) return false;
+    return true;
 }
 
 /* Columns of one or more items side by side in E, `width` of them. */
@@ -134,9 +135,9 @@ static void scatter(const job *j)
         mukca_products *x = b->entry[e].products;
         const int first = b->entry[e].first, count = b->entry[e].count, at = b->entry[e].at;
         for (int i = b->start; i < held; i++)
-            memcpy(x->cross + (size_t)i * (size_t)x->columns + first,
+            memcpy(mukca_products_row(x, i) + first,
                    j->s->C + (size_t)(i - b->start) * (size_t)b->width + at,
-                   sizeof *x->cross * (size_t)count);
+                   sizeof *j->s->C * (size_t)count);
         if (b->start) continue;
         for (int k = 0; k < count; k += x->block) {
             double *G = x->gram + (first + k) * x->block;

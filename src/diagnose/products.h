@@ -7,6 +7,11 @@
 #include "diagnose/regression.h"
 #include "diagnose/ripple.h"
 
+enum {
+    MUKCA_PRODUCT_ROWS = 32, /* of a piece of `cross` behind the first, which has the geometry's */
+    MUKCA_PRODUCT_PIECES = 1 + 3 * MUKCA_MAX_COLUMNS / MUKCA_PRODUCT_ROWS
+};
+
 enum { MUKCA_BATCH = MUKCA_MAX_COLUMNS + 8 }; /* columns that are treated together */
 
 /* E are the columns and W as in mukca_normal_equations. */
@@ -14,11 +19,20 @@ typedef struct {
     unsigned version;   /* of the linearisation; 0: nothing formed */
     int done;           /* columns held that `cross` has */
     int columns, block; /* of E; they are candidates of `block` columns each */
-    int rows;           /* columns held that `cross` has room for */
-    double *cross;      /* [rows][columns] X'W E with the columns held */
-    double *gram;       /* [columns / block][block][block] E'W E */
-    double *along;      /* [n_pairs][columns] what E does to the distances */
+    int first, rows;    /* columns held that cross[0], and all of it, has room for */
+    double *cross[MUKCA_PRODUCT_PIECES]; /* [rows][columns] X'W E with the columns held */
+    double *gram;                        /* [columns / block][block][block] E'W E */
+    double *along;                       /* [n_pairs][columns] what E does to the distances */
 } mukca_products;
+
+/* The products with a column held. */
+static inline double *mukca_products_row(const mukca_products *x, int held)
+{
+    if (held < x->first) return x->cross[0] + held * x->columns;
+    const unsigned more = (unsigned)(held - x->first);
+    return x->cross[1 + more / MUKCA_PRODUCT_ROWS] +
+           more % MUKCA_PRODUCT_ROWS * (unsigned)x->columns;
+}
 
 /* A candidate and its products. */
 typedef struct {

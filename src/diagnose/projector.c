@@ -108,9 +108,10 @@ MUKCA_CLONES static void fill(const batch *b, const mukca_projector *p, int e)
 {
     const mukca_products *x = b->entry[e].item->products;
     const int n = p->n, first = b->entry[e].first, count = b->entry[e].count, at = b->entry[e].at,
-              *held = p->m->linear.at;
-    for (int t = 0; t <= n; t++) {
-        const double *cross = x->cross + (size_t)held[t] * (size_t)x->columns + first;
+              geometry = p->m->unknowns.n_geometry, *held = p->m->linear.at;
+    const double *cross = x->cross[0] + first;
+    for (int t = 0; t <= n; t++, cross += x->columns) {
+        if (t >= geometry) cross = mukca_products_row(x, held[t]) + first;
         double *out = p->T + t * STRIDE + at;
         for (int k = 0; k < count; k += 4) STORE4(out + k, p->factor[t] * LOAD4(cross + k));
     }
