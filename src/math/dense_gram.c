@@ -44,16 +44,27 @@ MUKCA_INLINE void gram4x4(double *C, int ldc, mukca_columns a, mukca_columns b, 
     for (long i = 0; i < 4; i++) STORE4(C + i * ldc, LOAD4(C + i * ldc) + s[i]);
 }
 
-/* c[8 entries, `step` apart] += a' B for one column a[m] and B[m][8]. */
-MUKCA_INLINE void gram1x8(double *c, long step, mukca_columns a, mukca_columns b, int m)
+/* Entries of C[n][8], `row` and `column` apart, += A' B for A[m][n] and B[m][8], n < 4. */
+MUKCA_INLINE void gram_few(double *c, long row, long column, mukca_columns a, mukca_columns b,
+                           int m, int n)
 {
-    four s0 = {0}, s1 = {0};
-    for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld) {
-        s0 += a.x[0] * LOAD4(b.x);
-        s1 += a.x[0] * LOAD4(b.x + 4);
-    }
-    for (int i = 0; i < 4; i++) c[i * step] += s0[i];
-    for (int i = 0; i < 4; i++) c[(4 + i) * step] += s1[i];
+    four s[3][2] = {{{0}}};
+    for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld)
+        for (int i = 0; i < n; i++) {
+            s[i][0] += a.x[i] * LOAD4(b.x);
+            s[i][1] += a.x[i] * LOAD4(b.x + 4);
+        }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < 8; j++) c[i * row + j * column] += s[i][j / 4][j % 4];
+}
+
+/* Together: the sums of one column would wait for each other. */
+MUKCA_INLINE void gram_rest(double *c, long row, long column, mukca_columns a, mukca_columns b,
+                            int m, int n)
+{
+    if (n == 1) gram_few(c, row, column, a, b, m, 1);
+    if (n == 2) gram_few(c, row, column, a, b, m, 2);
+    if (n == 3) gram_few(c, row, column, a, b, m, 3);
 }
 
 /* The same for four columns a[m][4], `step` apart in c, too. */
@@ -85,9 +96,8 @@ MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m,
     for (int i = 0; i < n4; i += 4)
         for (int j = upper ? i & ~7 : 0; j < k8; j += 8)
             gram4x8(C + (long)i * k + j, k, from(X, i), from(Y, j), m);
-    for (int i = n4; i < n; i++)
-        for (int j = upper ? i & ~7 : 0; j < k8; j += 8)
-            gram1x8(C + (long)i * k + j, 1, from(X, i), from(Y, j), m);
+    for (int j = upper ? n4 & ~7 : 0; j < k8 && n4 < n; j += 8)
+        gram_rest(C + (long)n4 * k + j, k, 1, from(X, n4), from(Y, j), m, n - n4);
     int j4 = k8;
     if (k - k8 >= 4) {
         for (int i = 0; i < n8; i += 8)
@@ -98,10 +108,10 @@ MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m,
                 C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
         j4 += 4;
     }
-    for (int j = j4; j < k; j++) {
-        for (int i = 0; i < n8; i += 8) gram1x8(C + (long)i * k + j, k, from(Y, j), from(X, i), m);
+    for (int i = 0; i < n8 && j4 < k; i += 8)
+        gram_rest(C + (long)i * k + j4, 1, k, from(Y, j4), from(X, i), m, k - j4);
+    for (int j = j4; j < k; j++)
         for (int i = n8; i < n; i++) C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
-    }
 }
 
 /* All strips: a strip stays in the first cache while it is used. */
