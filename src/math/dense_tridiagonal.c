@@ -43,15 +43,24 @@ MUKCA_INLINE double reflect(double *v, double *left, int n)
 /* B[m][k] -= beta x x' B. */
 MUKCA_INLINE void reflect_columns(double *B, const double *x, double beta, int m, int k)
 {
-    enum { MOST = 64 };
-    for (int first = 0; first < k; first += MOST) {
-        const int count = k - first < MOST ? k - first : MOST;
-        double sum[MOST] = {0};
-        for (long i = 0; i < m; i++)
-            for (int c = 0; c < count; c++) sum[c] += x[i] * B[i * k + first + c];
-        for (int c = 0; c < count; c++) sum[c] *= beta;
-        for (long i = 0; i < m; i++)
-            for (int c = 0; c < count; c++) B[i * k + first + c] -= sum[c] * x[i];
+    int c = 0;
+    for (; c + 8 <= k; c += 8) { /* whose sums stay in registers */
+        four lo = {0}, hi = {0};
+        for (long i = 0; i < m; i++) {
+            lo += x[i] * LOAD4(B + i * k + c);
+            hi += x[i] * LOAD4(B + i * k + c + 4);
+        }
+        lo *= beta, hi *= beta;
+        for (long i = 0; i < m; i++) {
+            double *b = B + i * k + c;
+            STORE4(b, LOAD4(b) - x[i] * lo);
+            STORE4(b + 4, LOAD4(b + 4) - x[i] * hi);
+        }
+    }
+    for (; c < k; c++) {
+        double sum = 0;
+        for (long i = 0; i < m; i++) sum += x[i] * B[i * k + c];
+        for (long i = 0; i < m; i++) B[i * k + c] -= beta * sum * x[i];
     }
 }
 
