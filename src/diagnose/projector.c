@@ -33,18 +33,18 @@ bool mukca_projector_create(mukca_projector *p, mukca_pool *pool, mukca_regressi
            mukca_products_scratch(&p->scratch, pool, m);
 }
 
-/* Add to B[n + 1][EIGHT], right sides as in T, what the distances make of coordinate c of a group's
- * mean, times `weight`. */
-static void add_distances(double *B, const mukca_projector *p, int group, int c, double weight)
+/* D[3][n + 1]: right sides, as in T, of what a socket's mean does to the distances. */
+static void find_distances(double *D, const mukca_projector *p, int group)
 {
     const mukca_recording *r = &p->m->recording;
+    const int size = p->n + 1;
+    memset(D, 0, sizeof *D * (size_t)(3 * size));
     for (int k = 0; k < r->n_pairs; k++) {
-        const double direction = p->m->linear.direction[k][c],
-                     w = r->pairs[k].a == group   ? weight * direction
-                         : r->pairs[k].b == group ? -weight * direction
-                                                  : 0;
-        const double *distance = p->distance + k * (p->n + 1);
-        for (int t = 0; t <= p->n && w != 0; t++) B[EIGHT * t] += w * distance[t];
+        const double *distance = p->distance + k * size,
+                     sign = (r->pairs[k].a == group) - (r->pairs[k].b == group);
+        for (int c = 0; c < 3 && sign != 0; c++)
+            for (int t = 0; t < size; t++)
+                D[c * size + t] += sign * p->m->linear.direction[k][c] * distance[t];
     }
 }
 
@@ -59,22 +59,21 @@ static void solve_eight(double *B, const mukca_projector *p)
 
 /* Rows [start, start + count) of Zt := (L^-1 D (WX)')' and u := W y - Zt z, at most EIGHT of one
  * group. */
-MUKCA_CLONES static void fill_rows(mukca_projector *p, int group, int start, int count)
+MUKCA_CLONES static void fill_rows(mukca_projector *p, const double *D, int start, int count)
 {
-    const mukca_recording *r = &p->m->recording;
-    const int n = p->n, d = r->dim, *at = p->m->linear.at;
+    const int n = p->n, d = p->m->recording.dim, *at = p->m->linear.at;
     const size_t stride = (size_t)p->m->linear.stride;
-    const double *w = p->normal->weighted + (size_t)start * stride;
-    double *B = p->T, *Z = p->Zt + (size_t)start * (size_t)n;
-    for (int t = 0; t <= n; t++) {
-        for (int k = 0; k < EIGHT; k++)
-            B[EIGHT * t + k] =
-                p->factor[t] * w[(size_t)(k < count ? k : 0) * stride + (size_t)at[t]];
+    const double *row[EIGHT], *of_mean[EIGHT];
+    double weight[EIGHT], *B = p->T, *Z = p->Zt + (size_t)start * (size_t)n;
+    for (int k = 0; k < EIGHT; k++) {
+        const int i = start + (k < count ? k : 0), c = i % d;
+        row[k] = p->normal->weighted + (size_t)i * stride;
+        of_mean[k] = D + (c < 3 ? c : 0) * (n + 1);
+        weight[k] = c < 3 ? p->normal->mean_weight[i / d] : 0;
     }
-    for (int k = 0; k < count && r->groups[group].socket >= 0; k++)
-        if ((start + k) % d < 3)
-            add_distances(B + k, p, group, (start + k) % d,
-                          p->normal->mean_weight[(start + k) / d]);
+    for (int t = 0; t <= n; t++)
+        for (int k = 0; k < EIGHT; k++)
+            B[EIGHT * t + k] = p->factor[t] * row[k][at[t]] + weight[k] * of_mean[k][t];
     solve_eight(B, p);
     for (int k = 0; k < count; k++) {
         for (int t = 0; t < n; t++) Z[(size_t)k * (size_t)n + (size_t)t] = B[EIGHT * t + k];
@@ -85,10 +84,12 @@ MUKCA_CLONES static void fill_rows(mukca_projector *p, int group, int start, int
 void mukca_projector_rows(mukca_projector *p)
 {
     const mukca_recording *r = &p->m->recording;
+    double *D = p->T + EIGHT * (p->n + 1);
     for (int g = 0; g < r->n_groups && !p->have_rows; g++) {
         const int start = r->dim * r->groups[g].start, count = r->dim * r->groups[g].count;
+        find_distances(D, p, r->groups[g].socket >= 0 ? g : -1);
         for (int k = 0; k < count; k += EIGHT)
-            fill_rows(p, g, start + k, count - k < EIGHT ? count - k : EIGHT);
+            fill_rows(p, D, start + k, count - k < EIGHT ? count - k : EIGHT);
     }
     p->have_rows = true;
 }

@@ -21,7 +21,8 @@ typedef struct {
 } marginal;
 
 /* All columns in the given order. */
-MUKCA_CLONES static void gather(marginal *out, const mukca_normal_equations *normal, double sigma)
+MUKCA_CLONES static void gather(marginal *out, const mukca_normal_equations *normal, double sigma,
+                                double *scratch)
 {
     const int size = normal->n + 1;
     const double precision = 1 / (sigma * sigma),
@@ -34,11 +35,15 @@ MUKCA_CLONES static void gather(marginal *out, const mukca_normal_equations *nor
         double *A = out->A + (size_t)i * (size_t)size;
         for (int j = 0; j + 1 < size; j++) A[j] = precision * row[out->order[j]];
         A[size - 1] = precision * row[size - 1];
-        for (int p = 0; p < normal->n_pairs; p++) {
-            const double *distance = normal->distance + p * size;
-            const double w = distance[at] / (known + sigma * sigma * normal->variance[p]);
-            for (int j = 0; j + 1 < size && w != 0; j++) A[j] += w * distance[out->order[j]];
-            A[size - 1] += w * distance[size - 1];
+    }
+    for (int p = 0; p < normal->n_pairs; p++) {
+        const double *distance = normal->distance + p * size,
+                     variance = known + sigma * sigma * normal->variance[p];
+        for (int j = 0; j < size; j++) scratch[j] = distance[j + 1 < size ? out->order[j] : j];
+        for (int i = 0; i < size; i++) {
+            const double w = scratch[i] / variance;
+            double *A = out->A + (size_t)i * (size_t)size;
+            for (int j = 0; j < size && w != 0; j++) A[j] += w * scratch[j];
         }
     }
 }
@@ -125,7 +130,7 @@ static void choose_geometry(choice *s)
     const int fixed = append(s->order, 0, mark, n, FIXED);
     const int both = append(s->order, fixed, mark, n, LENGTH);
     append(s->order, both, mark, n, ANGLE);
-    gather(&s->all, s->normal, s->u->sigma);
+    gather(&s->all, s->normal, s->u->sigma, s->evidence->work);
     if (!integrate(&s->some, &s->all, fixed, prior)) return;
     for (int a = 0; a < 4; a++) {
         set_geometry(s, lengths[a], angles[0]);
@@ -219,7 +224,7 @@ static void choose_causes(choice *s)
     const int n = s->normal->n;
     double *V = s->none.A, *scratch = s->all.A;
     for (int i = 0; i < n; i++) s->order[i] = i;
-    gather(&s->all, s->normal, s->u->sigma);
+    gather(&s->all, s->normal, s->u->sigma, s->evidence->work);
     if (!integrate(&s->few, &s->all, u->n_geometry, s->evidence->prior) ||
         !find_covariance(V, s->some.A, scratch, &s->few, s->evidence->prior))
         return;
