@@ -6,7 +6,7 @@
 
 #include "math/dense.h"
 
-enum { ROOM = 32 }; /* for columns of other causes: most searches need no more */
+enum { ROOM = 16 }; /* for columns of a few other causes */
 
 bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
                                 const mukca_recording *recording, const mukca_unknowns *unknowns)

@@ -362,11 +362,12 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
         j.joint = item[i].joint;
         j.b.n = j.b.width = 0;
         j.b.start = x->done;
+        const int room = j.joint < 0 ? MUKCA_BATCH / m->recording.dim : MUKCA_BATCH;
         j.of = find_samples(&m->linear, &m->recording, x->done);
         for (; i < n && item[i].joint == j.joint; i++) {
             mukca_products *next = item[i].products;
             if (next->done == held) continue;
-            if (next->done != j.b.start || j.b.width + next->columns > MUKCA_BATCH) break;
+            if (next->done != j.b.start || (j.b.n && j.b.width + next->columns > room)) break;
             candidate[j.b.n] = item[i].candidate;
             put(&j.b, next, 0, next->columns);
         }
