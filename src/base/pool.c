@@ -34,12 +34,12 @@ static mukca_pool_block *grow(mukca_pool *pool, size_t bytes)
 {
     const size_t head = sizeof(mukca_pool_block) + LINE;
     mukca_pool_block *first = pool->blocks;
-    size_t shared = first ? 2 * first->size : LEAST;
+    size_t shared = first ? 4 * first->size : LEAST;
     if (shared > MOST) shared = MOST;
 #ifdef __SANITIZE_ADDRESS__
     shared = 0; /* it finds accesses beyond a block */
 #endif
-    const bool own = bytes >= shared / 4;
+    const bool own = bytes >= shared / 2;
     const size_t size = own ? head + bytes : shared;
     mukca_pool_block *block = calloc(1, size);
     if (!block) return NULL;
