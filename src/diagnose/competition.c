@@ -1,19 +1,19 @@
-/* The competition of all candidate causes. */
+/* Competition of all candidate causes. */
 #include "diagnose/competition.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Log posterior odds that the first cause and later ones need: 20 to 1, and 55 to 1 since later
- * ones are tried many times. */
+/* Log posterior odds for acceptance: 20 to 1 for the first cause, 55 to 1 for later ones, which are
+ * tested many times. */
 #define FIRST_THRESHOLD 3.0
 #define LATER_THRESHOLD 4.0
-/* A name is preferred to an unknown function of up to so much larger log odds (20 to 1). */
+/* Preference for a named candidate over an unknown function, log odds (20 to 1). */
 #define PREFERENCE 3.0
-/* A cause that leads by more log odds is not tested again in one search. */
+/* Log odds of a lead beyond which a cause is not tested again in the same search. */
 #define SAFE_LEAD 15.0
-enum { BY_TAILS = 3 }; /* in noise_made: not to be accepted in this scan */
+enum { BY_TAILS = 3 }; /* in noise_made: excluded from this scan */
 enum { MOST_CAUSES = 16, MOST_OUTLIERS = 12, ROUNDS = 4 };
 
 static int by_odds(const void *a, const void *b)
@@ -67,8 +67,8 @@ void mukca_competition_rank(mukca_competition *contest)
     qsort(contest->table, (size_t)contest->n_table, sizeof *contest->table, by_odds);
 }
 
-/* Can an unknown function represent that candidate?  Both must be functions of the same argument;
- * ripple of high order passes through its bumps. */
+/* Can an unknown function represent this contender?  Both must be functions of the same argument;
+ * high-order ripple is too fine for its basis. */
 static bool explains(const mukca_candidate *unknown, const mukca_competition *contest,
                      const mukca_contender *c)
 {
@@ -82,8 +82,8 @@ static bool explains(const mukca_candidate *unknown, const mukca_competition *co
            best->effect.variant.order <= MUKCA_SMOOTH_ORDER;
 }
 
-/* An accepted unknown function of the joint explains it already: nothing of that kind may be named
- * after it.  What was accepted before (and is now left out) may come back. */
+/* Does an accepted unknown function of the joint explain it already?  Then no such contender is
+ * accepted after it, except the cause that is now excluded. */
 static bool shadowed(const mukca_competition *contest, const mukca_contender *c, int without)
 {
     const mukca_regression *m = contest->m;
@@ -131,8 +131,8 @@ void mukca_competition_save(mukca_search_state *state, const mukca_competition *
     state->steps = contest->scan->steps;
 }
 
-/* Where names come first, an unknown function waits until none passes the threshold, and takes a
- * name's place only by a clear lead. */
+/* With names_first, an unknown function is chosen only if no named candidate passes the threshold,
+ * and replaces a named cause only by a clear lead. */
 static const mukca_contender *choose(mukca_competition *contest, int without, double threshold)
 {
     const mukca_unknowns *u = &contest->m->unknowns;
@@ -150,7 +150,7 @@ static const mukca_contender *choose(mukca_competition *contest, int without, do
     return name;
 }
 
-/* Does the candidate lead only by the noise in the recorded angles? */
+/* Is the lead due to noise in the recorded angles alone? */
 static bool made_by_noise(mukca_competition *contest, const mukca_contender *c, int without,
                           double threshold)
 {
@@ -163,8 +163,8 @@ static bool made_by_noise(mukca_competition *contest, const mukca_contender *c, 
     return *known > 0;
 }
 
-/* Does it displace a socket or the arm from some row on, or in one placement?  A few outliers do
- * that, too. */
+/* Does it displace a socket or the arm from some row on, or in one placement?  Outliers may imitate
+ * such a shift. */
 static bool is_shift(const mukca_candidate *h)
 {
     return h->kind == MUKCA_CANDIDATE_STEP || h->kind == MUKCA_CANDIDATE_CREEP ||
@@ -172,8 +172,8 @@ static bool is_shift(const mukca_candidate *h)
            mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_PER_PLACEMENT);
 }
 
-/* Does a shift lead only by the tails of the noise?  Then all that shift the same are out of this
- * scan. */
+/* Is the lead of a shift due to the tails of the noise alone?  Then all equal shifts are excluded
+ * from this scan. */
 static bool made_by_tails(mukca_competition *contest, const mukca_contender *c, int without,
                           double threshold)
 {
@@ -190,7 +190,7 @@ static bool made_by_tails(mukca_competition *contest, const mukca_contender *c, 
     return true;
 }
 
-/* Scan, and rank what it scored. */
+/* Scan and rank. */
 static void scan_and_rank(mukca_competition *contest, int without, mukca_scan_extent extent)
 {
     for (int i = 0; i < contest->scan->capacity; i++)
@@ -200,7 +200,7 @@ static void scan_and_rank(mukca_competition *contest, int without, mukca_scan_ex
     mukca_competition_rank(contest);
 }
 
-/* Who comes next, or takes the place of the cause left out; NULL: nobody reaches the threshold. */
+/* Next cause, or the replacement of the excluded one; NULL: none reaches the threshold. */
 static const mukca_contender *leader(mukca_competition *contest, int without, double threshold)
 {
     for (;;) {
@@ -246,7 +246,7 @@ static bool add(mukca_competition *contest, const mukca_candidate *h)
     return true;
 }
 
-/* Accept a single bad row, and with it all others that are as plain. */
+/* Accept a single outlier, and all others of at least these odds. */
 static bool add_outliers(mukca_competition *contest, double least)
 {
     mukca_regression *m = contest->m;
@@ -287,7 +287,7 @@ static mukca_status forward(mukca_competition *contest, mukca_error *error)
         const mukca_contender *top = leader(contest, -1, threshold);
         if (!top) {
             if (extent == MUKCA_SCAN_LISTED) {
-                extent = MUKCA_SCAN_RIPPLE; /* before giving up: all orders once more */
+                extent = MUKCA_SCAN_RIPPLE; /* before stopping: all orders once more */
                 continue;
             }
             if (!mukca_screening_reinstate(contest->faults, m)) return MUKCA_OK;
@@ -331,8 +331,8 @@ static bool any_unknown(const mukca_unknowns *u)
     return false;
 }
 
-/* Drop a cause that nothing speaks for; returns false where it stays.  A name that an unknown
- * function could do without stays where the set with both is the more probable. */
+/* Drop a cause without evidence; false: it stays.  A named cause that an unknown function can
+ * represent stays if the set with both is more probable. */
 static bool drop(mukca_competition *contest, int c)
 {
     mukca_regression *m = contest->m;
@@ -351,8 +351,8 @@ static bool drop(mukca_competition *contest, int c)
     return false;
 }
 
-/* Put a candidate in the place of a cause; later rounds keep it only where the set gets more
- * probable, so that they end.  Returns whether it stays. */
+/* Replace a cause by a candidate; after the first round only if the set gets more probable, which
+ * guarantees termination.  Returns whether the candidate stays. */
 static bool swap(mukca_competition *contest, int c, const mukca_candidate *best, bool first)
 {
     mukca_regression *m = contest->m;
@@ -374,7 +374,7 @@ static bool swap(mukca_competition *contest, int c, const mukca_candidate *best,
     return false;
 }
 
-/* By how much the leader leads all others that are not in the model, and the threshold. */
+/* Lead over all other candidates outside the model, and over the threshold. */
 static double lead_of(const mukca_competition *contest, const mukca_contender *top)
 {
     double rival = FIRST_THRESHOLD;
@@ -383,8 +383,8 @@ static double lead_of(const mukca_competition *contest, const mukca_contender *t
     return top->log_odds - rival;
 }
 
-/* Take each cause out, look who fills the hole best, and swap or drop; again until all were
- * tested against the same others, but for causes that led by far. */
+/* Exclude each cause in turn, scan for the best replacement, and swap or drop; repeat until all
+ * causes are tested against the same set, except those with a safe lead. */
 mukca_status mukca_competition_settle(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;

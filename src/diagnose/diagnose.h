@@ -1,5 +1,6 @@
-/* Diagnosis of the error that a calibrated geometry leaves: which effects cause it and how much,
- * the held-out error with and without them, and what the data cannot distinguish. */
+/* Diagnosis of the error that remains after calibration of the geometry: its causes and their
+ * sizes, the held-out error with and without them, and the causes that the data cannot distinguish.
+ */
 #ifndef MUKCA_DIAGNOSE_DIAGNOSE_H
 #define MUKCA_DIAGNOSE_DIAGNOSE_H
 
@@ -9,7 +10,7 @@
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
 
-/* verdict, name in the JSON */
+/* verdict, name in JSON */
 #define MUKCA_VERDICT_LIST(X) \
     X(NONE, "none")           \
     X(NAMED, "named")         \
@@ -39,7 +40,7 @@ typedef enum {
 
 extern const char *const mukca_fault_name[];
 
-enum { MUKCA_MAX_APPLIED = 40 }; /* effects: the causes, or all that a fleet knows */
+enum { MUKCA_MAX_APPLIED = 40 }; /* effects: the causes, or all that a fleet knows of */
 
 enum { MUKCA_MAX_CAUSES = 16, MUKCA_MAX_TIES = 12, MUKCA_MAX_FAULTS = 64, MUKCA_MAX_TESTED = 512 };
 
@@ -47,8 +48,8 @@ typedef struct {
     mukca_effect_kind effect;
     int joint; /* -1: none */
     double log_bayes_factor;
-    double correlation; /* canonical, after geometry is projected out; NaN: not computed */
-    mukca_effect rival; /* with its variant, about as large as the cause */
+    double correlation; /* canonical, with the geometry projected out; NaN: not computed */
+    mukca_effect rival; /* with its variant, of about the cause's size */
 } mukca_tie;
 
 typedef struct {
@@ -64,12 +65,12 @@ typedef struct {
                     .high_percent = NAN})
 
 typedef struct {
-    mukca_effect effect; /* kind, joint, placement, variant and coefficients, SI */
-    int socket;          /* index into the dataset's sockets, -1: none */
-    int row, file;       /* 1-based data row of the file (tool_motion), 0: none */
-    bool creep;          /* tool_motion: crept rather than moved once */
-    bool or_unknown;     /* a function that no effect makes would do as well, by these rows */
-    double amplitude, low, high;   /* size and 95 % interval in the effect's unit */
+    mukca_effect effect;         /* kind, joint, placement, variant and coefficients, SI */
+    int socket;                  /* index of a socket of the dataset, -1: none */
+    int row, file;               /* 1-based data row of its file (tool_motion), 0: none */
+    bool creep;                  /* tool_motion: gradual instead of a step */
+    bool or_unknown;             /* a function outside the catalogue explains these data as well */
+    double amplitude, low, high; /* amplitude and 95 % interval, in the effect's unit */
     double sigma[MUKCA_MAX_TERMS]; /* of the coefficients */
     double log_bayes_factor;
     double probability;
@@ -90,19 +91,19 @@ typedef struct {
     mukca_effect_kind effect;
     int joint; /* -1: none */
     double log_bayes_factor, log_odds;
-    double limit; /* amplitude (rad or m rms at the joint) that these data would show, NaN: none */
+    double limit; /* detection limit of the amplitude, rad or m rms at the joint; NaN: none */
     bool testable;
-    const char *why; /* where not testable */
+    const char *why; /* reason if not testable */
 } mukca_tested;
 
 typedef struct {
     int joint;
-    double share; /* of the evidence for what remains or was found */
+    double share; /* of the evidence for identified causes and remaining structure */
     double range_rad[2];
 } mukca_where;
 
-/* What can be applied elsewhere: geometry and the causes that act on the arm, fitted together with
- * the masses as they are named, one coefficient for each elastic cause. */
+/* Result for use elsewhere: geometry and the causes that act on the arm, fitted together at the
+ * nominal masses, with one coefficient per elastic cause. */
 typedef struct {
     bool fitted;
     mukca_geometry geometry;
@@ -110,16 +111,16 @@ typedef struct {
     int n_effects;
     mukca_effect effects[MUKCA_MAX_APPLIED];
     double effect_sigma[MUKCA_MAX_APPLIED][MUKCA_MAX_TERMS];
-    /* [6 * n_elements] standard error of each parameter, and that of what was believed before the
-     * rows; NaN: not fitted */
+    /* [6 * n_elements] standard error and prior standard deviation of each parameter; NaN: not
+     * fitted */
     double theta_sigma[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     double theta_prior[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
 } mukca_applied;
 
 enum { MUKCA_MAX_CONFOUNDED = 12 };
 
-/* What is confounded with what: the largest canonical correlation of each pair of causes and close
- * candidates, after geometry is projected out; 1: indistinguishable, NaN: not defined. */
+/* Confounding of causes and close candidates: the largest canonical correlation of each pair, with
+ * the geometry projected out; 1: indistinguishable, NaN: undefined. */
 typedef struct {
     int n;
     mukca_effect effects[MUKCA_MAX_CONFOUNDED]; /* without coefficients */
@@ -127,98 +128,96 @@ typedef struct {
     double correlation[MUKCA_MAX_CONFOUNDED][MUKCA_MAX_CONFOUNDED];
 } mukca_confounding;
 
-/* Reading minus command of a joint, and how it goes with gravity's torque. */
+/* Reading minus command of a joint, and its regression on the gravity torque. */
 typedef struct {
-    int rows;                /* in which both were recorded */
-    double mean, rms;        /* rad or m; NaN: never */
-    double sag, low, high;   /* rad/(N m) and its 95 % interval; NaN: no torque known */
+    int rows;                /* that have both */
+    double mean, rms;        /* rad or m; NaN: no such row */
+    double sag, low, high;   /* rad/(N m) and its 95 % interval; NaN: torque unknown */
     double log_bayes_factor; /* of a sag against none */
 } mukca_stream;
 
-/* From this log Bayes factor on a sag is reported: 150 to 1. */
+/* A sag is reported from this log Bayes factor on: 150 to 1. */
 #define MUKCA_SAG_EVIDENT 5.0
 
-/* Both streams of angles; n_joints 0: one was recorded. */
+/* Comparison of commanded and read angles; n_joints 0: only one of them was recorded. */
 typedef struct {
     int n_joints;
     mukca_stream joint[MUKCA_MAX_JOINTS];
     double sigma_reading_m, sigma_command_m; /* noise of a fit of the geometry to each; NaN: none */
 } mukca_streams;
 
-/* Several pose logs: which of their free frames differ from log to log. */
+/* Several pose logs: free frames that differ between logs. */
 typedef struct {
     int n; /* logs; 0: no poses */
     bool base_per_log, tool_per_log;
-    double log_evidence[4]; /* shared frames, a base, a tool, both per log; NaN: not compared */
+    double log_evidence[4]; /* shared frames; a base, a tool, both per log; NaN: not compared */
 } mukca_logs;
 
 typedef struct {
     mukca_verdict verdict;
-    const char *why; /* it is `untestable`, else NULL */
+    const char *why; /* reason if `untestable`, else NULL */
     bool unexplained;
     int n_causes, n_suspected, n_faults, n_tested, n_where;
     mukca_cause causes[MUKCA_MAX_CAUSES];
-    mukca_cause
-        suspected[MUKCA_MAX_CAUSES]; /* leaving them out does not raise the held-out error */
+    mukca_cause suspected[MUKCA_MAX_CAUSES]; /* their removal does not raise the held-out error */
     mukca_data_fault faults[MUKCA_MAX_FAULTS];
     mukca_tested tested[MUKCA_MAX_TESTED];
     mukca_where where[MUKCA_MAX_JOINTS];
-    double axis_rms_m[3]; /* what geometry leaves, by base axis */
-    /* held-out mean errors, leave one placement out, m; NaN: not measurable */
+    double axis_rms_m[3]; /* remaining error of the fitted geometry, by base axis */
+    /* held-out mean errors, each placement predicted from the others, m; NaN: not measurable */
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
-    double structure_m; /* as explained_m, but with the functions that nobody can name; NaN: none */
-    double surprise;    /* held-out samples' rms misfit with all causes, in units of what noise
-                           and the other rows' ignorance allow; NaN: not measurable */
-    double surprise_sigmas;      /* how far its square is above 1, in standard deviations */
+    double structure_m; /* explained_m with unknown functions included; NaN: none */
+    double surprise; /* rms held-out error with all causes, in units of that expected from noise and
+                        the uncertainty of the fit; NaN: not measurable */
+    double surprise_sigmas;      /* excess of its square over 1, in standard deviations */
     mukca_shrink held_out;       /* from faults_excused_m to explained_m */
-    double noise_shrink_percent; /* what the best of the catalogue gains on pure noise */
+    double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
     int folds;
-    double *placement_mae_m; /* [n_placements] explained, in the pool */
-    /* held-out data (--test), m; NaN without */
+    double *placement_mae_m; /* [n_placements] of explained_m, in the pool */
+    /* test data (--test), m; NaN: none */
     double test_nominal_m, test_geometry_m, test_explained_m;
-    double *test_placement_mae_m; /* [test placements] explained */
+    double *test_placement_mae_m; /* [n_test_placements] of test_explained_m, in the pool */
     int n_test_placements;
     double sigma_m, rho;
-    double score;               /* log posterior of all that was accepted, up to a constant */
-    double gravity[3];          /* one that explains the data far better, m/s^2; 0: none does */
-    double efforts_correlation; /* cosine of measured and modelled holding torques; NaN without */
-    mukca_geometry geometry;    /* fitted with the causes */
-    mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */
+    double score;      /* log posterior of all accepted causes, up to a constant */
+    double gravity[3]; /* a direction with far higher evidence, m/s^2; 0: none */
+    double
+        efforts_correlation; /* cosine of measured and modelled holding torques; NaN: no efforts */
+    mukca_geometry geometry; /* fitted with the causes */
+    mukca_frame tracker;     /* pose logs: T_measured_base, of the first log */
     mukca_logs logs;
     mukca_streams streams;
-    mukca_applied applied;         /* with options->applied */
-    mukca_confounding confounding; /* with options->confounding */
+    mukca_applied applied;         /* filled with options->applied */
+    mukca_confounding confounding; /* filled with options->confounding */
     double elapsed_s;
     mukca_pool pool;
 } mukca_diagnosis;
 
-/* What people may watch while it runs: share in [0, 1] and what it is doing.  Returning false
- * interrupts. */
+/* Progress: share in [0, 1] and the present step.  Returning false interrupts. */
 typedef bool mukca_progress_fn(void *context, double share, const char *doing);
 
-/* What may go on with the regression of a diagnosis (diagnose/regression.h) before it is freed:
- * geometry, recording faults and the causes that were found.  Not called where nothing can be
- * tested. */
+/* Continuation with the regression of a diagnosis (diagnose/regression.h) before it is freed:
+ * geometry, recording faults and identified causes.  Not called if nothing is testable. */
 struct mukca_regression;
 typedef mukca_status mukca_continue_fn(void *context, struct mukca_regression *regression,
                                        mukca_diagnosis *diagnosis, mukca_error *error);
 
 typedef struct {
-    const mukca_dataset *test;     /* held-out data, or NULL */
-    const unsigned char *disabled; /* [MUKCA_EFFECT_COUNT] effects left out, or NULL */
+    const mukca_dataset *test;     /* test data, or NULL */
+    const unsigned char *disabled; /* [MUKCA_EFFECT_COUNT] excluded effects, or NULL */
     bool free_base, free_tool;
-    double mass_spread; /* relative sigma of each mass; 0: 0.1 */
-    bool no_folds;      /* skip the held-out measurement */
-    bool applied;       /* fit what can be applied elsewhere, too */
-    bool confounding;   /* measure what is confounded with what */
+    double mass_spread; /* relative prior sigma of each mass; 0: 0.1 */
+    bool no_folds;      /* skip cross-validation */
+    bool applied;       /* fill diagnosis->applied */
+    bool confounding;   /* fill diagnosis->confounding */
     mukca_continue_fn *go_on;
     void *go_on_context;
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;
 
-/* Diagnose a recording.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED, MUKCA_INPUT (no usable row).
- * Too little data is no error but the verdict `untestable`. */
+/* Diagnose a recording.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED, MUKCA_INPUT (no usable row).  Too
+ * little data is not an error: the verdict is `untestable`. */
 mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain,
                             const mukca_dataset *data, const mukca_diagnose_options *options,
                             mukca_error *error);

@@ -1,17 +1,16 @@
-/* The search for the most probable set of causes, from several starts. */
+/* Search for the most probable set of causes, from several starts. */
 #include "diagnose/search.h"
 
 #include <string.h>
 
-/* A set of names is preferred to one with an unknown function that is up to so much larger in log
- * odds (20 to 1). */
+/* Preference for a set of named causes over one with an unknown function, log odds (20 to 1). */
 #define PREFERENCE 3.0
-/* Springs of this canonical correlation are one cause by two names. */
+/* Elastic causes with this canonical correlation are the same by two names. */
 #define SAME_SPRING 0.99
-enum { BARRED = 2 }; /* in noise_made: not to be accepted in this search */
+enum { BARRED = 2 }; /* in noise_made: excluded from this search */
 
-/* Bar an elastic cause and those that do the same (a tilting base and bending at the first joint),
- * where the set has another one besides; false: it has not. */
+/* Exclude the elastic cause accepted first, and its equivalents (a tilting base and bending at the
+ * first joint), if the set contains another one; false: it does not. */
 static bool bar_first_spring(mukca_competition *contest)
 {
     mukca_regression *m = contest->m;
@@ -35,7 +34,7 @@ static bool bar_first_spring(mukca_competition *contest)
     return true;
 }
 
-/* Room for a state of the search. */
+/* Allocate a state of the search. */
 static bool reserve(mukca_search_state *state, mukca_regression *m)
 {
     state->keep = MUKCA_TAKE(&m->pool, unsigned char, m->recording.data->n_rows);
@@ -43,7 +42,7 @@ static bool reserve(mukca_search_state *state, mukca_regression *m)
     return mukca_unknowns_clone(&state->unknowns, &m->pool, &m->unknowns) && !m->pool.failed;
 }
 
-/* Back to the unknowns of that state, with their rows. */
+/* Return to a state, with its rows in use. */
 static void restore(mukca_competition *contest, const mukca_search_state *state)
 {
     mukca_regression *m = contest->m;
@@ -60,8 +59,8 @@ static void restore(mukca_competition *contest, const mukca_search_state *state)
     contest->scanned = false;
 }
 
-/* Search again from a state; the set found before stays unless the new one leads it by `lead`.
- * `before` is scratch. */
+/* Search again from a state; the previous set stays unless the new one leads it by `lead`.  `before`
+ * is scratch. */
 static mukca_status search_again(mukca_competition *contest, const mukca_search_state *from,
                                  mukca_search_state *before, bool names_first, double lead,
                                  mukca_error *error)
@@ -78,11 +77,12 @@ static mukca_status search_again(mukca_competition *contest, const mukca_search_
     return status;
 }
 
-/* The order in which causes are accepted must not decide.  Names first; where an unknown function
- * led on the way, from there by the lead alone; where springs share the deflection, also without
- * the one that was accepted first, from where the first search came to springs: one that does part
- * of everything, such as a tilting base, comes before the two that do all of it.  The most probable
- * set stays, names being preferred.  Rows come back on the way: each search ends with its own. */
+/* The result must not depend on the order of acceptance.  First search: named causes first.  Second
+ * search, if an unknown function led on the way: from there, by the lead alone.  Third search, if
+ * elastic causes share the deflection: without the one accepted first, from the state before any
+ * elastic cause; one that approximates all of them, such as a tilting base, precedes the two that
+ * explain it fully.  The most probable set wins, named causes preferred.  Rows may be reinstated on
+ * the way: each search has its own. */
 static mukca_status search_all(mukca_competition *contest, mukca_error *error)
 {
     mukca_regression *m = contest->m;
@@ -99,7 +99,7 @@ static mukca_status search_all(mukca_competition *contest, mukca_error *error)
         status = search_again(contest, &contest->unsprung, &before, true, 0, error);
         for (int i = 0; i < contest->scan->capacity; i++)
             if (contest->noise_made[i] == BARRED) contest->noise_made[i] = 0;
-        /* in the new set, what was barred may do better in the place of another */
+        /* an excluded candidate may replace another one of the new set */
         const bool changed = mukca_regression_score(m) != score;
         for (int c = 0; changed && c < m->unknowns.n_causes; c++) m->unknowns.cause[c].lead = 0;
         if (status == MUKCA_OK && changed) status = mukca_competition_settle(contest, error);
@@ -120,7 +120,7 @@ mukca_status mukca_search_run(mukca_competition *contest, mukca_error *error)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the competition of causes");
     mukca_regression_freeze(contest->m);
     const mukca_status status = search_all(contest, error);
-    /* on the columns of the search, whose products are there */
+    /* on the columns of the search, whose products exist */
     if (contest->m->unknowns.n_causes) mukca_competition_leave_waiting(contest);
     mukca_regression_fit(contest->m, 3, MUKCA_FIT_ALL);
     return status;
