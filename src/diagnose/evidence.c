@@ -1,9 +1,8 @@
 /* Evidence of the linearised model: normal equations, posterior.
  *
- * The evidence of a linear model with Gaussian priors and noise is in closed form; sockets' means
- * are integrated out with a flat prior.  (C. M. Bishop, Pattern Recognition and Machine Learning,
- * 2006, section 3.5.)
- */
+ * The evidence of a linear model with Gaussian priors and noise has a closed form; the means of the
+ * sockets are integrated out with a flat prior.  (C. M. Bishop, Pattern Recognition and Machine
+ * Learning, 2006, section 3.5.) */
 #include "diagnose/evidence.h"
 
 #include <math.h>
@@ -55,8 +54,8 @@ int mukca_evidence_index(double rho)
     return index;
 }
 
-/* W for the samples in use and their robust weights (NULL: none), and what the evidence has of it.
- */
+/* Compute W for the samples in use and their robust weights (NULL: none), and the terms of the
+ * evidence that depend on W alone. */
 static void lay_out(mukca_normal_equations *normal, const mukca_recording *r, const double *weight)
 {
     const double rho = normal->rho, root = sqrt(1 - rho * rho), part = sqrt(r->share);
@@ -94,8 +93,8 @@ static void lay_out(mukca_normal_equations *normal, const mukca_recording *r, co
     }
 }
 
-/* Coordinate c of a socket's samples: their mean out of the weighted columns, and into the
- * distances. */
+/* Coordinate c of a socket's samples: subtract the mean from the weighted columns, and add it to
+ * the distances. */
 MUKCA_INLINE void centre(const mukca_weighing *x, const mukca_normal_equations *normal,
                          const mukca_recording *r, const mukca_linearisation *linear, int g, int c)
 {
@@ -149,8 +148,7 @@ MUKCA_CLONES void mukca_evidence_weigh(const mukca_weighing *x,
     }
 }
 
-/* Form what is missing of the columns that the linearisation holds; `scratch` is [stride][stride].
- */
+/* Compute the missing products of the stored columns; `scratch` is [stride][stride]. */
 static void extend(mukca_normal_equations *normal, const mukca_recording *r,
                    const mukca_linearisation *linear, double *scratch)
 {

@@ -1,4 +1,4 @@
-/* The noise that makes the evidence largest. */
+/* Noise sigma of maximal evidence. */
 #include "diagnose/noise.h"
 
 #include <math.h>
@@ -7,33 +7,33 @@
 #include "math/dense.h"
 #include "math/stats.h"
 
-/* Noise that is looked for at most, m: from below any encoder to far above any arm. */
+/* Range of the search, m: from below any encoder to far above any arm. */
 #define LEAST_NOISE 1e-6
 #define MOST_NOISE 5e-2
 
-/* Log evidence that makes an AR(1) coefficient negligible beside the best one, 3 million to 1, and
- * the share of a candidate's gain by which the two may approach each other. */
+/* Log evidence behind the best AR(1) coefficient from which one is negligible (3 million to 1), and
+ * the share of a candidate's gain that may reduce this difference. */
 #define NEGLIGIBLE 15.0
 #define SHARE 0.25
 
-/* The evidence along the noise.  With K = 1 + D G D / sigma^2 = Q (1 + T / sigma^2) Q' and the
- * distances predicted from the samples, it takes T, Q'D X'W y and Q'D d for each distance row d;
- * each value is linear in n.  Columns are left out by the Schur complement of their block of K^-1,
- * which takes rows of Q: one reduction serves for each cause in turn. */
+/* Evidence as a function of the noise.  With K = 1 + D G D / sigma^2 = Q (1 + T / sigma^2) Q' and
+ * the distances predicted from the samples, it depends on T, Q'D X'W y and Q'D d for each distance
+ * row d; each value costs O(n).  Columns are excluded by the Schur complement of their block of
+ * K^-1, which needs rows of Q: one reduction serves every cause in turn. */
 typedef struct {
     mukca_evidence *evidence;
     const mukca_normal_equations *normal;
     mukca_left_out out;
-    bool reduced;    /* T and B are there; else each value needs a factorisation */
+    bool reduced;    /* T and B exist; else each value costs a factorisation */
     double *scratch; /* [n][k], [k][k] and two factors, k = 1 + n_pairs + out.count */
 } along_noise;
 
-/* Rounding changes T by 1e-16 of its norm, which is at most its trace; beside the 1 that is 1 %. */
+/* Rounding errors of T are 1e-16 of its norm, which is at most its trace: 1 % of the identity. */
 #define MOST_TRACE 1e14
 
-/* T and B of these normal equations and priors, where they are not there yet.  False:
- * factorisations do better (free frames of a pose log, many distances).  `least` is the least noise
- * that will be asked for. */
+/* Compute T and B of these normal equations and priors, unless they exist.  False: factorisations
+ * are preferable (free frames of a pose log, many distances).  `least` is the smallest noise to be
+ * evaluated. */
 static bool reduce(mukca_normal_equations *normal, mukca_evidence *evidence,
                    const mukca_left_out *out, double least)
 {
@@ -62,15 +62,14 @@ static bool reduce(mukca_normal_equations *normal, mukca_evidence *evidence,
     return true;
 }
 
-/* Rows of Y := L^-1 B / sqrt(C), where L C L' = 1 + T / sigma^2: its Gram matrix is
- * B'(1 + T / sigma^2)^-1 B.  Of B those columns that matter.  Returns log |C|, NaN where it is not
- * positive. */
+/* Rows of Y := L^-1 B / sqrt(C), with L C L' = 1 + T / sigma^2: its Gram matrix is B'(1 + T /
+ * sigma^2)^-1 B, for the relevant columns of B.  Returns log |C|, NaN: not positive. */
 static double eliminate(double *Y, const along_noise *a, double precision)
 {
     const mukca_normal_equations *normal = a->normal;
     const int n = normal->n, shared = 1 + normal->n_pairs, k = shared + a->out.count,
               ldb = shared + n - normal->units;
-    const int skip = a->out.column - normal->units; /* columns of B before those left out */
+    const int skip = a->out.column - normal->units; /* columns of B before the excluded ones */
     const double *T = normal->T, *B = normal->B;
     double pivot = 1, log_det = 0, product = 1;
     for (int i = 0; i < n; i++, B += ldb, Y += k) {
@@ -81,14 +80,14 @@ static double eliminate(double *Y, const along_noise *a, double precision)
         const double inverse = 1 / sqrt(pivot);
         for (int c = 0; c < k; c++)
             Y[c] = (B[c < shared ? c : skip + c] - (i ? l * root * Y[c - k] : 0)) * inverse;
-        product *= pivot; /* one logarithm for a few */
+        product *= pivot; /* one logarithm for several factors */
         if (product > 1e100 || i + 1 == n) log_det += log(product), product = 1;
     }
     return log_det;
 }
 
-/* Take the last `count` rows and columns of G[k][k] out by their Schur complement.  Returns the log
- * of the determinant of their block, NaN where it is not positive. */
+/* Eliminate the last `count` rows and columns of G[k][k] by their Schur complement.  Returns the
+ * log determinant of their block, NaN: not positive. */
 static double take_out(double *G, double *scratch, int k, int count)
 {
     const int rest = k - count;
@@ -107,13 +106,13 @@ static double take_out(double *G, double *scratch, int k, int count)
     return log_det;
 }
 
-/* The evidence by a factorisation. */
+/* Evidence by a factorisation. */
 static double evaluate(const along_noise *a, double sigma)
 {
     double *prior = a->evidence->prior + a->out.column, kept[MUKCA_MAX_COLUMNS];
     const size_t bytes = sizeof *prior * (size_t)a->out.count;
     memcpy(kept, prior, bytes);
-    memset(prior, 0, bytes); /* a prior of width 0 leaves them out */
+    memset(prior, 0, bytes); /* a prior sigma of 0 excludes them */
     const double value = mukca_evidence_evaluate(a->evidence, a->normal, sigma, NULL);
     memcpy(prior, kept, bytes);
     return value;
@@ -133,7 +132,7 @@ static double minus_evidence(void *context, double log_sigma)
     mukca_dense_syrk(G, k, Y, n, k);
     log_det += take_out(G, S, k, a->out.count);
     double quadratic = precision * (normal->gram[size * size - 1] - precision * G[0]);
-    for (int p = 0; p < pairs; p++) { /* what the samples leave of the distances */
+    for (int p = 0; p < pairs; p++) { /* residuals of the distances, given the samples */
         r[p] = normal->distance[p * size + n] - precision * G[1 + p];
         for (int q = 0; q <= p; q++) S[p * pairs + q] = G[(1 + p) * k + 1 + q];
         S[p * pairs + p] += known + sigma * sigma * normal->variance[p];
@@ -150,7 +149,7 @@ static double minus_evidence(void *context, double log_sigma)
 double mukca_noise_choose(mukca_evidence *evidence, mukca_normal_equations *normal,
                           const mukca_left_out *out, double guess, double *value)
 {
-    const double tolerance = 0.01; /* a hundredth of sigma: far below what the data know of it */
+    const double tolerance = 0.01; /* a hundredth of sigma: far below its uncertainty */
     const mukca_left_out none = {0};
     if (!out) out = &none;
     along_noise context = {.evidence = evidence,
@@ -161,7 +160,7 @@ double mukca_noise_choose(mukca_evidence *evidence, mukca_normal_equations *norm
     double best, lo = log(guess / 2), hi = log(2 * guess);
     double x = mukca_stats_minimize(&best, minus_evidence, &context, lo, hi, tolerance);
     if (x < lo + 5 * tolerance ||
-        x > hi - 5 * tolerance) { /* the guess was none: look everywhere */
+        x > hi - 5 * tolerance) { /* a bad guess: search the whole range */
         context.reduced = false;
         x = mukca_stats_minimize(&best, minus_evidence, &context, log(LEAST_NOISE), log(MOST_NOISE),
                                  tolerance);
@@ -177,7 +176,7 @@ bool mukca_noise_counts(double behind, double gain)
 
 bool mukca_noise_contends(const mukca_evidence *evidence, int index, double best, double gain)
 {
-    /* since then another may have changed so much while the best one did not */
+    /* the other coefficient may have gained as much as the best one has changed */
     const double approach = fabs(best - evidence->best);
     return mukca_noise_counts(evidence->normal[index].behind - approach, gain);
 }

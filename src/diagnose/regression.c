@@ -1,4 +1,4 @@
-/* The regression that the diagnosis reasons with, and its fit. */
+/* Regression of the diagnosis: fits. */
 #include "diagnose/regression.h"
 
 #include <math.h>
@@ -56,8 +56,8 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
                                          terms);
 }
 
-/* Noise and AR(1) coefficient by evidence, and the prior scales with them; returns the normal
- * equations at the best.  The coefficient in use comes first. */
+/* Choose noise and AR(1) coefficient by evidence, and the prior scales with them; returns the
+ * normal equations of the best coefficient.  The present coefficient is tried first. */
 static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freedom freedom)
 {
     mukca_unknowns *u = &m->unknowns;
@@ -65,7 +65,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     const int own = u->weight ? 0 : mukca_evidence_index(u->rho);
     mukca_normal_equations *chosen = NULL;
     double best = -HUGE_VAL, value[MUKCA_RHOS] = {0};
-    bool all = !u->weight; /* robust weights go with independent samples only */
+    bool all = !u->weight; /* robust weights imply independent samples */
     for (int k = 0; k < (u->weight ? 1 : MUKCA_RHOS); k++) {
         const int i = (own + k) % MUKCA_RHOS;
         if (chosen && !mukca_noise_contends(evidence, i, best, 0)) {
@@ -87,7 +87,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     return chosen;
 }
 
-/* Orientations are weighted so that their noise equals the positions', within two decades. */
+/* Weight the orientations for equal noise of orientations and positions, within two decades. */
 static void weigh_rotations(mukca_regression *m)
 {
     double length = 0, angle = 0;
@@ -119,7 +119,7 @@ double mukca_regression_score(mukca_regression *m)
     return score;
 }
 
-/* The unknowns become the posterior mean; returns the largest change of the geometry. */
+/* Set the unknowns to the posterior mean; returns the largest change of the geometry. */
 static double advance(mukca_regression *m)
 {
     mukca_unknowns *u = &m->unknowns;
@@ -146,11 +146,12 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
 {
     mukca_unknowns *u = &m->unknowns;
     mukca_unknowns_set_geometry_prior(u, &m->recording);
-    for (int i = 0; i < MUKCA_RHOS; i++) m->evidence.normal[i].behind = 0; /* compare them anew */
+    for (int i = 0; i < MUKCA_RHOS; i++)
+        m->evidence.normal[i].behind = 0; /* unknown: compare again */
     for (int it = 0; it < iterations; it++) {
         mukca_regression_linearise(m);
         mukca_unknowns_prior(m->evidence.prior, u);
-        /* Orientations get their weight on the way, so the noise must follow. */
+        /* The weight of the orientations changes in each iteration, and the noise with it. */
         const bool weigh = m->recording.dim == 6 && !u->n_causes;
         const bool choose = it == 0 ? freedom != MUKCA_FIT_UNKNOWNS
                                     : (it == 2 || weigh) && freedom == MUKCA_FIT_ALL;
@@ -168,8 +169,8 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
     mukca_regression_linearise(m);
 }
 
-/* A linearisation holds as long as its errors in all samples together change no log evidence by
- * more than `most`. */
+/* Is the linearisation accurate?  Its errors over all samples change the log evidence by at most
+ * `most`. */
 static bool holds(const mukca_regression *m, double most)
 {
     const double error = mukca_linearisation_error(&m->linear, &m->recording, &m->unknowns),
@@ -229,10 +230,9 @@ void mukca_regression_refit(mukca_regression *m)
 
 void mukca_regression_revise(mukca_regression *m)
 {
-    /* Held-out errors change behind their printed digits with a thousandth of what decides
-     * anything. */
+    /* A thousandth of a decisive change: invisible in the printed digits of held-out errors. */
     const double little = 0.001;
-    /* Predictions alone lead from nearby to the final unknowns. */
+    /* Close to the solution, updated predictions suffice to converge. */
     for (int pass = 0; mukca_regression_solve(m); pass++) {
         if (holds(m, little)) return;
         if (pass == 3 || !holds(m, 1) ||

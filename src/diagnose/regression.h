@@ -1,9 +1,8 @@
-/* The regression that the diagnosis reasons with: recording, unknowns, linearisation, evidence.
+/* Regression of the diagnosis: recording, unknowns, linearisation, evidence.
  *
- * Sockets' means are free, so samples and columns are centred per socket (after whitening with an
- * AR(1) coefficient) and one row per known distance is added; samples of a pose log are compared
- * with their measured tip instead.
- */
+ * The means of the sockets are free: samples and columns are centred per socket, after whitening
+ * with an AR(1) coefficient, and each known distance adds one row.  Samples of a pose log are
+ * compared with their measured tip instead. */
 #ifndef MUKCA_DIAGNOSE_REGRESSION_H
 #define MUKCA_DIAGNOSE_REGRESSION_H
 
@@ -17,7 +16,7 @@ typedef struct mukca_regression {
     mukca_pool pool;
 } mukca_regression;
 
-/* Build the regression of a dataset; chain and data must outlive it.  Errors: MUKCA_MEMORY. */
+/* Create the regression of a dataset; chain and data must outlive it.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_regression_create(mukca_regression *m, const mukca_chain *chain,
                                      const mukca_dataset *data,
                                      const mukca_recording_options *options, mukca_error *error);
@@ -30,53 +29,53 @@ void mukca_regression_linearise(mukca_regression *m);
 mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index);
 mukca_normal_equations *mukca_regression_collect_own(mukca_regression *m);
 
-/* Evidence of the present columns, priors and noise; the factor of their posterior stays.  Returns
- * as mukca_evidence_evaluate. */
+/* Evidence of the present columns, priors and noise, as mukca_evidence_evaluate returns it;
+ * m->evidence keeps the factor of the posterior precision. */
 double mukca_regression_factor(mukca_regression *m);
 
-/* Standard error of the sum of direction[t] x[column + t], t < terms, in the posterior whose factor
- * the last evaluation left. */
+/* Standard error of the sum of direction[t] x[column + t], t < terms, in the posterior of the last
+ * evaluation. */
 double mukca_regression_standard_error(mukca_regression *m, int column, const double *direction,
                                        int terms);
 
-/* What a fit may choose besides the unknowns themselves. */
+/* Quantities chosen by a fit in addition to the unknowns. */
 typedef enum {
-    MUKCA_FIT_UNKNOWNS, /* nothing: noise, AR(1) and prior scales stay */
+    MUKCA_FIT_UNKNOWNS, /* none: noise, AR(1) and prior scales stay */
     MUKCA_FIT_NOISE,    /* noise and AR(1), in the first step */
     MUKCA_FIT_ALL       /* noise, AR(1) and prior scales by evidence, in the first and third step */
 } mukca_fit_freedom;
 
-/* Log posterior of the set of causes that was last fitted, up to a constant: evidence, and the
- * priors of the causes and of their sizes. */
+/* Log posterior of the set of causes fitted last, up to a constant: evidence, and the priors of the
+ * causes and of their sizes. */
 double mukca_regression_score(mukca_regression *m);
 
-/* Linearise at the present unknowns for a search: other sets of causes are fitted to the same
- * columns.  Then return to that linearisation with unknowns that were fitted to it before. */
+/* Freeze: linearise at the present unknowns for a search, which fits other sets of causes to the
+ * same columns.  Return: to that linearisation, with unknowns that were fitted to it before. */
 void mukca_regression_freeze(mukca_regression *m);
 void mukca_regression_return(mukca_regression *m);
 
-/* Solve for the unknowns on the frozen columns, at the noise and the prior scales that they have.
- * False: the normal equations cannot be factored. */
+/* Solve for the unknowns on the frozen columns with their present noise and prior scales.  False:
+ * the normal equations are singular. */
 bool mukca_regression_solve(mukca_regression *m);
 
-/* Choose noise, AR(1) and prior scales by evidence on the frozen columns; no unknown changes. */
+/* Choose noise, AR(1) and prior scales by evidence on the frozen columns; the other unknowns stay.
+ */
 void mukca_regression_weigh(mukca_regression *m);
 
-/* Fit all unknowns, as MUKCA_FIT_ALL, to the frozen columns; freezes anew where these do not hold
- * for the result. */
+/* Fit all unknowns, as MUKCA_FIT_ALL, to the frozen columns; freezes again if the linearisation is
+ * inaccurate at the result. */
 void mukca_regression_refit(mukca_regression *m);
 
-/* Fit the unknowns alone after causes were dropped, noise and prior scales staying: to the columns
- * that are there, with predictions anew, where these hold for the result, else as
- * MUKCA_FIT_UNKNOWNS.
- */
+/* Fit the unknowns with the present noise and prior scales after causes were dropped: on the
+ * present columns with updated predictions if the linearisation is accurate at the result, else as
+ * MUKCA_FIT_UNKNOWNS. */
 void mukca_regression_revise(mukca_regression *m);
 
-/* One Gauss-Newton step from the present linearisation; ends linearised at the new unknowns. */
+/* One Gauss-Newton step from the present linearisation, followed by a linearisation. */
 void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom);
 
-/* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  Ends linearised at the
- * unknowns, or a last step of 0.1 um before them. */
+/* Fit geometry and causes in at most `iterations` Gauss-Newton steps.  The final linearisation is
+ * at the unknowns, or within 0.1 um of them. */
 void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom freedom);
 
 #endif

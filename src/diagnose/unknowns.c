@@ -1,17 +1,17 @@
-/* The unknowns of the diagnosis: geometry, causes, noise, and their priors. */
+/* Unknowns of the diagnosis: geometry, causes, noise, and their priors. */
 #include "diagnose/unknowns.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Prior sigma of a joint's zero, rad: real arms are off by up to 15 mrad. */
+/* Prior sigma of a joint's zero offset, rad: real arms have up to 15 mrad. */
 #define ZERO_SIGMA 20e-3
-/* Of a factor common to all lengths: without it a wrong distance of the sockets would be taken for
- * the arm's size by the priors of single lengths, which know little of their sum. */
+/* Of a factor common to all lengths.  The priors of single lengths constrain their sum weakly:
+ * without the factor, a wrong distance of the sockets would change the size of the arm. */
 #define FACTOR_SIGMA 2e-3
-/* Of the ball's place on the tool, m, which nobody measures. */
+/* Of the ball's position on the tool, m, which is not measured. */
 #define TIP_SIGMA 20e-3
-/* Of a frame or tool that is not known at all, m and rad: no information. */
+/* Of an unknown frame or tool, m and rad: uninformative. */
 #define FREE_LENGTH 1.0
 #define FREE_ANGLE 3.0
 
@@ -33,8 +33,8 @@ static void between(mukca_frame *C, const mukca_frame *A, const mukca_frame *B)
     mukca_frame_multiply(C, &inverse, B);
 }
 
-/* Free frames by the nominal geometry: shared ones by the first log, where others have their own,
- * else by all.  False: no memory. */
+/* Align the free frames to the nominal geometry: shared frames by the first log if other frames are
+ * per log, else by all.  False: no memory. */
 static bool align_logs(mukca_unknowns *u, mukca_pool *pool, const mukca_recording *r)
 {
     const int rows = r->data->n_rows, last = r->chain->n_elements - 1;
@@ -47,7 +47,7 @@ static bool align_logs(mukca_unknowns *u, mukca_pool *pool, const mukca_recordin
     if (!mukca_align(&first, &u->geometry, r->data,
                      &(mukca_align_options){u->free_base, u->free_tool, keep}))
         return false;
-    mukca_geometry known = u->geometry; /* with the frames that logs share */
+    mukca_geometry known = u->geometry; /* including the shared frames */
     if (!own_tracker) mukca_frame_multiply(&known.origin[0], &first.tracker, &known.origin[0]);
     if (!own_target) mukca_frame_multiply(&known.origin[last], &known.origin[last], &first.target);
     u->nominal_target = first.target;
@@ -73,7 +73,7 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
         .free_base = poses && recording->options.free_base,
         .free_tool = poses && recording->options.free_tool && chain->element[last].joint < 0,
         .slot_width = 6,
-        .sigma_length = 2e-3, /* first guesses: choose_scales() follows */
+        .sigma_length = 2e-3, /* start values; see mukca_scales_choose() */
         .sigma_angle = 5e-3,
         .sigma = 1e-4,
         .rotation_weight = 0.3};
@@ -83,7 +83,7 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
     if (!align_logs(u, pool, recording)) return false;
     u->log = u->nominal;
     u->target = u->nominal_target;
-    /* A first joint's origin moves all sockets alike: only measured poses can see it. */
+    /* The first joint's origin moves all sockets alike: identifiable from measured poses only. */
     for (int j = poses && !u->free_base ? 0 : 1; j < chain->n_joints; j++)
         u->slot_element[u->n_slots++] = chain->joint_element[j];
     if (chain->element[last].joint < 0) {
@@ -136,7 +136,7 @@ void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
     }
 }
 
-/* frame := frame * local(t), t zeroed; `turns`: t holds a rotation vector, too. */
+/* frame := frame * local(t), t := 0; `turns`: t includes a rotation vector. */
 static void fold(mukca_frame *frame, double *t, bool turns)
 {
     mukca_frame local = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {t[0], t[1], t[2]}};
