@@ -1,24 +1,22 @@
-/* What the noise in the recorded angles alone adds to the score of a candidate.
+/* Contribution of noise in the recorded angles to a candidate's score.
  *
- * The ball is in its socket, so the noise of a sample is in its recorded angles, and a function of
- * these angles holds the noise of its own sample.  Its product with the residual then does not
- * vanish on average, even if there is no such cause (errors in variables: W. A. Fuller, Measurement
- * Error Models, 1987, section 1.1).  Where an arm has many postures for each socket this is far
- * below the noise.  Where it has one or a few, such as a gantry or a three-axis arm, nothing else
- * is left once the geometry is fitted.
- */
+ * The ball is in its socket: the noise of a sample is in its recorded angles, and a function of
+ * these angles contains it.  Its product with the residual then has a mean other than zero even
+ * without such a cause (errors in variables: W. A. Fuller, Measurement Error Models, 1987,
+ * section 1.1).  With many postures per socket this bias is far below the noise.  With one or a
+ * few, as of a gantry or a three-axis arm, it dominates once the geometry is fitted. */
 #include "diagnose/angle_noise.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Samples move to and fro, so that the range of the angles, which scales some functions, stays. */
+/* Alternating signs preserve the range of the angles, which scales some functions. */
 static double sign_of(int sample)
 {
     return sample % 2 ? -1 : 1;
 }
 
-/* The recording with the tip of each sample moved by `shift` along axis c, by its angles alone. */
+/* Change the angles of each sample so that the tip moves by `shift` along axis c. */
 static void move_tips(mukca_recording *moved, const mukca_regression *m, int c, double shift)
 {
     const mukca_recording *r = &m->recording;
@@ -37,9 +35,9 @@ static void move_tips(mukca_recording *moved, const mukca_regression *m, int c, 
     }
 }
 
-/* bias[terms]: mean of the candidate's projected gradient E'u over the noise, its columns being
- * p->scratch.E.  The noise of row k of the observations is in u_k with the weight 1 - 1/n - (Z
- * Z')_kk, and in the columns of the row with the derivative of these columns. */
+/* bias[terms]: expectation of the candidate's projected gradient E'u over the noise, with its
+ * columns in p->scratch.E.  The noise of observation k enters u_k with the weight 1 - 1/n - (Z
+ * Z')_kk, and the columns of its row with their derivative. */
 static void self_gradient(double *bias, mukca_projector *p, const mukca_candidate *h,
                           mukca_recording *moved, const mukca_candidate *there)
 {
@@ -59,7 +57,7 @@ static void self_gradient(double *bias, mukca_projector *p, const mukca_candidat
                 const int at = (i * d + c) * terms;
                 double weight = p->precision * (1 - 1.0 / r->groups[g].count);
                 for (int k = 0; k < n; k++) weight -= z[k] * z[k];
-                /* y is minus the predicted tip: its noise has the other sign */
+                /* y is minus the predicted tip: the sign of its noise is opposite */
                 for (int t = 0; t < terms; t++)
                     bias[t] -=
                         (p->scratch.W[at + t] - p->scratch.E[at + t]) * sign_of(i) * sigma * weight;
@@ -94,7 +92,8 @@ double mukca_angle_noise_gain(mukca_projector *p, const mukca_candidate *h)
         memcpy(copy, G, sizeof *G * (size_t)(terms * terms));
         memcpy(gradient, g, sizeof *g * (size_t)terms);
         gain = mukca_bayes_factor_average(copy, gradient, h, p->residual, p->normal->dof, NULL);
-        /* the noise is what the candidate leaves: its gain in fit is at least that of its score */
+        /* the noise is the residual after the candidate: its gain in fit is at least that of its
+         * score */
         const double left = exp(-2 * fmax(gain, 0) / p->normal->dof);
         for (int t = 0; t < terms; t++) g[t] -= left * bias[t];
         gain -= mukca_bayes_factor_average(G, g, h, p->residual, p->normal->dof, NULL);

@@ -1,11 +1,11 @@
-/* What of a diagnosis can be applied to other configurations of the arm. */
+/* Part of a diagnosis that applies to other configurations of the arm. */
 #include "diagnose/applied.h"
 
 #include <math.h>
 #include <string.h>
 
-/* One coefficient instead of one per mass: the sum of the masses' parts without the factors that
- * measured efforts gave them, which nobody else knows. */
+/* One coefficient instead of one per mass: the sum of the masses' parts without the factors
+ * estimated from measured efforts, which are unknown elsewhere. */
 static bool tie_masses(mukca_candidate *h, mukca_regression *m)
 {
     const int rows = m->recording.data->n_rows, terms = h->terms, width = h->width_of_term;
@@ -24,7 +24,8 @@ static bool tie_masses(mukca_candidate *h, mukca_regression *m)
     return true;
 }
 
-/* Derivative of the six parameters of a slot by its local offsets: J[6][6], differences of 1e-6. */
+/* Derivative of the six parameters of a slot by its local offsets, J[6][6]: central differences of
+ * 1e-6. */
 static void slot_jacobian(double J[6][6], mukca_regression *m, int slot, int width)
 {
     const double step = 1e-6;
@@ -45,8 +46,8 @@ static void slot_jacobian(double J[6][6], mukca_regression *m, int slot, int wid
     mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
 }
 
-/* Elements without unknowns of their own are as long as the factor of all lengths makes them.
- * Sockets do not see those before the second joint. */
+/* Elements without unknowns of their own scale with the factor of all lengths.  Samples of sockets
+ * do not identify those before the second joint. */
 static void length_sigmas(mukca_applied *a, mukca_regression *m)
 {
     const mukca_unknowns *u = &m->unknowns;

@@ -1,4 +1,4 @@
-/* The log Bayes factor of a candidate from its projected normal equations. */
+/* Log Bayes factor of a candidate from its projected normal equations. */
 #include "diagnose/bayes_factor.h"
 
 #include <math.h>
@@ -6,14 +6,13 @@
 #include "math/four.h"
 #include "math/stats.h"
 
-/* Prior sizes are tried four at a time, one a lane: 1 + s^2 G = L L' with the rows of L one behind
- * the other, and x = L^-1 g. */
+/* Four prior sizes at a time, one per lane: 1 + s^2 G = L L', L stored by rows, and x = L^-1 g. */
 typedef struct {
     int k;
     double L[MUKCA_MAX_COLUMNS * (MUKCA_MAX_COLUMNS + 1) / 2][4], x[MUKCA_MAX_COLUMNS][4];
 } four_factors;
 
-/* Entry i of x, from those before. */
+/* Entry i of x, from the preceding ones. */
 MUKCA_INLINE void solve_row(four_factors *f, const double (*row)[4], int i)
 {
     four x = LOAD4(f->x[i]);
@@ -21,7 +20,7 @@ MUKCA_INLINE void solve_row(four_factors *f, const double (*row)[4], int i)
     STORE4(f->x[i], x / LOAD4(row[i]));
 }
 
-/* A pivot that is not positive leaves NaN. */
+/* A pivot that is not positive results in NaN. */
 MUKCA_CLONES static void factor_four(four_factors *f, const double *G, const double s2[4])
 {
     const four s = LOAD4(s2);
@@ -40,7 +39,7 @@ MUKCA_CLONES static void factor_four(four_factors *f, const double *G, const dou
     }
 }
 
-/* x := L^-1 x of one lane, and x := L'^-1 x. */
+/* One lane: x := L^-1 x, and x := L'^-1 x. */
 static void solve_forward(double *x, const four_factors *f, int lane)
 {
     const double(*row)[4] = (const double(*)[4])f->L;
@@ -64,15 +63,14 @@ static void solve_backward(double *x, const four_factors *f, int lane)
 static double log_diagonal(const four_factors *f, int lane)
 {
     double product = 1, sum = 0;
-    for (int i = 0, at = 0; i < f->k; at += ++i + 1) { /* one logarithm for a few */
+    for (int i = 0, at = 0; i < f->k; at += ++i + 1) { /* one logarithm for several factors */
         product *= f->L[at][lane];
         if (product > 1e100 || i + 1 == f->k) sum += log(product), product = 1;
     }
     return sum;
 }
 
-/* Log share of the posterior whose amplitude is below the largest that the prior admits.  s2 x: its
- * mean. */
+/* Log posterior probability of an amplitude below the prior's bound.  s2 x: the posterior mean. */
 static double log_admitted(const four_factors *f, int lane, const double *x,
                            const mukca_candidate *h, double s2, double noise)
 {
@@ -80,7 +78,7 @@ static double log_admitted(const four_factors *f, int lane, const double *x,
     double amplitude = 0, variance = 0, radial[MUKCA_MAX_COLUMNS];
     for (int i = 0; i < h->terms; i++) amplitude += pow(s2 * x[i] / h->unit[i], 2);
     amplitude = sqrt(amplitude);
-    if (amplitude < 0.5 * largest) return 0; /* nearly all of it */
+    if (amplitude < 0.5 * largest) return 0; /* close to 1 */
     for (int i = 0; i < h->terms; i++)
         radial[i] = s2 * x[i] / (h->unit[i] * h->unit[i] * amplitude);
     solve_forward(radial, f, lane);
@@ -88,7 +86,7 @@ static double log_admitted(const four_factors *f, int lane, const double *x,
     return mukca_stats_log_normal_cdf((largest - amplitude) / sqrt(variance * noise));
 }
 
-/* Log share of the posterior whose first coefficient is positive. */
+/* Log posterior probability of a positive first coefficient. */
 static double log_positive(const four_factors *f, int lane, double mean, double s2, double noise)
 {
     double first[MUKCA_MAX_COLUMNS] = {1}, variance = 0;
@@ -107,12 +105,12 @@ double mukca_bayes_factor_average(double *G, double *g, const mukca_candidate *h
         h->kind == MUKCA_CANDIDATE_EFFECT && mukca_effect_table[h->effect.kind]->nonnegative;
     const bool bounded = mukca_candidate_largest(h) < HUGE_VAL;
     double trace = 0;
-    if (k < 1) return -HUGE_VAL; /* explains nothing */
+    if (k < 1) return -HUGE_VAL; /* no effect on these data */
     for (int i = 0; i < k; i++) g[i] /= h->unit[i];
     for (int i = 0; i < k; i++)
         for (int j = 0; j <= i; j++)
             G[i * k + j] = 0.5 * (G[i * k + j] + G[j * k + i]) / (h->unit[i] * h->unit[j]);
-    /* the terms behind the effect's own are what the masses may be off by */
+    /* terms after the effect's own are deviations of the masses */
     const int own = mukca_candidate_own_terms(h);
     for (int i = 0; i < own; i++) trace = fmax(trace, G[i * k + i]);
     if (information) *information = trace;

@@ -1,21 +1,22 @@
-/* Recordings of several rows for each still posture, or of more rows than a diagnosis can hold: one
- * sample for each posture. */
+/* Condensing of recordings with several rows per posture, or with too many rows for a diagnosis:
+ * one sample per posture. */
 #include "diagnose/condense.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Angles of a posture differ by no more, rad: several steps of any encoder. */
+/* Largest difference of angles within a posture, rad: several steps of any encoder. */
 #define STILL 2e-4
-/* Successive postures that are kept together, so that last moves and the memory of the noise stay
- * what they were for all but the first. */
+/* Successive postures kept together: last moves and the autocorrelation of the noise are preserved
+ * except at the first of each block. */
 enum { BLOCK = 50 };
-/* Rows that repeat a posture have the error of its seat in common, but count as independent.  More
- * than one in so many overstate the log evidence by as much, and are no accident. */
+/* Rows that repeat a posture share the error of the ball in the socket, but count as independent.
+ * A larger fraction of repeats than one in FEW_REPEATS overstates the log evidence by this
+ * fraction, and is no accident. */
 enum { FEW_REPEATS = 10 };
 
-/* Does a row still belong to the posture that began with row `first`? */
+/* Does a row belong to the posture of row `first`? */
 static bool same_posture(const mukca_dataset *d, int first, int row)
 {
     const double *a = d->q + (size_t)first * (size_t)d->n_joints,
@@ -31,7 +32,8 @@ static bool same_posture(const mukca_dataset *d, int first, int row)
     return true;
 }
 
-/* x[n_rows][columns] (NULL: none): row `first` becomes the mean of `count` rows from it on. */
+/* x[n_rows][columns] (NULL: none): replace row `first` by the mean of `count` rows starting there.
+ */
 static void average(double *x, int columns, int first, int count)
 {
     if (!x) return;
@@ -43,7 +45,7 @@ static void average(double *x, int columns, int first, int count)
     }
 }
 
-/* Quaternions of one orientation may have either sign. */
+/* Equivalent quaternions may differ in sign. */
 static void average_quaternions(double *q, int first, int count)
 {
     if (!q) return;
@@ -73,7 +75,8 @@ static void average_rows(mukca_dataset *d, int first, int count)
     average_quaternions(d->quaternion, first, count);
 }
 
-/* keep[n_rows] marks the first row of each posture, which gets their mean; returns their number. */
+/* Mark the first row of each posture in keep[n_rows] and replace it by the mean; returns the number
+ * of postures. */
 static int find_postures(unsigned char *keep, mukca_dataset *d)
 {
     int postures = 0;
@@ -86,7 +89,7 @@ static int find_postures(unsigned char *keep, mukca_dataset *d)
     return postures;
 }
 
-/* Unmark whole blocks, evenly, until at most `most` postures are left; returns their number. */
+/* Unmark evenly spaced blocks until at most `most` postures remain; returns their number. */
 static int spread(unsigned char *keep, int n_rows, int postures, int most)
 {
     const long long blocks = (postures + BLOCK - 1) / BLOCK,
@@ -101,7 +104,7 @@ static int spread(unsigned char *keep, int n_rows, int postures, int most)
     return left;
 }
 
-/* Do the samples of sockets repeat their postures? */
+/* Do samples of sockets repeat postures? */
 static bool repeats(const mukca_dataset *d)
 {
     int again = 0, rows = 0;

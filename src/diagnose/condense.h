@@ -1,22 +1,22 @@
-/* Recordings of several rows for each posture, or of more rows than a diagnosis can hold. */
+/* Condensing of recordings with several rows per posture, or with too many rows for a diagnosis. */
 #ifndef MUKCA_DIAGNOSE_CONDENSE_H
 #define MUKCA_DIAGNOSE_CONDENSE_H
 
 #include "mukca/dataset.h"
 
-/* Samples that a diagnosis takes: some 400 MB and ten seconds.  The noise is then known to 1 %, and
- * amplitudes of a tenth of it are found. */
+/* Largest number of samples of a diagnosis: some 400 MB and ten seconds.  It determines the noise
+ * to 1 % and detects amplitudes of a tenth of the noise. */
 enum { MUKCA_MOST_SAMPLES = 5000 };
 
 typedef struct {
-    int rows, postures; /* recorded rows; postures in which the arm stood still for them */
-    int samples;        /* that are left */
+    int rows, postures; /* recorded rows; postures with standstill among them */
+    int samples;        /* remaining samples */
 } mukca_condensed;
 
-/* Where samples of sockets repeat postures, or the data have more than `most` rows, the rows of
- * each still posture become their mean; of more postures than `most`, blocks of successive ones are
- * kept, evenly spread.  Each sample keeps the row number of its first row.  Errors: MUKCA_MEMORY.
- */
+/* If samples of sockets repeat postures, or the data have more than `most` rows, the rows of each
+ * posture are replaced by their mean; of more than `most` postures, evenly spaced blocks of
+ * successive ones are kept.  Each sample has the row number of its first row.  Errors:
+ * MUKCA_MEMORY. */
 mukca_status mukca_condense(mukca_condensed *how, mukca_dataset *data, int most,
                             mukca_error *error);
 

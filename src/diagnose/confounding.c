@@ -6,8 +6,8 @@
 
 #include "diagnose/correlation.h"
 
-/* From this correlation on a candidate is close to a cause: it then explains half of the cause's
- * variance, r^2 = 1/2. */
+/* Correlation from which a candidate is close to a cause: it explains half of the cause's variance,
+ * r^2 = 1/2. */
 #define CLOSE 0.7071
 
 typedef struct {
@@ -17,7 +17,7 @@ typedef struct {
     const mukca_candidate *item[MUKCA_MAX_CONFOUNDED];
 } confounding_table;
 
-/* The candidate of an effect: an accepted one, else one of the list; NULL where there is none. */
+/* Candidate of an effect: an accepted one, else one of the list; NULL: none. */
 static const mukca_candidate *find(const mukca_competition *contest, const mukca_effect *effect)
 {
     const mukca_candidate key = {.kind = MUKCA_CANDIDATE_EFFECT,
@@ -35,7 +35,7 @@ static const mukca_candidate *find(const mukca_competition *contest, const mukca
     return NULL;
 }
 
-/* Append a candidate, unless it is in the table already. */
+/* Append a candidate unless the table contains it. */
 static void add(confounding_table *t, const mukca_candidate *candidate, bool cause)
 {
     mukca_confounding *out = t->out;
@@ -48,7 +48,8 @@ static void add(confounding_table *t, const mukca_candidate *candidate, bool cau
     out->cause[out->n++] = cause;
 }
 
-/* The candidate of another effect or joint that is most alike to a cause, if it is close. */
+/* Candidate of another effect or joint with the highest correlation with a cause; NULL: none is
+ * close. */
 static const mukca_candidate *closest(confounding_table *t, const mukca_candidate *cause)
 {
     const mukca_candidate *best = NULL;
@@ -75,7 +76,7 @@ void mukca_confounding_measure(mukca_confounding *out, const mukca_findings *fin
     const int geometry = mukca_unknowns_column(unknowns, 0),
               all = mukca_unknowns_column(unknowns, unknowns->n_causes);
     mukca_unknowns_prior(m->evidence.prior, unknowns);
-    /* a prior of 0 takes a column out: here those of every cause */
+    /* a prior sigma of 0 excludes a column: here all causes */
     memset(m->evidence.prior + geometry, 0, sizeof *m->evidence.prior * (size_t)(all - geometry));
     mukca_projector_aim(t.projector, mukca_regression_collect_own(m), unknowns->sigma);
     for (int i = 0; i < findings->n_causes; i++)

@@ -19,15 +19,15 @@ static void transpose(double *out, const double *in, int rows, int columns)
         for (int j = 0; j < columns; j++) out[j * rows + i] = in[i * columns + j];
 }
 
-/* Factor a Gram block, which may be singular to rounding. */
+/* Factor a Gram block that may be singular to rounding. */
 static bool factor(double *block, int n)
 {
     for (int i = 0; i < n; i++) block[i * n + i] *= 1 + 1e-9;
     return mukca_dense_cholesky(block, n) == 0;
 }
 
-/* With projected Gram blocks A = L L', B = M M' and C between them, the canonical correlations are
- * the singular values of L^-1 C M'^-1 (Golub and Van Loan, Matrix Computations, 6.4.3). */
+/* With projected Gram blocks A = L L', B = M M' and their cross block C, the canonical correlations
+ * are the singular values of L^-1 C M'^-1 (Golub and Van Loan, Matrix Computations, 6.4.3). */
 double mukca_correlation_canonical(mukca_projector *p, const mukca_candidate *a,
                                    const mukca_candidate *b)
 {
@@ -48,7 +48,7 @@ double mukca_correlation_canonical(mukca_projector *p, const mukca_candidate *a,
     mukca_dense_forward(C, kb, A, ka);
     transpose(G, C, ka, kb);
     mukca_dense_forward(G, ka, B, kb);
-    if (ka > kb) { /* the singular values of the transpose are the same */
+    if (ka > kb) { /* the transpose has the same singular values */
         transpose(C, G, kb, ka);
         memcpy(G, C, sizeof *G * (size_t)(ka * kb));
     }

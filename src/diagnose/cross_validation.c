@@ -1,4 +1,4 @@
-/* Held-out errors: how far the error shrinks on samples that took no part in the fit. */
+/* Cross-validation: reduction of the error on held-out samples. */
 #include "diagnose/cross_validation.h"
 
 #include <math.h>
@@ -7,8 +7,8 @@
 #include "diagnose/cause.h"
 #include "diagnose/folds.h"
 
-/* Log Bayes factor of a cause that is plain in the data: 160,000 to 1, some 400 to 1 after the
- * prior odds of one candidate in 400. */
+/* Log Bayes factor of an evident cause: 160,000 to 1, some 400 to 1 after the prior odds of one
+ * candidate in 400. */
 #define PLAIN 12.0
 
 void mukca_cross_validation_clear(mukca_validation *v)
@@ -24,16 +24,18 @@ void mukca_cross_validation_clear(mukca_validation *v)
     for (int c = 0; c < MUKCA_MAX_CAUSES; c++) v->cause[c] = MUKCA_SHRINK_NONE;
 }
 
-/* What the best of the catalogue gains on left-out rows of pure noise, percent, by the number of
- * placements: means over simulated seven-axis arms, for two over recorded postures. */
+/* Expected gain of the catalogue's best candidate on held-out rows of pure noise, percent, by the
+ * number of placements: means over simulated seven-axis arms, for two placements over recorded
+ * postures. */
 static double noise_gain(int placements)
 {
     static const double gain[] = {NAN, 3, 12, 4, 1};
     return placements < (int)(sizeof gain / sizeof *gain) ? gain[placements] : (double)NAN;
 }
 
-/* Are the folds sockets?  An effect of one placement needs that placement to be predicted, and the
- * geometry needs two: one leaves so much of it open that its error hides what a cause does. */
+/* Must the folds be sockets?  An effect of one placement cannot be predicted without this
+ * placement.  With two placements, the geometry fitted to one is so uncertain that its error hides
+ * the effect of a cause. */
 static bool needs_sockets(const mukca_effect *effect, const mukca_recording *recording)
 {
     return recording->data->n_placements == 2 ||
@@ -50,7 +52,7 @@ double mukca_cross_validation_structure(mukca_regression *m)
     return mukca_folds_mean(b.error, m->recording.data->n_rows);
 }
 
-/* What geometry leaves, by axis. */
+/* Remaining error of the geometry, by axis. */
 static void measure_axes(double rms[3], const mukca_regression *m)
 {
     double square[3] = {0, 0, 0};
@@ -64,8 +66,9 @@ static void measure_axes(double rms[3], const mukca_regression *m)
     for (int c = 0; c < 3; c++) rms[c] = sqrt(square[c]);
 }
 
-/* What the nominal geometry leaves, a fitted one with faulty rows excused (excused[n_rows]), and
- * one fitted to all rows as recorded.  The regression has only faults, and is left without them. */
+/* Errors of the nominal geometry, of one fitted with faulty rows excused (excused[n_rows]), and of
+ * one fitted to all rows as recorded.  The regression has no causes but faults; at return it has
+ * none. */
 static void measure_geometry(mukca_validation *v, mukca_folds *b, double *excused)
 {
     mukca_regression *m = b->m;
@@ -94,7 +97,8 @@ static void measure_geometry(mukca_validation *v, mukca_folds *b, double *excuse
     v->geometry_m = mukca_folds_mean(b->error, rows);
 }
 
-/* What is measured, and the errors of all found causes by placement and by socket. */
+/* State of the measurement; errors of all identified causes with placements and with sockets as
+ * folds. */
 typedef struct {
     mukca_validation *v;
     mukca_folds *b;
@@ -104,7 +108,7 @@ typedef struct {
     mukca_unknowns all;
 } measurement;
 
-/* What all found causes together leave. */
+/* Error of all identified causes together. */
 static void measure_explained(measurement *s)
 {
     mukca_validation *v = s->v;
@@ -123,17 +127,17 @@ static void measure_explained(measurement *s)
     mukca_folds_by_placement(v->placement_m, &b->m->recording, s->full[0]);
 }
 
-/* Does leaving the cause out not raise the error?  The error of a few folds decides less than the
- * evidence does: of simulated causes within its interval five in six were true.  So an interval
- * that holds zero counts only where the evidence is below PLAIN, too. */
+/* Is the cause suspected?  The error of a few folds is weaker evidence than the Bayes factor: of
+ * simulated causes with zero in the interval, five in six were true.  An interval with zero
+ * therefore counts only if the evidence is below PLAIN, too. */
 static bool is_suspected(const mukca_shrink *shrink, const mukca_cause *cause)
 {
     return !(shrink->shrink_percent > 0) ||
            (!(shrink->low_percent > 0) && cause->log_bayes_factor < PLAIN);
 }
 
-/* What all but each cause leave: they are fitted anew, since the geometry takes over some of what a
- * cause did.  *least gets the suspected cause that is needed least, -1: none. */
+/* Error without each cause in turn, fitted again, since the geometry absorbs part of the cause.
+ * *least receives the suspected cause needed least, -1: none. */
 static mukca_status measure_each(measurement *s, int *least, mukca_error *error)
 {
     mukca_regression *m = s->b->m;
@@ -206,7 +210,7 @@ mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, m
     for (int c = 0; c < m->unknowns.n_causes; c++)
         if (!mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
             mukca_unknowns_drop(&m->unknowns, c--);
-    if (findings->verdict != MUKCA_VERDICT_NONE) /* else nothing else was fitted */
+    if (findings->verdict != MUKCA_VERDICT_NONE) /* else it was fitted without causes already */
         mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
     measure_geometry(v, &b, s.excused);
     mukca_unknowns_assign(&m->unknowns, &explained);

@@ -1,4 +1,4 @@
-/* Held-out errors: how far the error shrinks on samples that took no part in the fit. */
+/* Cross-validation: reduction of the error on held-out samples. */
 #ifndef MUKCA_DIAGNOSE_CROSS_VALIDATION_H
 #define MUKCA_DIAGNOSE_CROSS_VALIDATION_H
 
@@ -10,25 +10,24 @@ typedef struct {
     double nominal_m, geometry_m, faults_excused_m, explained_m;
     double surprise, surprise_sigmas;     /* as in mukca_diagnosis */
     mukca_shrink shrink;                  /* from faults_excused_m to explained_m */
-    mukca_shrink cause[MUKCA_MAX_CAUSES]; /* from all found causes but this one to all */
-    bool suspected[MUKCA_MAX_CAUSES];     /* leaving it out does not raise the error */
-    double noise_shrink_percent;          /* what the best of the catalogue gains on pure noise */
-    double axis_rms_m[3];                 /* what geometry leaves, by base axis; not held out */
-    double *placement_m;                  /* [n_placements] of explained_m, NULL: none */
-    mukca_arm_state geometry;             /* fitted without causes */
+    mukca_shrink cause[MUKCA_MAX_CAUSES]; /* from all identified causes but this one, to all */
+    bool suspected[MUKCA_MAX_CAUSES];     /* its removal does not raise the error */
+    double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
+    double axis_rms_m[3]; /* remaining error of the fitted geometry, by base axis; not held out */
+    double *placement_m;  /* [n_placements] of explained_m, NULL: none */
+    mukca_arm_state geometry; /* fitted without causes */
 } mukca_validation;
 
-/* Nothing measured. */
+/* Set all results to not measured. */
 void mukca_cross_validation_clear(mukca_validation *validation);
 
-/* Held-out mean error of the model as it stands, unknown functions included, m; NaN without folds.
- */
+/* Held-out mean error of the present model, unknown functions included, m; NaN: no folds. */
 double mukca_cross_validation_structure(mukca_regression *m);
 
-/* Leave one placement out (one socket, where there is one placement; a fifth of the rows of a pose
- * log): nominal, geometry, faults excused, explained, and explained without each cause of the
- * findings.  A cause whose removal does not raise the error beyond its interval is suspected and
- * taken out, the least needed one first.  placement_m comes from `pool`.  Errors:
+/* Leave one placement out (one socket if there is one placement; a fifth of the rows of a pose
+ * log): errors of the nominal model, geometry, geometry with faults excused, all causes, and all
+ * causes but one.  A cause whose removal does not raise the error beyond its interval is suspected
+ * and removed, the least needed one first.  placement_m comes from `pool`.  Errors:
  * MUKCA_INTERRUPTED, MUKCA_MEMORY. */
 mukca_status mukca_cross_validation_run(mukca_validation *validation, mukca_pool *pool,
                                         mukca_regression *m, const mukca_findings *findings,

@@ -1,8 +1,7 @@
-/* Leave folds of rows out of the fit, predict them, and compare the errors.
+/* Folds: fits without part of the rows, predictions of that part, and comparison of the errors.
  *
- * The model is linearised once.  Leaving a fold out subtracts its part of the normal equations; the
- * unknowns that the rest gives are put into the full kinematics to predict the rows of the fold.
- */
+ * The model is linearised once.  A fold is left out by subtraction from the normal equations; the
+ * solution for the rest predicts the fold's rows by full kinematics. */
 #include "diagnose/folds.h"
 
 #include <math.h>
@@ -40,7 +39,7 @@ int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket)
     const bool sockets = by_socket || data->n_placements < 2;
     n = sockets ? data->n_sockets : data->n_placements;
     for (int row = 0; row < data->n_rows; row++) {
-        const int g = log[row]; /* a part of each log: its frames need the rest */
+        const int g = log[row]; /* a block of each log: the rest determines its frames */
         if (data->socket[row] < 0)
             fold[row] = n + (int)((long long)POSE_FOLDS * done[g]++ / of_log[g]);
         else
@@ -96,7 +95,7 @@ void mukca_folds_errors(double *error, const mukca_regression *m, const double *
     }
 }
 
-/* Mean of the finite errors of the rows that key[n] gives to `of`; key NULL: of all rows. */
+/* Mean of the finite errors with key[n] equal to `of`; key NULL: of all. */
 static double mean_of(const double *error, int n, const int *key, int of)
 {
     double sum = 0;
@@ -117,8 +116,8 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
         mean[p] = mean_of(error, recording->data->n_rows, recording->placement, p);
 }
 
-/* b->gram += the part that the samples of fold f of a group have in the normal equations of all
- * columns held: the product of their whitened rows, without the socket's mean. */
+/* b->gram += contribution of the samples of fold f in a group to the normal equations of all stored
+ * columns: the product of their whitened rows, without the socket's mean. */
 static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int g, int f)
 {
     const mukca_recording *r = &b->m->recording;
@@ -154,7 +153,7 @@ static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int 
     }
 }
 
-/* Take the samples of fold f, and the distances of its sockets, out of the normal equations.
+/* Subtract the samples of fold f, and the distances of its sockets, from the normal equations.
  * Returns the degrees of freedom of these samples. */
 static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
 {
@@ -171,7 +170,7 @@ static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
         if (b->fold[a] == f || b->fold[c] == f)
             memset(normal->distance + p * size, 0, sizeof *normal->distance * (size_t)size);
     }
-    for (int g = 0; g < r->n_groups; g++) /* a socket's mean takes those of one sample */
+    for (int g = 0; g < r->n_groups; g++) /* the socket's mean consumes those of one sample */
         for (int i = r->groups[g].socket < 0 ? 0 : 1; i < r->groups[g].count; i++)
             if (b->fold[r->order[r->groups[g].start + i]] == f) freedom += d;
     return (int)lround(r->share * freedom);
@@ -179,8 +178,9 @@ static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
 
 /* Fit without each fold in turn and predict it; the model must be linearised.
  *
- * With Gaussians, -2 log p(fold | rest) has the quadratic part Q(all) - Q(rest): the fold's squared
- * misfit with noise and with what the rest leaves open, all correlations of its rows included. */
+ * For Gaussians, the quadratic part of -2 log p(fold | rest) is Q(all) - Q(rest): the squared
+ * errors of the fold in units of noise and posterior uncertainty given the rest, with all
+ * correlations of its rows. */
 static void cross_predict(mukca_folds *b)
 {
     mukca_regression *m = b->m;
@@ -206,7 +206,7 @@ static void cross_predict(mukca_folds *b)
                     mukca_unknowns_predict_measured(b->position + 3 * row, unknowns, r, row);
         }
         mukca_unknowns_assign(unknowns, &fitted);
-        normal->n = 0; /* to be collected again, with the fold */
+        normal->n = 0; /* collect again, with the fold */
     }
 }
 
@@ -217,7 +217,7 @@ void mukca_folds_run(double *error, mukca_folds *b, bool by_socket)
     mukca_folds_errors(error, b->m, b->position, b->m->recording.keep, true);
 }
 
-/* Interval of the shrink by resampling sockets and, within them, rows. */
+/* Interval of the reduction by resampling sockets, and rows within them. */
 static void bootstrap(mukca_shrink *shrink, const mukca_folds *b, const double *before,
                       const double *after)
 {
@@ -270,7 +270,7 @@ void mukca_folds_compare(mukca_shrink *shrink, const mukca_folds *b, const doubl
                 sum[0] += before[row], sum[1] += after[row], n++;
         if (!n) continue;
         shrink->folds++;
-        shrink->folds_better += sum[1] < sum[0] * (1 - 1e-9); /* no rounding of the same model */
+        shrink->folds_better += sum[1] < sum[0] * (1 - 1e-9); /* beyond rounding */
     }
     bootstrap(shrink, b, before, after);
 }

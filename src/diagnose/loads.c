@@ -1,4 +1,4 @@
-/* Gravity's moments in each row of a recording, by body, and mass factors from measured efforts. */
+/* Gravity moments of each row of a recording, by body, and mass factors from measured efforts. */
 #include <math.h>
 #include <string.h>
 
@@ -6,15 +6,15 @@
 #include "math/dense.h"
 #include "mukca/gravity.h"
 
-/* Assumed: noise of one measured effort, N m, friction included; and how far a mass may be off what
- * the model says, relative (the default mass_spread). */
+/* Assumptions: standard deviation of a measured effort, N m, friction included; relative standard
+ * deviation of a model's mass (the default mass_spread). */
 #define EFFORT_SIGMA 0.15
 #define MASS_SIGMA 0.1
-/* Efforts below this cosine with the modelled torques are no holding torques (currents, other
- * signs): they say nothing about the masses. */
+/* Efforts below this cosine with the modelled torques are not holding torques (currents, other
+ * signs), and contain no information on the masses. */
 #define LEAST_CORRELATION 0.5
 
-/* A payload is weighed: 1 %, its centre of mass a centimetre from the tip at an arm of 1 m. */
+/* A weighed payload: 1 %, as a centre of mass one centimetre from the tip at a lever arm of 1 m. */
 #define PAYLOAD_SPREAD 0.01
 
 double mukca_recording_mass_spread(const mukca_recording *r, int body)
@@ -75,7 +75,7 @@ static double correlate_efforts(const mukca_recording *r)
     return efforts > 0 && modelled > 0 ? agree / sqrt(efforts * modelled) : (double)NAN;
 }
 
-/* Moments of one body in one row, at the nominal geometry. */
+/* Moments of one body in one row, with the nominal geometry. */
 static void body_moments(mukca_recording *r, const mukca_geometry *nominal, int row, int body)
 {
     const mukca_chain *chain = r->chain;
@@ -115,7 +115,8 @@ void mukca_recording_load(mukca_recording *r)
         for (int a = 0; a < r->n_bodies; a++) body_moments(r, &nominal, row, a);
     const double *given = r->options.mass_factor;
     for (size_t a = 0; a < sizeof r->mass_factor / sizeof *r->mass_factor; a++)
-        r->mass_factor[a] = given ? given[a] : 1; /* a test may have a payload, training none */
+        r->mass_factor[a] =
+            given ? given[a] : 1; /* test data may have a payload that training data lack */
     if (data->effort && bodies && !given) {
         r->efforts_correlation = correlate_efforts(r);
         if (r->efforts_correlation > LEAST_CORRELATION) estimate_masses(r);
@@ -135,7 +136,7 @@ void mukca_recording_load(mukca_recording *r)
             scale_into(r->total_moment + 3 * row * n_joints, r->moment + 3 * at * n_joints,
                        3 * n_joints, factor);
         }
-    if (!bodies && data->effort) { /* no masses: measured torque serves what acts about the axis */
+    if (!bodies && data->effort) { /* no masses: measured torques serve effects about the axis */
         r->have_torques = true;
         for (size_t i = 0; i < values; i++)
             r->total_torque[i] = isfinite(data->effort[i]) ? data->effort[i] : 0;

@@ -1,4 +1,4 @@
-/* Pose logs that are diagnosed together: which frames each log has of its own. */
+/* Pose logs diagnosed together: which of their frames are per log. */
 #include "diagnose/logs.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@ static bool loads_differ(const mukca_dataset *data)
     return false;
 }
 
-/* Let every loaded joint and the base be springs. */
+/* Add compliance of every loaded joint and of the base. */
 static mukca_status add_springs(mukca_regression *m, mukca_error *error)
 {
     unsigned char others[MUKCA_EFFECT_COUNT];
@@ -55,7 +55,8 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
     double best = -HUGE_VAL;
     *logs = (mukca_logs){.n = mukca_recording_number_logs(NULL, data)};
     if (logs->n < 2) return MUKCA_OK;
-    if (data->n_targets > 1) { /* each has its place on the tool; one tracker sees all */
+    if (data->n_targets >
+        1) { /* each target has its own position on the tool; one tracker measures all */
         for (int i = 0; i < 4; i++) logs->log_evidence[i] = NAN;
         options->base_per_log = false;
         logs->tool_per_log = options->tool_per_log = given.free_tool;
@@ -78,8 +79,8 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
     return MUKCA_OK;
 }
 
-/* Logs of the test data by the names of their targets; those that were not trained on get the logs
- * after the training's.  Returns the first of these. */
+/* Match test logs by the names of their targets; targets without training data are numbered after
+ * the training logs.  Returns the first of these. */
 static int match_targets(mukca_regression *test, const mukca_regression *training)
 {
     const mukca_recording *from = &training->recording;
@@ -95,7 +96,7 @@ static int match_targets(mukca_regression *test, const mukca_regression *trainin
         }
         test->recording.log[row] = log < MUKCA_MAX_LOGS ? log : 0;
     }
-    if (test->unknowns.n_targets < 2) test->unknowns.n_targets = 2; /* shifts apply */
+    if (test->unknowns.n_targets < 2) test->unknowns.n_targets = 2; /* applies the shifts */
     return first;
 }
 

@@ -1,25 +1,25 @@
-/* Pose logs that are diagnosed together: which frames each log has of its own. */
+/* Pose logs diagnosed together: which of their frames are per log. */
 #ifndef MUKCA_DIAGNOSE_LOGS_H
 #define MUKCA_DIAGNOSE_LOGS_H
 
 #include "diagnose/diagnose.h"
 #include "diagnose/regression.h"
 
-/* Of the free frames of several logs, find those that differ from log to log: the tracker may have
- * been moved, the target mounted anew.  The evidence of a fit of the geometry decides among all
- * four cases; where loads differ, every joint may be compliant in it, so that a deflection is not
- * taken for another frame.  Sets options->base_per_log and tool_per_log, and what is reported.
- * Errors: MUKCA_MEMORY. */
+/* Determine which free frames of several logs differ between logs: the tracker may have been moved,
+ * the target remounted.  Chosen among four cases by the evidence of a fit of the geometry; with
+ * different loads, every joint may be compliant in this fit, lest a deflection appear as another
+ * frame.  Sets options->base_per_log and tool_per_log, and the reported values.  Errors:
+ * MUKCA_MEMORY. */
 mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *options,
                                 const mukca_chain *chain, const mukca_dataset *data,
                                 mukca_error *error);
 
-/* Give each log of the test regression the frames of the training log of its target; without names,
- * of the one that predicts it best.  Returns the first log of a target that was not trained on. */
+/* Assign to each test log the frames of the training log of its target; without names, of the one
+ * with the smallest error.  Returns the first log of a target without training data. */
 int mukca_logs_match(mukca_regression *test, const mukca_regression *training);
 
-/* Place the targets of the logs from `first` on by the present arm: their mean in the tip's frame.
- */
+/* Set the target offsets of the logs from `first` on: the mean of the measurements in the tip frame
+ * of the present arm. */
 void mukca_logs_place_targets(mukca_regression *test, int first);
 
 #endif

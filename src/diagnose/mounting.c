@@ -1,4 +1,4 @@
-/* Is the arm mounted as the model says?  Gravity in another direction of the base frame. */
+/* Mounting of the arm: gravity in a direction other than the model's. */
 #include "diagnose/mounting.h"
 
 #include <math.h>
@@ -8,15 +8,15 @@
 #include "diagnose/cause.h"
 #include "diagnose/regression.h"
 
-/* Log odds that another direction must lead by: one arm of a hundred hangs from a wall or a ceiling
- * without --gravity, five directions are tried, and 20 to 1 as for every cause. */
+/* Log odds by which another direction must lead: one arm in a hundred hangs from a wall or a
+ * ceiling without --gravity, five directions are tested, and 20 to 1 as for every cause. */
 #define LEAD (4.6 + 1.6 + 3.0)
-/* Within a factor of e. */
+/* Log odds of about equal probability: within a factor of e. */
 #define AS_PROBABLE 1.0
-/* Log evidence that a fit adds to springs of the most probable sizes at the unknowns without them:
- * at most 18 in 214 comparisons. */
+/* Log evidence that a fit adds to elastic effects of their most probable sizes, evaluated at the
+ * unknowns without them: at most 18 in 214 comparisons. */
 #define MOST_BY_FIT 30.0
-/* Directions nearer to the model's gravity than this cosine (some 30 degrees) are no other. */
+/* Directions closer to the model's gravity than this cosine (some 30 degrees) are the same. */
 static const double same_direction = 0.85;
 
 static bool is_elastic(const mukca_cause *cause)
@@ -24,14 +24,14 @@ static bool is_elastic(const mukca_cause *cause)
     return mukca_effect_has((int)cause->effect.kind, MUKCA_TRAIT_ELASTIC);
 }
 
-/* May springs under another load look like it?  They move no socket. */
+/* May elastic effects under another load imitate it?  Not if it moves sockets. */
 static bool has_load_as_rival(const mukca_cause *cause)
 {
     const mukca_effect_site site = mukca_effect_table[cause->effect.kind]->site;
     return site != MUKCA_SITE_SOCKET && site != MUKCA_SITE_DISTANCE;
 }
 
-/* Do elastic causes alone explain all of it? */
+/* Do elastic causes alone explain everything? */
 static bool all_elastic(const mukca_diagnosis *d)
 {
     bool elastic = d->verdict != MUKCA_VERDICT_UNKNOWN && d->n_causes > 0 && !d->unexplained;
@@ -39,9 +39,8 @@ static bool all_elastic(const mukca_diagnosis *d)
     return elastic;
 }
 
-/* Turn gravity to the k-th of +x, -x, +y ... of the base frame, where that may tell something;
- * false: it does not.  The direction opposite to the model's is tried where something is unknown.
- */
+/* Set gravity to the k-th of +x, -x, +y ... of the base frame; false: this direction is not worth
+ * testing.  The direction opposite to the model's is tested if the verdict is unknown. */
 static bool is_worth_it(double gravity[3], int k, const mukca_diagnosis *given)
 {
     const double size =
@@ -54,9 +53,9 @@ static bool is_worth_it(double gravity[3], int k, const mukca_diagnosis *given)
     return true;
 }
 
-/* Is a diagnosis under another gravity worth a notice?  It leads; or it explains by springs what
- * was unknown: under the opposite gravity the same function is as probable, but it is no spring of
- * negative stiffness. */
+/* Is a diagnosis under another gravity worth reporting?  It leads; or it explains an unknown
+ * function by elastic causes: under the opposite gravity this function is as probable, but as a
+ * spring it would need negative stiffness. */
 static bool is_notable(const mukca_diagnosis *other, const mukca_diagnosis *given)
 {
     if (other->n_causes && is_elastic(&other->causes[0]) && other->score > given->score + LEAD)
@@ -65,16 +64,16 @@ static bool is_notable(const mukca_diagnosis *other, const mukca_diagnosis *give
            other->score > given->score - AS_PROBABLE;
 }
 
-/* What is compared of one direction of gravity. */
+/* Data common to all directions of gravity. */
 typedef struct {
     mukca_regression *m;
     const mukca_unknowns *bare; /* without causes */
     const unsigned char *disabled;
 } comparison;
 
-/* Log evidence of all springs at once under the gravity of the recording, with exact masses, at
- * their most probable sizes.  Springs that are not needed cost little: what a search would accept
- * of them is not much more probable.  They are fitted where that may bring them above `enough`. */
+/* Log evidence of all elastic effects together under the gravity of the recording, with exact
+ * masses and the most probable sizes.  Unnecessary ones cost little: the subset that a search would
+ * accept is hardly more probable.  Fitted if this may raise the evidence above `enough`. */
 static mukca_status weigh_springs(double *evidence, const comparison *c, double enough,
                                   mukca_error *error)
 {
@@ -84,7 +83,7 @@ static mukca_status weigh_springs(double *evidence, const comparison *c, double 
         mukca_candidates_list_springs(&springs, &m->pool, &m->recording, c->disabled, error);
     if (status != MUKCA_OK) return status;
     mukca_unknowns_assign(&m->unknowns, c->bare);
-    mukca_regression_freeze(m); /* springs under another load have other columns */
+    mukca_regression_freeze(m); /* another load has other columns */
     for (int i = 0; i < springs.count; i++) mukca_unknowns_add(&m->unknowns, &springs.list[i]);
     mukca_regression_weigh(m);
     *evidence = mukca_regression_factor(m);
@@ -94,9 +93,9 @@ static mukca_status weigh_springs(double *evidence, const comparison *c, double 
     return MUKCA_OK;
 }
 
-/* The evidence that makes another direction worth a diagnosis: springs are more probable there than
- * under the model's gravity (`upright`), by half of what was found beyond that; or more probable
- * than all that was found. */
+/* Evidence that justifies a diagnosis in another direction: elastic effects are more probable there
+ * than under the model's gravity (`upright`), by half of the evidence beyond that; or more probable
+ * than all causes found. */
 static double enough_for(double upright, double score)
 {
     return fmin(fmax(upright + LEAD, 0.5 * (upright + score)), score - AS_PROBABLE);
@@ -136,14 +135,15 @@ mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_di
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the springs");
     const comparison c = {.m = m, .bare = &bare, .disabled = others};
     double best = -HUGE_VAL, evidence = NAN, upright;
-    bool leads = true;   /* the direction before, opposite to this one */
-    bool fitted = false; /* the springs under the model's gravity */
+    bool leads = true;   /* the preceding, opposite direction leads */
+    bool fitted = false; /* the elastic effects under the model's gravity are fitted */
     mukca_status status = weigh_springs(&upright, &c, HUGE_VAL, error);
     for (int k = 0; k < 6 && status == MUKCA_OK; k++) {
         if (k % 2 == 0) evidence = NAN, leads = true;
         *turned = *chain;
         if (!leads || !is_worth_it(turned->gravity, k, d)) continue;
-        if (isnan(evidence)) { /* springs of either sign: the same in the opposite direction */
+        if (isnan(evidence)) { /* either sign of stiffness: the same evidence in the opposite
+                                  direction */
             load(m, turned);
             status = weigh_springs(&evidence, &c, enough_for(upright, d->score), error);
         }

@@ -1,4 +1,4 @@
-/* The postures that would separate indistinguishable causes of a diagnosis. */
+/* Next postures of a diagnosis: those that distinguish its tied causes. */
 #include "diagnose/next_poses.h"
 
 #include <math.h>
@@ -11,7 +11,8 @@ static bool settled_by_poses(const mukca_effect *effect)
     return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);
 }
 
-/* Is one of the two an error of commands, the other of the arm?  Readings tell, postures do not. */
+/* Is one of the two an error of the commands, the other of the arm?  Readings distinguish them,
+ * postures do not. */
 static bool settled_by_readings(const mukca_effect *a, const mukca_effect *b)
 {
     return (mukca_effect_table[a->kind]->needs ^ mukca_effect_table[b->kind]->needs) &
@@ -25,7 +26,7 @@ bool mukca_next_poses_need_readings(const mukca_cause *cause)
     return false;
 }
 
-/* The first tied cause that acts on the arm, and its nearest rival that does. */
+/* The first tied cause that acts on the arm, and its closest rival that does. */
 static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
 {
     for (int c = 0; c < d->n_causes; c++)
@@ -77,7 +78,7 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
         if (error) *error = none;
         return status;
     }
-    if (status != MUKCA_OK) memset(&next->plan, 0, sizeof next->plan); /* no pose would do */
+    if (status != MUKCA_OK) memset(&next->plan, 0, sizeof next->plan); /* no suitable posture */
     return MUKCA_OK;
 }
 

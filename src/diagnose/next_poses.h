@@ -1,4 +1,4 @@
-/* The postures that would separate indistinguishable causes of a diagnosis. */
+/* Next postures of a diagnosis: those that distinguish its tied causes. */
 #ifndef MUKCA_DIAGNOSE_NEXT_POSES_H
 #define MUKCA_DIAGNOSE_NEXT_POSES_H
 
@@ -10,22 +10,22 @@ enum { MUKCA_NEXT_POSES = 10 };
 typedef struct {
     int cause, tie; /* indices into the diagnosis; -1: nothing to distinguish */
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
-    mukca_plan plan; /* rows refer to `sockets`; zeroed where no posture distinguishes them */
+    mukca_plan plan; /* rows refer to `sockets`; zeroed if no posture distinguishes the causes */
 } mukca_next_poses;
 
-/* Choose poses in the recorded sockets that best distinguish the first tied cause from its rival.
- * None where nothing is tied, or no pose there would help: plan.n_rows is 0 then.  Free with
- * mukca_next_poses_free.  `stop` (may be NULL) is asked now and then.  Errors: MUKCA_MEMORY,
- * MUKCA_INTERRUPTED. */
+/* Choose postures in the recorded sockets that best distinguish the first tied cause from its
+ * rival. plan.n_rows is 0 if nothing is tied or no posture there helps.  Free with
+ * mukca_next_poses_free.  `stop` (may be NULL) is polled.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED.
+ */
 mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *diagnosis,
                                      const mukca_chain *chain, const mukca_dataset *data,
                                      bool (*stop)(void *context), mukca_error *error);
-/* The first tied cause that postures can distinguish from its rival, and that rival; false: none.
+/* The first tied cause that postures can distinguish from its rival, and this rival; false: none.
  */
 bool mukca_next_poses_tie(mukca_effect effects[2], const mukca_diagnosis *diagnosis);
-void mukca_next_poses_free(mukca_next_poses *next); /* harmless on a zeroed one */
+void mukca_next_poses_free(mukca_next_poses *next); /* no-op on a zeroed one */
 
-/* Would the readings decide a tie of the cause, an error of the commands or of the arm? */
+/* Would readings settle a tie of the cause, between an error of the commands and one of the arm? */
 bool mukca_next_poses_need_readings(const mukca_cause *cause);
 
 #endif

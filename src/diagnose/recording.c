@@ -1,4 +1,4 @@
-/* The recording under diagnosis: motion of its rows and grouping of its samples. */
+/* The recording under diagnosis: state of its rows and groups of its samples. */
 #include "diagnose/recording.h"
 
 #include <math.h>
@@ -58,7 +58,7 @@ void mukca_recording_regroup(mukca_recording *r)
                 group->placement = r->placement[row];
             }
         group->count = r->n_samples - group->start;
-        /* Groups keep their index (faults refer to it), so empty sockets stay in the table. */
+        /* Groups keep their index, to which faults refer: empty sockets stay in the table. */
         if (s >= 0 || group->count) r->n_groups++;
     }
     const int shift = r->groups[0].socket < 0; /* a pose log is the first group */
@@ -69,7 +69,7 @@ void mukca_recording_regroup(mukca_recording *r)
     }
 }
 
-/* Move, command, time and placement of each row. */
+/* Fill move, command, time and placement of each row. */
 static void fill_motion(mukca_recording *r)
 {
     const size_t n = (size_t)r->chain->n_joints, size = n * sizeof(double);
@@ -94,7 +94,7 @@ int mukca_recording_number_logs(int *log, const mukca_dataset *data)
     for (int row = 0; row < data->n_rows; row++) {
         if (log) log[row] = 0;
         if (data->socket[row] >= 0) continue;
-        /* targets with names are where they are, whatever the file and the load */
+        /* a named target is one log in all files and with all loads */
         const int target = mukca_dataset_target(data, row),
                   file = target < 0 ? data->file[row] : -1;
         const double kg =
@@ -103,7 +103,7 @@ int mukca_recording_number_logs(int *log, const mukca_dataset *data)
         while (i < n && (known[i].file != file || known[i].target != target ||
                          fabs(known[i].payload - kg) > 0))
             i++;
-        if (i == MUKCA_MAX_LOGS) { /* too many to tell apart: one */
+        if (i == MUKCA_MAX_LOGS) { /* too many logs to distinguish: one */
             for (int k = 0; log && k < data->n_rows; k++) log[k] = 0;
             return 1;
         }
@@ -113,7 +113,7 @@ int mukca_recording_number_logs(int *log, const mukca_dataset *data)
     return n;
 }
 
-/* Six numbers per sample where all rows are poses with orientations, three otherwise. */
+/* Values per sample: six if all rows are poses with orientations, else three. */
 static int observed(const mukca_dataset *data)
 {
     bool turned = data->n_rows > 0;
@@ -138,9 +138,9 @@ static void list_bodies(mukca_recording *r)
     r->body_element[r->payload_body] = chain->n_elements - 1;
 }
 
-/* Postures per sample of several targets; 1 for one target.  Errors of the targets of one posture
- * count as one error, the most that they can have in common.  Quadratic in the samples, which
- * condensing keeps to some thousands. */
+/* Postures per sample of several targets; 1 for one target.  The errors of all targets in one
+ * posture count as one, as if fully correlated.  Quadratic in the samples, which condensing limits
+ * to some thousands. */
 static double share_of(const mukca_dataset *data, int n_joints)
 {
     int again = 0;

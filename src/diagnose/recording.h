@@ -1,7 +1,6 @@
-/* The recording under diagnosis: its samples, the loads on the arm in each, and their grouping.
+/* The recording under diagnosis: samples, loads on the arm in each, and groups by socket.
  *
- * Everything here is constant once built, except which rows of the dataset are in use.
- */
+ * All members are constant after creation, except for the rows in use. */
 #ifndef MUKCA_DIAGNOSE_RECORDING_H
 #define MUKCA_DIAGNOSE_RECORDING_H
 
@@ -11,53 +10,53 @@
 
 enum { MUKCA_MAX_LOGS = 16 };
 
-/* The samples of one socket, or all of the pose logs. */
+/* Samples of one socket, or of all pose logs. */
 typedef struct {
     int start, count; /* samples */
-    int socket;       /* of the dataset; -1: a pose log, compared with its measured poses */
+    int socket;       /* of the dataset; -1: pose logs, compared with their measured poses */
     int placement;
 } mukca_group;
 
-/* Two groups whose sockets are a known distance apart, m. */
+/* Two groups whose sockets have a known distance, m. */
 typedef struct {
     int a, b;
     double distance;
 } mukca_socket_pair;
 
-/* m: what a printed or milled tool keeps of the distance of its sockets */
+/* tolerance of the socket distance of a printed or milled tool, m */
 #define MUKCA_DISTANCE_SIGMA 1e-4
 
 typedef struct {
     double mass_spread;        /* relative prior sigma of each mass in elastic effects; 0: exact */
-    double distance_sigma;     /* how well the sockets' distance is known, m */
+    double distance_sigma;     /* standard deviation of the sockets' distance, m */
     bool free_base, free_tool; /* pose logs: frame of the tracker, offset of the target */
-    bool base_per_log, tool_per_log; /* where free: a frame, an offset of each log */
-    const double *mass_factor;       /* [n_bodies] to use instead of estimating them, or NULL */
+    bool base_per_log, tool_per_log; /* if free: one frame, one offset per log */
+    const double *mass_factor;       /* [n_bodies] fixed factors instead of estimates, or NULL */
 } mukca_recording_options;
 
 typedef struct {
     const mukca_chain *chain;
     const mukca_dataset *data;
     mukca_recording_options options;
-    int dim;      /* observed per sample: 3, or 6 with orientations (pose logs) */
-    double share; /* of a sample in what is known: below 1 where a posture shows several targets,
-                     whose errors have the repeatability of the arm in common */
+    int dim;      /* observed values per sample: 3, or 6 with orientations (pose logs) */
+    double share; /* information per sample: below 1 if one posture has several targets, whose
+                     errors share the repeatability of the arm */
     int n_logs;   /* 1 without poses */
 
-    /* loads: a body is an element that carries mass, or the payload */
+    /* loads: a body is an element with mass, or the payload */
     int n_bodies, body_element[MUKCA_MAX_ELEMENTS + 1];
-    int payload_body;                           /* the last one, -1: no payload known */
+    int payload_body;                           /* the last one; -1: payload unknown */
     double mass_factor[MUKCA_MAX_ELEMENTS + 1]; /* from measured efforts, else 1 */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
     bool have_moments, have_torques;
     double *moment;      /* [n_rows][n_bodies][n_joints][3] in the joint frames, N m */
     double *torque;      /* [n_rows][n_bodies][n_joints] about the axes, N m */
     double *base_moment; /* [n_rows][n_bodies][3] */
-    double *total_moment, *total_torque, *total_base; /* [n_rows]..., sums over the bodies */
+    double *total_moment, *total_torque, *total_base; /* [n_rows]... sums over the bodies */
 
-    /* motion of each row of the dataset */
-    double *move;    /* [n_rows][n_joints] since the row before, rad */
-    double *command; /* [n_rows][n_joints] rad; NULL: none recorded */
+    /* state of each row of the dataset */
+    double *move;    /* [n_rows][n_joints] from the preceding row, rad */
+    double *command; /* [n_rows][n_joints] rad; NULL: not recorded */
     double *time;    /* [n_rows] s since the file's start */
     int *placement;  /* [n_rows] */
     int *log;        /* [n_rows] index of the pose log, 0 for samples of sockets */
@@ -74,12 +73,11 @@ typedef struct {
 bool mukca_recording_create(mukca_recording *recording, mukca_pool *pool, const mukca_chain *chain,
                             const mukca_dataset *data, const mukca_recording_options *options);
 
-/* Relative prior sigma of a body's mass: of a link that of the options, of a payload that of a
- * scale.
- */
+/* Relative prior sigma of a body's mass: of a link from the options, of a payload that of a
+ * weighing. */
 double mukca_recording_mass_spread(const mukca_recording *recording, int body);
 
-/* Group the rows in use (after `keep` changed). */
+/* Group the rows in use, after changes of `keep`. */
 void mukca_recording_regroup(mukca_recording *recording);
 
 /* State of a row of the dataset for the forward models. */
@@ -92,16 +90,16 @@ void mukca_recording_range(double range[2], const mukca_recording *recording, co
 /* Smallest and largest angle of a joint in the samples in use. */
 void mukca_recording_travel(double range[2], const mukca_recording *recording, int joint);
 
-/* Samples that do not repeat the one before them in their group. */
+/* Number of samples without those that repeat the preceding one of their group. */
 int mukca_recording_distinct(const mukca_recording *recording);
 
-/* Number the pose logs: rows of one file and one load, since a target with another mass is mounted
- * anew; or rows of one target, where it has a name.  log[n_rows] (may be NULL) gets the index, 0
- * for samples of sockets.  Returns their number; more than MUKCA_MAX_LOGS count as one. */
+/* Number the pose logs: rows of one file and one load, since a target with another mass is a new
+ * mounting; or rows of one named target.  log[n_rows] (may be NULL) receives the index, 0 for
+ * samples of sockets.  Returns their number; more than MUKCA_MAX_LOGS count as one. */
 int mukca_recording_number_logs(int *log, const mukca_dataset *data);
 
-/* Fill moments, torques and mass factors (part of mukca_recording_create; again where the chain is
- * one with another gravity). */
+/* Compute moments, torques and mass factors: part of mukca_recording_create, and repeated for a
+ * chain with another gravity. */
 void mukca_recording_load(mukca_recording *recording);
 
 #endif

@@ -1,15 +1,15 @@
-/* The step in which the angles of a joint were recorded. */
+/* Resolution of the recorded angles of a joint. */
 #include "diagnose/resolution.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum {
-    LEAST_VALUES = 20, /* different ones that make a step plain */
-    MOST_PARTS = 4     /* the smallest difference is so many steps at most */
+    LEAST_VALUES = 20, /* distinct values that make a step evident */
+    MOST_PARTS = 4     /* largest number of steps in the smallest difference */
 };
-/* Differences of neighbours are whole steps within so much: what few digits in the file round away.
- * By chance one in five is, and not twenty in a row. */
+/* Largest deviation of a difference from whole steps: rounding in the file's last digits.  By
+ * chance one difference in five is within it, and not twenty in a row. */
 #define WHOLE 0.1
 
 static int ascending(const void *a, const void *b)
@@ -25,7 +25,7 @@ double mukca_resolution_step(double *scratch, const mukca_recording *r, int join
     int values = 0;
     for (int row = 0; row < n; row++) scratch[row] = r->data->q[row * joints + joint];
     qsort(scratch, (size_t)n, sizeof *scratch, ascending);
-    for (int i = 1; i < n; i++) { /* differences of neighbours, in place */
+    for (int i = 1; i < n; i++) { /* differences between neighbours, in place */
         const double difference = scratch[i] - scratch[i - 1];
         if (difference > 1e-9) smallest = fmin(smallest, scratch[values++] = difference);
     }

@@ -1,4 +1,4 @@
-/* The waves of gear ripple: all orders of a joint. */
+/* Transmission ripple: waves of all orders of a joint. */
 #include "diagnose/ripple.h"
 
 #include <math.h>
@@ -31,7 +31,7 @@ void mukca_ripple_start(mukca_ripple *wave, const mukca_recording *r, int joint)
     wave->order = 1;
 }
 
-/* By the addition theorem. */
+/* By the angle addition formulas. */
 MUKCA_CLONES void mukca_ripple_next(mukca_ripple *wave)
 {
     const int n = wave->n;

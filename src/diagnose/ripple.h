@@ -1,4 +1,4 @@
-/* The waves of gear ripple: all orders of a joint. */
+/* Transmission ripple: waves of all orders of a joint. */
 #ifndef MUKCA_DIAGNOSE_RIPPLE_H
 #define MUKCA_DIAGNOSE_RIPPLE_H
 
@@ -6,7 +6,7 @@
 
 enum { MUKCA_RIPPLE_ORDERS = 400, MUKCA_RIPPLE_COLUMNS = 2 * (MUKCA_RIPPLE_ORDERS - 1) };
 
-/* Log prior of an order among all that are scanned. */
+/* Log prior of an order among all scanned orders. */
 double mukca_ripple_log_prior(int order);
 
 /* Sine and cosine of one order at the angles of a joint. */
@@ -22,7 +22,7 @@ void mukca_ripple_start(mukca_ripple *wave, const mukca_recording *recording, in
 /* Go to the next order. */
 void mukca_ripple_next(mukca_ripple *wave);
 
-/* F[n][2 * count]: sine and cosine of the given orders, which rise and are yet to come. */
+/* F[n][2 * count]: sine and cosine of the given orders, ascending and beyond the present one. */
 void mukca_ripple_fill(double *F, mukca_ripple *wave, const int *order, int count);
 
 #endif

@@ -1,17 +1,16 @@
-/* Scores of the orders of gear ripple of a joint.
+/* Scores of the orders of transmission ripple of a joint.
  *
- * What an order takes from the residuals, its gradient, is exact and cheap.  What the model leaves
- * of its own products needs a solve, and differs little between orders: it is guessed first, and
- * found for the orders that are promising by the guess.
- */
+ * The gradient of an order is exact and cheap.  Its projected Gram block needs a solve, but differs
+ * little between orders: it is approximated first, and computed for the orders that are promising
+ * with the approximation. */
 #include "diagnose/ripple_scan.h"
 
 #include <math.h>
 
 #include "math/four.h"
 
-/* Up to LONG_WAVE the geometry may follow much of a wave.  Of 1431 higher orders with log odds
- * above -4, in 107 recordings, the guess put none behind the first 23. */
+/* The geometry may absorb much of a wave up to order LONG_WAVE.  Of 1431 higher orders with log
+ * odds above -4, in 107 recordings, the approximation ranked none behind the first 23. */
 enum { ORDERS = MUKCA_RIPPLE_ORDERS - 1, LONG_WAVE = 32 };
 
 static mukca_candidate ripple_of(int joint)
@@ -24,8 +23,8 @@ static mukca_candidate ripple_of(int joint)
                              .unit = unit};
 }
 
-/* gradient[ORDERS][2], and the squares of the levers with their weights, half of which a wave has
- * on average. */
+/* gradient[ORDERS][2], and the weighted squares of the levers, of which a wave has half on average.
+ */
 MUKCA_CLONES static void find_gradients(double *gradient, double *square, mukca_projector *p,
                                         int joint)
 {
@@ -52,8 +51,8 @@ MUKCA_CLONES static void find_gradients(double *gradient, double *square, mukca_
     }
 }
 
-/* The order with the largest gradient that is not taken, among those that are usual or are not;
- * -1: none is left. */
+/* Order with the largest gradient among those not taken and with a usual (or unusual) prior; -1:
+ * none. */
 static int largest(const double *gradient, const double *log_prior, const bool *taken, bool usual)
 {
     int best = -1;
@@ -67,8 +66,9 @@ static int largest(const double *gradient, const double *log_prior, const bool *
     return best;
 }
 
-/* order[count], rising: those of long waves, and those of the highest guesses.  Among orders of the
- * same prior the guess rises with the gradient, so that few are found. */
+/* order[count], ascending: those of long waves, and those with the highest approximate scores.
+ * Among orders of the same prior the approximation rises with the gradient: few need to be
+ * evaluated. */
 static void screen(int *order, int count, mukca_projector *p, int joint)
 {
     double gradient[2 * ORDERS], log_prior[ORDERS], guess[ORDERS], square;

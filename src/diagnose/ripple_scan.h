@@ -1,12 +1,12 @@
-/* Scores of the orders of gear ripple of a joint. */
+/* Scores of the orders of transmission ripple of a joint. */
 #ifndef MUKCA_DIAGNOSE_RIPPLE_SCAN_H
 #define MUKCA_DIAGNOSE_RIPPLE_SCAN_H
 
 #include "diagnose/projector.h"
 
 /* value[MUKCA_RIPPLE_ORDERS + 1]: log Bayes factors of the orders of ripple of a joint, from 2 on.
- * `products` has blocks of 2: MUKCA_RIPPLE_COLUMNS columns for all orders, or two for each of the
- * orders that are the most promising; the others get -HUGE_VAL. */
+ * `products` has blocks of 2: MUKCA_RIPPLE_COLUMNS columns for all orders, or two per order for the
+ * most promising ones; the others score -HUGE_VAL. */
 void mukca_ripple_scan(double *value, mukca_projector *p, mukca_products *products, int joint);
 
 #endif

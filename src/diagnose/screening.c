@@ -1,4 +1,4 @@
-/* Faults of a recording that must be found before anything is fitted. */
+/* Screening: recording faults that must be found before any fit. */
 #include "diagnose/screening.h"
 
 #include <math.h>
@@ -52,15 +52,15 @@ static double nearest_other(const mukca_regression *m, double (*median)[3], int 
     return nearest;
 }
 
-/* Report sample i and take it out of use. */
+/* Report sample i and exclude it. */
 static void cut(mukca_faults *faults, mukca_recording *r, mukca_fault_kind kind, int i, double size)
 {
     mukca_screening_add(faults, r, kind, r->order[i], size);
     r->keep[r->order[i]] = 0;
 }
 
-/* Own socket more than 20 mm away (some times the error of any nominal geometry) and another one of
- * the placement under 0.4 of that: a wrong label, before anything is fitted. */
+/* Wrong labels, before any fit: the own socket is more than 20 mm away (several times the error of
+ * any nominal geometry), and another one of the placement at less than 0.4 of that distance. */
 static void wrong_labels(mukca_faults *faults, mukca_regression *m, double *scratch)
 {
     mukca_recording *r = &m->recording;
@@ -90,7 +90,8 @@ static void group_centre(double centre[3], const double *tip, int count)
     }
 }
 
-/* residual[n_samples]: distance of each sample from its socket's centre, or its measurement. */
+/* residual[n_samples]: distance of each sample from its socket's centre, or from its measurement.
+ */
 static void residuals(double *residual, const mukca_regression *m)
 {
     const mukca_recording *r = &m->recording;
@@ -114,7 +115,7 @@ static double median_of(const double *x, int n, double *scratch)
     return mukca_stats_median(scratch, n);
 }
 
-/* Outliers of a robust fit: at another socket (wrong label), or nowhere (outlier). */
+/* Outliers of a robust fit: close to another socket (wrong label), or to none (outlier). */
 static void outliers(mukca_faults *faults, mukca_regression *m, const double *residual,
                      double *scratch)
 {
@@ -123,7 +124,7 @@ static void outliers(mukca_faults *faults, mukca_regression *m, const double *re
     const double limit = fmax(12 * usual, 4e-3);
     int count = 0;
     for (int i = 0; i < r->n_samples; i++) count += residual[i] > limit;
-    /* more than these are no outliers but an effect */
+    /* too many for outliers: an effect */
     if (count > fmax(4, 0.05 * r->n_samples)) return;
     double(*median)[3] = group_medians(m, scratch);
     for (int g = 0; median && g < r->n_groups; g++)
@@ -137,7 +138,7 @@ static void outliers(mukca_faults *faults, mukca_regression *m, const double *re
         }
 }
 
-/* Largest move of a joint since the row before; NAN where that is of another socket. */
+/* Largest move of a joint from the preceding row; NAN: that row has another socket. */
 static double move_in_socket(const mukca_recording *r, int row)
 {
     const int n_joints = r->chain->n_joints;
@@ -147,7 +148,8 @@ static double move_in_socket(const mukca_recording *r, int row)
     return largest;
 }
 
-/* Rows recorded twice: every angle within 0.2 mrad of the row before, where moves are larger. */
+/* Rows recorded twice: every angle within 0.2 mrad of the preceding row, and moves are usually
+ * larger. */
 static void duplicates(mukca_faults *faults, const mukca_recording *r, double *scratch)
 {
     int moves = 0;
@@ -182,7 +184,8 @@ void mukca_screening_run(mukca_faults *faults, mukca_regression *m)
 
     for (int row = 0; row < rows; row++) weight[row] = 1;
     m->unknowns.weight = weight;
-    for (int pass = 0; pass < 12; pass++) { /* iteratively reweighted, heavy-tailed loss */
+    for (int pass = 0; pass < 12;
+         pass++) { /* iteratively reweighted least squares, heavy-tailed loss */
         mukca_regression_step(m, pass ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_NOISE);
         residuals(residual, m);
         const double scale = fmax(3 * median_of(residual, r->n_samples, scratch), 3e-4);

@@ -1,5 +1,5 @@
-/* Faults of a recording that must be found before anything is fitted: wrong labels, outliers,
- * repeated rows. */
+/* Screening: recording faults that must be found before any fit (wrong labels, outliers, repeated
+ * rows). */
 #ifndef MUKCA_DIAGNOSE_SCREENING_H
 #define MUKCA_DIAGNOSE_SCREENING_H
 
@@ -11,16 +11,16 @@ typedef struct {
     mukca_data_fault list[MUKCA_MAX_FAULTS];
 } mukca_faults;
 
-/* Append a fault at a row of the dataset (dropped silently when the table is full). */
+/* Append a fault at a row of the dataset; ignored if the table is full. */
 void mukca_screening_add(mukca_faults *faults, const mukca_recording *recording,
                          mukca_fault_kind kind, int row, double size_m);
 
-/* Find wrong labels, outliers and duplicates; the first two are no longer kept.  Fits a robust
- * geometry on the way and leaves the samples regrouped. */
+/* Find wrong labels, outliers and duplicates, and exclude the first two.  Fits a robust geometry;
+ * regroups the samples. */
 void mukca_screening_run(mukca_faults *faults, mukca_regression *m);
 
-/* Rows that were cut as outliers or mislabelled and that the present model explains after all come
- * back; returns how many. */
+/* Reinstate rows excluded as outliers or mislabelled that the present model explains; returns their
+ * number. */
 int mukca_screening_reinstate(mukca_faults *faults, mukca_regression *m);
 
 #endif

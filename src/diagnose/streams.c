@@ -1,4 +1,4 @@
-/* Commanded and read angles of one recording, compared before anything is fitted to either. */
+/* Commanded and read angles of one recording, compared before any fit. */
 #include "diagnose/streams.h"
 
 #include <math.h>
@@ -8,12 +8,12 @@
 #define INTERVAL 1.959963984540054
 /* Resolution of an encoder, rad: smaller differences are rounding. */
 #define RESOLUTION 1e-5
-/* Least standard deviation of the torque, N m, that a sag can be read from (catalogue.h). */
+/* Least standard deviation of the torque, N m, for an estimate of the sag (catalogue.h). */
 #define LEAST_SPREAD 0.05
 /* Prior sigma of a sag, rad/(N m): the middle of the effect's sizes. */
 #define SAG_SIGMA 300e-6
 
-/* Reading minus command of a joint in a row; NaN: not both recorded. */
+/* Reading minus command of a joint in a row; NaN: one is missing. */
 static double difference(const mukca_dataset *data, int row, int joint)
 {
     const int at = row * data->n_joints + joint;
@@ -50,7 +50,8 @@ static void compare_joint(mukca_stream *s, const mukca_recording *r, int joint)
     const double left = fmax((dd - dt * dt / tt) / (n - 2), RESOLUTION * RESOLUTION);
     const double error = sqrt(left / tt);
     s->low = s->sag - INTERVAL * error, s->high = s->sag + INTERVAL * error;
-    /* Savage and Dickey's ratio: a sag with that prior against none, in noise of that variance */
+    /* Savage-Dickey density ratio: a sag with this prior against none, with noise of this variance
+     */
     const double known = SAG_SIGMA * SAG_SIGMA / (error * error), z = s->sag / error;
     s->log_bayes_factor = 0.5 * (z * z * known / (1 + known) - log(1 + known));
 }

@@ -1,16 +1,16 @@
-/* Errors on data that were kept out of everything (--test). */
+/* Errors on test data, which no fit uses (--test). */
 #include "diagnose/test_data.h"
 
 #include "diagnose/folds.h"
 #include "diagnose/logs.h"
 
-/* The causes that act on the arm, prepared for the states of other rows. */
+/* Copy the causes that act on the arm, with their basis at the states of the test rows. */
 static bool carry_causes(mukca_regression *t, const mukca_unknowns *from)
 {
     for (int c = 0; c < from->n_causes; c++) {
         mukca_accepted cause = from->cause[c];
         if (!mukca_candidate_moves_arm(&cause.candidate)) continue;
-        /* what one placement had, others do not */
+        /* placements of the training data do not recur */
         cause.candidate.placement = cause.candidate.effect.placement = -1;
         if (!mukca_candidate_prepare(&cause.candidate, &t->pool, &t->recording)) return false;
         t->unknowns.cause[t->unknowns.n_causes++] = cause;
@@ -23,10 +23,10 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
                                      const mukca_arm_state *geometry_only,
                                      const mukca_dataset *test, mukca_error *error)
 {
-    /* for the states, without columns; the prediction takes the fitted unknowns */
+    /* states only, without columns: predictions use the fitted unknowns */
     mukca_regression t = {.unknowns.n_causes = 0};
     mukca_recording_options options = m->recording.options;
-    options.base_per_log = options.tool_per_log = false; /* they take those of the training logs */
+    options.base_per_log = options.tool_per_log = false; /* frames are those of the training logs */
     options.mass_factor = m->recording.n_bodies ? m->recording.mass_factor : NULL;
     mukca_status status = MUKCA_OK;
     const int rows = test->n_rows;

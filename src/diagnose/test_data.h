@@ -1,4 +1,4 @@
-/* Errors on data that were kept out of everything (--test). */
+/* Errors on test data, which no fit uses (--test). */
 #ifndef MUKCA_DIAGNOSE_TEST_DATA_H
 #define MUKCA_DIAGNOSE_TEST_DATA_H
 
@@ -11,8 +11,8 @@ typedef struct {
     double *placement_m; /* [n_placements] of explained_m, NULL: none */
 } mukca_test_errors;
 
-/* Predict the rows of `test` by the nominal geometry, by one fitted without causes, and by the
- * unknowns of the regression.  placement_m comes from `pool`.  Errors: MUKCA_MEMORY. */
+/* Predict the rows of `test` with the nominal geometry, with one fitted without causes, and with
+ * the unknowns of the regression.  placement_m comes from `pool`.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool,
                                      const mukca_regression *m,
                                      const mukca_arm_state *geometry_only,

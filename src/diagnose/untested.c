@@ -1,12 +1,13 @@
-/* What was tested, the detection limits, and what cannot be tested. */
+/* Tested effects, detection limits, and effects that are not testable. */
 #include "diagnose/untested.h"
 
 #include <math.h>
 
-/* Log evidence grows as amplitude^2 information / 2 and must beat the prior odds, Occam's factor
+/* Log evidence grows as amplitude^2 information / 2 and must exceed the prior odds, Occam's factor
  * and the threshold: some 12 in all. */
 #define LEAST_EVIDENCE 12.0
-/* Limits beyond these are no test: errors so large show without a diagnosis.  rad, m. */
+/* Larger limits count as not testable: errors of this size are evident without a diagnosis.  rad,
+ * m. */
 #define MOST_ANGLE 10e-3
 #define MOST_LENGTH 20e-3
 
@@ -29,7 +30,7 @@ static void add(mukca_tested_list *tested, int kind, int joint, const char *why)
                                                    .why = why};
 }
 
-/* Add the effects that have no candidate, as a whole or at a joint. */
+/* Add the effects without a candidate, as a whole or at a joint. */
 static void add_missing(mukca_tested_list *tested, const mukca_candidates *all)
 {
     const mukca_effect_survey *survey = &all->survey;

@@ -1,4 +1,4 @@
-/* What was tested, the detection limits, and what cannot be tested. */
+/* Tested effects, detection limits, and effects that are not testable. */
 #ifndef MUKCA_DIAGNOSE_UNTESTED_H
 #define MUKCA_DIAGNOSE_UNTESTED_H
 
@@ -9,11 +9,11 @@ typedef struct {
     mukca_tested list[MUKCA_MAX_TESTED];
 } mukca_tested_list;
 
-/* Every effect and joint: those with a candidate as the first scan scored them, the others with
- * what is missing. */
+/* List every effect and joint: candidates with their scores of the first scan, the others with the
+ * reason. */
 void mukca_untested_list(mukca_tested_list *tested, const mukca_competition *competition);
 
-/* No effect can be tested, for that reason. */
+/* List all effects as not testable, for this reason. */
 void mukca_untested_all(mukca_tested_list *tested, const char *why);
 
 #endif
