@@ -92,7 +92,7 @@ double mukca_angle_noise_gain(mukca_projector *p, const mukca_candidate *h)
         memcpy(copy, G, sizeof *G * (size_t)(terms * terms));
         memcpy(gradient, g, sizeof *g * (size_t)terms);
         gain = mukca_bayes_factor_average(copy, gradient, h, p->residual, p->normal->dof, NULL);
-        /* the noise is the residual after the candidate: its gain in fit is at least that of its
+        /* noise is what the candidate leaves unexplained: the gain in fit is at least that of the
          * score */
         const double left = exp(-2 * fmax(gain, 0) / p->normal->dof);
         for (int t = 0; t < terms; t++) g[t] -= left * bias[t];

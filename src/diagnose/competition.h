@@ -39,16 +39,15 @@ typedef struct {
     signed char *noise_made;
     double *waiting; /* [scores] log odds of candidates outside the final model, given its causes */
     mukca_heavy_tails tails;
-    mukca_unknowns kept;        /* unknowns before the last change */
-    mukca_search_state parting; /* before the first step with `parted` */
-    mukca_search_state
-        unsprung; /* before the first step with `sprung`; until then the start of the search */
-    bool left_unlisted; /* `waiting` includes the unlisted causes */
-    bool scanned;       /* the last run against the whole model was of the present set */
-    bool names_first;   /* an unknown function is accepted only if no named candidate passes */
-    bool passed_over;   /* an unknown function led on the way by more than the preference */
-    bool parted;        /* a named candidate was accepted before an unknown function that led */
-    bool sprung;        /* an elastic cause was accepted, with names_first */
+    mukca_unknowns kept;         /* unknowns before the last change */
+    mukca_search_state parting;  /* before the first step with `parted` */
+    mukca_search_state unsprung; /* before the first step with `sprung`, else start of the search */
+    bool left_unlisted;          /* `waiting` includes the unlisted causes */
+    bool scanned;                /* the last run against the whole model was of the present set */
+    bool names_first; /* an unknown function is accepted only if no named candidate passes */
+    bool passed_over; /* an unknown function led on the way by more than the preference */
+    bool parted;      /* a named candidate was accepted before an unknown function that led */
+    bool sprung;      /* an elastic cause was accepted, with names_first */
 } mukca_competition;
 
 /* Is it an elastic effect? */

@@ -159,7 +159,7 @@ typedef struct {
     bool unexplained;
     int n_causes, n_suspected, n_faults, n_tested, n_where;
     mukca_cause causes[MUKCA_MAX_CAUSES];
-    mukca_cause suspected[MUKCA_MAX_CAUSES]; /* their removal does not raise the held-out error */
+    mukca_cause suspected[MUKCA_MAX_CAUSES]; /* removal does not raise the held-out error */
     mukca_data_fault faults[MUKCA_MAX_FAULTS];
     mukca_tested tested[MUKCA_MAX_TESTED];
     mukca_where where[MUKCA_MAX_JOINTS];
@@ -179,12 +179,11 @@ typedef struct {
     double *test_placement_mae_m; /* [n_test_placements] of test_explained_m, in the pool */
     int n_test_placements;
     double sigma_m, rho;
-    double score;      /* log posterior of all accepted causes, up to a constant */
-    double gravity[3]; /* a direction with far higher evidence, m/s^2; 0: none */
-    double
-        efforts_correlation; /* cosine of measured and modelled holding torques; NaN: no efforts */
-    mukca_geometry geometry; /* fitted with the causes */
-    mukca_frame tracker;     /* pose logs: T_measured_base, of the first log */
+    double score;               /* log posterior of all accepted causes, up to a constant */
+    double gravity[3];          /* a direction with far higher evidence, m/s^2; 0: none */
+    double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
+    mukca_geometry geometry;    /* fitted with the causes */
+    mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */
     mukca_logs logs;
     mukca_streams streams;
     mukca_applied applied;         /* filled with options->applied */

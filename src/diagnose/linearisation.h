@@ -15,9 +15,8 @@ typedef struct {
     int *at;            /* [n_columns + 1] indices of these and y among the stored columns */
     int stride, n_held; /* row length of the stored columns; their number, with y */
     int most;           /* largest possible stride */
-    int n_causes,
-        at_cause[MUKCA_MOST_HELD]; /* causes with stored columns, and their first columns */
-    mukca_candidate *cause;        /* [MUKCA_MOST_HELD] */
+    int n_causes, at_cause[MUKCA_MOST_HELD]; /* causes with stored columns; first columns */
+    mukca_candidate *cause;                  /* [MUKCA_MOST_HELD] */
     unsigned version;  /* number of updates: identifies all that is computed from the columns */
     double *reference; /* [stride] unknowns at which y was computed, with the frames below */
     mukca_log_frames log;

@@ -115,8 +115,7 @@ void mukca_recording_load(mukca_recording *r)
         for (int a = 0; a < r->n_bodies; a++) body_moments(r, &nominal, row, a);
     const double *given = r->options.mass_factor;
     for (size_t a = 0; a < sizeof r->mass_factor / sizeof *r->mass_factor; a++)
-        r->mass_factor[a] =
-            given ? given[a] : 1; /* test data may have a payload that training data lack */
+        r->mass_factor[a] = given ? given[a] : 1; /* test data may have a new payload */
     if (data->effort && bodies && !given) {
         r->efforts_correlation = correlate_efforts(r);
         if (r->efforts_correlation > LEAST_CORRELATION) estimate_masses(r);

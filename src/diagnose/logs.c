@@ -55,8 +55,7 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
     double best = -HUGE_VAL;
     *logs = (mukca_logs){.n = mukca_recording_number_logs(NULL, data)};
     if (logs->n < 2) return MUKCA_OK;
-    if (data->n_targets >
-        1) { /* each target has its own position on the tool; one tracker measures all */
+    if (data->n_targets > 1) { /* each has its own position on the tool; one tracker for all */
         for (int i = 0; i < 4; i++) logs->log_evidence[i] = NAN;
         options->base_per_log = false;
         logs->tool_per_log = options->tool_per_log = given.free_tool;

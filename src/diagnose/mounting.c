@@ -142,8 +142,7 @@ mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_di
         if (k % 2 == 0) evidence = NAN, leads = true;
         *turned = *chain;
         if (!leads || !is_worth_it(turned->gravity, k, d)) continue;
-        if (isnan(evidence)) { /* either sign of stiffness: the same evidence in the opposite
-                                  direction */
+        if (isnan(evidence)) { /* stiffness of either sign: the opposite gravity is equal */
             load(m, turned);
             status = weigh_springs(&evidence, &c, enough_for(upright, d->score), error);
         }

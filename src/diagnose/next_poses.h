@@ -14,7 +14,7 @@ typedef struct {
 } mukca_next_poses;
 
 /* Choose postures in the recorded sockets that best distinguish the first tied cause from its
- * rival. plan.n_rows is 0 if nothing is tied or no posture there helps.  Free with
+ * rival; plan.n_rows is 0 if nothing is tied or no posture there helps.  Free with
  * mukca_next_poses_free.  `stop` (may be NULL) is polled.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED.
  */
 mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *diagnosis,

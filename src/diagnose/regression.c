@@ -146,8 +146,7 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
 {
     mukca_unknowns *u = &m->unknowns;
     mukca_unknowns_set_geometry_prior(u, &m->recording);
-    for (int i = 0; i < MUKCA_RHOS; i++)
-        m->evidence.normal[i].behind = 0; /* unknown: compare again */
+    for (int i = 0; i < MUKCA_RHOS; i++) m->evidence.normal[i].behind = 0; /* compare again */
     for (int it = 0; it < iterations; it++) {
         mukca_regression_linearise(m);
         mukca_unknowns_prior(m->evidence.prior, u);

@@ -184,8 +184,7 @@ void mukca_screening_run(mukca_faults *faults, mukca_regression *m)
 
     for (int row = 0; row < rows; row++) weight[row] = 1;
     m->unknowns.weight = weight;
-    for (int pass = 0; pass < 12;
-         pass++) { /* iteratively reweighted least squares, heavy-tailed loss */
+    for (int pass = 0; pass < 12; pass++) { /* iteratively reweighted, heavy-tailed loss */
         mukca_regression_step(m, pass ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_NOISE);
         residuals(residual, m);
         const double scale = fmax(3 * median_of(residual, r->n_samples, scratch), 3e-4);

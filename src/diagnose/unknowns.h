@@ -34,9 +34,8 @@ typedef struct {
      * six per free tracker frame; then slot_width per log with its own target, from the second log
      * on. */
     int n_geometry, n_slots, slot_width;
-    int n_trackers, n_targets; /* free frames: one of all logs together (1), or one per log */
-    int first_tracker,
-        first_target; /* first columns; the factor's column is the one before first_tracker */
+    int n_trackers, n_targets;       /* free frames: one of all logs together (1), or one per log */
+    int first_tracker, first_target; /* first columns; the factor is at first_tracker - 1 */
     int slot_element[MUKCA_MAX_JOINTS + 1];
     bool free_base, free_tool;
     double *theta;       /* [n_geometry] offsets from the nominal geometry, in local frames */
