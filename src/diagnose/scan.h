@@ -27,8 +27,8 @@ typedef enum {
     MUKCA_SCAN_LISTED, /* the list, and the orders added by earlier scans */
     MUKCA_SCAN_RIPPLE, /* other orders of ripple; the rest keeps the scores of the last run, of the
                           same model */
-    MUKCA_SCAN_CONTENDERS, /* those with considerable odds in any run since the excluded cause was
-                              accepted, and the same effect at its joint; for an outlier only itself */
+    MUKCA_SCAN_CONTENDERS, /* those with considerable odds since the excluded cause was accepted,
+                              and the same effect at its joint; of an outlier itself only */
     MUKCA_SCAN_RIVALS,     /* the same, and the unlisted causes */
     MUKCA_SCAN_UNLISTED    /* unlisted causes alone */
 } mukca_scan_extent;

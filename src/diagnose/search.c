@@ -59,8 +59,8 @@ static void restore(mukca_competition *contest, const mukca_search_state *state)
     contest->scanned = false;
 }
 
-/* Search again from a state; the previous set stays unless the new one leads it by `lead`.  `before`
- * is scratch. */
+/* Search again from a state; the previous set stays unless the new one leads by `lead`.
+ * `before` is scratch. */
 static mukca_status search_again(mukca_competition *contest, const mukca_search_state *from,
                                  mukca_search_state *before, bool names_first, double lead,
                                  mukca_error *error)
