@@ -1,5 +1,5 @@
-/* Lost motion: backlash, whose side gravity decides, and hysteresis, whose side the last move
- * decides. */
+/* Lost motion: backlash, with the side determined by gravity, and hysteresis, with the side
+ * determined by the last move. */
 #include <math.h>
 
 #include "base/print.h"
@@ -18,16 +18,16 @@ static double backlash_by_load(const mukca_effect *effect, const double basis[3]
     return -0.5 * (1 - side * side) / effect->variant.torque_scale;
 }
 
-/* Friction holds a gear between its flanks up to a torque of this order, N m: small, middle-sized
- * and large joints of arms up to 20 kg payload. */
+/* Torque below which friction keeps a gear between its flanks, N m, by order of magnitude: small,
+ * medium and large joints of arms up to 20 kg payload. */
 static bool backlash_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
     static const double scales[] = {0.3, 1, 3};
     const int j = effect->joint;
     const bool both_sides = (survey->joint[j].torque_low < 0 && survey->joint[j].torque_high > 0) ||
                             survey->joint[j].torque_least < 0.3 * survey->joint[j].torque_most;
-    /* below its torque scale the joint never rests at an end of its free motion: the effect is that
-     * of a spring, and its size is not determined */
+    /* below its torque scale the joint never reaches an end of its free motion: the effect equals
+     * that of a spring, and its size is not identifiable */
     if (i >= 3 || !mukca_survey_loads(survey, j) || !both_sides ||
         survey->joint[j].torque_most < scales[i])
         return false;
@@ -82,8 +82,8 @@ const mukca_effect_ops mukca_backlash_effect = {
     .untested = "gravity holds it on one side in all samples: record postures on both sides",
 };
 
-/* A move of some 20 mrad (1 degree) brings friction and windup wholly to one side; after a shorter
- * one the joint rests in between.  tanh is a smooth step of that width. */
+/* A move of some 20 mrad (1 degree) brings friction and windup fully to one side; a shorter one,
+ * partly.  tanh is a smooth step of that width. */
 static const double windup = 0.02;
 
 static void hysteresis_basis(double basis[][3], const mukca_basis_input *in)

@@ -1,4 +1,4 @@
-/* The catalogue as a table, and questions that are answered from it. */
+/* The catalogue of effects: table and queries. */
 #include "effect/catalogue.h"
 
 #include <string.h>
@@ -38,7 +38,7 @@ bool mukca_effect_has_joint(int kind)
 
 bool mukca_effect_is_smooth(const mukca_effect *effect)
 {
-    /* gravity's torque has orders 1 and 2 in a joint's angle, with a neighbour's up to 3 */
+    /* gravity torque has orders 1 and 2 in a joint's angle, up to 3 with a neighbour's */
     return mukca_effect_has((int)effect->kind, MUKCA_TRAIT_SMOOTH) && effect->variant.order <= 3;
 }
 

@@ -1,4 +1,4 @@
-/* Joint drift: the zero of a joint changes with time, as in a warming gear. */
+/* Joint drift: the zero of a joint changes with time, for example in a warming gear. */
 #include <math.h>
 
 #include "base/print.h"
@@ -10,8 +10,8 @@ static void drift_basis(double basis[][3], const mukca_basis_input *in)
     basis[0][0] = constant > 0 ? -expm1(-time / constant) : 1e-3 * time;
 }
 
-/* A session takes 10 to 60 minutes; gears and castings warm up with constants of 5 to 50 minutes.
- */
+/* Sessions last 10 to 60 minutes; gears and castings warm up with time constants of 5 to 50
+ * minutes. */
 static bool drift_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
     static const double constants[] = {0, 300, 1000, 3000};

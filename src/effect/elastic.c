@@ -1,4 +1,4 @@
-/* Elastic effects: springs that gravity's moment deflects. */
+/* Elastic effects: springs deflected by gravity moments. */
 #include "effect/catalogue.h"
 
 void mukca_effect_spring_basis(double basis[][3], const mukca_basis_input *in)
@@ -27,7 +27,7 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
     .untested = "gravity loads it alike in all samples: record postures with other lever arms",
 };
 
-/* The part of the moment across the joint's axis. */
+/* Moment component across the joint's axis. */
 static void link_basis(double basis[][3], const mukca_basis_input *in)
 {
     if (!in->state->moment) return;

@@ -1,4 +1,4 @@
-/* Errors of the angle that depend on angles: scale, coupling, encoder eccentricity and transmission
+/* Angle errors that are functions of angles: scale, coupling, encoder eccentricity and transmission
  * ripple. */
 #include <math.h>
 
@@ -10,7 +10,7 @@ static void scale_basis(double basis[][3], const mukca_basis_input *in)
     basis[0][0] = in->state->q[in->effect->joint];
 }
 
-/* In proportion to the joint's own angle, or to that of the neighbour it has. */
+/* Proportional to the joint's own angle, or to a neighbour's. */
 static int linear_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
 {
     (void)basis;
@@ -37,7 +37,7 @@ static void coupling_basis(double basis[][3], const mukca_basis_input *in)
     basis[0][0] = in->state->q[in->effect->joint + in->effect->variant.neighbour];
 }
 
-/* Not given: the joint after, or before the last one. */
+/* Default: the next joint; for the last joint, the preceding one. */
 static bool complete_neighbour(mukca_effect *effect, int n_joints)
 {
     int *side = &effect->variant.neighbour;
@@ -45,7 +45,7 @@ static bool complete_neighbour(mukca_effect *effect, int n_joints)
     return effect->joint + *side >= 0 && effect->joint + *side < n_joints;
 }
 
-/* The joint before, then the joint after, where these moved. */
+/* The preceding joint, then the next one, if they moved. */
 static bool coupling_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
     for (int side = -1; side <= 1; side += 2) {
@@ -101,7 +101,7 @@ const mukca_effect_ops mukca_joint_coupling_effect = {
     .untested = "no neighbour of it moved: record postures that turn them",
 };
 
-/* sin and cos of the order times the joint's angle; eccentricity has order 1 */
+/* sin and cos of the joint's angle times the order; eccentricity has order 1 */
 static void wave_basis(double basis[][3], const mukca_basis_input *in)
 {
     basis[0][0] = in->sine[0], basis[1][0] = in->cosine[0];

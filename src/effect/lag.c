@@ -1,4 +1,4 @@
-/* Readback lag: the recorded angles are old, along the last move or behind the command. */
+/* Readback lag: the recorded angles are delayed, along the last move or behind the command. */
 #include <math.h>
 
 #include <string.h>
@@ -18,11 +18,11 @@ static void lag_direction(double *direction, int n_joints, const mukca_effect *e
     }
     if (!move) return;
     for (int j = 0; j < n_joints; j++) largest = fmax(largest, fabs(move[j]));
-    if (largest > 1e-9) /* rad; less is rounding, no move */
+    if (largest > 1e-9) /* rad; below: rounding */
         for (int j = 0; j < n_joints; j++) direction[j] = move[j] / largest;
 }
 
-/* The command stands still as the angle moves. */
+/* The command is constant while the angle changes. */
 static int lag_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
 {
     (void)basis;

@@ -1,4 +1,4 @@
-/* What changed between placements: a joint's zero, or the ball's position on the arm. */
+/* Changes between placements: of a joint's zero, or of the ball's position on the arm. */
 #include "effect/catalogue.h"
 
 static bool acts(const mukca_basis_input *in)

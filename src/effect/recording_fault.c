@@ -1,4 +1,4 @@
-/* Recording faults, which act on sockets and not on the arm. */
+/* Recording faults: effects on sockets instead of the arm. */
 #include "effect/catalogue.h"
 
 /* No candidates: the diagnosis lists one per sample of each socket. */
@@ -17,7 +17,7 @@ const mukca_effect_ops mukca_tool_motion_effect = {
     .missing = "too few samples in each socket: record 20 or more",
 };
 
-/* The error of all distances, then of each placement's. */
+/* The error of all distances, then that of each placement. */
 static bool distance_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
     effect->placement = i - 1;

@@ -1,14 +1,14 @@
-/* Response of an arm under load: what yields answers the change of the load that it brings about.
- */
+/* Response of an arm under load: deflections change the load, which changes the deflections. */
 #include "effect/equilibrium.h"
 
-/* One change of what yields; rotations in base coordinates. */
+/* Change of all deflections; rotations in base coordinates. */
 typedef struct {
     double angle[MUKCA_MAX_JOINTS];
     LANES_ALIGNED lanes rotation[MUKCA_MAX_JOINTS][ROWS], base[ROWS];
 } motion;
 
-/* The change of a rotation is v, in base coordinates: change += v, in the joint's.  Returns v.v. */
+/* Set a rotation's change to v, in base coordinates, and add it to the deflection: change += v, in
+ * the joint's frame.  Returns v.v. */
 PART double put(double change[3], lanes *rotation, const columns *F, const lanes *v)
 {
     double own[3];
@@ -18,7 +18,7 @@ PART double put(double change[3], lanes *rotation, const columns *F, const lanes
     return columns_dot(v, v);
 }
 
-/* own[ROWS] := answer of a joint's rotation to N and M. */
+/* own[ROWS] := response of a joint's rotation to N and M. */
 PART void bend_joint(lanes *own, const mukca_equilibrium *e, const mukca_joint_posture *at,
                      const lanes *N, const lanes *M)
 {
@@ -28,8 +28,9 @@ PART void bend_joint(lanes *own, const mukca_equilibrium *e, const mukca_joint_p
     for (int r = 0; r < ROWS; r++) own[r] = at->bend * (own[r] - along * at->axis[r]);
 }
 
-/* m := the answers to the change of the load that m brings about; change += these answers.  Returns
- * the sum of their squares.  Outwards: M starts with all parts and loses them, N gathers them. */
+/* m := the deflections due to the change of load by m; change += these.  Returns the sum of their
+ * squares.  Outwards from the base: M starts with all contributions and loses them, N accumulates
+ * them. */
 PART double answer(mukca_deflection *change, motion *m, const mukca_equilibrium *e)
 {
     lanes N[ROWS] = {0}, M[ROWS] = {0}, own[ROWS] = {0};

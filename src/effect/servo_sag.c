@@ -1,9 +1,9 @@
-/* Servo sag: a position controller without integral action holds gravity's torque by an error of
- * the angle.  Of arms recorded by command: the reading does not show it. */
+/* Servo sag: a position controller without integral action balances gravity torque by an error of
+ * the angle.  For arms recorded by command: readings do not contain it. */
 #include "effect/catalogue.h"
 
-/* rad/(N m): one over the position gain.  Industrial drives have integral action and hold to the
- * encoder's resolution; users of cheap arms report 30 mrad at a few N m. */
+/* rad/(N m): the reciprocal of the position gain.  Industrial drives have integral action and are
+ * accurate to the encoder's resolution; users of cheap arms report 30 mrad at a few N m. */
 static const mukca_effect_sizes sizes = {4, {30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
 
 static bool candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)

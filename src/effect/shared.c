@@ -1,4 +1,4 @@
-/* What the families of effects share: reading variants, candidates, and prior sizes. */
+/* Functions common to several effects: parsing of variants, candidates, prior sizes. */
 #include <math.h>
 #include <string.h>
 
@@ -40,32 +40,32 @@ bool mukca_survey_placement(mukca_effect *effect, const mukca_effect_survey *sur
 bool mukca_survey_loads(const mukca_effect_survey *survey, int joint)
 {
     const double change = survey->joint[joint].torque_high - survey->joint[joint].torque_low;
-    /* the effect of a load that varies less than this, N m, is part of the joint's zero */
+    /* the effect of a load that varies less than this, N m, is absorbed by the joint's zero */
     return survey->torques && survey->joint[joint].torque_most > MUKCA_LEAST_TORQUE &&
            change > 0.01;
 }
 
-/* rad/(N m).  Torsional stiffness in the makers' catalogues of strain wave gears: size 32 some 15,
- * size 25 some 32, size 14 some 210, size 11 some 450 urad/(N m).  Fitted to published arms: Panda
- * joints 2 and 3 some 20, the bending before them 30 to 40, UR5 base 34, IRB 120 base 66, iiwa 7
- * joint 2 some 73.  The rare ones are small wrists and printed arms. */
+/* rad/(N m).  Torsional stiffness from makers' catalogues of strain wave gears: size 32 some 15,
+ * size 25 some 32, size 14 some 210, size 11 some 450 urad/(N m).  Fits of published arms: Panda
+ * joints 2 and 3 some 20, link bending before them 30 to 40, UR5 base 34, IRB 120 base 66, iiwa 7
+ * joint 2 some 73.  Rare sizes: small wrists and printed arms. */
 const mukca_effect_sizes mukca_sizes_spring = {4,
                                                {10e-6, 30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
 
 /* rad: strain wave gears below 1 arcmin (0.3 mrad), planetary ones up to 10 arcmin. */
 const mukca_effect_sizes mukca_sizes_backlash = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
-/* rad, or rad per rad: an encoder disk of 20 mm radius off by 2 to 60 um reads 0.1 to 3 mrad off.
- */
+/* rad, or rad per rad: an encoder disk of 20 mm radius with an eccentricity of 2 to 60 um has an
+ * error of 0.1 to 3 mrad. */
 const mukca_effect_sizes mukca_sizes_angle = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
 /* rad: a pair of bearings 50 mm apart with 5 to 150 um of run-out. */
 const mukca_effect_sizes mukca_sizes_wobble = {3, {0.1e-3, 0.3e-3, 1e-3, 3e-3}};
 
-/* rad: the makers state a transmission accuracy of 0.5 to 2 arcmin for strain wave gears. */
+/* rad: makers state a transmission accuracy of 0.5 to 2 arcmin for strain wave gears. */
 const mukca_effect_sizes mukca_sizes_ripple = {4, {0.03e-3, 0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
-/* rad: from a nudge to a bad homing. */
+/* rad: from a nudge to a wrong homing. */
 const mukca_effect_sizes mukca_sizes_zero = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
 /* m: a ball in its holder. */

@@ -1,4 +1,4 @@
-/* What to try with a recording, and why not. */
+/* Candidates for a recording, and reasons why there are none. */
 #include "effect/survey.h"
 
 #include "effect/catalogue.h"

@@ -1,4 +1,4 @@
-/* Facts of a recording that decide which effects can be tested with it, and which variants. */
+/* Survey of a recording: the facts that determine testable effects and variants. */
 #ifndef MUKCA_EFFECT_SURVEY_H
 #define MUKCA_EFFECT_SURVEY_H
 
@@ -6,12 +6,12 @@
 
 typedef struct {
     int n_joints, n_placements;
-    bool moments, torques; /* holding moments, torques about the axes are known for each sample */
+    bool moments, torques; /* holding moments, torques about the axes are known in each sample */
     bool moved;            /* some joint moved between samples */
     bool by_command;       /* the angles were commanded, not read */
-    bool commanded;        /* some commanded angle differs from the reading */
+    bool commanded;        /* some commanded angle differs from the read angle */
     bool sockets;          /* socket data, not a pose log */
-    bool pairs;            /* two pairs of sockets a known distance apart */
+    bool pairs;            /* two pairs of sockets with a known distance */
     struct {
         bool turns;                       /* not prismatic */
         double range;                     /* of the angle, rad or m */
@@ -20,12 +20,12 @@ typedef struct {
     } joint[MUKCA_MAX_JOINTS];
 } mukca_effect_survey;
 
-/* The i-th variant of a kind to try at a joint (-1 where it acts at none): false: there are no
- * more.  Fills all of `effect` but its coefficients. */
+/* The i-th candidate variant of a kind at a joint (-1: not at a joint); false: no more.  Sets all
+ * of `effect` but its coefficients. */
 bool mukca_effect_candidate(mukca_effect *effect, mukca_effect_kind kind, int joint,
                             const mukca_effect_survey *survey, int i);
 
-/* Why a kind has no candidate in a recording, none at a joint, or why one cannot be detected. */
+/* Reason why a kind has no candidate in a recording, none at a joint, or is not detectable. */
 const char *mukca_effect_missing(mukca_effect_kind kind, const mukca_effect_survey *survey);
 const char *mukca_effect_untested(mukca_effect_kind kind, const mukca_effect_survey *survey,
                                   int joint);

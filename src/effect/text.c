@@ -1,4 +1,4 @@
-/* Effects as text: variants, the offsets table's terms, descriptions and units. */
+/* Text form of effects: variants, terms in offsets tables, descriptions and units. */
 
 #include <string.h>
 
@@ -23,7 +23,7 @@ void mukca_effect_variant_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect 
     if (ops) ops->write(text, MUKCA_EFFECT_TEXT, &effect->variant);
 }
 
-/* Names of the terms; the first is NULL where there is one term only. */
+/* Names of the terms; the first is NULL for a single term. */
 static const char *const *term_names(const mukca_effect *effect)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
@@ -44,7 +44,8 @@ void mukca_effect_term_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *ef
                 key[0] ? "=" : "", word, any && name[0] ? " " : "", any || name[0] ? name : "-");
 }
 
-/* The word at `text` up to the next space, after KEY= where a key is given; NULL: not there. */
+/* Copy the word at `text` up to the next space, after KEY= if a key is given; NULL: no such word.
+ * Returns the start of the next one. */
 static const char *take_word(char word[MUKCA_EFFECT_TEXT], const char *text, const char *key)
 {
     const size_t prefix = key ? strlen(key) : 0;
@@ -93,7 +94,7 @@ void mukca_effect_describe(char *text, size_t size, const mukca_effect *effect,
 
 const char *mukca_effect_unit(const mukca_effect *effect, const mukca_chain *chain)
 {
-    /* rotary and linear joint */
+    /* revolute and prismatic joint */
     static const char *const pairs[][2] = {{"rad/(N*m)", "m/N"}, {"rad/rad", "m/m"}, {"rad", "m"}};
     const mukca_effect_info *info = mukca_effect_table[effect->kind];
     if (effect->variant.to_command) return "rad/rad";

@@ -18,8 +18,8 @@ static const mukca_effect_variant variants[] = {
 
 enum { VARIANTS = sizeof variants / sizeof *variants };
 
-/* sin and cos of the order times the angle about the two transverse axes u and v, in the frame
- * before or after the turn; on a cone the two waves are one, in two phases. */
+/* sin and cos of the angle times the order, about the two transverse axes u and v, in the frame
+ * before or after the joint's rotation; a cone has one wave in two phases. */
 static void wobble_basis(double basis[][3], const mukca_basis_input *in)
 {
     const mukca_effect_variant *variant = &in->effect->variant;
@@ -44,7 +44,7 @@ static void wobble_basis(double basis[][3], const mukca_basis_input *in)
     }
 }
 
-/* Terms come in pairs of sine and cosine; in the turning frame the axes turn, too. */
+/* Terms are pairs of sine and cosine; in the turning frame the axes rotate, too. */
 static int wobble_by_angle(double slope[][3], const mukca_basis_input *in, const double basis[][3])
 {
     const mukca_effect_variant *variant = &in->effect->variant;
@@ -71,8 +71,8 @@ static bool is_variant(const mukca_effect_variant *wanted)
     return false;
 }
 
-/* The number of older versions: the order; 10 + order in the turning frame; 100 + order of a cone.
- */
+/* Variant numbers of older versions: the order; 10 + order in the turning frame; 100 + order of a
+ * cone. */
 static bool from_number(mukca_effect_variant *variant, int number)
 {
     variant->frame = number > 50   ? MUKCA_WOBBLE_CONE
@@ -117,7 +117,7 @@ static const mukca_variant_ops motion = {
     .complete = complete_wobble,
 };
 
-/* "variant=12 term=2" */
+/* Older form: "variant=12 term=2". */
 static int read_old_term(mukca_effect *effect, const char *text)
 {
     char word[8];
