@@ -155,7 +155,7 @@ static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int 
 
 /* Subtract the samples of fold f, and the distances of its sockets, from the normal equations.
  * Returns the degrees of freedom of these samples. */
-static int take_out(mukca_folds *b, mukca_normal_equations *normal, int f)
+static int subtract_fold(mukca_folds *b, mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
     const int size = normal->n + 1, d = r->dim, held = b->m->linear.n_held, *at = b->m->linear.at;
@@ -194,7 +194,7 @@ static void cross_predict(mukca_folds *b)
     const double quadratic = evidence->quadratic;
     for (int f = 0; f < b->n_folds; f++) {
         mukca_normal_equations *normal = mukca_regression_collect_own(m);
-        const int freedom = take_out(b, normal, f);
+        const int freedom = subtract_fold(b, normal, f);
         if (mukca_evidence_evaluate(evidence, normal, unknowns->sigma, evidence->mean) >
             -HUGE_VAL) {
             if (whole) b->surprise += quadratic - evidence->quadratic, b->freedom += freedom;

@@ -41,7 +41,7 @@ static bool all_elastic(const mukca_diagnosis *d)
 
 /* Set gravity to the k-th of +x, -x, +y ... of the base frame; false: this direction is not worth
  * testing.  The direction opposite to the model's is tested if the verdict is unknown. */
-static bool is_worth_it(double gravity[3], int k, const mukca_diagnosis *given)
+static bool is_worth_testing(double gravity[3], int k, const mukca_diagnosis *given)
 {
     const double size =
         sqrt(gravity[0] * gravity[0] + gravity[1] * gravity[1] + gravity[2] * gravity[2]);
@@ -141,7 +141,7 @@ mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_di
     for (int k = 0; k < 6 && status == MUKCA_OK; k++) {
         if (k % 2 == 0) evidence = NAN, leads = true;
         *turned = *chain;
-        if (!leads || !is_worth_it(turned->gravity, k, d)) continue;
+        if (!leads || !is_worth_testing(turned->gravity, k, d)) continue;
         if (isnan(evidence)) { /* stiffness of either sign: the opposite gravity is equal */
             load(m, turned);
             status = weigh_springs(&evidence, &c, enough_for(upright, d->score), error);

@@ -88,7 +88,7 @@ static double eliminate(double *Y, const along_noise *a, double precision)
 
 /* Eliminate the last `count` rows and columns of G[k][k] by their Schur complement.  Returns the
  * log determinant of their block, NaN: not positive. */
-static double take_out(double *G, double *scratch, int k, int count)
+static double eliminate_last(double *G, double *scratch, int k, int count)
 {
     const int rest = k - count;
     double *V = scratch, *T = V + count * count, log_det = 0;
@@ -130,7 +130,7 @@ static double minus_evidence(void *context, double log_sigma)
     double log_det = eliminate(Y, a, precision);
     memset(G, 0, sizeof *G * (size_t)(k * k));
     mukca_dense_syrk(G, k, Y, n, k);
-    log_det += take_out(G, S, k, a->out.count);
+    log_det += eliminate_last(G, S, k, a->out.count);
     double quadratic = precision * (normal->gram[size * size - 1] - precision * G[0]);
     for (int p = 0; p < pairs; p++) { /* residuals of the distances, given the samples */
         r[p] = normal->distance[p * size + n] - precision * G[1 + p];

@@ -53,7 +53,8 @@ static double nearest_other(const mukca_regression *m, double (*median)[3], int 
 }
 
 /* Report sample i and exclude it. */
-static void cut(mukca_faults *faults, mukca_recording *r, mukca_fault_kind kind, int i, double size)
+static void exclude(mukca_faults *faults, mukca_recording *r, mukca_fault_kind kind, int i,
+                    double size)
 {
     mukca_screening_add(faults, r, kind, r->order[i], size);
     r->keep[r->order[i]] = 0;
@@ -69,7 +70,7 @@ static void wrong_labels(mukca_faults *faults, mukca_regression *m, double *scra
         for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
             const double own = distance3(m->linear.tip + 3 * i, median[g]);
             if (own > 0.02 && nearest_other(m, median, g, i) < 0.4 * own)
-                cut(faults, r, MUKCA_FAULT_WRONG_SOCKET, i, own);
+                exclude(faults, r, MUKCA_FAULT_WRONG_SOCKET, i, own);
         }
 }
 
@@ -132,9 +133,9 @@ static void outliers(mukca_faults *faults, mukca_regression *m, const double *re
             if (!(residual[i] > limit)) continue;
             const double nearest = nearest_other(m, median, g, i);
             if (nearest < 0.2 * residual[i] && nearest < limit)
-                cut(faults, r, MUKCA_FAULT_WRONG_SOCKET, i, residual[i]);
+                exclude(faults, r, MUKCA_FAULT_WRONG_SOCKET, i, residual[i]);
             else if (residual[i] >= fmax(20 * usual, 6e-3))
-                cut(faults, r, MUKCA_FAULT_OUTLIER, i, residual[i]);
+                exclude(faults, r, MUKCA_FAULT_OUTLIER, i, residual[i]);
         }
 }
 

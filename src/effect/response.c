@@ -9,7 +9,7 @@ typedef struct {
 
 /* Set a rotation's change to v, in base coordinates, and add it to the deflection: change += v, in
  * the joint's frame.  Returns v.v. */
-PART double put(double change[3], lanes *rotation, const columns *F, const lanes *v)
+PART double set_change(double change[3], lanes *rotation, const columns *F, const lanes *v)
 {
     double own[3];
     if (F) to_joint(own, F, XYZ(v));
@@ -31,7 +31,7 @@ PART void bend_joint(lanes *own, const mukca_equilibrium *e, const mukca_joint_p
 /* m := the deflections due to the change of load by m; change += these.  Returns the sum of their
  * squares.  Outwards from the base: M starts with all contributions and loses them, N accumulates
  * them. */
-PART double answer(mukca_deflection *change, motion *m, const mukca_equilibrium *e)
+PART double respond(mukca_deflection *change, motion *m, const mukca_equilibrium *e)
 {
     lanes N[ROWS] = {0}, M[ROWS] = {0}, own[ROWS] = {0};
     double squares = 0;
@@ -47,7 +47,7 @@ PART double answer(mukca_deflection *change, motion *m, const mukca_equilibrium 
         for (int r = 0; r < ROWS; r++) own[r] *= e->bend;
         columns_take_cross(M, m->base, e->first);
         columns_cross(N, m->base, e->gravity);
-        squares += put(change->base, m->base, NULL, own);
+        squares += set_change(change->base, m->base, NULL, own);
     }
     for (int i = 0; i < e->n_yielding; i++) {
         const int j = e->yielding[i];
@@ -57,7 +57,7 @@ PART double answer(mukca_deflection *change, motion *m, const mukca_equilibrium 
             columns_add_cross(N, m->rotation[j], e->gravity);
             columns_take_cross(M, m->rotation[j], at->first);
             bend_joint(own, e, at, N, M);
-            squares += put(change->rotation[j], m->rotation[j], &at->frame, own);
+            squares += set_change(change->rotation[j], m->rotation[j], &at->frame, own);
         }
         for (int r = 0; r < ROWS; r++) own[r] = at->into_N[r] * M[r] + at->into_M[r] * N[r];
         m->angle[j] = at->twist * (XYZ(own)[0] + XYZ(own)[1] + XYZ(own)[2]);
@@ -85,5 +85,5 @@ MUKCA_CLONES void mukca_equilibrium_settle(mukca_deflection *change, const mukca
             columns_vector(m.rotation[j], &e->joint[j].frame, change->rotation[j]);
     }
     for (int round = 0; round < ROUNDS; round++)
-        if (!(answer(change, &m, e) > within * within)) return;
+        if (!(respond(change, &m, e) > within * within)) return;
 }
