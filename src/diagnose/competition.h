@@ -27,7 +27,7 @@ typedef struct {
     mukca_regression *m;
     mukca_candidates *all;
     mukca_scan *scan;
-    mukca_faults *faults; /* their rows may be reinstated */
+    mukca_faults *faults; /* from screening; their rows may be reinstated */
     const mukca_diagnose_options *options;
     mukca_contender *table; /* [scores], by falling odds after mukca_competition_rank */
     int n_table;

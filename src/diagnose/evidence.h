@@ -10,13 +10,13 @@ enum { MUKCA_RHOS = 3 };
 extern const double mukca_evidence_rho[MUKCA_RHOS];
 
 /* Normal equations at one AR(1) coefficient.  W combines whitening and the free means of the
- * sockets: W = A'A - A'o o'A / o'o in each socket and coordinate, with A the whitening and o the
- * whitened ones.  Each pair of sockets adds one row. */
+ * sockets: W = A'A - A'o o'A / o'o in each socket and coordinate, with A the whitening matrix and o
+ * = A times the vector of ones.  Each pair of sockets adds one row. */
 typedef struct {
     double rho, log_det;
-    double behind; /* log evidence relative to the best coefficient in the last comparison */
+    double behind; /* log evidence of the best coefficient minus its own, in the last comparison */
     int dof, n, n_pairs;
-    unsigned version;      /* of the columns in use; 0: none, or robust weights */
+    unsigned version;      /* of the linearisation with these columns; 0: none, or robust weights */
     double distance_sigma; /* m */
     double *gram;          /* [n + 1][n + 1] of the columns in use, and y */
     double *distance;      /* [n_pairs][n + 1] */

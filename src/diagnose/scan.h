@@ -6,11 +6,10 @@
 #include "diagnose/projector.h"
 
 typedef struct {
-    int index;        /* of the candidate in the list, followed by harmonics from the scan */
-    double log_bayes; /* against the present model, or the model without one cause */
-    double log_odds;  /* with its prior */
-    double
-        information; /* largest eigenvalue of its projected Gram matrix in units (bound), 1/rad^2 */
+    int index;          /* of the candidate in the list, followed by harmonics from the scan */
+    double log_bayes;   /* against the present model, or the model without one cause */
+    double log_odds;    /* with its prior */
+    double information; /* largest diagonal of its projected Gram matrix in units, 1/rad^2 */
 } mukca_score;
 
 enum {
