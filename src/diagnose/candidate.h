@@ -43,8 +43,12 @@ typedef enum {
     MUKCA_ARGUMENT_SIDE,      /* of that torque */
     MUKCA_ARGUMENT_SOFTENING, /* that torque times time */
     MUKCA_ARGUMENT_MOVE,      /* direction of its last move */
+    MUKCA_ARGUMENT_LAG,       /* that move, as far as it went */
+    MUKCA_ARGUMENT_RUBBING,   /* its direction times the load, as of friction */
+    MUKCA_ARGUMENT_WEARING,   /* its direction times what decays, as friction that changes */
     MUKCA_ARGUMENT_TIME,
     MUKCA_ARGUMENT_SAMPLE,    /* 1 from that sample on at which a socket moved, else 0 */
+    MUKCA_ARGUMENT_PASSING,   /* 1 beyond the angle that the joint passed at that sample, else 0 */
     MUKCA_ARGUMENT_PAYLOAD,   /* torque of the outermost mass, in one placement or in all */
     MUKCA_ARGUMENT_PLACEMENT, /* 1 in one placement, else 0 */
     MUKCA_ARGUMENT_MOMENT     /* about a joint's origin, three components */

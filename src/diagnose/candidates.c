@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "diagnose/streams.h"
+#include "diagnose/unlisted.h"
 
 enum {
     LONGEST_BURST = 3, /* samples that a badly seated ball may stay so */
@@ -143,6 +144,18 @@ static void list_faults(lister *l)
     }
 }
 
+/* Is an argument of joint k at joint j worth a candidate? */
+static bool is_worth_listing(const lister *l, mukca_argument a, int j, int k)
+{
+    const bool load = (a >= MUKCA_ARGUMENT_LOAD && a <= MUKCA_ARGUMENT_SOFTENING) ||
+                      a == MUKCA_ARGUMENT_RUBBING,
+               friction = a >= MUKCA_ARGUMENT_LAG && a <= MUKCA_ARGUMENT_WEARING;
+    if (l->all->survey.joint[k].range < 0.1 || (load && !l->recording->have_torques)) return false;
+    /* the loads of other joints are in this one's by the masses' spread; friction is a joint's own
+     */
+    return k == j || (!load && !friction);
+}
+
 /* Simple causes that nobody listed: every argument at every place. */
 static void list_unlisted(lister *l)
 {
@@ -153,10 +166,7 @@ static void list_unlisted(lister *l)
     for (int j = 0; j < n; j++)
         for (int a = 0; a <= MUKCA_ARGUMENT_TIME; a++)
             for (int k = 0; k < (a == MUKCA_ARGUMENT_TIME ? 1 : n); k++) {
-                const bool load = a >= MUKCA_ARGUMENT_LOAD && a <= MUKCA_ARGUMENT_SOFTENING;
-                /* the loads of other joints are in this one's by the masses' spread */
-                if ((load && (!r->have_torques || k != j)) || l->all->survey.joint[k].range < 0.1)
-                    continue;
+                if (!is_worth_listing(l, (mukca_argument)a, j, k)) continue;
                 append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
                                             .joint = j,
                                             .placement = -1,
@@ -169,11 +179,13 @@ static void list_unlisted(lister *l)
                                         .placement = p,
                                         .simple = {MUKCA_ARGUMENT_PAYLOAD, .other = j}});
     for (int j = 0; j < n; j++) /* a slip of the first joint is a moved socket */
-        if (u->slot_element[0] <= r->chain->joint_element[j])
+        for (int k = -1; k < n && u->slot_element[0] <= r->chain->joint_element[j]; k++) {
+            const mukca_argument argument = k < 0 ? MUKCA_ARGUMENT_SAMPLE : MUKCA_ARGUMENT_PASSING;
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
                                         .joint = j,
                                         .placement = -1,
-                                        .simple = {MUKCA_ARGUMENT_SAMPLE, .other = j}});
+                                        .simple = {argument, .other = k < 0 ? j : k}});
+        }
     for (int axis = 0; axis < 3; axis++)
         for (int in_tool = 0; in_tool < 2; in_tool++)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_TILT,
@@ -246,9 +258,7 @@ static void set_priors(mukca_candidates *all)
         mukca_candidate *h = &all->list[i];
         h->log_prior = -log((double)all->classes * (all->count - all->first_unlisted));
         /* its sample is chosen like that of the socket that moved, whose rival it is */
-        if (h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE &&
-            h->simple.argument == MUKCA_ARGUMENT_SAMPLE)
-            h->log_prior -= log(fmax(kinds[MUKCA_CANDIDATE_STEP], 1));
+        if (mukca_unlisted_at_sample(h)) h->log_prior -= log(fmax(kinds[MUKCA_CANDIDATE_STEP], 1));
     }
 }
 

@@ -9,6 +9,7 @@
 #include "diagnose/noise.h"
 #include "diagnose/projector.h"
 #include "diagnose/ripple_scan.h"
+#include "diagnose/unlisted.h"
 
 const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index)
 {
@@ -197,7 +198,7 @@ static bool prepare(mukca_candidate *h, mukca_regression *m)
 static bool is_rival(mukca_scan *scan, int index, const mukca_candidate *cause, mukca_regression *m)
 {
     mukca_candidate *h = &scan->all->list[index];
-    if (h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE && h->simple.argument == MUKCA_ARGUMENT_SAMPLE) {
+    if (mukca_unlisted_at_sample(h)) {
         if (!cause || cause->kind != MUKCA_CANDIDATE_STEP) return false;
         if (h->simple.row != cause->fault.first) {
             h->simple.row = cause->fault.first;

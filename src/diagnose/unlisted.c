@@ -3,12 +3,12 @@
  * The catalogue is not complete.  What it lacks is, as what it has, mostly a simple function of one
  * argument that acts at one place.  So every argument that an arm has is tried at every place: the
  * angle of a joint (linear, once per turn, and its half of the travel), its load (linear, its side,
- * times time, and by what an unknown payload adds), its last move, time, and the placement; at the
- * angle of each joint and at each frame, which shifts or turns, as a link that bends all along does
- * by the moment at its end.  A ball that is not round, or that its socket does not hold, and a
- * tool that rattles move by the tilt of the tool.
- * These candidates are never accepted.  They share the probability of a name that they could
- * replace.
+ * times time, and by what an unknown payload adds), its last move (its direction, also times the
+ * load or what decays, and its length), time, and the placement; at the angle of each joint and at
+ * each frame, which shifts or turns, as a link that bends all along does by the moment at its end.
+ * A ball that is not round, or that its socket does not hold, and a tool that rattles move by the
+ * tilt of the tool. These candidates are never accepted.  They share the probability of a name that
+ * they could replace.
  */
 #include "diagnose/unlisted.h"
 
@@ -17,12 +17,21 @@
 
 static int values_of(mukca_argument argument)
 {
-    return argument == MUKCA_ARGUMENT_WAVE ? 2 : argument == MUKCA_ARGUMENT_MOMENT ? 3 : 1;
+    return argument == MUKCA_ARGUMENT_WAVE || argument == MUKCA_ARGUMENT_WEARING ? 2
+           : argument == MUKCA_ARGUMENT_MOMENT                                   ? 3
+                                                                                 : 1;
 }
 
 int mukca_unlisted_terms(const mukca_candidate *h)
 {
     return values_of(h->simple.argument) * (h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME ? 3 : 1);
+}
+
+bool mukca_unlisted_at_sample(const mukca_candidate *h)
+{
+    return h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE &&
+           (h->simple.argument == MUKCA_ARGUMENT_SAMPLE ||
+            h->simple.argument == MUKCA_ARGUMENT_PASSING);
 }
 
 /* The argument's functions at a row; middle: of the joint's travel. */
@@ -59,12 +68,27 @@ static void evaluate(double value[3], const mukca_candidate *h, const mukca_reco
         case MUKCA_ARGUMENT_MOVE:
             value[0] = tanh(state.move[j] / 0.02);
             break;
+        case MUKCA_ARGUMENT_LAG:
+            value[0] = state.move[j];
+            break;
+        case MUKCA_ARGUMENT_RUBBING:
+            value[0] = tanh(state.move[j] / 0.02) * fabs(state.torque[j]);
+            break;
+        case MUKCA_ARGUMENT_WEARING: /* 300 and 3000 s: as of joint_drift */
+            value[0] = tanh(state.move[j] / 0.02) * exp(-state.time / 300);
+            value[1] = tanh(state.move[j] / 0.02) * exp(-state.time / 3000);
+            break;
         case MUKCA_ARGUMENT_TIME:
             value[0] = state.time;
             break;
         case MUKCA_ARGUMENT_SAMPLE:
             value[0] = row >= h->simple.row;
             break;
+        case MUKCA_ARGUMENT_PASSING: {
+            const double *at = r->data->q + h->simple.row * r->chain->n_joints + j;
+            value[0] = state.q[j] > 0.5 * (at[0] + at[-r->chain->n_joints]);
+            break;
+        }
         case MUKCA_ARGUMENT_PLACEMENT:
             value[0] = state.placement == h->placement;
             break;

@@ -7,6 +7,9 @@
 /* Terms of an unlisted candidate. */
 int mukca_unlisted_terms(const mukca_candidate *candidate);
 
+/* Does it begin at the sample at which a socket moved, whose rival it is? */
+bool mukca_unlisted_at_sample(const mukca_candidate *candidate);
+
 /* Fill its basis [n_rows][terms]. */
 void mukca_unlisted_fill(const mukca_candidate *candidate, const mukca_recording *recording);
 

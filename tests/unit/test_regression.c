@@ -16,6 +16,7 @@
 #include "diagnose/scales.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
+#include "diagnose/unlisted.h"
 #include "math/dense.h"
 #include "scene.h"
 
@@ -512,9 +513,7 @@ static void priors(void **state)
     sum = 0;
     for (int i = f->all.first_unlisted; i < f->all.count; i++) {
         const mukca_candidate *h = &f->all.list[i];
-        const bool slip = h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE &&
-                          h->simple.argument == MUKCA_ARGUMENT_SAMPLE;
-        sum += (slip ? samples : 1) * exp(h->log_prior);
+        sum += (mukca_unlisted_at_sample(h) ? samples : 1) * exp(h->log_prior);
     }
     assert_close(sum, 1.0 / f->all.classes, 1e-9);
 }
