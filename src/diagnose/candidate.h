@@ -9,7 +9,8 @@ enum {
     MUKCA_MAX_COLUMNS = 64, /* terms of one candidate */
     /* Waves per turn that a smooth function of an angle follows: the narrowest bumps, 0.12 rad,
      * need some six of them for a wave. */
-    MUKCA_SMOOTH_ORDER = 8
+    MUKCA_SMOOTH_ORDER = 8,
+    MUKCA_FINE_ORDER = 4 * MUKCA_SMOOTH_ORDER /* ripple above it resembles no smooth function */
 };
 
 #define MUKCA_WAVE_UNIT 0.70710678118654752440 /* rms of a sine */

@@ -9,8 +9,6 @@
 /* Ties: within half of MUKCA_TIE_MOST (20 to 1), or within it where the two do nearly the same
  * (canonical correlation after geometry is projected out). */
 #define TIE_CORRELATION 0.9
-/* Probability from which a function that no effect makes is reported as a rival of a cause. */
-#define UNKNOWN_SHARE 0.25
 /* Less than this changes no verdict. */
 #define LITTLE 0.05
 #define PI 3.14159265358979323846
@@ -250,7 +248,7 @@ bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_comp
     *out = (mukca_cause){
         .effect = fitted_effect(recording, cause),
         .socket = -1,
-        .or_unknown = standing->unknown > UNKNOWN_SHARE,
+        .or_unknown = standing->unknown > MUKCA_UNKNOWN_SHARE,
         .log_bayes_factor = mine ? contest->scan->score[mine->best].log_bayes : -HUGE_VAL,
         .probability = share,
         .held_out = MUKCA_SHRINK_NONE};
@@ -270,7 +268,7 @@ bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_comp
 void mukca_cause_doubt(mukca_cause *cause)
 {
     cause->or_unknown = true;
-    cause->probability = fmin(cause->probability, 1 - UNKNOWN_SHARE);
+    cause->probability = fmin(cause->probability, 1 - MUKCA_UNKNOWN_SHARE);
 }
 
 int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)

@@ -11,6 +11,9 @@ typedef struct {
     double by_joint[MUKCA_MAX_JOINTS]; /* ... and of one that acts on each joint */
 } mukca_standing;
 
+/* Probability from which a function that no effect makes is reported as a rival of a cause. */
+#define MUKCA_UNKNOWN_SHARE 0.25
+
 /* Log odds that part two causes that do nearly the same: 400 to 1. */
 #define MUKCA_TIE_MOST 6.0
 

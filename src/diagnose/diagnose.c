@@ -145,7 +145,7 @@ static bool is_dwarfed(const mukca_validation *v, int i, const mukca_effect *eff
                  gain = own->before_m * own->before_m - own->after_m * own->after_m,
                  of_all = v->faults_excused_m * v->faults_excused_m - explained;
     return rest > 0.5 * gain && rest > 0.2 * of_all &&
-           effect->variant.order <= 4 * MUKCA_SMOOTH_ORDER; /* NaN: not measured */
+           effect->variant.order <= MUKCA_FINE_ORDER; /* NaN: not measured */
 }
 
 /* What the held-out errors say of the verdict: suspected causes are not found, causes that make the

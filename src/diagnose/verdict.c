@@ -138,6 +138,24 @@ static int by_odds(const void *a, const void *b)
     return p != q ? (p < q) - (p > q) : x->index - y->index;
 }
 
+/* Log odds of the strongest structure that no name explains: of an unknown function, or of a name
+ * whose place one may fill. */
+static double unnamed_structure(const described *found, int n)
+{
+    double most = -HUGE_VAL;
+    for (int c = 0; c < n; c++)
+        if (found[c].standing.unknown > MUKCA_UNKNOWN_SHARE)
+            most = fmax(most, found[c].standing.log_odds);
+    return most;
+}
+
+/* An unlisted cause rarely goes into one unknown function, and the nearest names share what that
+ * leaves: those of less evidence are in doubt.  Fine ripple resembles no smooth function. */
+static bool is_remainder(const described *d, double structure)
+{
+    return d->standing.log_odds < structure && d->cause.effect.variant.order <= MUKCA_FINE_ORDER;
+}
+
 void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_competition *contest)
 {
     mukca_regression *m = contest->m;
@@ -164,9 +182,10 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_c
             found[c].part = part_of_unknown(u, found, c);
         }
     qsort(found, (size_t)u->n_causes, sizeof *found, by_odds);
+    const double structure = unnamed_structure(found, u->n_causes);
 
     for (int c = 0; c < u->n_causes; c++) {
-        const mukca_cause *cause = &found[c].cause;
+        mukca_cause *cause = &found[c].cause;
         if (!found[c].named) continue;
         const bool moved = mukca_effect_table[cause->effect.kind]->site == MUKCA_SITE_SOCKET;
         if (moved)
@@ -176,6 +195,7 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_c
             unknown = true;
             continue;
         }
+        if (is_remainder(&found[c], structure)) mukca_cause_doubt(cause);
         on_arm += !moved;
         tied |= cause->n_ties > 0 || cause->or_unknown;
         findings->causes[findings->n_causes++] = *cause;
