@@ -151,14 +151,18 @@ static bool is_dwarfed(const mukca_validation *v, int i, const mukca_effect *eff
 /* What the held-out errors say of the verdict: suspected causes are not found, causes that make the
  * predictions or those of the test data (NaN: none) worse than the geometry alone does, or are
  * dwarfed, are not certain, and samples that miss by more than noise and geometry allow have
- * structure left. */
+ * structure left.  Test data say nothing of a drift: how warm the arm was is not known. */
 static void revise(mukca_findings *f, const mukca_validation *v, const mukca_test_errors *test,
                    double structure_m, bool have_torques)
 {
     const bool surprised = v->surprise_sigmas > SURPRISED;
-    const bool worse = v->explained_m > v->faults_excused_m || test->explained_m > test->geometry_m;
     int on_arm = 0, suspected = 0;
-    bool tied = false, doubted = false;
+    bool tied = false, doubted = false, timed = false;
+    for (int i = 0; i < f->n_causes; i++)
+        timed |= !v->suspected[i] &&
+                 mukca_effect_has((int)f->causes[i].effect.kind, MUKCA_TRAIT_OF_TIME);
+    const bool worse =
+        v->explained_m > v->faults_excused_m || (!timed && test->explained_m > test->geometry_m);
     for (int i = 0; i < f->n_causes; i++) {
         mukca_cause *cause = &f->causes[i];
         suspected += v->suspected[i];

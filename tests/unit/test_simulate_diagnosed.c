@@ -409,6 +409,36 @@ static void test_passing(void **state)
     for (size_t i = 0; i < sizeof k / sizeof *k; i++) assert_int_equal(sure_of_step(k[i]), 0);
 }
 
+/* A joint that warms up, and test data of the warm arm, whose clock starts anew: they miss by the
+ * drift, and do not contradict it. */
+static void test_warm(void **state)
+{
+    (void)state;
+    scene s, warm;
+    mukca_dataset data, test;
+    mukca_error error = {0};
+    mukca_diagnosis *d = calloc(1, sizeof *d);
+    assert_non_null(d);
+    set_scene(&s, "joint_drift:joint_2@300=2e-3", 21);
+    set_scene(&warm, NULL, 21);
+    s.how.noise = warm.how.noise = 1e-4;
+    warm.how.seed = 22;
+    record(&data, &s);
+    record(&test, &warm);
+    for (int row = 0; row < test.n_rows; row++) test.q[row * s.chain.n_joints + 1] -= 2e-3;
+    if (mukca_diagnose(d, &s.chain, &data, &(mukca_diagnose_options){.test = &test}, &error))
+        fail_msg("%s", error.text);
+    print_message("warm arm: geometry %.3f, with causes %.3f mm\n", 1e3 * d->test_geometry_m,
+                  1e3 * d->test_explained_m);
+    assert_true(d->test_explained_m > d->test_geometry_m);
+    assert_int_equal(d->verdict, MUKCA_VERDICT_NAMED);
+    assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_JOINT_DRIFT);
+    mukca_diagnosis_free(d);
+    mukca_dataset_free(&data);
+    mukca_dataset_free(&test);
+    free(d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -417,6 +447,6 @@ int main(void)
         cmocka_unit_test(test_payload),   cmocka_unit_test(test_moved_tool),
         cmocka_unit_test(test_tilt),      cmocka_unit_test(test_surprise),
         cmocka_unit_test(test_friction),  cmocka_unit_test(test_passing),
-        cmocka_unit_test(test_remainder)};
+        cmocka_unit_test(test_remainder), cmocka_unit_test(test_warm)};
     return cmocka_run_group_tests_name("simulate diagnosed", tests, NULL, NULL);
 }
