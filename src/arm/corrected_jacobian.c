@@ -87,7 +87,7 @@ PART void set_level(tip_columns *c, mukca_equilibrium *e)
     for (mukca_joint_posture *at = e->joint; at < e->joint + e->n_joints; at++) {
         lanes *vector[] = {at->axis, at->first, at->into_M, at->into_N};
         for (int k = 0; k < 4; k++) make_level(vector[k], &c->level);
-        for (int k = 0; k < 3; k++) make_level(at->frame.column[k], &c->level);
+        for (int k = 0; k < 3 && at->rotates; k++) make_level(at->frame.column[k], &c->level);
     }
 }
 

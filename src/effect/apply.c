@@ -6,11 +6,6 @@
 #include "effect/equilibrium.h"
 #include "math/sincos.h"
 
-const double *mukca_effect_axis(const mukca_effect *effect, const mukca_chain *chain)
-{
-    return effect->joint < 0 ? NULL : chain->element[chain->joint_element[effect->joint]].axis;
-}
-
 /* into += coefficients times rows of basis, n numbers each. */
 static inline void add_terms(double *into, int n, const mukca_effect *effect,
                              const double basis[][3])
@@ -46,7 +41,9 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
         add_direction(displacement, effect, chain, state);
         return;
     }
-    mukca_effect_basis(basis, effect, mukca_effect_axis(effect, chain), state);
+    const double *axis =
+        effect->joint < 0 ? NULL : chain->element[chain->joint_element[effect->joint]].axis;
+    mukca_effect_basis(basis, effect, axis, state);
     add_basis(displacement, mukca_effect_table[effect->kind]->site, effect,
               (const double(*)[3])basis);
 }
@@ -74,7 +71,7 @@ static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[e->kind];
     const mukca_basis_input in = {.effect = e,
-                                  .axis = mukca_effect_axis(e, task->chain),
+                                  .axis = effect_axis(e, task),
                                   .state = &task->state,
                                   .sine = sine,
                                   .cosine = cosine};

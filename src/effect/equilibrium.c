@@ -59,13 +59,15 @@ PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task, const
         const int j = g->joint[k];
         columns_enter(&F, g, k);
         if (j >= 0) {
-            columns_displace(&F, j, d);
+            mukca_joint_posture *joint = &e->joint[j];
+            joint->slides = g->type[k] == MUKCA_PRISMATIC;
+            if (joint->rotates) columns_bend(&F, d->rotation[j]);
             for (int c = 0; c < 4; c++)
-                for (int r = 0; r < ROWS; r++) e->joint[j].frame.column[c][r] = F.column[c][r];
-            columns_vector(e->joint[j].axis, &F, g->axis[k]);
+                for (int r = 0; r < ROWS; r++) joint->frame.column[c][r] = F.column[c][r];
+            columns_vector(joint->axis, &F, g->axis[k]);
             columns_turn(&F, g, k, at);
             for (int r = 0; r < ROWS; r++) body[r] = sum[r], sum[r] = (lanes){0};
-            body = e->joint[j].first;
+            body = joint->first;
         }
         columns_vector(moment, &F, first[k]);
         for (int r = 0; r < ROWS; r++) sum[r] += moment[r] + kg[k] * F.column[3][r];
@@ -150,16 +152,18 @@ PART void find_deflection(mukca_deflection *y, mukca_equilibrium *e, const mukca
     }
     for (int i = 0; i < e->n_other; i++) {
         const mukca_effect *f = task->effects + e->other[i];
-        add_other(y, e, f, mukca_effect_axis(f, task->chain), &state);
+        add_other(y, e, f, effect_axis(f, task), &state);
     }
 }
 
 PART void clear(mukca_deflection *y, const mukca_equilibrium *e)
 {
-    for (int j = 0; j < e->n_joints; j++) y->angle[j] = 0;
-    for (int i = 0; i < e->n_yielding; i++)
-        for (int a = 0; a < 3; a++) y->rotation[e->yielding[i]][a] = 0;
     for (int a = 0; a < 3; a++) y->base[a] = 0;
+    for (int i = 0; i < e->n_yielding; i++) {
+        const int j = e->yielding[i];
+        y->angle[j] = 0;
+        for (int a = 0; a < 3; a++) y->rotation[j][a] = 0;
+    }
 }
 
 /* y and the displacement += change. */
@@ -229,8 +233,9 @@ PART void move_moments(mukca_equilibrium *e, const mukca_deflection *change)
     lanes M[ROWS] = {0}, part[ROWS], tilt[ROWS];
     for (int j = e->n_joints - 1; j >= 0; j--) {
         mukca_joint_posture *at = &e->joint[j];
-        for (int r = 0; r < ROWS; r++) part[r] = at->into_M[r] * change->angle[j];
-        if (at->yields && at->tilts) {
+        const double angle = at->yields ? change->angle[j] : 0;
+        for (int r = 0; r < ROWS; r++) part[r] = at->into_M[r] * angle;
+        if (at->tilts) {
             tilt_of(tilt, e, change, j);
             columns_add_cross(part, tilt, at->first);
         }
@@ -253,25 +258,28 @@ PART void move_posture(mukca_equilibrium *e, const mukca_deflection *change, boo
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         lanes *p = at->frame.column[3];
+        if (!whole && !at->yields) continue;
         if (whole) {
             columns_cross(column, w, p);
             for (int r = 0; r < ROWS; r++) p[r] += v[r] + column[r];
         }
-        if (at->yields && at->tilts) {
+        if (at->tilts) {
             tilt_of(turn, e, change, j);
             columns_add_cross(v, p, turn);
             for (int r = 0; r < ROWS; r++) w[r] += turn[r];
         }
         if (whole) {
             columns_add_cross(at->axis, w, at->axis);
-            turn_columns(&at->frame, 3, w);
+            if (at->rotates) turn_columns(&at->frame, 3, w);
         }
-        for (int r = 0; r < ROWS; r++) {
-            turn[r] = change->angle[j] * at->axis[r];
-            if (at->slides) v[r] += turn[r], turn[r] *= 0;
+        if (at->yields) {
+            for (int r = 0; r < ROWS; r++) {
+                turn[r] = change->angle[j] * at->axis[r];
+                if (at->slides) v[r] += turn[r], turn[r] *= 0;
+            }
+            columns_add_cross(v, p, turn);
+            for (int r = 0; r < ROWS; r++) w[r] += turn[r];
         }
-        columns_add_cross(v, p, turn);
-        for (int r = 0; r < ROWS; r++) w[r] += turn[r];
         if (!whole) continue;
         columns_add_cross(at->first, w, at->first);
         if (at->slides) columns_add_cross(at->into_M, w, at->into_M);
@@ -294,14 +302,14 @@ static void start(mukca_equilibrium *e, const mukca_effect_task *task)
     e->tilts = false;
     for (int j = 0; j < chain->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
-        at->slides = task->geometry->type[chain->joint_element[j]] == MUKCA_PRISMATIC;
-        at->yields = at->tilts = false;
+        at->rotates = at->yields = at->tilts = false;
         at->spring = at->blade = at->bend = 0;
     }
     for (int i = 0; i < task->n_effects; i++) {
         const mukca_effect *f = &task->effects[i];
         const mukca_effect_info *info = mukca_effect_table[f->kind];
         double *spring = &e->spring;
+        if (info->site == MUKCA_SITE_ROTATION) e->joint[f->joint].rotates = true;
         if (!(info->needs & MUKCA_NEEDS_MASSES)) continue;
         some = true;
         e->tilts |= info->site != MUKCA_SITE_ANGLE;
@@ -336,7 +344,6 @@ PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, bool whol
                const mukca_effect_task *task)
 {
     mukca_deflection change;
-    clear(&change, e);
     find_deflection(&change, e, task);
     size->before = size->last;
     size->last = subtract(&change, e, y);

@@ -43,6 +43,7 @@ typedef struct {
                              the axis, rad/(N m), */
     double spring, blade; /* and their parts that do not depend on the load */
     bool slides;
+    bool rotates;       /* has an effect that rotates its frame */
     bool yields, tilts; /* has an effect that depends on the load; a rotation that does */
     bool turns;         /* what the effects rotate, as the joint turns */
 } mukca_joint_posture;
@@ -69,7 +70,11 @@ typedef struct {
 } mukca_deflection;
 
 /* Axis of an effect's joint, NULL where it has none. */
-const double *mukca_effect_axis(const mukca_effect *effect, const mukca_chain *chain);
+static inline const double *effect_axis(const mukca_effect *effect, const mukca_effect_task *task)
+{
+    return effect->joint < 0 ? NULL
+                             : task->geometry->axis[task->chain->joint_element[effect->joint]];
+}
 
 /* What the effects do without load; slopes may be NULL.  `bare`: the joints' angles. */
 void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
