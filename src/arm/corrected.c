@@ -1,4 +1,4 @@
-/* The corrected arm: read from an offsets table alone, its kinematics with effects. */
+/* The corrected arm: parsed from an offsets table alone; kinematics with effects. */
 #include "mukca/corrected.h"
 
 #include <string.h>
@@ -53,7 +53,7 @@ mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, siz
     return mukca_corrected_parse_any(model, text, size, false, error);
 }
 
-/* The arm at rest at q. */
+/* Static equilibrium at the encoder angles q. */
 static void find_rest(mukca_equilibrium *at, mukca_effect_slopes *slopes,
                       const mukca_corrected *model, const double *q, const mukca_joint_state *state)
 {
@@ -76,7 +76,7 @@ void mukca_corrected_position(double position[3], const mukca_corrected *model, 
     memcpy(position, tip.p, sizeof tip.p);
 }
 
-/* With effects; apart, so that an arm without them needs no stack for it. */
+/* With effects; a separate function, as an arm without effects needs none of its stack. */
 static __attribute__((noinline)) void find_pose(mukca_frame *tip, const mukca_corrected *model,
                                                 const double *q, const mukca_joint_state *state)
 {

@@ -1,31 +1,32 @@
-/* Jacobian of the corrected arm: the equilibrium under load moves with the joints' angles.
+/* Jacobian of the corrected arm: derivative of the static equilibrium by the joint angles.
  *
- * From the base outwards, all rows of the Jacobian side by side.  A motion that moves the tip by J
- * where nothing answers, and brings M and N of equilibrium.h about, moves it by
- * J + by_M . M + by_N . N in all: what yields further in answers M, what yields further out N.
- * N = W x g lies across gravity g, and as M acts by g x M alone, by_M does, too: they have two
- * numbers each where z is along gravity.  These sums hold what the answers do to the tip, which is
- * found in the same way.  Of by_N that begins with all answers, nothing is left in the end: two
- * more rows, which begin with one unit each, show what to begin with, as all of this is linear.
+ * From base to tip, all rows of the Jacobian in parallel.  A motion that moves a rigid arm's tip by
+ * J, and has M and N as in equilibrium.h, moves the elastic arm's tip by J + by_M . M + by_N . N:
+ * the proximal joints respond to M, the distal ones to N.  A response is such a motion itself: its
+ * J, M and N give its share in by_M and by_N.  N = W x g is perpendicular to gravity g, and so is
+ * by_M, as M acts through g x M alone: two components each in coordinates with z along gravity.
+ * Each joint passed moves its share from by_N to by_M, so that by_N ends at 0.  Its initial value
+ * is unknown, but the recursion is linear in it: it starts at 0, two more rows start at one unit
+ * each, and a 2 x 2 system at the end finds the multiples of these that bring by_N to 0.
  */
 #include "arm/corrected_jacobian.h"
 
 #include <string.h>
 
-/* Eight rows side by side: three of the tip's linear motion, one of a unit of by_N, three of its
- * angular motion, one of the other unit. */
+/* Eight rows: three of the tip's linear motion, one that starts at by_N = (1, 0), three of the
+ * angular motion, one that starts at (0, 1). */
 enum { ALL = 8 / MUKCA_LANES, UNIT = 3 };
 typedef struct {
     LANES_ALIGNED lanes row[ALL];
 } rows;
 
-/* What the answers do to the tip, as sums; and the joint before to this one's column. */
+/* Response of the tip to M and N; contribution of the previous joint to the present column. */
 typedef struct {
     rows by_M[2], by_N[2], before;
 } tip_answers;
 
-/* The posture, with gravity `g` along z of the columns `level`; and all columns of the Jacobian: of
- * a joint that turns where nothing answers, then the derivative. */
+/* The posture in the level frame, with gravity `g` along its z axis, and all columns of the
+ * Jacobian: first of the rigid arm, finally of the corrected arm. */
 typedef struct {
     columns level;
     double g;
@@ -34,10 +35,10 @@ typedef struct {
     const mukca_effect_slopes *slopes;
 } tip_columns;
 
-/* v := (1 - b w.w) v + b (w . v) w + a w x v: of the rate of a rotation vector w the angular
- * velocity of exp([w]x) in the coordinates before (side 1) or after (-1) that rotation, the left
- * and right Jacobian of SO(3); each is the transpose of the other.  The series is exact to 1e-9 up
- * to |w| = 0.2 rad. */
+/* v := (1 - b w.w) v + b (w . v) w + a w x v: from the rate v of a rotation vector w to the angular
+ * velocity of exp([w]x), in coordinates before (side 1) or after (-1) that rotation: left and right
+ * Jacobian of SO(3), each the transpose of the other.  The series is exact to 1e-9 up to
+ * |w| = 0.2 rad. */
 PART void turn_rate(double v[3], const double w[3], double side)
 {
     const double t2 = mukca_dot3(w, w);
@@ -49,9 +50,9 @@ PART void turn_rate(double v[3], const double w[3], double side)
     for (int i = 0; i < 3; i++) v[i] = (1 - b * t2) * v[i] + along * w[i] + a * across[i];
 }
 
-/* K := what a frame with the rotation vector w makes of the tip's motion by rotations in the
- * coordinates after w (side 1) or before it (-1): that by moments, with the slope of w by the
- * moment (across the axis).  By columns. */
+/* K := matrix from the tip's motion per rotation of a frame, in coordinates after (side 1) or
+ * before (-1) its rotation vector w, to that per moment; `slope`: derivative of w by the moment
+ * (across the axis).  By columns. */
 PART void set_answer(columns *K, const double w[3], double side, double slope, const double *axis)
 {
     for (int k = 0; k < 3; k++) {
@@ -63,7 +64,7 @@ PART void set_answer(columns *K, const double w[3], double side, double slope, c
     }
 }
 
-/* Of vectors where z is along gravity: up to now they were in base coordinates. */
+/* Transform a vector from base coordinates to the level frame. */
 PART void make_level(lanes *v, const columns *level)
 {
     double turned[3];
@@ -71,7 +72,8 @@ PART void make_level(lanes *v, const columns *level)
     memcpy(v, turned, sizeof turned);
 }
 
-/* The posture's coordinates turn so that gravity is along z. */
+/* Set the level frame, with z parallel to gravity (the base frame if it is level), and transform
+ * the posture to it. */
 PART void set_level(tip_columns *c, mukca_equilibrium *e)
 {
     const double *g = XYZ(e->gravity), size = mukca_norm3(g);
@@ -91,14 +93,14 @@ PART void set_level(tip_columns *c, mukca_equilibrium *e)
     }
 }
 
-/* Rotation vectors of joints that tilt in level coordinates, the slopes' as angular velocities; the
- * frames of joints that bend become their answers. */
+/* Transform rotation vectors to the level frame, and their derivatives by the joint angles to
+ * angular velocities; the matrix of set_answer() replaces the frame of a joint that bends. */
 PART void prepare(mukca_equilibrium *e, mukca_effect_slopes *slopes)
 {
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         double *rate = slopes->rotation[j], *w = e->displacement.rotation[j];
-        if (!e->loaded) at->twist = at->bend = 0; /* under moments that are given nothing answers */
+        if (!e->loaded) at->twist = at->bend = 0; /* given moments: no response */
         at->turns = rate[0] != 0 || rate[1] != 0 || rate[2] != 0;
         if (!at->turns && at->bend == 0) continue;
         to_base(w, &at->frame, w);
@@ -116,7 +118,7 @@ PART void set_motion(rows *m, const lanes *linear, const lanes *angular)
     for (int r = 0; r < ROWS; r++) m->row[r] = linear[r], m->row[ALL / 2 + r] = angular[r];
 }
 
-/* The motion as what has its origin at p turns about an axis. */
+/* Motion of the rigid arm's tip by rotation about an axis through p. */
 PART void set_turn(rows *m, const mukca_equilibrium *e, const lanes *axis, const lanes *p)
 {
     lanes lever[ROWS], shift[ROWS];
@@ -125,7 +127,7 @@ PART void set_turn(rows *m, const mukca_equilibrium *e, const lanes *axis, const
     set_motion(m, shift, axis);
 }
 
-/* Columns of the joints where nothing answers. */
+/* Columns of the rigid arm. */
 PART void set_columns(rows *joint, const mukca_equilibrium *e)
 {
     const lanes none[ROWS] = {0};
@@ -138,8 +140,8 @@ PART void set_columns(rows *joint, const mukca_equilibrium *e)
     }
 }
 
-/* out[3] := rows of the tip's motion by rotations about x, y and z of what has its origin at p and
- * the first moment S. */
+/* out[3] := tip's motion, with response, per rotation about x, y and z of all bodies distal of p,
+ * with first moment S about p. */
 PART void turn_frame(rows out[3], const tip_answers *t, const tip_columns *c, const lanes *p,
                      const double S[3])
 {
@@ -162,7 +164,7 @@ PART void apply(rows v[3], const columns *K)
     }
 }
 
-/* x, y := solution of m (x, y) = (x, y), m by rows. */
+/* (x, y) := m^-1 (x, y), m[4] row-major. */
 PART void solve(rows *x, rows *y, const double m[4])
 {
     const double size = 1 / (m[0] * m[3] - m[1] * m[2]);
@@ -174,7 +176,7 @@ PART void solve(rows *x, rows *y, const double m[4])
     }
 }
 
-/* by_M += v x g */
+/* by_M += v x g: share of a frame that moves the tip by v per moment. */
 PART void add_answer(tip_answers *t, const rows v[3], double g)
 {
     for (int r = 0; r < ALL; r++) {
@@ -183,8 +185,8 @@ PART void add_answer(tip_answers *t, const rows v[3], double g)
     }
 }
 
-/* Nothing but units of by_N, and the base's answer v: as it turns, it adds v x g to by_M, and
- * answers that, too. */
+/* Start with units of by_N and the response of the base, v per moment.  It adds v x g to by_M,
+ * which contributes to v: a 2 x 2 system. */
 PART void pass_base(tip_answers *t, const tip_columns *c, mukca_equilibrium *e)
 {
     static const lanes origin[ROWS];
@@ -207,8 +209,8 @@ PART void pass_base(tip_answers *t, const tip_columns *c, mukca_equilibrium *e)
     add_answer(t, v, c->g);
 }
 
-/* What the joint answers becomes part of by_M, and no longer of by_N; what it does to the tip is
- * shared out to its column and its neighbours'. */
+/* Move the joint's share from by_N to by_M; distribute its motion of the tip to its own column and
+ * its neighbours'. */
 PART void pass_joint(tip_answers *t, tip_columns *c, int j)
 {
     const mukca_joint_posture *at = &c->e->joint[j];

@@ -4,8 +4,8 @@
 
 #include "effect/equilibrium.h"
 
-/* J[6][n_joints] as mukca_corrected_jacobian has it, at a posture that mukca_equilibrium_find has
- * found, with its slopes (both are changed). */
+/* J[6][n_joints] of mukca_corrected_jacobian() at the posture and slopes of
+ * mukca_equilibrium_find() (both are overwritten). */
 void mukca_corrected_differentiate(double *J, mukca_equilibrium *at, mukca_effect_slopes *slopes);
 
 #endif

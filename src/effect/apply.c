@@ -1,4 +1,4 @@
-/* What effects do to a configuration of the arm, each by itself. */
+/* Displacement of the arm by one effect, and by all load-independent effects. */
 #include <math.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@
 #include "effect/equilibrium.h"
 #include "math/sincos.h"
 
-/* into += coefficients times rows of basis, n numbers each. */
+/* into += coefficients times rows of basis, n components each. */
 static inline void add_terms(double *into, int n, const mukca_effect *effect,
                              const double basis[][3])
 {
@@ -48,7 +48,7 @@ void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *ef
               (const double(*)[3])basis);
 }
 
-/* Slopes of one effect, given its basis. */
+/* Derivatives of one effect by the joint angles, from its basis. */
 static inline void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_ops *ops,
                               int n_joints, const mukca_basis_input *in, const double basis[][3])
 {
@@ -64,7 +64,8 @@ static inline void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_op
         add_terms(&slopes->angle[e->joint][1 + by], 1, e, (const double(*)[3])slope);
 }
 
-/* Displacement and slopes of one effect; sine[2] and cosine[2] of a periodic one's angles. */
+/* Displacement and derivatives of one effect; sine[2], cosine[2]: of a periodic effect's angles.
+ */
 static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
                          const mukca_effect_task *task, const mukca_effect *e, const double *sine,
                          const double *cosine)
@@ -89,7 +90,7 @@ static void add_unloaded(mukca_displacement *d, mukca_effect_slopes *slopes,
 void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
                             joint_angles *bare, const mukca_effect_task *task)
 {
-    enum { TOGETHER = 4 }; /* periodic effects of higher order: all lanes of a call */
+    enum { TOGETHER = 4 }; /* periodic effects per call of mukca_sincos(): all lanes */
     const mukca_effect *waiting[TOGETHER];
     double angle[TOGETHER], sine[TOGETHER], cosine[TOGETHER];
     int n = 0;

@@ -1,4 +1,4 @@
-/* The arm at rest under its load, with its effects. */
+/* Static equilibrium of the arm under load, with its effects: Newton's method. */
 #include "effect/equilibrium.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 #include "effect/catalogue.h"
 #include "mukca/gravity.h"
 
-/* Joints move to q + by: sines and cosines from those before. */
+/* Move the joints to q + by; update the sines and cosines from the previous ones. */
 PART void move_angles(joint_angles *at, const double *q, const double *by, int n)
 {
     double turn[WHOLE_JOINTS];
@@ -22,7 +22,7 @@ PART void move_angles(joint_angles *at, const double *q, const double *by, int n
     for (int j = 0; j < n; j += MUKCA_LANES) {
         const lanes s = LOAD_LANES(at->s + j), c = LOAD_LANES(at->c + j);
         const lanes x = LOAD_LANES(turn + j), t = x * x;
-        /* up to 1/32 rad the series' next terms are below 3e-17 */
+        /* up to 1/32 rad the next terms of the series are below 3e-17 */
         const lanes sine = x - x * t * (1.0 / 6 - t * (1.0 / 120 - t * (1.0 / 5040)));
         const lanes back = t * (0.5 - t * (1.0 / 24 - t * (1.0 / 720)));
         wide |= NOT_WITHIN(t, 0x1p-10);
@@ -33,7 +33,7 @@ PART void move_angles(joint_angles *at, const double *q, const double *by, int n
         at->s[0] = at->c[0] = (double)NAN;
 }
 
-/* The parts of a joint that carries `kg`. */
+/* Contributions of a joint to M and N; `kg`: mass of all distal bodies. */
 PART void set_parts(mukca_joint_posture *joint, double kg, const lanes *gravity)
 {
     columns_cross(joint->into_M, joint->axis, joint->first);
@@ -44,8 +44,8 @@ PART void set_parts(mukca_joint_posture *joint, double kg, const lanes *gravity)
     }
 }
 
-/* Frames and first moments of what moves with each joint, outwards, then of what each joint
- * carries, inwards. */
+/* From base to tip, frames and first moments of the bodies between a joint and the next; then from
+ * tip to base, first moments of all distal bodies. */
 PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task, const joint_angles *at)
 {
     const mukca_geometry *g = task->geometry;
@@ -90,7 +90,7 @@ PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task, const
     for (int r = 0; r < ROWS; r++) e->first[r] += sum[r];
 }
 
-/* Load of the joints that yield and of the base. */
+/* Gravity load of the base and of the joints with load-dependent effects. */
 PART void find_load(mukca_gravity_load *load, const mukca_equilibrium *e)
 {
     lanes moment[ROWS];
@@ -106,7 +106,7 @@ PART void find_load(mukca_gravity_load *load, const mukca_equilibrium *e)
     mukca_cross(load->base, XYZ(e->gravity), XYZ(e->first));
 }
 
-/* What an effect of the load that is no spring adds, and its slope. */
+/* Add a load-dependent effect that is not elastic, and its derivative by the load. */
 static void add_other(mukca_deflection *y, mukca_equilibrium *e, const mukca_effect *f,
                       const double *axis, const mukca_joint_state *state)
 {
@@ -123,7 +123,7 @@ static void add_other(mukca_deflection *y, mukca_equilibrium *e, const mukca_eff
     if (e->loaded) *slope += f->coefficient[0] * ops->by_load(f, basis[0]);
 }
 
-/* y := what yields to the load, by how much, and its slopes. */
+/* y := deflections under the present load; their derivatives by the load. */
 PART void find_deflection(mukca_deflection *y, mukca_equilibrium *e, const mukca_effect_task *task)
 {
     mukca_gravity_load load;
@@ -185,14 +185,14 @@ PART void add_change(mukca_deflection *y, mukca_equilibrium *e, const mukca_defl
     }
 }
 
-/* y -= by; size becomes the larger of it and what is left. */
+/* y -= by; size := max(size, |y|). */
 MUKCA_INLINE void take_part(double *y, double by, double *size)
 {
     *y -= by;
     if (fabs(*y) > *size) *size = fabs(*y);
 }
 
-/* y -= by.  Returns the largest part of what is left, rad or m. */
+/* y -= by.  Returns the largest absolute component of y, rad or m. */
 PART double subtract(mukca_deflection *y, const mukca_equilibrium *e, const mukca_deflection *by)
 {
     double size = 0;
@@ -206,8 +206,8 @@ PART double subtract(mukca_deflection *y, const mukca_equilibrium *e, const mukc
     return size;
 }
 
-/* out[ROWS] := what a change turns the frame of a joint by, to squares: a rotation vector b that
- * changes by r turns by r - b x r / 2 after the rotation. */
+/* out[ROWS] := rotation of a joint's frame by a change r of its rotation vector b, to second order:
+ * r - b x r / 2 in the coordinates after the rotation. */
 PART void tilt_of(lanes *out, const mukca_equilibrium *e, const mukca_deflection *change, int j)
 {
     const double *r = change->rotation[j];
@@ -217,7 +217,7 @@ PART void tilt_of(lanes *out, const mukca_equilibrium *e, const mukca_deflection
     columns_vector(out, &e->joint[j].frame, bent);
 }
 
-/* f := f + w x f, vectors of a frame. */
+/* f := f + w x f for n columns of a frame. */
 PART void turn_columns(columns *f, int n, const lanes *w)
 {
     lanes by[ROWS] = {0};
@@ -227,7 +227,8 @@ PART void turn_columns(columns *f, int n, const lanes *w)
     }
 }
 
-/* First moments, after the joints' own turns: inwards, what moves further out. */
+/* Update the first moments by the motions of the distal joints, from tip to base; their rotation by
+ * the proximal joints and the joint itself is already included. */
 PART void move_moments(mukca_equilibrium *e, const mukca_deflection *change)
 {
     lanes M[ROWS] = {0}, part[ROWS], tilt[ROWS];
@@ -247,7 +248,8 @@ PART void move_moments(mukca_equilibrium *e, const mukca_deflection *change)
     for (int r = 0; r < ROWS; r++) e->first[r] += M[r];
 }
 
-/* The tip, and the `whole` posture, move with a small last change, exact to its squares. */
+/* Move the tip, and with `whole` the entire posture, by the last change, small enough for first
+ * order. */
 PART void move_posture(mukca_equilibrium *e, const mukca_deflection *change, bool whole)
 {
     lanes v[ROWS] = {0}, w[ROWS] = {0}, turn[ROWS], column[ROWS] = {0};
@@ -289,7 +291,7 @@ PART void move_posture(mukca_equilibrium *e, const mukca_deflection *change, boo
     for (int r = 0; r < ROWS; r++) e->tip.column[3][r] += v[r];
 }
 
-/* Sort the effects that depend on the load by joints, and into springs and others. */
+/* Sort the load-dependent effects by joint, and into elastic ones and others. */
 static void start(mukca_equilibrium *e, const mukca_effect_task *task)
 {
     const mukca_chain *chain = task->chain;
@@ -329,7 +331,7 @@ static void start(mukca_equilibrium *e, const mukca_effect_task *task)
     e->loaded = some && !task->state.torque;
 }
 
-/* rad or m: seven joints and their rotations together keep the tip within 1e-12. */
+/* Tolerance, rad or m: seven joints with their rotations keep the tip within 1e-12. */
 static const double rest = 1e-13;
 
 /* Sizes of the steps so far. */
@@ -337,9 +339,9 @@ typedef struct {
     double first, before, last;
 } steps;
 
-/* A step of Newton's method: the displacement changes by the difference between what yields under
- * the load of the posture and what did, y, with the answers to it.  Returns whether that is the
- * rest; then the tip is there, and the `whole` posture. */
+/* One step of Newton's method: the displacement changes by the deflection under the load of this
+ * posture minus the present deflection y, plus the response to this change.  Returns true at
+ * equilibrium; then the tip, and with `whole` the posture, are updated. */
 PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, bool whole,
                const mukca_effect_task *task)
 {
@@ -349,13 +351,14 @@ PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, bool whol
     size->last = subtract(&change, e, y);
     if (size->before == 0) size->first = size->last;
     if (e->loaded && !(size->last > rest)) return true;
-    /* To what the method leaves, of the size's square: a round leaves the deflection per rad, which
-     * is up to ten times `first`, or 0.01 where a posture happens to deflect less. */
+    /* A step of Newton's method leaves an error of order size^2.  The response is computed to this
+     * accuracy: a round multiplies its error by the deflection per rad, at most ten times `first`,
+     * or 0.01 in a posture of little deflection. */
     const double left = size->last * size->last + rest;
     if (e->loaded) mukca_equilibrium_settle(&change, e, left / (10 * size->first + 0.01));
     add_change(y, e, &change);
-    /* The next step is smaller than this at least as this than the one before.  What the method
-     * leaves out shrinks by the rotations times the deflection per rad: both are some `first`. */
+    /* The next step is at most last^2 / before.  The terms neglected in the response are smaller
+     * than this step by the rotations times the deflection per rad, both of order `first`. */
     const bool found = size->last * size->last < rest * size->before &&
                        size->last * size->first * size->first < rest;
     if (found) move_posture(e, &change, whole);
@@ -365,7 +368,7 @@ PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, bool whol
 MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slopes *slopes,
                                          const mukca_effect_task *task)
 {
-    enum { ROUNDS = 8 }; /* usually 2: Newton's method, from 1 mrad off */
+    enum { ROUNDS = 8 }; /* usually 2, from an error of 1 mrad */
     mukca_displacement *d = &e->displacement;
     mukca_deflection y;
     joint_angles at;
@@ -375,14 +378,14 @@ MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slop
     mukca_effects_unloaded(d, slopes, &at, task);
     d->any_rotation |= e->tilts;
     clear(&y, e);
-    if (!e->loaded) step(e, &y, &size, false, task); /* under moments that are given */
+    if (!e->loaded) step(e, &y, &size, false, task); /* under given moments */
     for (int round = 0; round < ROUNDS && !found; round++) {
         move_angles(&at, task->state.q, d->q, e->n_joints);
         set_posture(e, task, &at);
         found = !e->loaded || step(e, &y, &size, slopes != NULL, task);
     }
     if (slopes && e->loaded && e->n_other > 0)
-        find_deflection(&y, e, task); /* slopes by the load */
+        find_deflection(&y, e, task); /* derivatives by the load */
 }
 
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,

@@ -1,13 +1,13 @@
-/* The arm at rest under its load, with its effects: a displacement that the loads at the displaced
- * posture bring about.
+/* Static equilibrium of the arm with its effects: the displacement caused by the loads at the
+ * displaced posture.
  *
- * Everything is in base coordinates, at the displaced posture.  A joint's frame turns about its
- * origin by the effects' rotation, then the joint turns by its angle.  S is the first moment of
- * what a joint carries about its origin, g gravity: the holding moment is g x S.  As the frame
- * before the joint turns by W, and what the joint carries moves in it so that S changes by M, the
- * moment changes in this frame by g x M + S x N with N = W x g.  A joint that turns about its axis
- * a has a part in N of those further out, a x g per rad, and in M of those further in, a x S.
- * Effects answer with angles and rotations.
+ * All vectors are in base coordinates, at the displaced posture.  The effects rotate a joint's
+ * frame about its origin, then the joint turns by its angle.  S is the first moment of all bodies
+ * distal of a joint about its origin, g gravity: the holding moment is g x S.  If the frame rotates
+ * by W, and a motion of the distal bodies relative to it changes S by M, the moment changes in this
+ * frame by g x M + S x N, with N = W x g.  A joint that turns about its axis a contributes a x g
+ * per rad to N of all distal joints, and a x S to M of itself and of all proximal joints.  Effects
+ * respond to the moments by angles and rotations.
  */
 #ifndef MUKCA_EFFECT_EQUILIBRIUM_H
 #define MUKCA_EFFECT_EQUILIBRIUM_H
@@ -15,7 +15,7 @@
 #include "model/turn.h"
 #include "mukca/effect.h"
 
-/* The effects of an arm at a bare posture; state.q is set. */
+/* The effects of an arm at the encoder angles state.q. */
 typedef struct {
     const mukca_effect *effects; /* [n_effects] */
     int n_effects;
@@ -24,28 +24,26 @@ typedef struct {
     mukca_joint_state state;
 } mukca_effect_task;
 
-/* Derivatives by the joints' angles, with what all effects together do without load. */
+/* Derivatives by the joint angles, with all load-independent effects. */
 typedef struct {
-    /* of a joint's angle, with what is added, by the angle of the joint before, its own, the next
-     */
+    /* of a joint's displaced angle, by the angle of the previous joint, its own, the next one's */
     double angle[MUKCA_MAX_JOINTS][3];
-    double rotation[MUKCA_MAX_JOINTS][3]; /* of the rotation vector, by its own angle */
+    double rotation[MUKCA_MAX_JOINTS][3]; /* of the rotation vector, by the joint's angle */
 } mukca_effect_slopes;
 
 typedef struct {
-    LANES_ALIGNED columns
-        frame; /* after the effects' rotation, before it turns; its origin is the joint's */
+    LANES_ALIGNED columns frame; /* at its origin, between the effects' rotation and its own */
     lanes axis[ROWS];
     lanes first[ROWS];    /* S */
-    lanes into_M[ROWS];   /* per rad or m: a x S, or kg a of one that slides */
-    lanes into_N[ROWS];   /* a x g, or 0 */
-    double twist, bend;   /* slopes of the angle by the torque, of the rotation by the moment across
-                             the axis, rad/(N m), */
-    double spring, blade; /* and their parts that do not depend on the load */
+    lanes into_M[ROWS];   /* contribution to M per rad: a x S; prismatic, per m: kg a */
+    lanes into_N[ROWS];   /* to N: a x g; prismatic: 0 */
+    double twist, bend;   /* derivative of the angle by the torque, of the rotation by the moment
+                             across the axis, rad/(N m); */
+    double spring, blade; /* their elastic parts, which are constant */
     bool slides;
     bool rotates;       /* has an effect that rotates its frame */
-    bool yields, tilts; /* has an effect that depends on the load; a rotation that does */
-    bool turns;         /* what the effects rotate, as the joint turns */
+    bool yields, tilts; /* has a load-dependent effect; a load-dependent rotation */
+    bool turns;         /* the effects' rotation depends on the joint's angle */
 } mukca_joint_posture;
 
 typedef struct {
@@ -53,52 +51,52 @@ typedef struct {
     mukca_displacement displacement;
     LANES_ALIGNED columns tip;
     lanes gravity[ROWS];
-    lanes first[ROWS];   /* of all that moves, about the base's origin */
+    lanes first[ROWS];   /* S of the whole arm, about the base origin */
     double bend, spring; /* of the base, as above */
     int n_joints, n_yielding, n_other;
-    unsigned char yielding[MUKCA_MAX_JOINTS]; /* joints, outwards */
-    unsigned char other[MUKCA_MAX_EFFECTS];   /* indices of the effects that depend on the load and
-                                                 are no springs */
-    bool tilts;                               /* rotations depend on the load */
-    bool loaded; /* some depend on the load, and it moves with the posture */
+    unsigned char yielding[MUKCA_MAX_JOINTS]; /* joints, from base to tip */
+    unsigned char other[MUKCA_MAX_EFFECTS];   /* indices of load-dependent, not elastic effects */
+    bool tilts;                               /* some rotations depend on the load */
+    bool loaded; /* some effects depend on the load, which depends on the posture */
 } mukca_equilibrium;
 
-/* What yields to the load, by its own: angles (rad, m), rotation vectors of joints and of the base,
- * as in a displacement.  What does not yield is not set. */
+/* Load-dependent part of a displacement: angles (rad, m), rotation vectors of joints and base.
+ * Members without load-dependent effect are not set. */
 typedef struct {
     double angle[MUKCA_MAX_JOINTS], rotation[MUKCA_MAX_JOINTS][3], base[3];
 } mukca_deflection;
 
-/* Axis of an effect's joint, NULL where it has none. */
+/* Axis of an effect's joint; NULL: no joint. */
 static inline const double *effect_axis(const mukca_effect *effect, const mukca_effect_task *task)
 {
     return effect->joint < 0 ? NULL
                              : task->geometry->axis[task->chain->joint_element[effect->joint]];
 }
 
-/* What the effects do without load; slopes may be NULL.  `bare`: the joints' angles. */
+/* Displacement by the load-independent effects; slopes may be NULL.  `bare` receives the encoder
+ * angles. */
 void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
                             joint_angles *bare, const mukca_effect_task *task);
 
-/* The rest under the load, to 1e-12 rad; slopes as above. */
+/* Static equilibrium under the load, to 1e-12 rad; slopes as above. */
 void mukca_equilibrium_find(mukca_equilibrium *at, mukca_effect_slopes *slopes,
                             const mukca_effect_task *task);
 
-/* change += the answers to the change of the load that it brings about: a fixed point, as each
- * answer changes the load again, up to answers of `within`, rad.  A round leaves of what is missing
- * the deflection per radian that the arm turns, 0.05 at most.  Rotation vectors are taken for
- * rotations: right enough for Newton's method. */
+/* Add to `change` the elastic response to the change of load that it causes.  Each response changes
+ * the load again: fixed-point iteration, until a response is below `within`, rad.  Each round
+ * multiplies the error by the deflection per rad of motion, 0.05 at most.  Changes of rotation
+ * vectors are used as rotations: sufficient for Newton's method. */
 void mukca_equilibrium_settle(mukca_deflection *change, const mukca_equilibrium *at, double within);
 
-/* All terms of an effect := 0, by vectors: for so few bytes gcc takes an instruction that is slower
- * than most effects. */
+/* All terms of an effect := 0, by vector stores: for so few bytes gcc replaces memset by an
+ * instruction that is slower than most effects. */
 MUKCA_INLINE void clear_terms(double terms[MUKCA_MAX_TERMS][3])
 {
     double *all = (double *)(void *)terms;
     for (int i = 0; i < 3 * MUKCA_MAX_TERMS; i += MUKCA_LANES) STORE_LANES(all + i, (lanes){0});
 }
 
-/* A vector in base coordinates, in a joint's frame; and back. */
+/* Transform a vector from base coordinates to a joint's frame; and back. */
 MUKCA_INLINE void to_joint(double out[3], const columns *F, const double v[3])
 {
     const double x = v[0], y = v[1], z = v[2];

@@ -1,4 +1,4 @@
-/* Joints turn a vector or a frame (Rodrigues). */
+/* Rotation of vectors and frames by joints (Rodrigues' formula). */
 #ifndef MUKCA_MODEL_TURN_H
 #define MUKCA_MODEL_TURN_H
 
@@ -7,8 +7,8 @@
 #include "math/sincos.h"
 #include "mukca/chain.h"
 
-/* With several lanes part of the function that is compiled for each processor; with one apart: a
- * small controller has little stack and memory for code. */
+/* Part of a kernel: with several lanes inline, to be compiled for each processor; with one lane a
+ * separate function, as a small controller has little stack and code memory. */
 #if MUKCA_LANES > 1
 #define PART MUKCA_INLINE
 #else
@@ -32,7 +32,7 @@ MUKCA_INLINE void turn_vector(double v[3], const mukca_geometry *geometry, int k
     for (int i = 0; i < 3; i++) v[i] = c * v[i] + s * cross[i] + along * axis[i];
 }
 
-/* v := R v + p, what does not wait for x and y of v first. */
+/* v := R v + p; z and p first, as x and y of v are available last. */
 MUKCA_INLINE void place_vector(double v[3], const mukca_frame *frame)
 {
     const double *R = frame->R, *p = frame->p, x = v[0], y = v[1], z = v[2];
@@ -42,8 +42,8 @@ MUKCA_INLINE void place_vector(double v[3], const mukca_frame *frame)
 
 enum { WHOLE_JOINTS = (MUKCA_MAX_JOINTS + 3) / 4 * 4 };
 
-/* Angles (lengths) of all joints, displaced, with sines and cosines (of a length too, which nobody
- * uses). */
+/* Displaced angles (prismatic joints: lengths) of all joints; sines and cosines (unused for
+ * lengths). */
 typedef struct {
     const double *q; /* the caller's, or `moved` */
     LANES_ALIGNED double moved[WHOLE_JOINTS], s[WHOLE_JOINTS], c[WHOLE_JOINTS];
@@ -52,7 +52,7 @@ typedef struct {
 void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
                             const mukca_displacement *displacement);
 
-/* Rotation vector of joint j before it turns; NULL where there is none. */
+/* Rotation vector of joint j's frame before its rotation; NULL: none. */
 static inline const double *joint_rotation(const mukca_displacement *displacement, int j)
 {
     if (j < 0 || !displacement || !displacement->any_rotation) return NULL;
@@ -60,18 +60,18 @@ static inline const double *joint_rotation(const mukca_displacement *displacemen
     return w[0] != 0 || w[1] != 0 || w[2] != 0 ? w : NULL;
 }
 
-/* A frame by columns: x, y and z axis and origin, in base coordinates.  With several lanes a column
- * is one vector, whose fourth number is 0, else an array. */
+/* A frame by columns: x, y and z axes and origin, in base coordinates.  With several lanes a
+ * column is one vector with 0 as its fourth component, else an array. */
 enum { ROWS = MUKCA_LANES > 1 ? 1 : 3 };
 typedef struct {
     lanes column[4][ROWS];
 } columns;
 
-/* Numbers of a vector; number `i` of column `c`. */
+/* Components of a vector; component `i` of column `c`. */
 #define XYZ(vector) ((const double *)(vector))
 #define COLUMN(F, c, i) (XYZ((F)->column[c])[i])
 
-/* F := F R, for the orientation. */
+/* F := F R, R a rotation matrix. */
 MUKCA_INLINE void columns_rotate(columns *F, const double R[9])
 {
     for (int r = 0; r < ROWS; r++) {
@@ -80,15 +80,16 @@ MUKCA_INLINE void columns_rotate(columns *F, const double R[9])
     }
 }
 
-/* out[ROWS] := a vector in the frame's own coordinates, in base coordinates. */
+/* out[ROWS] := v, from the frame's own to base coordinates (no shift). */
 MUKCA_INLINE void columns_vector(lanes *out, const columns *F, const double v[3])
 {
     for (int r = 0; r < ROWS; r++)
         out[r] = F->column[0][r] * v[0] + F->column[1][r] * v[1] + F->column[2][r] * v[2];
 }
 
-/* c := a x b.  With several lanes in registers: reading numbers of a vector just stored, or a
- * vector of numbers just stored, takes as long as ten operations.  The fourth number stays 0. */
+/* c := a x b.  With several lanes in registers: a load of one component of a vector just stored,
+ * or of a vector stored by components, takes as long as ten operations.  The fourth component stays
+ * 0. */
 #if MUKCA_LANES > 1 && defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define NEXT(v) __builtin_shufflevector(v, v, 1, 2, 0, 3)
@@ -107,7 +108,7 @@ PART void columns_cross(lanes *c, const lanes *a, const lanes *b)
 #endif
 }
 
-/* c += a x b, c -= a x b; a . b, without the fourth number. */
+/* c += a x b; c -= a x b; a . b of three components. */
 PART void columns_add_cross(lanes *c, const lanes *a, const lanes *b)
 {
     lanes cross[ROWS];
@@ -129,7 +130,7 @@ MUKCA_INLINE double columns_dot(const lanes *a, const lanes *b)
     return XYZ(part)[0] + XYZ(part)[1] + XYZ(part)[2];
 }
 
-/* The origin moves by v, in the frame's own coordinates. */
+/* Shift the origin by v, in the frame's own coordinates. */
 MUKCA_INLINE void columns_move(columns *F, const double v[3])
 {
     lanes step[ROWS];
@@ -137,7 +138,7 @@ MUKCA_INLINE void columns_move(columns *F, const double v[3])
     for (int r = 0; r < ROWS; r++) F->column[3][r] += step[r];
 }
 
-/* F := F times the joint of element k at its angle or length. */
+/* F := F times the motion of element k's joint at its angle or length. */
 MUKCA_INLINE void columns_turn(columns *F, const mukca_geometry *geometry, int k,
                                const joint_angles *at)
 {
@@ -161,14 +162,14 @@ MUKCA_INLINE void columns_turn(columns *F, const mukca_geometry *geometry, int k
     }
 }
 
-/* F := F times the origin of element k. */
+/* F := F times the fixed transform of element k. */
 MUKCA_INLINE void columns_enter(columns *F, const mukca_geometry *geometry, int k)
 {
     columns_move(F, geometry->origin[k].p);
     columns_rotate(F, geometry->origin[k].R);
 }
 
-/* F := F R, where R turns by the rotation vector w: (1 - b w.w) + b w w' + a [w]x. */
+/* F := F R, R the rotation by the vector w: (1 - b w.w) + b w w' + a [w]x. */
 MUKCA_INLINE void columns_bend(columns *F, const double w[3])
 {
     const double t2 = mukca_dot3(w, w);
@@ -193,14 +194,14 @@ MUKCA_INLINE void columns_bend(columns *F, const double w[3])
     }
 }
 
-/* The joint's displacement in rotation, before it turns. */
+/* Rotate F by the joint's displacement, before the joint's rotation. */
 MUKCA_INLINE void columns_displace(columns *F, int joint, const mukca_displacement *displacement)
 {
     const double *w = joint_rotation(displacement, joint);
     if (w) columns_bend(F, w);
 }
 
-/* The base, displaced. */
+/* F := frame of the displaced base. */
 MUKCA_INLINE void columns_base(columns *F, const mukca_displacement *displacement)
 {
     memset(F, 0, sizeof *F);
