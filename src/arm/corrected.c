@@ -54,8 +54,9 @@ mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, siz
 }
 
 /* Static equilibrium at the encoder angles q. */
-static void find_rest(mukca_equilibrium *at, mukca_effect_slopes *slopes,
-                      const mukca_corrected *model, const double *q, const mukca_joint_state *state)
+static void find_equilibrium(mukca_equilibrium *at, mukca_effect_slopes *slopes,
+                             const mukca_corrected *model, const double *q,
+                             const mukca_joint_state *state)
 {
     static const mukca_joint_state none = {.placement = -1};
     mukca_effect_task task;
@@ -81,7 +82,7 @@ static __attribute__((noinline)) void find_pose(mukca_frame *tip, const mukca_co
                                                 const double *q, const mukca_joint_state *state)
 {
     mukca_equilibrium at;
-    find_rest(&at, NULL, model, q, state);
+    find_equilibrium(&at, NULL, model, q, state);
     columns_frame(tip, &at.tip);
 }
 
@@ -100,7 +101,7 @@ static __attribute__((noinline)) void find_jacobian(double *J, mukca_frame *tip,
 {
     mukca_equilibrium at;
     mukca_effect_slopes slopes;
-    find_rest(&at, &slopes, model, q, state);
+    find_equilibrium(&at, &slopes, model, q, state);
     mukca_corrected_differentiate(J, &at, &slopes);
     if (tip) columns_frame(tip, &at.tip);
 }

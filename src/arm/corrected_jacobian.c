@@ -23,7 +23,7 @@ typedef struct {
 /* Response of the tip to M and N; contribution of the previous joint to the present column. */
 typedef struct {
     rows by_M[2], by_N[2], before;
-} tip_answers;
+} tip_response;
 
 /* The posture in the level frame, with gravity `g` along its z axis, and all columns of the
  * Jacobian: first of the rigid arm, finally of the corrected arm. */
@@ -53,7 +53,8 @@ PART void turn_rate(double v[3], const double w[3], double side)
 /* K := matrix from the tip's motion per rotation of a frame, in coordinates after (side 1) or
  * before (-1) its rotation vector w, to that per moment; `slope`: derivative of w by the moment
  * (across the axis).  By columns. */
-PART void set_answer(columns *K, const double w[3], double side, double slope, const double *axis)
+PART void set_compliance(columns *K, const double w[3], double side, double slope,
+                         const double *axis)
 {
     for (int k = 0; k < 3; k++) {
         double *m = (double *)K->column[k];
@@ -65,7 +66,7 @@ PART void set_answer(columns *K, const double w[3], double side, double slope, c
 }
 
 /* Transform a vector from base coordinates to the level frame. */
-PART void make_level(lanes *v, const columns *level)
+PART void to_level(lanes *v, const columns *level)
 {
     double turned[3];
     to_joint(turned, level, XYZ(v));
@@ -85,16 +86,16 @@ PART void set_level(tip_columns *c, mukca_equilibrium *e)
     mukca_rotation_transverse(x, y, along);
     memcpy(c->level.column[2], along, sizeof along);
     c->g = size;
-    make_level(e->first, &c->level);
+    to_level(e->first, &c->level);
     for (mukca_joint_posture *at = e->joint; at < e->joint + e->n_joints; at++) {
         lanes *vector[] = {at->axis, at->first, at->into_M, at->into_N};
-        for (int k = 0; k < 4; k++) make_level(vector[k], &c->level);
-        for (int k = 0; k < 3 && at->rotates; k++) make_level(at->frame.column[k], &c->level);
+        for (int k = 0; k < 4; k++) to_level(vector[k], &c->level);
+        for (int k = 0; k < 3 && at->rotates; k++) to_level(at->frame.column[k], &c->level);
     }
 }
 
 /* Transform rotation vectors to the level frame, and their derivatives by the joint angles to
- * angular velocities; the matrix of set_answer() replaces the frame of a joint that bends. */
+ * angular velocities; the matrix of set_compliance() replaces the frame of a joint that bends. */
 PART void prepare(mukca_equilibrium *e, mukca_effect_slopes *slopes)
 {
     for (int j = 0; j < e->n_joints; j++) {
@@ -108,7 +109,7 @@ PART void prepare(mukca_equilibrium *e, mukca_effect_slopes *slopes)
             to_base(rate, &at->frame, rate);
             turn_rate(rate, w, -1);
         }
-        if (at->bend != 0) set_answer(&at->frame, w, 1, at->bend, XYZ(at->axis));
+        if (at->bend != 0) set_compliance(&at->frame, w, 1, at->bend, XYZ(at->axis));
     }
 }
 
@@ -142,8 +143,8 @@ PART void set_columns(rows *joint, const mukca_equilibrium *e)
 
 /* out[3] := tip's motion, with response, per rotation about x, y and z of all bodies distal of p,
  * with first moment S about p. */
-PART void turn_frame(rows out[3], const tip_answers *t, const tip_columns *c, const lanes *p,
-                     const double S[3])
+PART void rotate_distal(rows out[3], const tip_response *t, const tip_columns *c, const lanes *p,
+                        const double S[3])
 {
     const rows *M = t->by_M, *N = t->by_N;
     for (int i = 0; i < 3; i++) set_turn(&out[i], c->e, c->level.column[i], p);
@@ -177,7 +178,7 @@ PART void solve(rows *x, rows *y, const double m[4])
 }
 
 /* by_M += v x g: share of a frame that moves the tip by v per moment. */
-PART void add_answer(tip_answers *t, const rows v[3], double g)
+PART void add_share(tip_response *t, const rows v[3], double g)
 {
     for (int r = 0; r < ALL; r++) {
         t->by_M[0].row[r] += v[1].row[r] * g;
@@ -187,7 +188,7 @@ PART void add_answer(tip_answers *t, const rows v[3], double g)
 
 /* Start with units of by_N and the response of the base, v per moment.  It adds v x g to by_M,
  * which contributes to v: a 2 x 2 system. */
-PART void pass_base(tip_answers *t, const tip_columns *c, mukca_equilibrium *e)
+PART void pass_base(tip_response *t, const tip_columns *c, mukca_equilibrium *e)
 {
     static const lanes origin[ROWS];
     static const double unit[2][8] = {{[UNIT] = 1}, {[4 + UNIT] = 1}};
@@ -199,30 +200,30 @@ PART void pass_base(tip_answers *t, const tip_columns *c, mukca_equilibrium *e)
     memcpy(t->by_N, unit, sizeof unit);
     if (e->bend == 0 || !e->loaded) return;
     to_joint(w, &c->level, w);
-    set_answer(&K, w, -1, e->bend, NULL);
-    turn_frame(v, t, c, origin, S);
+    set_compliance(&K, w, -1, e->bend, NULL);
+    rotate_distal(v, t, c, origin, S);
     apply(v, &K);
     for (int i = 0; i < 2; i++)
         for (int k = 0; k < 2; k++)
             own[2 * i + k] = (i == k) - c->g * (COLUMN(&K, k, i) * S[2] - COLUMN(&K, 2, i) * S[k]);
     solve(&v[0], &v[1], own);
-    add_answer(t, v, c->g);
+    add_share(t, v, c->g);
 }
 
 /* Move the joint's share from by_N to by_M; distribute its motion of the tip to its own column and
  * its neighbours'. */
-PART void pass_joint(tip_answers *t, tip_columns *c, int j)
+PART void pass_joint(tip_response *t, tip_columns *c, int j)
 {
     const mukca_joint_posture *at = &c->e->joint[j];
     const double *M = XYZ(at->into_M), *N = XYZ(at->into_N), *S = XYZ(at->first);
     const double *by = c->slopes->angle[j], *w = c->slopes->rotation[j];
     rows *own = &c->joint[j], rate = t->before, v[3];
-    if (at->turns || at->bend != 0) turn_frame(v, t, c, at->frame.column[3], S);
+    if (at->turns || at->bend != 0) rotate_distal(v, t, c, at->frame.column[3], S);
     for (int r = 0; r < ALL && at->turns; r++)
         rate.row[r] += v[0].row[r] * w[0] + v[1].row[r] * w[1] + v[2].row[r] * w[2];
     if (at->bend != 0) {
         apply(v, &at->frame);
-        add_answer(t, v, c->g);
+        add_share(t, v, c->g);
         for (int r = 0; r < ALL; r++) {
             t->by_N[0].row[r] -= v[1].row[r] * S[2] - v[2].row[r] * S[1];
             t->by_N[1].row[r] += v[0].row[r] * S[2] - v[2].row[r] * S[0];
@@ -231,7 +232,7 @@ PART void pass_joint(tip_answers *t, tip_columns *c, int j)
     for (int r = 0; r < ALL; r++) {
         const lanes turn = own->row[r] + (t->by_M[0].row[r] * M[0] + t->by_M[1].row[r] * M[1]) +
                            (t->by_N[0].row[r] * N[0] + t->by_N[1].row[r] * N[1]);
-        for (int i = 0; i < 2 && at->yields; i++) {
+        for (int i = 0; i < 2 && at->deflects; i++) {
             t->by_M[i].row[r] += at->twist * N[i] * turn;
             t->by_N[i].row[r] -= at->twist * M[i] * turn;
         }
@@ -246,21 +247,21 @@ MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
 {
     const int n = e->n_joints;
     tip_columns c;
-    tip_answers t;
+    tip_response t;
     c.e = e, c.slopes = slopes;
     set_columns(c.joint, e);
     set_level(&c, e);
     prepare(e, slopes);
     pass_base(&t, &c, e);
     for (int j = 0; j < n; j++) pass_joint(&t, &c, j);
-    rows *left = t.by_N;
-    const double *x = XYZ(left[0].row), *y = XYZ(left[1].row);
+    rows *end = t.by_N;
+    const double *x = XYZ(end[0].row), *y = XYZ(end[1].row);
     const double of_units[4] = {x[UNIT], x[4 + UNIT], y[UNIT], y[4 + UNIT]};
-    solve(&left[0], &left[1], of_units);
+    solve(&end[0], &end[1], of_units);
     for (int j = 0; j < n; j++) {
         const double *own = XYZ(c.joint[j].row), first = own[UNIT], second = own[4 + UNIT];
         for (int r = 0; r < ALL; r++)
-            c.joint[j].row[r] -= left[0].row[r] * first + left[1].row[r] * second;
+            c.joint[j].row[r] -= end[0].row[r] * first + end[1].row[r] * second;
         for (int i = 0; i < 6; i++) J[i * n + j] = own[i + i / 3];
     }
 }

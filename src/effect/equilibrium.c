@@ -34,7 +34,7 @@ PART void move_angles(joint_angles *at, const double *q, const double *by, int n
 }
 
 /* Contributions of a joint to M and N; `kg`: mass of all distal bodies. */
-PART void set_parts(mukca_joint_posture *joint, double kg, const lanes *gravity)
+PART void set_contributions(mukca_joint_posture *joint, double kg, const lanes *gravity)
 {
     columns_cross(joint->into_M, joint->axis, joint->first);
     columns_cross(joint->into_N, joint->axis, gravity);
@@ -85,7 +85,7 @@ PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task, const
             sum[r] += joint->first[r];
             joint->first[r] = sum[r] - total * joint->frame.column[3][r];
         }
-        set_parts(joint, total, e->gravity);
+        set_contributions(joint, total, e->gravity);
     }
     for (int r = 0; r < ROWS; r++) e->first[r] += sum[r];
 }
@@ -94,8 +94,8 @@ PART void set_posture(mukca_equilibrium *e, const mukca_effect_task *task, const
 PART void find_load(mukca_gravity_load *load, const mukca_equilibrium *e)
 {
     lanes moment[ROWS];
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
         const mukca_joint_posture *at = &e->joint[j];
         load->torque[j] =
             at->slides ? -columns_dot(at->into_M, e->gravity) : columns_dot(at->into_N, at->first);
@@ -106,9 +106,9 @@ PART void find_load(mukca_gravity_load *load, const mukca_equilibrium *e)
     mukca_cross(load->base, XYZ(e->gravity), XYZ(e->first));
 }
 
-/* Add a load-dependent effect that is not elastic, and its derivative by the load. */
-static void add_other(mukca_deflection *y, mukca_equilibrium *e, const mukca_effect *f,
-                      const double *axis, const mukca_joint_state *state)
+/* Add an inelastic load-dependent effect, and its derivative by the load. */
+static void add_inelastic(mukca_deflection *y, mukca_equilibrium *e, const mukca_effect *f,
+                          const double *axis, const mukca_joint_state *state)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[f->kind];
     const bool turns = ops->info.site == MUKCA_SITE_ROTATION,
@@ -137,8 +137,8 @@ PART void find_deflection(mukca_deflection *y, mukca_equilibrium *e, const mukca
     e->bend = e->spring;
     for (int a = 0; a < 3; a++)
         y->base[a] = state.base_moment ? e->spring * state.base_moment[a] : 0;
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
         mukca_joint_posture *at = &e->joint[j];
         at->twist = at->spring;
         at->bend = at->blade;
@@ -150,17 +150,17 @@ PART void find_deflection(mukca_deflection *y, mukca_equilibrium *e, const mukca
         const double along = mukca_dot3(moment, axis);
         for (int a = 0; a < 3; a++) y->rotation[j][a] = at->blade * (moment[a] - along * axis[a]);
     }
-    for (int i = 0; i < e->n_other; i++) {
-        const mukca_effect *f = task->effects + e->other[i];
-        add_other(y, e, f, effect_axis(f, task), &state);
+    for (int i = 0; i < e->n_inelastic; i++) {
+        const mukca_effect *f = task->effects + e->inelastic[i];
+        add_inelastic(y, e, f, effect_axis(f, task), &state);
     }
 }
 
 PART void clear(mukca_deflection *y, const mukca_equilibrium *e)
 {
     for (int a = 0; a < 3; a++) y->base[a] = 0;
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
         y->angle[j] = 0;
         for (int a = 0; a < 3; a++) y->rotation[j][a] = 0;
     }
@@ -174,8 +174,8 @@ PART void add_change(mukca_deflection *y, mukca_equilibrium *e, const mukca_defl
         y->base[a] += change->base[a];
         d->base[a] += change->base[a];
     }
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
         y->angle[j] += change->angle[j];
         d->q[j] += change->angle[j];
         for (int a = 0; a < 3 && e->joint[j].tilts; a++) {
@@ -186,7 +186,7 @@ PART void add_change(mukca_deflection *y, mukca_equilibrium *e, const mukca_defl
 }
 
 /* y -= by; size := max(size, |y|). */
-MUKCA_INLINE void take_part(double *y, double by, double *size)
+MUKCA_INLINE void subtract_part(double *y, double by, double *size)
 {
     *y -= by;
     if (fabs(*y) > *size) *size = fabs(*y);
@@ -196,19 +196,20 @@ MUKCA_INLINE void take_part(double *y, double by, double *size)
 PART double subtract(mukca_deflection *y, const mukca_equilibrium *e, const mukca_deflection *by)
 {
     double size = 0;
-    for (int a = 0; a < 3; a++) take_part(&y->base[a], by->base[a], &size);
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
-        take_part(&y->angle[j], by->angle[j], &size);
+    for (int a = 0; a < 3; a++) subtract_part(&y->base[a], by->base[a], &size);
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
+        subtract_part(&y->angle[j], by->angle[j], &size);
         for (int a = 0; a < 3 && e->joint[j].tilts; a++)
-            take_part(&y->rotation[j][a], by->rotation[j][a], &size);
+            subtract_part(&y->rotation[j][a], by->rotation[j][a], &size);
     }
     return size;
 }
 
 /* out[ROWS] := rotation of a joint's frame by a change r of its rotation vector b, to second order:
  * r - b x r / 2 in the coordinates after the rotation. */
-PART void tilt_of(lanes *out, const mukca_equilibrium *e, const mukca_deflection *change, int j)
+PART void frame_rotation(lanes *out, const mukca_equilibrium *e, const mukca_deflection *change,
+                         int j)
 {
     const double *r = change->rotation[j];
     double bent[3];
@@ -234,10 +235,10 @@ PART void move_moments(mukca_equilibrium *e, const mukca_deflection *change)
     lanes M[ROWS] = {0}, part[ROWS], tilt[ROWS];
     for (int j = e->n_joints - 1; j >= 0; j--) {
         mukca_joint_posture *at = &e->joint[j];
-        const double angle = at->yields ? change->angle[j] : 0;
+        const double angle = at->deflects ? change->angle[j] : 0;
         for (int r = 0; r < ROWS; r++) part[r] = at->into_M[r] * angle;
         if (at->tilts) {
-            tilt_of(tilt, e, change, j);
+            frame_rotation(tilt, e, change, j);
             columns_add_cross(part, tilt, at->first);
         }
         for (int r = 0; r < ROWS; r++) at->first[r] += M[r], M[r] += part[r];
@@ -260,13 +261,13 @@ PART void move_posture(mukca_equilibrium *e, const mukca_deflection *change, boo
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         lanes *p = at->frame.column[3];
-        if (!whole && !at->yields) continue;
+        if (!whole && !at->deflects) continue;
         if (whole) {
             columns_cross(column, w, p);
             for (int r = 0; r < ROWS; r++) p[r] += v[r] + column[r];
         }
         if (at->tilts) {
-            tilt_of(turn, e, change, j);
+            frame_rotation(turn, e, change, j);
             columns_add_cross(v, p, turn);
             for (int r = 0; r < ROWS; r++) w[r] += turn[r];
         }
@@ -274,7 +275,7 @@ PART void move_posture(mukca_equilibrium *e, const mukca_deflection *change, boo
             columns_add_cross(at->axis, w, at->axis);
             if (at->rotates) turn_columns(&at->frame, 3, w);
         }
-        if (at->yields) {
+        if (at->deflects) {
             for (int r = 0; r < ROWS; r++) {
                 turn[r] = change->angle[j] * at->axis[r];
                 if (at->slides) v[r] += turn[r], turn[r] *= 0;
@@ -291,20 +292,20 @@ PART void move_posture(mukca_equilibrium *e, const mukca_deflection *change, boo
     for (int r = 0; r < ROWS; r++) e->tip.column[3][r] += v[r];
 }
 
-/* Sort the load-dependent effects by joint, and into elastic ones and others. */
-static void start(mukca_equilibrium *e, const mukca_effect_task *task)
+/* Sort the load-dependent effects by joint, and into elastic and inelastic ones. */
+static void sort_effects(mukca_equilibrium *e, const mukca_effect_task *task)
 {
     const mukca_chain *chain = task->chain;
     bool some = false;
     memset(e->gravity, 0, sizeof e->gravity);
     for (int i = 0; i < 3; i++) ((double *)e->gravity)[i] = chain->gravity[i];
     e->n_joints = chain->n_joints;
-    e->n_yielding = e->n_other = 0;
+    e->n_deflecting = e->n_inelastic = 0;
     e->spring = 0;
     e->tilts = false;
     for (int j = 0; j < chain->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
-        at->rotates = at->yields = at->tilts = false;
+        at->rotates = at->deflects = at->tilts = false;
         at->spring = at->blade = at->bend = 0;
     }
     for (int i = 0; i < task->n_effects; i++) {
@@ -318,21 +319,21 @@ static void start(mukca_equilibrium *e, const mukca_effect_task *task)
         if (f->joint >= 0) {
             mukca_joint_posture *at = &e->joint[f->joint];
             spring = info->site == MUKCA_SITE_ROTATION ? &at->blade : &at->spring;
-            at->yields = true;
+            at->deflects = true;
             at->tilts |= info->site == MUKCA_SITE_ROTATION;
         }
         if (info->traits & MUKCA_TRAIT_ELASTIC)
             *spring -= f->coefficient[0];
         else
-            e->other[e->n_other++] = (unsigned char)i;
+            e->inelastic[e->n_inelastic++] = (unsigned char)i;
     }
     for (int j = 0; j < chain->n_joints; j++)
-        if (e->joint[j].yields) e->yielding[e->n_yielding++] = (unsigned char)j;
+        if (e->joint[j].deflects) e->deflecting[e->n_deflecting++] = (unsigned char)j;
     e->loaded = some && !task->state.torque;
 }
 
 /* Tolerance, rad or m: seven joints with their rotations keep the tip within 1e-12. */
-static const double rest = 1e-13;
+static const double tolerance = 1e-13;
 
 /* Sizes of the steps so far. */
 typedef struct {
@@ -350,17 +351,17 @@ PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, bool whol
     size->before = size->last;
     size->last = subtract(&change, e, y);
     if (size->before == 0) size->first = size->last;
-    if (e->loaded && !(size->last > rest)) return true;
+    if (e->loaded && !(size->last > tolerance)) return true;
     /* A step of Newton's method leaves an error of order size^2.  The response is computed to this
      * accuracy: a round multiplies its error by the deflection per rad, at most ten times `first`,
      * or 0.01 in a posture of little deflection. */
-    const double left = size->last * size->last + rest;
-    if (e->loaded) mukca_equilibrium_settle(&change, e, left / (10 * size->first + 0.01));
+    const double error = size->last * size->last + tolerance;
+    if (e->loaded) mukca_equilibrium_settle(&change, e, error / (10 * size->first + 0.01));
     add_change(y, e, &change);
     /* The next step is at most last^2 / before.  The terms neglected in the response are smaller
      * than this step by the rotations times the deflection per rad, both of order `first`. */
-    const bool found = size->last * size->last < rest * size->before &&
-                       size->last * size->first * size->first < rest;
+    const bool found = size->last * size->last < tolerance * size->before &&
+                       size->last * size->first * size->first < tolerance;
     if (found) move_posture(e, &change, whole);
     return found;
 }
@@ -374,7 +375,7 @@ MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slop
     joint_angles at;
     steps size = {0};
     bool found = false;
-    start(e, task);
+    sort_effects(e, task);
     mukca_effects_unloaded(d, slopes, &at, task);
     d->any_rotation |= e->tilts;
     clear(&y, e);
@@ -384,7 +385,7 @@ MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slop
         set_posture(e, task, &at);
         found = !e->loaded || step(e, &y, &size, slopes != NULL, task);
     }
-    if (slopes && e->loaded && e->n_other > 0)
+    if (slopes && e->loaded && e->n_inelastic > 0)
         find_deflection(&y, e, task); /* derivatives by the load */
 }
 

@@ -41,9 +41,9 @@ typedef struct {
                              across the axis, rad/(N m); */
     double spring, blade; /* their elastic parts, which are constant */
     bool slides;
-    bool rotates;       /* has an effect that rotates its frame */
-    bool yields, tilts; /* has a load-dependent effect; a load-dependent rotation */
-    bool turns;         /* the effects' rotation depends on the joint's angle */
+    bool rotates;         /* has an effect that rotates its frame */
+    bool deflects, tilts; /* has a load-dependent effect; a load-dependent rotation */
+    bool turns;           /* the effects' rotation depends on the joint's angle */
 } mukca_joint_posture;
 
 typedef struct {
@@ -53,10 +53,10 @@ typedef struct {
     lanes gravity[ROWS];
     lanes first[ROWS];   /* S of the whole arm, about the base origin */
     double bend, spring; /* of the base, as above */
-    int n_joints, n_yielding, n_other;
-    unsigned char yielding[MUKCA_MAX_JOINTS]; /* joints, from base to tip */
-    unsigned char other[MUKCA_MAX_EFFECTS];   /* indices of load-dependent, not elastic effects */
-    bool tilts;                               /* some rotations depend on the load */
+    int n_joints, n_deflecting, n_inelastic;
+    unsigned char deflecting[MUKCA_MAX_JOINTS]; /* joints, from base to tip */
+    unsigned char inelastic[MUKCA_MAX_EFFECTS]; /* indices of inelastic load-dependent effects */
+    bool tilts;                                 /* some rotations depend on the load */
     bool loaded; /* some effects depend on the load, which depends on the posture */
 } mukca_equilibrium;
 

@@ -36,8 +36,8 @@ PART double respond(mukca_deflection *change, motion *m, const mukca_equilibrium
     lanes N[ROWS] = {0}, M[ROWS] = {0}, own[ROWS] = {0};
     double squares = 0;
     if (e->bend != 0) columns_add_cross(M, m->base, e->first);
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
         const mukca_joint_posture *at = &e->joint[j];
         for (int r = 0; r < ROWS; r++) M[r] += at->into_M[r] * m->angle[j];
         if (at->bend != 0) columns_add_cross(M, m->rotation[j], at->first);
@@ -45,17 +45,17 @@ PART double respond(mukca_deflection *change, motion *m, const mukca_equilibrium
     if (e->bend != 0) {
         columns_cross(own, e->gravity, M);
         for (int r = 0; r < ROWS; r++) own[r] *= e->bend;
-        columns_take_cross(M, m->base, e->first);
+        columns_subtract_cross(M, m->base, e->first);
         columns_cross(N, m->base, e->gravity);
         squares += set_change(change->base, m->base, NULL, own);
     }
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
         const mukca_joint_posture *at = &e->joint[j];
         const double angle = m->angle[j];
         if (at->bend != 0) {
             columns_add_cross(N, m->rotation[j], e->gravity);
-            columns_take_cross(M, m->rotation[j], at->first);
+            columns_subtract_cross(M, m->rotation[j], at->first);
             bend_joint(own, e, at, N, M);
             squares += set_change(change->rotation[j], m->rotation[j], &at->frame, own);
         }
@@ -78,8 +78,8 @@ MUKCA_CLONES void mukca_equilibrium_settle(mukca_deflection *change, const mukca
     motion m;
     for (int a = 0; a < ROWS; a++) m.base[a] = (lanes){0};
     for (int a = 0; a < 3; a++) ((double *)m.base)[a] = change->base[a];
-    for (int i = 0; i < e->n_yielding; i++) {
-        const int j = e->yielding[i];
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
         m.angle[j] = change->angle[j];
         if (e->joint[j].bend != 0)
             columns_vector(m.rotation[j], &e->joint[j].frame, change->rotation[j]);

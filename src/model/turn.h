@@ -116,7 +116,7 @@ PART void columns_add_cross(lanes *c, const lanes *a, const lanes *b)
     for (int r = 0; r < ROWS; r++) c[r] += cross[r];
 }
 
-PART void columns_take_cross(lanes *c, const lanes *a, const lanes *b)
+PART void columns_subtract_cross(lanes *c, const lanes *a, const lanes *b)
 {
     lanes cross[ROWS];
     columns_cross(cross, a, b);
