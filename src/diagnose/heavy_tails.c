@@ -1,13 +1,14 @@
-/* What noise that is not the same in all samples and directions adds to the score of a candidate.
+/* Contribution of heavy-tailed, correlated or single-joint noise to the score of a candidate.
  *
- * A badly seated ball stays badly seated for some samples.  Gaussian evidence takes that for a
- * socket that moved.  So the residuals with and without the candidate are compared again, by their
- * likelihood as first-order autoregressive series whose innovations are Gaussian or Student's t.
+ * A badly seated ball remains badly seated for several samples, which Gaussian evidence mistakes
+ * for a moved socket.  Therefore the residuals with and without the candidate are compared again,
+ * by their likelihood as first-order autoregressive series with Gaussian or Student's t
+ * innovations.
  *
- * A joint whose recorded angle has coarse steps, or whose brake holds it here or there, displaces
- * the ball along that joint's lever alone.  Among hundreds of orders of ripple some follow that
- * better than noise in all directions would admit.  So the residuals are compared with noise of one
- * joint's angle, too.
+ * Coarse steps of a recorded angle, or a brake that engages at varying angles, displace the ball
+ * along the lever of one joint only.  Among hundreds of orders of ripple some fit such errors
+ * better than isotropic noise would permit.  Therefore the residuals are also compared under noise
+ * in the angle of one joint.
  */
 #include "diagnose/heavy_tails.h"
 
@@ -16,15 +17,16 @@
 
 #include "math/four.h"
 
-/* Degrees of freedom recommended where they are not known (Lange, Little and Taylor 1989). */
+/* Degrees of freedom recommended if unknown (Lange, Little and Taylor 1989). */
 #define STUDENT_NU 4.0
 #define PI 3.14159265358979323846
-/* Memory of the noise: what the evidence is averaged over, and what recordings had at most. */
+/* AR(1) coefficients of the noise: first those of the evidence, then up to the largest in
+ * recordings. */
 static const double memories[] = {0, 0.25, 0.5, 0.7, 0.85};
 enum { USUAL_MEMORIES = 3, MEMORIES = sizeof memories / sizeof *memories };
 
-/* Residuals r[n_samples][3] of the fitted model, m.  The columns held that are not in use take no
- * part: `take` is scratch, [n_held]. */
+/* Residuals r[n_samples][3] of the fitted model, m.  take[n_held]: scratch, factors of the stored
+ * columns, 0 if not in use. */
 MUKCA_CLONES static void residuals(double *r, double *take, const mukca_regression *m)
 {
     const mukca_linearisation *linear = &m->linear;
@@ -38,8 +40,8 @@ MUKCA_CLONES static void residuals(double *r, double *take, const mukca_regressi
                 dot4(linear->columns + (size_t)(i * d + c) * (size_t)linear->stride, take, held);
 }
 
-/* square[]: squared innovations of a first-order series about their mean in each socket, each
- * sample given the one before; returns their number. */
+/* square[] := squared innovations of a first-order series about their mean in each socket, each
+ * sample conditional on its predecessor; returns their number. */
 static int innovations(double *square, const double *r, const mukca_recording *recording,
                        double memory)
 {
@@ -74,11 +76,11 @@ MUKCA_CLONES static double sum_shares(const double *x, int n, double scale)
     return sum;
 }
 
-/* Largest log likelihood of vectors of these squared lengths over the scale: nu infinite is
- * Gaussian.  Constants of both are kept, so that they compare. */
+/* Log likelihood of vectors with these squared lengths, maximised over the scale; nu: degrees of
+ * freedom, infinite: Gaussian.  Constants are included, as the two are compared. */
 static double likelihood(const double *square, int count, double nu)
 {
-    double variance = 1e-18, sum = 0, product = 1; /* one logarithm for a few */
+    double variance = 1e-18, sum = 0, product = 1; /* one logarithm for several factors */
     for (int i = 0; i < count; i++) variance += square[i];
     variance /= 3 * count;
     if (!isfinite(nu)) return -1.5 * count * (log(2 * PI * variance) + 1);
@@ -96,7 +98,8 @@ static double likelihood(const double *square, int count, double nu)
            count * (lgamma(0.5 * (nu + 3)) - lgamma(0.5 * nu) - 1.5 * log(nu * PI * variance));
 }
 
-/* value[0]: best log likelihood as the evidence has it, value[1]: with tails and memory. */
+/* value[0]: largest log likelihood under the noise of the evidence, value[1]: also with heavy tails
+ * and long memory. */
 static void explain(double value[2], double *square, const double *r,
                     const mukca_recording *recording)
 {
@@ -109,7 +112,7 @@ static void explain(double value[2], double *square, const double *r,
     }
 }
 
-/* Take the mean of each socket from r[n_samples][3]. */
+/* Subtract the mean of each socket from r[n_samples][3]. */
 static void centre(double *r, const mukca_recording *recording)
 {
     for (int g = 0; g < recording->n_groups; g++) {
@@ -120,14 +123,14 @@ static void centre(double *r, const mukca_recording *recording)
     }
 }
 
-/* Log likelihood of the centred residuals r where the angle of a joint has noise of its own, whose
- * variance is `share` times that of the other noise at the rms of the joint's levers. */
+/* Log likelihood of the centred residuals r with additional noise in a joint's angle: at the
+ * joint's rms lever, `share` times the variance of the other noise. */
 static double joint_likelihood(const double *r, const mukca_regression *m, int joint, double share)
 {
     const mukca_recording *recording = &m->recording;
     const int n = recording->n_samples, step = recording->chain->n_joints * recording->dim;
     const double *lever = m->linear.lever + joint * recording->dim;
-    double square = 1e-12, variance = 1e-18, log_ratios = 0; /* 1e-12: as of a micrometre */
+    double square = 1e-12, variance = 1e-18, log_ratios = 0; /* at least (1 um)^2 */
     for (int i = 0; i < n; i++) square += mukca_dot3(lever + i * step, lever + i * step) / n;
     for (int i = 0; i < n; i++) {
         const double *l = lever + i * step, *x = r + 3 * i, length = mukca_dot3(l, l),
@@ -139,8 +142,8 @@ static double joint_likelihood(const double *r, const mukca_regression *m, int j
     return -0.5 * (3 * n * log(variance) + log_ratios);
 }
 
-/* value[0]: log likelihood of the centred residuals where the noise is alike in all directions,
- * value[1]: where the angle of one joint has noise of its own, too. */
+/* value[0]: log likelihood of the centred residuals under isotropic noise, value[1]: also with
+ * additional noise in the angle of one joint. */
 static void explain_joint(double value[2], const double *r, const mukca_regression *m)
 {
     static const double shares[] = {0.25, 0.5, 1, 2, 4, 8, 16, 32, 64};
@@ -150,7 +153,7 @@ static void explain_joint(double value[2], const double *r, const mukca_regressi
             value[1] = fmax(value[1], joint_likelihood(r, m, j, shares[k]));
 }
 
-/* Log likelihoods with the present causes, at the noise and the scales that the model has: a
+/* Log likelihoods with the present causes, at the present noise and scales of the model: a
  * candidate is linear, and its likelihood hardly depends on them. */
 static void explain_causes(double value[2], mukca_regression *m, double *scratch, bool of_joint)
 {

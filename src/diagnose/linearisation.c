@@ -1,4 +1,4 @@
-/* Linearisation of the predictions: levers, columns of geometry and of the causes it holds. */
+/* Linearisation of the predictions: levers, columns of geometry and of causes. */
 #include "diagnose/linearisation.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 
 #include "math/dense.h"
 
-enum { ROOM = 16 }; /* for columns of a few other causes */
+enum { ROOM = 16 }; /* spare columns for a few other causes */
 
 bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
                                 const mukca_recording *recording, const mukca_unknowns *unknowns)
@@ -52,7 +52,7 @@ static void pose_residual(double *y, const mukca_linearisation *linear,
     for (int c = 0; c < 3; c++) y[3 + c] = unknowns->rotation_weight * w[c];
 }
 
-/* The tip's frame becomes that of the log's own target. */
+/* Move the tip's frame to the log's own target. */
 static void to_target(mukca_frame *tip, const mukca_unknowns *u, int log)
 {
     const mukca_frame *shift = &u->log.shift[log];
@@ -97,7 +97,8 @@ static void find_directions(mukca_linearisation *linear, const mukca_recording *
     }
 }
 
-/* From the prediction of sample i to where its socket's mean and the socket's faults want it. */
+/* r := vector from the predicted position of sample i to its socket's mean plus the socket's
+ * faults. */
 static void misfit(double r[3], const mukca_linearisation *linear, const mukca_recording *recording,
                    const mukca_unknowns *unknowns, int g, int i)
 {
@@ -111,8 +112,8 @@ static void misfit(double r[3], const mukca_linearisation *linear, const mukca_r
     }
 }
 
-/* Columns are taken at the seated angles: at the recorded ones they would go with the noise of
- * their own sample, and the regression would shrink the arm to shrink its noise. */
+/* Columns are computed at the seated angles: at the recorded ones they would correlate with the
+ * noise of their own sample, and the regression would shrink the arm to reduce the noise. */
 void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_geometry *geometry,
                               const mukca_displacement *displacement)
 {
@@ -130,7 +131,7 @@ void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_ge
         for (int c = 0; c < 3; c++) seated[j] += J[c * n + j] * r[c];
 }
 
-/* turn[6][3]: tip (position, weighted orientation) per rotation vector of a frame. */
+/* turn[6][3] := derivative of the tip (position, weighted orientation) by a rotation of a frame. */
 static void turn_of(double turn[6][3], const mukca_frame *frame, const double tip[3],
                     double rotation_weight)
 {
@@ -204,8 +205,8 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
     }
 }
 
-/* y = measured - predicted + what the columns already explain, so that solutions are totals,
- * less the centres of priors that are known. */
+/* y = measured - predicted + contribution of the present unknowns, less the centres of known
+ * priors: solutions are total values. */
 static void fill_y(mukca_linearisation *linear, const mukca_recording *recording,
                    const mukca_unknowns *u)
 {
@@ -216,7 +217,7 @@ static void fill_y(mukca_linearisation *linear, const mukca_recording *recording
     for (int c = 0, k = u->n_geometry; c < u->n_causes; c++)
         for (int t = 0; t < u->cause[c].candidate.terms; t++, k++) {
             linear->reference[at[k]] = u->cause[c].coefficient[t];
-            /* A socket's fault moves the socket, not the arm: tip does not hold it. */
+            /* A socket's fault moves the socket, not the arm: `tip` does not include it. */
             explained[k] = mukca_candidate_moves_arm(&u->cause[c].candidate)
                                ? u->cause[c].coefficient[t] - u->cause[c].centre
                                : 0;
@@ -241,12 +242,12 @@ static void fill_y(mukca_linearisation *linear, const mukca_recording *recording
 
 void mukca_linearisation_spread(double *x, int rows, const mukca_strides *s)
 {
-    for (int i = rows - 1; i > 0; i--) /* the last one first: they move to the back */
+    for (int i = rows - 1; i > 0; i--) /* last row first: rows move backwards in memory */
         memmove(x + (size_t)i * (size_t)s->new, x + (size_t)i * (size_t)s->old,
                 sizeof *x * (size_t)s->columns);
 }
 
-/* Room behind the columns held for so many others; a stride that has too little grows. */
+/* Reserve space for so many more columns after the stored ones; extend the stride if necessary. */
 static bool reserve(mukca_linearisation *linear, const mukca_recording *recording, int columns)
 {
     const int old = linear->stride, held = linear->n_held;
@@ -259,7 +260,7 @@ static bool reserve(mukca_linearisation *linear, const mukca_recording *recordin
     return true;
 }
 
-/* Hold the columns of a cause from column `at` on. */
+/* Store the columns of a cause from column `at` on. */
 static void hold(mukca_linearisation *linear, const mukca_recording *recording,
                  const mukca_candidate *h, int at)
 {
@@ -343,7 +344,7 @@ bool mukca_linearisation_refresh(mukca_linearisation *linear, const mukca_record
     return true;
 }
 
-/* Where the unknowns in use from `column` on are now, less where they were. */
+/* Change of the unknowns in use from `column` on since the reference. */
 static void set_change(const mukca_linearisation *linear, const double *now, int column, int count)
 {
     for (int t = 0; t < count; t++) {
@@ -355,16 +356,16 @@ static void set_change(const mukca_linearisation *linear, const double *now, int
 double mukca_linearisation_error(const mukca_linearisation *linear, const mukca_recording *r,
                                  const mukca_unknowns *u)
 {
-    enum { MOST = 300 }; /* samples that are enough for a mean square */
+    enum { MOST = 300 }; /* samples that suffice for a mean square */
     const int every = r->n_samples / MOST + 1, d = r->dim;
     double square = 0, sum[3] = {0}, *change = linear->change;
     int count = 0, of_group = 0, g = 0;
     memset(change, 0, sizeof *change * (size_t)linear->n_held);
-    for (int c = 0; c < linear->n_causes; c++) /* those that are no longer in use */
+    for (int c = 0; c < linear->n_causes; c++) /* causes no longer in use */
         for (int t = 0; mukca_candidate_moves_arm(&linear->cause[c]) && t < linear->cause[c].terms;
              t++)
             change[linear->at_cause[c] + t] = -linear->reference[linear->at_cause[c] + t];
-    set_change(linear, u->theta, 0, u->first_tracker); /* a tracker moves no tip */
+    set_change(linear, u->theta, 0, u->first_tracker); /* a tracker does not move the tip */
     set_change(linear, u->theta + u->first_target, u->first_target,
                u->n_geometry - u->first_target);
     for (int c = 0, column = u->n_geometry; c < u->n_causes; c++) {

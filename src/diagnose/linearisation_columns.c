@@ -1,4 +1,4 @@
-/* Columns of a candidate at a linearisation: levers times its basis functions. */
+/* Columns of a candidate at a linearisation: levers times basis functions. */
 #include <string.h>
 
 #include "base/clones.h"
@@ -6,14 +6,14 @@
 #include "diagnose/unlisted.h"
 #include "math/four.h"
 
-/* Levers [d][width] of a candidate's terms, width 1 or 3: of sample 0, and how far the next
- * sample's are behind. */
+/* Levers [d][width] of a candidate's terms, width 1 or 3: those of sample 0, and the step to the
+ * next sample. */
 typedef struct {
     const double *first;
     size_t step;
 } lever_rows;
 
-/* Returns false where it has no such columns. */
+/* False: the candidate's columns are not levers times basis functions. */
 static bool levers_of(lever_rows *out, const mukca_linearisation *linear,
                       const mukca_recording *recording, const mukca_candidate *h)
 {
@@ -96,9 +96,9 @@ void mukca_linearisation_columns_of(double *E, int ld, const mukca_linearisation
         }
         if (h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
             mukca_unlisted_tilt(out, ld, h, linear->tip_frame + 9 * i, recording->chain->gravity);
-        if (!h->basis) continue; /* a distance moves no sample */
+        if (!h->basis) continue; /* a change of distance moves no sample */
         const float *basis = h->basis + (size_t)row * (size_t)(terms * width);
-        if (h->kind == MUKCA_CANDIDATE_STRETCH) { /* as x y z of the slot's frame do */
+        if (h->kind == MUKCA_CANDIDATE_STRETCH) { /* along x, y and z of the slot's frame */
             const double *slot =
                 linear->columns + (size_t)(i * d) * (size_t)ldx + 6 * h->stretch.slot;
             for (int c = 0; c < d; c++)

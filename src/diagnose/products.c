@@ -1,4 +1,4 @@
-/* Products of candidates' columns with each other and with the columns that are held. */
+/* Products of candidates' columns with each other and with the stored columns. */
 #include "diagnose/products.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mu
     return !pool->failed;
 }
 
-/* All but `cross`. */
+/* Memory of all members but `cross`. */
 static bool take(mukca_products *x, mukca_pool *pool, const mukca_regression *m, int columns,
                  int block)
 {
@@ -41,7 +41,7 @@ static bool take(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
     return !pool->failed;
 }
 
-/* Another piece of `cross`, and three numbers: it is read four at a time. */
+/* Append a piece to `cross`, with three spare entries: it is read four at a time. */
 static bool grow(mukca_products *x, mukca_pool *pool, int rows)
 {
     const int piece = x->rows ? 1 + (x->rows - x->first) / MUKCA_PRODUCT_ROWS : 0;
@@ -69,10 +69,10 @@ bool mukca_products_reserve(mukca_products *x, mukca_pool *pool, const mukca_reg
 
 /* Columns of one or more items side by side in E, `width` of them. */
 typedef struct {
-    int n, width, start; /* entries; first column held that they lack */
+    int n, width, start; /* entries; columns; first stored column they lack */
     struct {
         mukca_products *products;
-        int first, count, at; /* columns of the products, and where they are in E */
+        int first, count, at; /* columns of the products, and their position in E */
     } entry[MUKCA_BATCH];
 } batch;
 
@@ -80,12 +80,12 @@ typedef struct {
     const mukca_regression *m;
     const mukca_normal_equations *normal;
     const mukca_product_scratch *s;
-    int joint;     /* -1: columns of the observations, else along the levers of this joint */
-    mukca_span of; /* samples that E has */
+    int joint;     /* -1: columns of the observations; else functions of this joint */
+    mukca_span of; /* samples in E */
     batch b;
 } job;
 
-/* The samples in which W X is not 0 for columns held from `start` on: a fault's are those of its
+/* Samples in which W X is not 0 for the stored columns from `start` on: a fault's are those of its
  * socket. */
 static mukca_span find_samples(const mukca_linearisation *linear, const mukca_recording *r,
                                int start)
@@ -103,8 +103,8 @@ static mukca_span find_samples(const mukca_linearisation *linear, const mukca_re
     return start + columns == linear->n_held ? of : (mukca_span){0, r->n_samples};
 }
 
-/* What blocks of NEAR columns need of W'E and its transpose: of_w[d][k] and of_e[d][k] are the
- * products of column k with column k + d of the other matrix.  All are read to the next four. */
+/* Entries of W'E within blocks of NEAR columns: of_w[d][k], column k of W times column k + d of E;
+ * of_e[d][k], column k of E times column k + d of W.  k runs to the next multiple of four. */
 MUKCA_CLONES static void multiply_near(double *of_w, double *of_e, const double *W, const double *E,
                                        int width, int rows)
 {
@@ -123,7 +123,8 @@ MUKCA_CLONES static void multiply_near(double *of_w, double *of_e, const double 
     }
 }
 
-/* C (products with the columns held), W E and `along` of the batch go to its entries. */
+/* Distribute C (products with the stored columns), E'W E and `along` of the batch to its entries.
+ */
 static void scatter(const job *j)
 {
     const batch *b = &j->b;
@@ -156,7 +157,7 @@ static void scatter(const job *j)
     }
 }
 
-/* Columns of the observations. */
+/* Products of columns of the observations. */
 static void finish_columns(const job *j)
 {
     const mukca_regression *m = j->m;
@@ -177,7 +178,7 @@ static void finish_columns(const job *j)
     scatter(j);
 }
 
-/* W along the levers of the joint, and W X along them from column `start` held on. */
+/* Project W, and W X from stored column `start` on, on the levers of the joint. */
 MUKCA_CLONES static void aim_levers(const job *j, int start)
 {
     const mukca_regression *m = j->m;
@@ -201,7 +202,7 @@ MUKCA_CLONES static void aim_levers(const job *j, int start)
     }
 }
 
-/* What the functions E[n_samples][width] of the joint do to the means of the sockets. */
+/* Effect of the joint's functions E[n_samples][width] on the means of the sockets. */
 MUKCA_CLONES static void find_means(const job *j, int width)
 {
     const mukca_regression *m = j->m;
@@ -222,7 +223,7 @@ MUKCA_CLONES static void find_means(const job *j, int width)
     }
 }
 
-/* Functions that turn the joint: the levers reduce the rows of a sample to one. */
+/* Products of functions that rotate the joint: the levers reduce the rows of a sample to one. */
 MUKCA_CLONES static void finish_functions(const job *j, int aimed)
 {
     const mukca_regression *m = j->m;
@@ -253,7 +254,7 @@ MUKCA_CLONES static void finish_functions(const job *j, int aimed)
             }
     }
     scatter(j);
-    for (int e = 0; e < j->b.n && !start; e++) { /* the sockets' means out */
+    for (int e = 0; e < j->b.n && !start; e++) { /* subtract the sockets' means */
         mukca_products *x = j->b.entry[e].products;
         const int block = x->block;
         for (int k = 0; k < j->b.entry[e].count; k += block) {
@@ -265,7 +266,7 @@ MUKCA_CLONES static void finish_functions(const job *j, int aimed)
                 for (int a = 0; a < block; a++)
                     for (int b = 0; b < block; b++) G[a * block + b] -= w * mean[a] * mean[b];
             }
-            for (int a = 0; a < block; a++) /* `off` stands for both of its sides */
+            for (int a = 0; a < block; a++) /* `off` has both triangles in one: average them */
                 for (int b = 0; b < a; b++)
                     G[a * block + b] = G[b * block + a] =
                         0.5 * (G[a * block + b] + G[b * block + a]);
@@ -282,8 +283,8 @@ static void put(batch *b, mukca_products *x, int first, int count)
     b->width += count;
 }
 
-/* The functions of the candidates of the batch, four at a time: what is written behind an entry is
- * overwritten by the next entry or sample. */
+/* Fill E with the functions of the batch's candidates, four at a time: numbers written after the
+ * last term are overwritten by the next candidate or sample. */
 MUKCA_CLONES static void fill_functions(const job *j, const mukca_candidate *const *candidate)
 {
     const int *order = j->m->recording.order;
@@ -297,7 +298,7 @@ MUKCA_CLONES static void fill_functions(const job *j, const mukca_candidate *con
         }
 }
 
-/* The candidates of the batch side by side. */
+/* Fill E with the candidates of the batch, side by side. */
 static void fill(const job *j, const mukca_candidate *const *candidate)
 {
     const mukca_recording *r = &j->m->recording;
@@ -329,7 +330,7 @@ void mukca_products_ripple(mukca_products *x, int joint, const int *order,
     x->done = m->linear.n_held;
 }
 
-/* What a candidate does to the distances themselves. */
+/* Direct effect of a candidate on the distances. */
 static void change_pairs(mukca_products *x, const mukca_candidate *h, const mukca_recording *r)
 {
     for (int p = 0; p < r->n_pairs; p++)
@@ -342,7 +343,7 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
     const mukca_candidate *candidate[MUKCA_BATCH];
     const int held = m->linear.n_held;
     job j = {.m = m, .normal = normal, .s = s, .joint = -1};
-    int aimed = 0; /* first column held that U has */
+    int aimed = 0; /* first stored column in U */
     for (int i = 0; i < n; i++)
         if (item[i].products->version != m->linear.version)
             item[i].products->version = m->linear.version, item[i].products->done = 0;

@@ -1,4 +1,4 @@
-/* What the present model leaves of a candidate's columns. */
+/* Projection of the present model out of candidates' columns, and their scores. */
 #include "diagnose/projector.h"
 
 #include <math.h>
@@ -8,9 +8,9 @@
 #include "math/four.h"
 
 enum {
-    EIGHT = 8,               /* right sides that are solved for at once */
-    FEW = 3,                 /* columns of most blocks: a call would cost more than the work */
-    STRIDE = MUKCA_BATCH + 8 /* of a row of T: a power of two would share few lines of the cache */
+    EIGHT = 8,               /* right-hand sides solved together */
+    FEW = 3,                 /* columns of most blocks: a function call costs more than the work */
+    STRIDE = MUKCA_BATCH + 8 /* of T: a power of two would map its rows to few cache sets */
 };
 
 bool mukca_projector_create(mukca_projector *p, mukca_pool *pool, mukca_regression *m)
@@ -33,7 +33,7 @@ bool mukca_projector_create(mukca_projector *p, mukca_pool *pool, mukca_regressi
            mukca_products_scratch(&p->scratch, pool, m);
 }
 
-/* D[3][n + 1]: right sides, as in T, of what a socket's mean does to the distances. */
+/* D[3][n + 1] := right-hand sides, as in T, of the effect of a socket's mean on the distances. */
 static void find_distances(double *D, const mukca_projector *p, int group)
 {
     const mukca_recording *r = &p->m->recording;
@@ -48,7 +48,8 @@ static void find_distances(double *D, const mukca_projector *p, int group)
     }
 }
 
-/* B[n][8] := L^-1 B, and the row behind, which is that of y, less what the model explains. */
+/* B[n][8] := L^-1 B; from the next row, that of y, the part explained by the model is subtracted.
+ */
 static void solve_eight(double *B, const mukca_projector *p)
 {
     const int n = p->n;
@@ -94,17 +95,17 @@ void mukca_projector_rows(mukca_projector *p)
     p->have_rows = true;
 }
 
-/* Columns of a few items side by side: their right sides in T, D X'W E, and E'W y behind. */
+/* Columns of several items side by side in T: right-hand sides D X'W E, then the row E'W y. */
 typedef struct {
     int n, width;
     struct {
         const mukca_scored *item;
-        int first, count, at; /* columns of the item, and where they are */
+        int first, count, at; /* columns of the item, and their position in T */
     } entry[MUKCA_BATCH];
 } batch;
 
-/* What the samples have in the right sides of an entry, and what it does to the distances.  Up to
- * three columns behind are overwritten: those of the next entry, or the rest of a row of T. */
+/* Right-hand sides of an entry from the samples, and its effect on the distances.  Up to three
+ * columns after it are overwritten: those of the next entry, not yet filled, or padding of T. */
 MUKCA_CLONES static void fill(const batch *b, const mukca_projector *p, int e)
 {
     const mukca_products *x = b->entry[e].item->products;
@@ -121,7 +122,7 @@ MUKCA_CLONES static void fill(const batch *b, const mukca_projector *p, int e)
                sizeof *p->along * (size_t)count);
 }
 
-/* Projected G[k][k] and g[k] of one block of an entry, `column` columns on. */
+/* Projected G[k][k] and g[k] of the block at `column` of an entry. */
 MUKCA_CLONES static void take_block(double *G, double *g, const batch *b, const mukca_projector *p,
                                     int e, int column)
 {
@@ -144,8 +145,8 @@ MUKCA_CLONES static void take_block(double *G, double *g, const batch *b, const 
         }
 }
 
-/* What g loses, and near[d][k]: products of columns k and k + d of T, which are all that blocks of
- * FEW columns need. */
+/* g -= T'z; near[d][k] := product of columns k and k + d of T, for blocks of at most FEW columns.
+ */
 MUKCA_CLONES static void project(double *near, double *g, const double *T, const double *z, int n,
                                  int width)
 {
@@ -164,7 +165,7 @@ MUKCA_CLONES static void project(double *near, double *g, const double *T, const
     }
 }
 
-/* Add the distances, solve, and project g, for the whole batch. */
+/* Add the distances to the right-hand sides, solve, and project g, for the whole batch. */
 static void solve(const batch *b, mukca_projector *p)
 {
     const int width = (b->width + 7) & ~7, n = p->n; /* whole registers */
@@ -231,8 +232,8 @@ void mukca_projector_project(double *G, double *g, mukca_projector *p, int k,
     take_block(G, g, &b, p, 0, 0);
 }
 
-/* Samples [from, to) of its group that a fault moves, and what it moves their mean by: 0 in a pose
- * log, which has no free mean. */
+/* Samples [from, to) of its group that a fault displaces, and the displacement of the group's mean:
+ * 0 in a pose log, which has no free mean. */
 typedef struct {
     int from, to;
     double mean;
@@ -245,7 +246,7 @@ static void find_samples(fault_span *span, const mukca_recording *r, const mukca
     int lo = group->start, hi = end;
     *span = (fault_span){lo, end, 0};
     if (h->kind == MUKCA_CANDIDATE_CREEP) return;
-    while (lo < hi) { /* rows rise within a group */
+    while (lo < hi) { /* rows ascend within a group */
         const int middle = (lo + hi) / 2;
         if (r->order[middle] < h->fault.first)
             lo = middle + 1;
@@ -258,7 +259,7 @@ static void find_samples(fault_span *span, const mukca_recording *r, const mukca
     span->to = hi;
 }
 
-/* T[3][n] and g[3] of a fault from the rows. */
+/* T[3][n] and g[3] of a fault: sums over the rows of Zt and u. */
 MUKCA_CLONES static void sum_rows(double *T, double *g, const mukca_projector *p,
                                   const mukca_candidate *h, const fault_span *span)
 {
@@ -272,8 +273,8 @@ MUKCA_CLONES static void sum_rows(double *T, double *g, const mukca_projector *p
     }
 }
 
-/* What a step of the group from sample `from` on has in the rows.  Steps of a group come one after
- * the other, so that only the samples between this one and the last one leave the sums. */
+/* Sums over the rows for a step of the group at sample `from`.  If the previous step was earlier in
+ * the same group, only the samples between the two are subtracted. */
 MUKCA_CLONES static void sum_step(mukca_projector *p, int group, int from)
 {
     const mukca_recording *r = &p->m->recording;
@@ -297,7 +298,7 @@ MUKCA_CLONES static void sum_step(mukca_projector *p, int group, int from)
     p->step.group = group, p->step.from = from;
 }
 
-/* Weighted square of the shares of a fault's samples; span->mean gets their mean. */
+/* Weighted square of the shares of a fault's samples; span->mean receives their mean. */
 static double sum_shares(fault_span *span, const mukca_projector *p, const mukca_candidate *h)
 {
     const mukca_recording *r = &p->m->recording;
@@ -312,7 +313,7 @@ static double sum_shares(fault_span *span, const mukca_projector *p, const mukca
     return square;
 }
 
-/* G[3][3] := own - T T'. */
+/* G[3][3] := own identity - T T'. */
 MUKCA_CLONES static void leave(double G[9], double own, const double *T, int n)
 {
     for (int a = 0; a < 3; a++)
@@ -320,7 +321,7 @@ MUKCA_CLONES static void leave(double G[9], double own, const double *T, int n)
             G[3 * a + b] = G[3 * b + a] = (a == b ? own : 0) - dot4(T + a * n, T + b * n, n);
 }
 
-/* Faults of one socket or row: columns -share(row) * identity. */
+/* Faults of one socket or sample: columns -share(sample) * identity. */
 double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, double *information)
 {
     const mukca_recording *r = &p->m->recording;
@@ -353,7 +354,7 @@ void mukca_projector_aim(mukca_projector *p, const mukca_normal_equations *norma
 {
     mukca_regression *m = p->m;
     const int n = normal->n;
-    /* the same columns and priors as before leave the rows as they are */
+    /* with unchanged columns and priors the rows stay valid */
     bool same = p->have_rows && p->normal == normal && p->n == n && p->version == normal->version;
     p->version = normal->version;
     p->normal = normal;

@@ -1,8 +1,8 @@
 /* Prior scales of geometry and causes by evidence.
  *
- * A scale is the prior of a few columns.  The other columns are integrated out once, which leaves
- * small normal equations (their Schur complement) for all values of the scale.  For the causes
- * these are in the blocks of one inverse, which follows each choice by an update of low rank.
+ * A scale is the prior sigma of a few columns.  The other columns are integrated out once: their
+ * Schur complement is a small system of normal equations for all values of the scale.  For the
+ * causes these systems are blocks of one inverse, with a low-rank update after each choice.
  */
 #include "diagnose/scales.h"
 
@@ -12,12 +12,12 @@
 #include "base/clones.h"
 #include "math/dense.h"
 
-/* Normal equations of the columns order[size - 1] that are left, and of y behind them. */
+/* Normal equations of the remaining columns order[size - 1], and of y after them. */
 typedef struct {
     int size;
     const int *order;
     double *A;           /* [size][size], both triangles */
-    double log_diagonal; /* of the factor of those that were integrated out */
+    double log_diagonal; /* of the factor of the columns integrated out */
 } marginal;
 
 /* All columns in the given order. */
@@ -48,8 +48,8 @@ MUKCA_CLONES static void gather(marginal *out, const mukca_normal_equations *nor
     }
 }
 
-/* Integrate the first k columns out under the priors prior[order[]]; out->A holds their factor
- * first, and is scratch.  False: they cannot be factored. */
+/* Integrate out the first k columns under the priors prior[order[]]; out->A is scratch, too. False:
+ * not positive definite. */
 static bool integrate(marginal *out, const marginal *in, int k, const double *prior)
 {
     const int size = in->size, rest = size - k;
@@ -76,7 +76,7 @@ static bool integrate(marginal *out, const marginal *in, int k, const double *pr
     return true;
 }
 
-/* Log evidence, up to a constant, once the remaining columns have these priors. */
+/* Log evidence, up to a constant, with these priors of the remaining columns. */
 static double finish(marginal *scratch, const marginal *in, const double *prior)
 {
     if (!integrate(scratch, in, in->size - 1, prior)) return -HUGE_VAL;
@@ -89,7 +89,7 @@ typedef struct {
     const mukca_recording *recording;
     const mukca_normal_equations *normal;
     int *order;                    /* [n] */
-    marginal all, some, few, none; /* ever fewer columns */
+    marginal all, some, few, none; /* successively fewer columns */
 } choice;
 
 /* prior[n] of the geometry's scales. */
@@ -100,7 +100,7 @@ static void set_geometry(const choice *s, double length, double angle)
     mukca_unknowns_prior(s->evidence->prior, s->u);
 }
 
-/* Append the columns before `end` whose mark is `as`; returns how many there are then. */
+/* Append the columns before `end` with the mark `as`; returns the new number of columns. */
 static int append(int *order, int n, const unsigned char *mark, int end, unsigned char as)
 {
     for (int i = 0; i < end; i++)
@@ -110,7 +110,7 @@ static int append(int *order, int n, const unsigned char *mark, int end, unsigne
 
 static void choose_geometry(choice *s)
 {
-    /* Around what published arms show: links within 0.5 to 4 mm, axes within 1 to 10 mrad. */
+    /* Errors of published arms: links 0.5 to 4 mm, axes 1 to 10 mrad. */
     static const double lengths[] = {0.5e-3, 1e-3, 2e-3, 4e-3};
     static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
     enum { FIXED, LENGTH, ANGLE };
@@ -145,8 +145,8 @@ static void choose_geometry(choice *s)
 }
 
 /* V[k][k], the covariance of the causes' coefficients in units of their prior sigmas D, and the
- * mean x behind each row: V = (1 + D S D)^-1, x = V D s, with S and s what the geometry leaves of
- * the normal equations.  L and T are scratch. */
+ * mean x at the end of each row: V = (1 + D S D)^-1, x = V D s, with S and s the normal equations
+ * after integrating out the geometry.  L and T are scratch. */
 static bool find_covariance(double *V, double *L, double *T, const marginal *left,
                             const double *prior)
 {
@@ -167,8 +167,8 @@ static bool find_covariance(double *V, double *L, double *T, const marginal *lef
 }
 
 /* L L' = K = f + (1 - f) B, where B is the block [at, at + n) of V[][size] and f the square of the
- * factor by which the prior of these columns grows.  What the other columns leave of their normal
- * equations is B^-1 - 1 before and f (B^-1 - 1) after, so that 1 + f (B^-1 - 1) = B^-1 K. */
+ * factor applied to the priors of these columns.  With all other columns integrated out, their
+ * normal equations are B^-1 - 1 before and f (B^-1 - 1) after: 1 + f (B^-1 - 1) = B^-1 K. */
 static bool factor_block(double *L, const double *V, int size, int at, int n, double f)
 {
     for (int i = 0; i < n; i++)
@@ -185,7 +185,8 @@ static void solve_block(double *y, const double *L, const double *V, int size, i
     mukca_dense_backward(y, 1, L, n);
 }
 
-/* V and x after that growth: (1 - f) V[][at] K^-1 V[at][] goes (Woodbury).  T is scratch. */
+/* Update V and x for this factor: subtract (1 - f) V[][at] K^-1 V[at][] (Woodbury).  T is scratch.
+ */
 static void widen(double *V, double *T, int size, int at, int n, double f)
 {
     double L[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], *lost = T + n * size;
@@ -197,7 +198,7 @@ static void widen(double *V, double *T, int size, int at, int n, double f)
     for (int i = 0; i < size * size; i++) V[i] -= (1 - f) * lost[i];
 }
 
-/* The scale of a cause whose columns of V start at `at`; T is scratch. */
+/* Choose the scale of a cause with columns of V from `at` on; T is scratch. */
 static void choose_cause(mukca_accepted *cause, double *V, double *T, int size, int at)
 {
     double L[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], y[MUKCA_MAX_COLUMNS], x[MUKCA_MAX_COLUMNS];
