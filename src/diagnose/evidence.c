@@ -152,7 +152,7 @@ MUKCA_CLONES void mukca_evidence_weigh(const mukca_weighing *x,
 static void extend(mukca_normal_equations *normal, const mukca_recording *r,
                    const mukca_linearisation *linear, double *scratch)
 {
-    const int done = normal->done, held = linear->n_held, k = held - done, ld = linear->stride;
+    const int done = normal->done, held = linear->n_stored, k = held - done, ld = linear->stride;
     if (!k) return;
     for (int p = 0; p < r->n_pairs; p++)
         memcpy(normal->all_distance + p * ld + done, linear->pair_columns + p * ld + done,

@@ -147,7 +147,7 @@ static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int 
                 W[k] -= (own - before) * mean[k];
         }
         if (count == BLOCK || i + 1 == group->count) {
-            mukca_dense_syrk(b->gram, linear->n_held, b->white, count * d, size);
+            mukca_dense_syrk(b->gram, linear->n_stored, b->white, count * d, size);
             count = 0;
         }
     }
@@ -158,7 +158,7 @@ static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int 
 static int subtract_fold(mukca_folds *b, mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
-    const int size = normal->n + 1, d = r->dim, held = b->m->linear.n_held, *at = b->m->linear.at;
+    const int size = normal->n + 1, d = r->dim, held = b->m->linear.n_stored, *at = b->m->linear.at;
     int freedom = 0;
     memset(b->gram, 0, sizeof *b->gram * (size_t)(held * held));
     for (int g = 0; g < r->n_groups; g++) add_group(b, normal, g, f);

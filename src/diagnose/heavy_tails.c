@@ -25,19 +25,19 @@
 static const double memories[] = {0, 0.25, 0.5, 0.7, 0.85};
 enum { USUAL_MEMORIES = 3, MEMORIES = sizeof memories / sizeof *memories };
 
-/* Residuals r[n_samples][3] of the fitted model, m.  take[n_held]: scratch, factors of the stored
- * columns, 0 if not in use. */
-MUKCA_CLONES static void residuals(double *r, double *take, const mukca_regression *m)
+/* Residuals r[n_samples][3] of the fitted model, m.  factor[n_stored]: scratch, factors of the
+ * stored columns, 0 if not in use. */
+MUKCA_CLONES static void residuals(double *r, double *factor, const mukca_regression *m)
 {
     const mukca_linearisation *linear = &m->linear;
-    const int n = linear->n_columns, held = linear->n_held, d = m->recording.dim;
-    memset(take, 0, sizeof *take * (size_t)held);
-    for (int k = 0; k < n; k++) take[linear->at[k]] = -m->evidence.mean[k];
-    take[linear->at[n]] = 1;
+    const int n = linear->n_columns, stored = linear->n_stored, d = m->recording.dim;
+    memset(factor, 0, sizeof *factor * (size_t)stored);
+    for (int k = 0; k < n; k++) factor[linear->at[k]] = -m->evidence.mean[k];
+    factor[linear->at[n]] = 1;
     for (int i = 0; i < m->recording.n_samples; i++)
         for (int c = 0; c < 3; c++)
-            r[3 * i + c] =
-                dot4(linear->columns + (size_t)(i * d + c) * (size_t)linear->stride, take, held);
+            r[3 * i + c] = dot4(linear->columns + (size_t)(i * d + c) * (size_t)linear->stride,
+                                factor, stored);
 }
 
 /* square[] := squared innovations of a first-order series about their mean in each socket, each
@@ -66,7 +66,7 @@ static int innovations(double *square, const double *r, const mukca_recording *r
 }
 
 /* Sum of x / (scale + x). */
-MUKCA_CLONES static double sum_shares(const double *x, int n, double scale)
+MUKCA_CLONES static double sum_fractions(const double *x, int n, double scale)
 {
     four s = {0};
     const int n4 = n & ~3;
@@ -87,7 +87,7 @@ static double likelihood(const double *square, int count, double nu)
     double before = 0;
     for (int pass = 0; pass < 30 && fabs(variance - before) > 1e-6 * variance; pass++) {
         before = variance; /* expectation maximisation */
-        variance *= (nu + 3) * sum_shares(square, count, nu * variance) / (3 * count);
+        variance *= (nu + 3) * sum_fractions(square, count, nu * variance) / (3 * count);
         variance += 1e-18;
     }
     for (int i = 0; i < count; i++) {

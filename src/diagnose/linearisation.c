@@ -16,7 +16,7 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
     const int pairs = recording->data->n_distances + 1, groups = recording->data->n_sockets + 2;
     *linear = (mukca_linearisation){
         .at = MUKCA_TAKE(pool, int, size),
-        .cause = MUKCA_TAKE(pool, mukca_candidate, MUKCA_MOST_HELD),
+        .cause = MUKCA_TAKE(pool, mukca_candidate, MUKCA_MOST_STORED),
         .reference = MUKCA_TAKE(pool, double, size),
         .change = MUKCA_TAKE(pool, double, size),
         .tip = MUKCA_TAKE(pool, double, 3 * rows),
@@ -99,8 +99,9 @@ static void find_directions(mukca_linearisation *linear, const mukca_recording *
 
 /* r := vector from the predicted position of sample i to its socket's mean plus the socket's
  * faults. */
-static void misfit(double r[3], const mukca_linearisation *linear, const mukca_recording *recording,
-                   const mukca_unknowns *unknowns, int g, int i)
+static void socket_error(double r[3], const mukca_linearisation *linear,
+                         const mukca_recording *recording, const mukca_unknowns *unknowns, int g,
+                         int i)
 {
     for (int c = 0; c < 3; c++) r[c] = linear->mean[g][c] - linear->tip[3 * i + c];
     for (int c = 0; c < unknowns->n_causes; c++) {
@@ -250,19 +251,20 @@ void mukca_linearisation_spread(double *x, int rows, const mukca_strides *s)
 /* Reserve space for so many more columns after the stored ones; extend the stride if necessary. */
 static bool reserve(mukca_linearisation *linear, const mukca_recording *recording, int columns)
 {
-    const int old = linear->stride, held = linear->n_held;
-    if (held + columns <= old) return true;
-    if (held + columns > linear->most) return false;
-    linear->stride = held + columns + ROOM < linear->most ? held + columns + ROOM : linear->most;
-    const mukca_strides strides = {.columns = held, .old = old, .new = linear->stride};
+    const int old = linear->stride, stored = linear->n_stored;
+    if (stored + columns <= old) return true;
+    if (stored + columns > linear->most) return false;
+    linear->stride =
+        stored + columns + ROOM < linear->most ? stored + columns + ROOM : linear->most;
+    const mukca_strides strides = {.columns = stored, .old = old, .new = linear->stride};
     mukca_linearisation_spread(linear->columns, recording->n_samples * recording->dim, &strides);
     mukca_linearisation_spread(linear->pair_columns, recording->n_pairs, &strides);
     return true;
 }
 
 /* Store the columns of a cause from column `at` on. */
-static void hold(mukca_linearisation *linear, const mukca_recording *recording,
-                 const mukca_candidate *h, int at)
+static void store_cause(mukca_linearisation *linear, const mukca_recording *recording,
+                        const mukca_candidate *h, int at)
 {
     const int ld = linear->stride;
     linear->at_cause[linear->n_causes] = at;
@@ -279,7 +281,7 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
 {
     const int n = mukca_unknowns_column(u, u->n_causes), n_joints = recording->chain->n_joints;
     linear->n_columns = n;
-    linear->n_held = n + 1;
+    linear->n_stored = n + 1;
     linear->most = spare ? mukca_unknowns_capacity(u) + 1 : n + 1;
     linear->stride = n + 1 + ROOM < linear->most ? n + 1 + ROOM : linear->most;
     linear->n_causes = 0;
@@ -297,7 +299,7 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
             mukca_unknowns_displacement(&displacement, u, n_joints, row);
             memcpy(seated, recording->data->q + row * n_joints, sizeof *seated * (size_t)n_joints);
             if (group->socket >= 0) {
-                misfit(r, linear, recording, u, g, i);
+                socket_error(r, linear, recording, u, g, i);
                 mukca_linearisation_seat(seated, r, n_joints, &u->geometry, &displacement);
             }
             fill_sample(linear, recording, u, i, seated, &displacement);
@@ -306,7 +308,7 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
     for (int p = 0; p < recording->n_pairs; p++)
         memset(linear->pair_columns + p * linear->stride, 0, sizeof(double) * (size_t)n);
     for (int c = 0, at = u->n_geometry; c < u->n_causes; c++) {
-        hold(linear, recording, &u->cause[c].candidate, at);
+        store_cause(linear, recording, &u->cause[c].candidate, at);
         at += u->cause[c].candidate.terms;
     }
     fill_y(linear, recording, u);
@@ -321,9 +323,9 @@ bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_recordi
         int k = 0;
         while (k < linear->n_causes && !mukca_candidate_same(&linear->cause[k], h)) k++;
         if (k == linear->n_causes) {
-            if (k == MUKCA_MOST_HELD || !reserve(linear, recording, h->terms)) return false;
-            hold(linear, recording, h, linear->n_held);
-            linear->n_held += h->terms;
+            if (k == MUKCA_MOST_STORED || !reserve(linear, recording, h->terms)) return false;
+            store_cause(linear, recording, h, linear->n_stored);
+            linear->n_stored += h->terms;
         }
         for (int t = 0; t < h->terms; t++) linear->at[n++] = linear->at_cause[k] + t;
     }
@@ -339,7 +341,7 @@ bool mukca_linearisation_refresh(mukca_linearisation *linear, const mukca_record
     mukca_unknowns_fold_frames(u);
     mukca_unknowns_set_geometry(u, recording->chain);
     predict(linear, recording, u);
-    linear->at[linear->n_columns] = linear->n_held++;
+    linear->at[linear->n_columns] = linear->n_stored++;
     fill_y(linear, recording, u);
     return true;
 }
@@ -360,7 +362,7 @@ double mukca_linearisation_error(const mukca_linearisation *linear, const mukca_
     const int every = r->n_samples / MOST + 1, d = r->dim;
     double square = 0, sum[3] = {0}, *change = linear->change;
     int count = 0, of_group = 0, g = 0;
-    memset(change, 0, sizeof *change * (size_t)linear->n_held);
+    memset(change, 0, sizeof *change * (size_t)linear->n_stored);
     for (int c = 0; c < linear->n_causes; c++) /* causes no longer in use */
         for (int t = 0; mukca_candidate_moves_arm(&linear->cause[c]) && t < linear->cause[c].terms;
              t++)
@@ -387,7 +389,7 @@ double mukca_linearisation_error(const mukca_linearisation *linear, const mukca_
         for (int c = 0; c < 3; c++) {
             const double *x = linear->columns + (size_t)(i * d + c) * (size_t)linear->stride;
             double error = linear->tip[3 * i + c] - p[c];
-            for (int k = 0; k < linear->n_held; k++) error += x[k] * change[k];
+            for (int k = 0; k < linear->n_stored; k++) error += x[k] * change[k];
             square += error * error;
             sum[c] += error;
         }

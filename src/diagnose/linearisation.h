@@ -8,15 +8,15 @@
 
 #include "diagnose/unknowns.h"
 
-enum { MUKCA_MOST_HELD = 64 }; /* causes with stored columns */
+enum { MUKCA_MOST_STORED = 64 }; /* causes with stored columns */
 
 typedef struct {
-    int n_columns;      /* in use, without y */
-    int *at;            /* [n_columns + 1] indices of these and y among the stored columns */
-    int stride, n_held; /* row length of the stored columns; their number, with y */
-    int most;           /* largest possible stride */
-    int n_causes, at_cause[MUKCA_MOST_HELD]; /* causes with stored columns; first columns */
-    mukca_candidate *cause;                  /* [MUKCA_MOST_HELD] */
+    int n_columns;        /* in use, without y */
+    int *at;              /* [n_columns + 1] indices of these and y among the stored columns */
+    int stride, n_stored; /* row length of the stored columns; their number, with y */
+    int most;             /* largest possible stride */
+    int n_causes, at_cause[MUKCA_MOST_STORED]; /* causes with stored columns; first columns */
+    mukca_candidate *cause;                    /* [MUKCA_MOST_STORED] */
     unsigned version;  /* number of updates: identifies all that is computed from the columns */
     double *reference; /* [stride] unknowns at which y was computed, with the frames below */
     mukca_log_frames log;

@@ -30,8 +30,8 @@ bool mukca_products_scratch(mukca_product_scratch *s, mukca_pool *pool, const mu
 }
 
 /* Memory of all members but `cross`. */
-static bool take(mukca_products *x, mukca_pool *pool, const mukca_regression *m, int columns,
-                 int block)
+static bool allocate(mukca_products *x, mukca_pool *pool, const mukca_regression *m, int columns,
+                     int block)
 {
     const int pairs = m->recording.data->n_distances + 1;
     *x = (mukca_products){.columns = columns,
@@ -54,16 +54,16 @@ static bool grow(mukca_products *x, mukca_pool *pool, int rows)
 bool mukca_products_create(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
                            int columns, int block)
 {
-    return take(x, pool, m, columns, block) &&
+    return allocate(x, pool, m, columns, block) &&
            grow(x, pool, mukca_unknowns_capacity(&m->unknowns) + 1);
 }
 
 bool mukca_products_reserve(mukca_products *x, mukca_pool *pool, const mukca_regression *m,
                             int columns)
 {
-    if (pool->failed || (!x->columns && !take(x, pool, m, columns, columns))) return false;
-    while (x->rows < m->linear.n_held)
-        if (!grow(x, pool, x->rows ? MUKCA_PRODUCT_ROWS : m->linear.n_held)) return false;
+    if (pool->failed || (!x->columns && !allocate(x, pool, m, columns, columns))) return false;
+    while (x->rows < m->linear.n_stored)
+        if (!grow(x, pool, x->rows ? MUKCA_PRODUCT_ROWS : m->linear.n_stored)) return false;
     return true;
 }
 
@@ -100,7 +100,7 @@ static mukca_span find_samples(const mukca_linearisation *linear, const mukca_re
         if (group->start + group->count > of.end) of.end = group->start + group->count;
         columns += h->terms;
     }
-    return start + columns == linear->n_held ? of : (mukca_span){0, r->n_samples};
+    return start + columns == linear->n_stored ? of : (mukca_span){0, r->n_samples};
 }
 
 /* Entries of W'E within blocks of NEAR columns: of_w[d][k], column k of W times column k + d of E;
@@ -123,19 +123,18 @@ MUKCA_CLONES static void multiply_near(double *of_w, double *of_e, const double 
     }
 }
 
-/* Distribute C (products with the stored columns), E'W E and `along` of the batch to its entries.
- */
-static void scatter(const job *j)
+/* Distribute C (products with the stored columns), E'W E and `along` to the batch's entries. */
+static void distribute(const job *j)
 {
     const batch *b = &j->b;
-    const int held = j->m->linear.n_held, d = j->joint < 0 ? j->m->recording.dim : 1,
+    const int stored = j->m->linear.n_stored, d = j->joint < 0 ? j->m->recording.dim : 1,
               rows = (j->of.end - j->of.start) * d;
     double of_w[NEAR * MUKCA_BATCH], of_e[NEAR * MUKCA_BATCH];
     if (!b->start) multiply_near(of_w, of_e, j->s->W, j->s->E, b->width, rows);
     for (int e = 0; e < b->n; e++) {
         mukca_products *x = b->entry[e].products;
         const int first = b->entry[e].first, count = b->entry[e].count, at = b->entry[e].at;
-        for (int i = b->start; i < held; i++)
+        for (int i = b->start; i < stored; i++)
             memcpy(mukca_products_row(x, i) + first,
                    j->s->C + (size_t)(i - b->start) * (size_t)b->width + at,
                    sizeof *j->s->C * (size_t)count);
@@ -162,8 +161,8 @@ static void finish_columns(const job *j)
 {
     const mukca_regression *m = j->m;
     const mukca_product_scratch *s = j->s;
-    const int width = j->b.width, start = j->b.start, held = m->linear.n_held, d = m->recording.dim,
-              ld = m->linear.stride;
+    const int width = j->b.width, start = j->b.start, stored = m->linear.n_stored,
+              d = m->recording.dim, ld = m->linear.stride;
     if (!start) {
         memset(s->along, 0, sizeof *s->along * (size_t)(m->recording.n_pairs * width));
         mukca_evidence_weigh(
@@ -171,19 +170,19 @@ static void finish_columns(const job *j)
                 .n = width, .ld = width, .x = s->E, .weighted = s->W, .along = s->along},
             j->normal, &m->recording, &m->linear);
     }
-    memset(s->C, 0, sizeof *s->C * (size_t)((held - start) * width));
+    memset(s->C, 0, sizeof *s->C * (size_t)((stored - start) * width));
     const double *weighted = j->normal->weighted + (size_t)(j->of.start * d) * (size_t)ld + start;
-    mukca_dense_xty(s->C, (mukca_columns){weighted, held - start, ld},
+    mukca_dense_xty(s->C, (mukca_columns){weighted, stored - start, ld},
                     (mukca_columns){s->E, width, width}, (j->of.end - j->of.start) * d);
-    scatter(j);
+    distribute(j);
 }
 
 /* Project W, and W X from stored column `start` on, on the levers of the joint. */
-MUKCA_CLONES static void aim_levers(const job *j, int start)
+MUKCA_CLONES static void project_levers(const job *j, int start)
 {
     const mukca_regression *m = j->m;
     const mukca_recording *r = &m->recording;
-    const int d = r->dim, n_joints = r->chain->n_joints, n = m->linear.n_held - start;
+    const int d = r->dim, n_joints = r->chain->n_joints, n = m->linear.n_stored - start;
     double *diagonal = j->s->tri, *off = diagonal + r->n_samples;
     const mukca_span of = find_samples(&m->linear, r, start);
     for (int i = of.start; i < of.end; i++) {
@@ -229,10 +228,10 @@ MUKCA_CLONES static void finish_functions(const job *j, int aimed)
     const mukca_regression *m = j->m;
     const mukca_recording *r = &m->recording;
     const mukca_product_scratch *s = j->s;
-    const int width = j->b.width, start = j->b.start, held = m->linear.n_held;
-    memset(s->C, 0, sizeof *s->C * (size_t)((held - start) * width));
-    const double *U = s->U + (size_t)j->of.start * (size_t)(held - aimed) + (start - aimed);
-    mukca_dense_xty(s->C, (mukca_columns){U, held - start, held - aimed},
+    const int width = j->b.width, start = j->b.start, stored = m->linear.n_stored;
+    memset(s->C, 0, sizeof *s->C * (size_t)((stored - start) * width));
+    const double *U = s->U + (size_t)j->of.start * (size_t)(stored - aimed) + (start - aimed);
+    mukca_dense_xty(s->C, (mukca_columns){U, stored - start, stored - aimed},
                     (mukca_columns){s->E, width, width}, j->of.end - j->of.start);
     if (!start) {
         const double *diagonal = s->tri, *off = diagonal + r->n_samples;
@@ -253,7 +252,7 @@ MUKCA_CLONES static void finish_functions(const job *j, int aimed)
                 s->along[p * width + k] = sum;
             }
     }
-    scatter(j);
+    distribute(j);
     for (int e = 0; e < j->b.n && !start; e++) { /* subtract the sockets' means */
         mukca_products *x = j->b.entry[e].products;
         const int block = x->block;
@@ -317,7 +316,7 @@ void mukca_products_ripple(mukca_products *x, int joint, const int *order,
 {
     job j = {.m = m, .normal = normal, .s = s, .joint = joint, .of = {0, m->recording.n_samples}};
     mukca_ripple wave = s->wave;
-    aim_levers(&j, 0);
+    project_levers(&j, 0);
     mukca_ripple_start(&wave, &m->recording, joint);
     for (int first = 0; first < x->columns; first += MUKCA_BATCH) {
         const int count = x->columns - first < MUKCA_BATCH ? x->columns - first : MUKCA_BATCH;
@@ -327,7 +326,7 @@ void mukca_products_ripple(mukca_products *x, int joint, const int *order,
         finish_functions(&j, 0);
     }
     x->version = m->linear.version;
-    x->done = m->linear.n_held;
+    x->done = m->linear.n_stored;
 }
 
 /* Direct effect of a candidate on the distances. */
@@ -341,7 +340,7 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
                            const mukca_normal_equations *normal, const mukca_product_scratch *s)
 {
     const mukca_candidate *candidate[MUKCA_BATCH];
-    const int held = m->linear.n_held;
+    const int stored = m->linear.n_stored;
     job j = {.m = m, .normal = normal, .s = s, .joint = -1};
     int aimed = 0; /* first stored column in U */
     for (int i = 0; i < n; i++)
@@ -349,7 +348,7 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
             item[i].products->version = m->linear.version, item[i].products->done = 0;
     for (int i = 0; i < n;) {
         const mukca_products *x = item[i].products;
-        if (x->done == held) {
+        if (x->done == stored) {
             i++;
             continue;
         }
@@ -358,7 +357,7 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
             aimed = x->done;
             for (int k = i; k < n && item[k].joint == j.joint; k++)
                 if (item[k].products->done < aimed) aimed = item[k].products->done;
-            aim_levers(&j, aimed);
+            project_levers(&j, aimed);
         }
         j.joint = item[i].joint;
         j.b.n = j.b.width = 0;
@@ -367,7 +366,7 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
         j.of = find_samples(&m->linear, &m->recording, x->done);
         for (; i < n && item[i].joint == j.joint; i++) {
             mukca_products *next = item[i].products;
-            if (next->done == held) continue;
+            if (next->done == stored) continue;
             if (next->done != j.b.start || (j.b.n && j.b.width + next->columns > room)) break;
             candidate[j.b.n] = item[i].candidate;
             put(&j.b, next, 0, next->columns);
@@ -379,7 +378,7 @@ void mukca_products_update(const mukca_product_item *item, int n, const mukca_re
             finish_functions(&j, aimed);
         for (int e = 0; e < j.b.n; e++) {
             mukca_products *done = j.b.entry[e].products;
-            done->done = held;
+            done->done = stored;
             change_pairs(done, candidate[e], &m->recording);
         }
     }
@@ -391,7 +390,7 @@ void mukca_products_of(mukca_products *x, const mukca_candidate *h, const mukca_
     job j = {.m = m, .normal = normal, .s = s, .joint = -1, .of = {0, m->recording.n_samples}};
     put(&j.b, x, 0, x->columns);
     x->version = m->linear.version;
-    x->done = m->linear.n_held;
+    x->done = m->linear.n_stored;
     finish_columns(&j);
     change_pairs(x, h, &m->recording);
 }

@@ -1,5 +1,5 @@
 /* Products of a candidate's columns with each other and with the stored columns of the
- * linearisation. They depend neither on noise and priors nor on the causes in the model: each is
+ * linearisation.  They depend neither on noise and priors nor on the causes in the model: each is
  * computed once for a linearisation. */
 #ifndef MUKCA_DIAGNOSE_PRODUCTS_H
 #define MUKCA_DIAGNOSE_PRODUCTS_H
@@ -8,8 +8,7 @@
 #include "diagnose/ripple.h"
 
 enum {
-    MUKCA_PRODUCT_ROWS =
-        32, /* of each piece of `cross` after the first, which has the geometry's */
+    MUKCA_PRODUCT_ROWS = 32, /* of a piece of `cross` after the first, which has the geometry's */
     MUKCA_PRODUCT_PIECES = 1 + 3 * MUKCA_MAX_COLUMNS / MUKCA_PRODUCT_ROWS
 };
 
@@ -27,10 +26,10 @@ typedef struct {
 } mukca_products;
 
 /* Products with one stored column. */
-static inline double *mukca_products_row(const mukca_products *x, int held)
+static inline double *mukca_products_row(const mukca_products *x, int stored)
 {
-    if (held < x->first) return x->cross[0] + held * x->columns;
-    const unsigned more = (unsigned)(held - x->first);
+    if (stored < x->first) return x->cross[0] + stored * x->columns;
+    const unsigned more = (unsigned)(stored - x->first);
     return x->cross[1 + more / MUKCA_PRODUCT_ROWS] +
            more % MUKCA_PRODUCT_ROWS * (unsigned)x->columns;
 }
@@ -60,7 +59,7 @@ bool mukca_products_create(mukca_products *products, mukca_pool *pool, const muk
                            int columns, int block);
 
 /* Reserve memory for the products of a candidate with the stored columns; computed products are
- * kept. `products` may be all 0.  False: no memory. */
+ * kept.  `products` may be all 0.  False: no memory. */
 bool mukca_products_reserve(mukca_products *products, mukca_pool *pool, const mukca_regression *m,
                             int columns);
 

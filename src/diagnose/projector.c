@@ -48,8 +48,7 @@ static void find_distances(double *D, const mukca_projector *p, int group)
     }
 }
 
-/* B[n][8] := L^-1 B; from the next row, that of y, the part explained by the model is subtracted.
- */
+/* B[n][8] := L^-1 B; next row, that of y: less the part explained by the model. */
 static void solve_eight(double *B, const mukca_projector *p)
 {
     const int n = p->n;
@@ -110,10 +109,10 @@ MUKCA_CLONES static void fill(const batch *b, const mukca_projector *p, int e)
 {
     const mukca_products *x = b->entry[e].item->products;
     const int n = p->n, first = b->entry[e].first, count = b->entry[e].count, at = b->entry[e].at,
-              geometry = p->m->unknowns.n_geometry, *held = p->m->linear.at;
+              geometry = p->m->unknowns.n_geometry, *stored = p->m->linear.at;
     const double *cross = x->cross[0] + first;
     for (int t = 0; t <= n; t++, cross += x->columns) {
-        if (t >= geometry) cross = mukca_products_row(x, held[t]) + first;
+        if (t >= geometry) cross = mukca_products_row(x, stored[t]) + first;
         double *out = p->T + t * STRIDE + at;
         for (int k = 0; k < count; k += 4) STORE4(out + k, p->factor[t] * LOAD4(cross + k));
     }
@@ -123,21 +122,21 @@ MUKCA_CLONES static void fill(const batch *b, const mukca_projector *p, int e)
 }
 
 /* Projected G[k][k] and g[k] of the block at `column` of an entry. */
-MUKCA_CLONES static void take_block(double *G, double *g, const batch *b, const mukca_projector *p,
-                                    int e, int column)
+MUKCA_CLONES static void project_block(double *G, double *g, const batch *b,
+                                       const mukca_projector *p, int e, int column)
 {
     const mukca_products *x = b->entry[e].item->products;
     const int k = x->block, first = b->entry[e].first + column, at = b->entry[e].at + column;
-    double lost[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS];
-    memset(lost, 0, sizeof *lost * (size_t)(k * k));
+    double explained[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS];
+    memset(explained, 0, sizeof *explained * (size_t)(k * k));
     for (int a = 0; a < k; a++) g[a] = p->T[p->n * STRIDE + at + a];
-    if (k > FEW) mukca_dense_syrk(lost, k, p->T + at, p->n, STRIDE);
+    if (k > FEW) mukca_dense_syrk(explained, k, p->T + at, p->n, STRIDE);
     for (int a = 0; a < k && k <= FEW; a++)
         for (int c = 0; c <= a; c++)
-            lost[a * k + c] = lost[c * k + a] = p->near[(a - c) * STRIDE + at + c];
+            explained[a * k + c] = explained[c * k + a] = p->near[(a - c) * STRIDE + at + c];
     for (int a = 0; a < k; a++)
         for (int c = 0; c <= a; c++) {
-            double sum = p->precision * x->gram[(first + a) * k + c] - lost[a * k + c];
+            double sum = p->precision * x->gram[(first + a) * k + c] - explained[a * k + c];
             for (int q = 0; q < p->normal->n_pairs; q++)
                 sum += p->inverse[q] * x->along[q * x->columns + first + a] *
                        x->along[q * x->columns + first + c];
@@ -145,22 +144,22 @@ MUKCA_CLONES static void take_block(double *G, double *g, const batch *b, const 
         }
 }
 
-/* g -= T'z; near[d][k] := product of columns k and k + d of T, for blocks of at most FEW columns.
+/* g -= T'z; near[d][k] := product of columns k and k + d of T, for blocks of FEW columns or less.
  */
 MUKCA_CLONES static void project(double *near, double *g, const double *T, const double *z, int n,
                                  int width)
 {
     for (int k = 0; k < width; k += 4) {
-        four lost = {0}, s[FEW] = {{0}};
+        four explained = {0}, s[FEW] = {{0}};
         const double *row = T + k;
         for (int t = 0; t < n; t++, row += STRIDE) {
             const four x = LOAD4(row);
-            lost += z[t] * x;
+            explained += z[t] * x;
             s[0] += x * x;
             s[1] += x * LOAD4(row + 1);
             s[2] += x * LOAD4(row + 2);
         }
-        STORE4(g + k, LOAD4(g + k) - lost);
+        STORE4(g + k, LOAD4(g + k) - explained);
         for (int d = 0; d < FEW; d++) STORE4(near + d * STRIDE + k, s[d]);
     }
 }
@@ -188,7 +187,7 @@ static void finish(batch *b, mukca_projector *p)
         const int block = s->products->block;
         for (int k = 0; k < b->entry[e].count; k += block) {
             const int which = (b->entry[e].first + k) / block;
-            take_block(G, g, b, p, e, k);
+            project_block(G, g, b, p, e, k);
             s->value[which] = mukca_bayes_factor_average(G, g, s->candidate, p->residual,
                                                          p->normal->dof, &s->information[which]);
         }
@@ -229,7 +228,7 @@ void mukca_projector_project(double *G, double *g, mukca_projector *p, int k,
     put(&b, &(mukca_scored){.products = x}, 0, k);
     fill(&b, p, 0);
     solve(&b, p);
-    take_block(G, g, &b, p, 0, 0);
+    project_block(G, g, &b, p, 0, 0);
 }
 
 /* Samples [from, to) of its group that a fault displaces, and the displacement of the group's mean:
@@ -299,7 +298,7 @@ MUKCA_CLONES static void sum_step(mukca_projector *p, int group, int from)
 }
 
 /* Weighted square of the shares of a fault's samples; span->mean receives their mean. */
-static double sum_shares(fault_span *span, const mukca_projector *p, const mukca_candidate *h)
+static double weigh_shares(fault_span *span, const mukca_projector *p, const mukca_candidate *h)
 {
     const mukca_recording *r = &p->m->recording;
     double square = 0, last = 0;
@@ -314,7 +313,7 @@ static double sum_shares(fault_span *span, const mukca_projector *p, const mukca
 }
 
 /* G[3][3] := own identity - T T'. */
-MUKCA_CLONES static void leave(double G[9], double own, const double *T, int n)
+MUKCA_CLONES static void fault_gram(double G[9], double own, const double *T, int n)
 {
     for (int a = 0; a < 3; a++)
         for (int b = 0; b <= a; b++)
@@ -334,12 +333,12 @@ double mukca_projector_fault(mukca_projector *p, const mukca_candidate *h, doubl
         T = p->step.T, square = p->step.square, span.mean = p->step.mean;
         memcpy(g, p->step.g, sizeof g);
     } else {
-        square = sum_shares(&span, p, h);
+        square = weigh_shares(&span, p, h);
         sum_rows(T, g, p, h, &span);
     }
     const double own =
         p->precision * (square - p->normal->ones[h->fault.group] * span.mean * span.mean);
-    leave(G, own, T, n);
+    fault_gram(G, own, T, n);
     for (int q = 0; q < r->n_pairs; q++) {
         const double *direction = p->m->linear.direction[q],
                      w = p->inverse[q] * span.mean * span.mean;

@@ -185,8 +185,7 @@ static void solve_block(double *y, const double *L, const double *V, int size, i
     mukca_dense_backward(y, 1, L, n);
 }
 
-/* Update V and x for this factor: subtract (1 - f) V[][at] K^-1 V[at][] (Woodbury).  T is scratch.
- */
+/* Update V and x for this factor: V -= (1 - f) V[][at] K^-1 V[at][] (Woodbury).  T is scratch. */
 static void widen(double *V, double *T, int size, int at, int n, double f)
 {
     double L[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], *lost = T + n * size;
