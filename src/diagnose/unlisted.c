@@ -86,7 +86,7 @@ static void evaluate(double value[3], const mukca_candidate *h, const mukca_reco
             break;
         case MUKCA_ARGUMENT_PASSING: {
             const double *at = r->data->q + h->simple.row * r->chain->n_joints + j;
-            value[0] = state.q[j] > 0.5 * (at[0] + at[-r->chain->n_joints]);
+            value[0] = h->simple.row > 0 && state.q[j] > 0.5 * (at[0] + at[-r->chain->n_joints]);
             break;
         }
         case MUKCA_ARGUMENT_PLACEMENT:
