@@ -1,12 +1,12 @@
 /* Small dense linear algebra, row-major, no allocation: products, Cholesky, QR, SVD.
  *
- * Shapes are given as (rows, columns); A[m][n] lies at A[i * n + j] unless a row stride ld is
- * given.
+ * Shapes are given as (rows, columns); entry (i, j) of A[m][n] is A[i * n + j], or A[i * ld + j]
+ * with a row stride ld.
  */
 #ifndef MUKCA_MATH_DENSE_H
 #define MUKCA_MATH_DENSE_H
 
-/* C[n][n] += X' X for X[m][n] (lower triangle and upper alike).  The workhorse; vectorised. */
+/* C[n][n] += X' X for X[m][n], both triangles.  Vectorised, as most time is spent here. */
 void mukca_dense_syrk(double *C, int n, const double *X, int m, int ldx);
 
 /* n neighbouring columns of a matrix with row stride ld. */
@@ -15,12 +15,12 @@ typedef struct {
     int n, ld;
 } mukca_columns;
 
-/* C[X.n][Y.n] += X' Y over m rows; `symmetric`: X.n equals Y.n and the product is known to be
- * symmetric, so that half of it is formed. */
+/* C[X.n][Y.n] += X' Y over m rows; `symmetric`: X.n equals Y.n and the product is symmetric; only
+ * half of it is computed. */
 void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m);
 void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m);
 
-/* Cholesky A = L L' in place (lower; the upper triangle is left alone).  Returns 0, or 1 + the
+/* Cholesky A = L L' in place (lower; the upper triangle is unchanged).  Returns 0, or 1 + the
  * index of the first pivot that is not positive (also for NaN). */
 int mukca_dense_cholesky(double *A, int n);
 
@@ -28,25 +28,25 @@ int mukca_dense_cholesky(double *A, int n);
 void mukca_dense_forward(double *b, int k, const double *L, int n);
 void mukca_dense_backward(double *b, int k, const double *L, int n);
 
-/* L x = b for b[n][ld], the first k columns of it: a multiple of 8. */
+/* Solve L x = b for the first k columns of b[n][ld], k a multiple of 8. */
 void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n);
 
-/* Q'A Q is tridiagonal for A[n][n] (upper triangle; destroyed): T[0..n) gets its diagonal, T[n..2n)
- * the off-diagonal entries (0 behind the last), T[4n] is scratch.  B[n][k] becomes Q'B. */
+/* Q'A Q is tridiagonal for A[n][n] (upper triangle; destroyed): T[0..n) receives its diagonal,
+ * T[n..2n) the off-diagonal entries and a 0; T[2n..4n) is scratch.  B[n][k] becomes Q'B. */
 void mukca_dense_tridiagonalise(double *A, int n, double *T, double *B, int k);
 
-/* One-sided Jacobi SVD of A[m][n], m >= n, in place: A becomes U (columns orthonormal where the
- * singular value is not 0), s[n] descending, V[n][n] (A = U diag(s) V').  V may be NULL.
- * Returns 0, or 1 when it did not converge in 60 sweeps (also for NaN or infinity). */
+/* One-sided Jacobi SVD of A[m][n], m >= n, in place: A becomes U (columns with singular value > 0
+ * are orthonormal), s[n] descending, V[n][n] (A = U diag(s) V').  V may be NULL.  Returns 0, or 1
+ * without convergence in 60 sweeps (also for NaN or infinity). */
 int mukca_dense_svd(double *A, double *s, double *V, int m, int n);
 
-/* Gauss-Jordan with full pivoting on N[k][n] (row stride ld): each row becomes 1 in a column of its
- * own, where the others are 0, so that few entries remain. */
+/* Gauss-Jordan with full pivoting on N[k][n] (row stride ld): each row receives a column with 1 in
+ * this row and 0 in the others, which leaves few nonzero entries. */
 void mukca_dense_reduce(double *N, int k, int n, int ld);
 
-/* Sequential (block) QR for least squares whose rows come one at a time: R[n][n + k] is the upper
- * triangular factor of all rows so far, then Q'b, zeroed at the start.  Absorbs the rows
- * A[m][n + k] (destroyed).  rss[k] (may be NULL) accumulates the squares that left the triangle.
+/* Sequential QR for least squares, by blocks of rows: R[n][n + k] is the upper triangular factor of
+ * all rows so far, followed by Q'b; zero initially.  Absorbs the rows A[m][n + k] (destroyed).
+ * rss[k] (may be NULL) accumulates the residual sums of squares.
  * Memory and result do not depend on how the rows are blocked (to rounding). */
 void mukca_dense_qr_absorb(double *R, double *rss, double *A, int m, int n, int k);
 

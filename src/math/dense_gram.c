@@ -13,7 +13,7 @@ enum { STRIP = 64 }; /* rows per pass: 60 columns of them are 30 kB */
         STORE4((c) + 4, LOAD4((c) + 4) + (hi)); \
     } while (0)
 
-/* C[4][8] += A' B for A[m][4], B[m][8] (row strides ld): eight accumulators live in registers. */
+/* C[4][8] += A' B for A[m][4], B[m][8] (row strides ld): eight accumulators in registers. */
 MUKCA_INLINE void gram4x8(double *C, int ldc, mukca_columns a, mukca_columns b, int m)
 {
     const double *A = a.x, *B = b.x;
@@ -44,7 +44,7 @@ MUKCA_INLINE void gram4x4(double *C, int ldc, mukca_columns a, mukca_columns b, 
     for (long i = 0; i < 4; i++) STORE4(C + i * ldc, LOAD4(C + i * ldc) + s[i]);
 }
 
-/* Entries of C[n][8], `row` and `column` apart, += A' B for A[m][n] and B[m][8], n < 4. */
+/* C[n][8] += A' B for A[m][n] and B[m][8], n < 4; strides of c: `row`, `column`. */
 MUKCA_INLINE void gram_few(double *c, long row, long column, mukca_columns a, mukca_columns b,
                            int m, int n)
 {
@@ -58,7 +58,7 @@ MUKCA_INLINE void gram_few(double *c, long row, long column, mukca_columns a, mu
         for (int j = 0; j < 8; j++) c[i * row + j * column] += s[i][j / 4][j % 4];
 }
 
-/* Together: the sums of one column would wait for each other. */
+/* The columns together: the additions to a single sum are sequential. */
 MUKCA_INLINE void gram_rest(double *c, long row, long column, mukca_columns a, mukca_columns b,
                             int m, int n)
 {
@@ -67,7 +67,7 @@ MUKCA_INLINE void gram_rest(double *c, long row, long column, mukca_columns a, m
     if (n == 3) gram_few(c, row, column, a, b, m, 3);
 }
 
-/* The same for four columns a[m][4], `step` apart in c, too. */
+/* Transposed, of four columns: C[8][4] += B' A for A[m][4] and B[m][8]; row stride of c: `step`. */
 MUKCA_INLINE void gram4x8_turned(double *c, long step, mukca_columns a, mukca_columns b, int m)
 {
     double block[32] = {0};
@@ -88,8 +88,8 @@ MUKCA_INLINE mukca_columns from(mukca_columns X, int column)
     return (mukca_columns){X.x + column, X.n - column, X.ld};
 }
 
-/* C[X.n][Y.n] += X' Y of one strip of rows.  With `upper` only blocks that touch the upper triangle
- * (X and Y the same). */
+/* C[X.n][Y.n] += X' Y of one strip of rows; `upper`: only blocks with entries of the upper triangle
+ * (symmetric product). */
 MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m, bool upper)
 {
     const int n = X.n, k = Y.n, n4 = n & ~3, k8 = k & ~7, n8 = n & ~7;
@@ -114,7 +114,7 @@ MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m,
         for (int i = n8; i < n; i++) C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
 }
 
-/* All strips: a strip stays in the first cache while it is used. */
+/* All strips; each stays in the first-level cache while in use. */
 MUKCA_INLINE void gram(double *C, mukca_columns X, mukca_columns Y, int m, bool upper)
 {
     for (int r = 0; r < m; r += STRIP) {
@@ -143,7 +143,7 @@ MUKCA_CLONES void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, i
     gram(C, X, Y, m, false);
 }
 
-/* Solve L x = b for eight right-hand sides b[n][8], `ld` apart: four rows at a time keep their sums
+/* Solve L x = b for eight right-hand sides b[n][8], row stride `ld`: four rows at a time, with sums
  * in registers. */
 MUKCA_INLINE void forward8(double *b, int ld, const double *L, int ldl, int n)
 {
@@ -151,7 +151,7 @@ MUKCA_INLINE void forward8(double *b, int ld, const double *L, int ldl, int n)
         const int rows = n - i < 4 ? n - i : 4;
         const double *l[4];
         four x[4][2];
-        for (int r = 0; r < 4; r++) { /* a row that is not there does the last one again */
+        for (int r = 0; r < 4; r++) { /* beyond the last row: the last row again */
             const int row = i + (r < rows ? r : rows - 1);
             l[r] = L + (long)row * ldl;
             x[r][0] = LOAD4(b + (long)row * ld), x[r][1] = LOAD4(b + (long)row * ld + 4);
@@ -171,10 +171,10 @@ MUKCA_INLINE void forward8(double *b, int ld, const double *L, int ldl, int n)
     }
 }
 
-enum { WIDEST = 512 }; /* columns left of a block of rows that is factored at once: 32 kB */
+enum { WIDEST = 512 }; /* most columns to the left of a block of rows: 32 kB */
 
-/* Columns [0, i) of the factor's rows i to i + 7, and what they take from the eight columns behind:
- * a forward substitution with the rows as right-hand sides. */
+/* Columns [0, i) of the factor's rows i to i + 7, by forward substitution with the rows as
+ * right-hand sides, and their subtraction from the next eight columns. */
 MUKCA_INLINE void eight_rows(double *A, int i, int n)
 {
     double b[8 * WIDEST], block[64] = {0};
@@ -193,7 +193,7 @@ MUKCA_INLINE void eight_rows(double *A, int i, int n)
 
 MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
 {
-    int done = 0; /* columns that the row's block has taken already */
+    int done = 0; /* columns computed by eight_rows() */
     for (int i = 0; i < n; i++) {
         double *row = A + (long)i * n;
         if (i % 8 == 0) {

@@ -1,11 +1,11 @@
-/* Householder QR of rows that come one block at a time. */
+/* Sequential Householder QR, by blocks of rows. */
 #include <float.h>
 #include <math.h>
 
 #include "math/dense.h"
 #include "math/four.h"
 
-/* x' y over m rows, both with the row stride `ld`; four sums, as additions wait for each other. */
+/* x' y over m rows, both with the row stride `ld`; four sums in parallel. */
 MUKCA_INLINE double column_product(const double *x, const double *y, long ld, int m)
 {
     double sum[4] = {0, 0, 0, 0};
@@ -23,7 +23,7 @@ typedef struct {
     double tau;
 } reflection;
 
-/* Reflect 4 n columns, n <= 4: t[c] (the row), A[m][c] (what lies below). */
+/* Reflect 4 n columns, n <= 4: t[c] (the row), A[m][c] (the rows below). */
 MUKCA_INLINE void reflect_fours(double *t, double *A, const reflection *h, int n)
 {
     const double *v = h->v;
@@ -59,8 +59,8 @@ MUKCA_INLINE void reflect(double *t, double *A, const reflection *h, int columns
     for (; c < columns; c++) reflect_one(t + c, A + c, h);
 }
 
-/* Two reflectors one after the other, g below t[], h below the row `next` under it, on 4 n columns,
- * n <= 4: each column is read and written half as often.  `across`: v_h' v_g. */
+/* Two reflectors in sequence, g below row t[], h below the following row `next`, on 4 n columns,
+ * n <= 4: half as many reads and writes of each column.  `across`: v_h' v_g. */
 MUKCA_INLINE void reflect_pair_fours(double *t, double *next, double *A, const reflection *g,
                                      const reflection *h, double across, int n)
 {
@@ -85,8 +85,8 @@ MUKCA_INLINE void reflect_pair_fours(double *t, double *next, double *A, const r
                    (LOAD4(A + r * ld + 4 * c) - a[r * ld] * w[c]) - b[r * ld] * z[c]);
 }
 
-/* Scale (alpha; x) to a largest entry of 1; returns the former one, 0 where that is zero or not
- * finite.  For columns whose squares would underflow or overflow. */
+/* Scale (alpha; x) to a largest entry of 1; returns the previous largest entry, 0 if it is zero or
+ * not finite.  For columns whose squares would underflow or overflow. */
 static double normalise(double *alpha, double *x, int ldx, int m)
 {
     double largest = fabs(*alpha);
@@ -97,8 +97,8 @@ static double normalise(double *alpha, double *x, int ldx, int m)
     return largest;
 }
 
-/* Reflector that maps (alpha; x) to (*alpha; 0): x[m] (stride ldx) becomes v.  Returns tau, 0 where
- * x is zero already. */
+/* Reflector that maps (alpha; x) to (*alpha; 0): x[m] (stride ldx) becomes v.  Returns tau, 0 if x
+ * is already zero. */
 MUKCA_INLINE double reflector(double *alpha, double *x, int ldx, int m)
 {
     double sum = column_product(x, x, ldx, m), unit = 1;
@@ -119,8 +119,7 @@ MUKCA_INLINE double reflector(double *alpha, double *x, int ldx, int m)
     return tau;
 }
 
-/* Reflectors for columns j and j + 1, applied to the columns after them; the first one also to the
- * second's. */
+/* Reflectors for columns j and j + 1, applied to the later columns; the first also to j + 1. */
 MUKCA_INLINE void absorb_pair(double *R, double *A, int j, int m, int width)
 {
     double *top = R + (long)j * width + j, *next = top + width, *below = A + j;

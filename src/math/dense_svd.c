@@ -1,7 +1,7 @@
-/* Singular values by one-sided Jacobi, and readable bases of null spaces.
+/* Singular values by one-sided Jacobi, and sparse bases of null spaces.
  *
- * One-sided Jacobi (Demmel and Veselic 1992) keeps small singular values accurate to their own size
- * where column scaling allows it, which the usual bidiagonalisation does not.
+ * One-sided Jacobi (Demmel and Veselic 1992) computes small singular values with high
+ * relative accuracy if column scaling permits, unlike bidiagonalisation.
  */
 #include <float.h>
 #include <math.h>
@@ -58,7 +58,7 @@ static void transpose(double *A, int n)
         }
 }
 
-/* Largest absolute entry; NaN where there is one. */
+/* Largest absolute entry; NaN if any entry is NaN. */
 static double largest(const double *A, long count)
 {
     double max = 0;
@@ -69,7 +69,7 @@ static double largest(const double *A, long count)
     return max;
 }
 
-/* Columns of a matrix: `length` entries `step` apart, the next column `next` on; x may be NULL. */
+/* Columns of a matrix: `length` entries at stride `step`, columns at stride `next`; NULL: none. */
 typedef struct {
     double *x;
     long next, step;
@@ -95,7 +95,7 @@ MUKCA_INLINE void sort_columns(double *s, columns A, columns V, int n)
     }
 }
 
-/* Orthogonalise the columns of A in pairs; V turns with them. */
+/* Orthogonalise pairs of columns of A; V is rotated with them. */
 MUKCA_INLINE bool orthogonalise(columns A, columns V, int n)
 {
     const double tolerance = DBL_EPSILON * sqrt(A.length);
@@ -109,7 +109,7 @@ MUKCA_INLINE bool orthogonalise(columns A, columns V, int n)
                 /* A column whose square underflows counts as zero. */
                 if (fabs(xy) <= tolerance * sqrt(xx) * sqrt(yy) || !(fmin(xx, yy) > 1e-290)) {
                     if (xx >= yy) continue;
-                    swap_columns(A, p, q); /* the larger one first: faster, and nearly sorted */
+                    swap_columns(A, p, q); /* larger one first: fewer sweeps, and nearly sorted */
                     swap_columns(V, p, q);
                     continue;
                 }
@@ -134,7 +134,7 @@ MUKCA_CLONES int mukca_dense_svd(double *A, double *s, double *V, int m, int n)
     if (abs(exponent) < 300) exponent = 0; /* squares are safe */
     for (long i = 0; exponent != 0 && i < (long)m * n; i++) A[i] = ldexp(A[i], -exponent);
 
-    const bool square = m == n; /* transposed: its columns become contiguous */
+    const bool square = m == n; /* transposed for contiguous columns */
     const columns A_columns = {A, square ? n : 1, square ? 1 : n, m}, V_columns = {V, 1, n, n};
     if (square) transpose(A, n);
     const bool converged = square ? orthogonalise((columns){A, n, 1, m}, V_columns, n)
@@ -155,7 +155,7 @@ void mukca_dense_reduce(double *N, int k, int n, int ld)
     for (int step = 0; step < k; step++) {
         double *top = N + (long)step * ld;
         int row = step, column = 0;
-        for (int r = step; r < k; r++) /* columns that have their 1 are 0 in these rows */
+        for (int r = step; r < k; r++) /* pivot columns are 0 in these rows */
             for (int c = 0; c < n; c++)
                 if (fabs(N[(long)r * ld + c]) > fabs(N[(long)row * ld + column]))
                     row = r, column = c;

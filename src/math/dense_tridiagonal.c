@@ -4,8 +4,8 @@
 #include "math/dense.h"
 #include "math/four.h"
 
-/* row -= ab[0] w + ab[1] v over n entries, the diagonal first.  next += A x for what the row and
- * the column below its diagonal have in A x. */
+/* row -= ab[0] w + ab[1] v over n entries, from the diagonal on; next += contribution of the row,
+ * and of the column below its diagonal, to A x. */
 MUKCA_INLINE void update(double *row, const double *v, const double *w, const double ab[2],
                          const double *x, double *next, int n)
 {
@@ -28,8 +28,8 @@ MUKCA_INLINE void update(double *row, const double *v, const double *w, const do
     next[0] += (s[0] + s[1]) + (s[2] + s[3]) + sum;
 }
 
-/* v[n] := the Householder vector of v that leaves *left in its first place; returns 2 / v'v, or 0
- * where nothing is to be done. */
+/* v[n] := Householder vector that reduces v to *left in its first entry; returns 2 / v'v, or 0 if v
+ * is already reduced. */
 MUKCA_INLINE double reflect(double *v, double *left, int n)
 {
     const double rest = dot4(v + 1, v + 1, n - 1), norm = sqrt(v[0] * v[0] + rest);
@@ -44,7 +44,7 @@ MUKCA_INLINE double reflect(double *v, double *left, int n)
 MUKCA_INLINE void reflect_columns(double *B, const double *x, double beta, int m, int k)
 {
     int c = 0;
-    for (; c + 8 <= k; c += 8) { /* whose sums stay in registers */
+    for (; c + 8 <= k; c += 8) { /* sums in registers */
         four lo = {0}, hi = {0};
         for (long i = 0; i < m; i++) {
             lo += x[i] * LOAD4(B + i * k + c);
@@ -64,13 +64,13 @@ MUKCA_INLINE void reflect_columns(double *B, const double *x, double beta, int m
     }
 }
 
-/* Golub and Van Loan, Matrix Computations, algorithm 8.3.1, on the upper triangle.  Each row gets
- * the update of a step and its product with the vector of the next one in one pass; the vectors
- * stay in the upper rows. */
+/* Golub and Van Loan, Matrix Computations, algorithm 8.3.1, on the upper triangle.  One pass over a
+ * row applies the update of a step and multiplies by the vector of the next step; the vectors
+ * remain in the upper rows. */
 MUKCA_CLONES void mukca_dense_tridiagonalise(double *A, int n, double *T, double *B, int k)
 {
     double *diagonal = T, *beside = T + n, *w = T + 2 * (long)n, *next = T + 3 * (long)n;
-    const double *v = w; /* of the step before, from its column on; none at first */
+    const double *v = w; /* of the previous step, from its column on; initially 0 */
     for (int i = 0; i < n; i++) w[i] = 0;
     for (int j = 0; j < n; j++) {
         double *row = A + (long)j * n + j, *x = row + 1;

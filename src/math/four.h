@@ -7,17 +7,17 @@
 
 #include "base/clones.h"
 
-/* Unaligned; the compiler splits it on processors without such registers. */
+/* Unaligned; on processors without such registers the compiler splits it. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 typedef float four_floats __attribute__((vector_size(16), aligned(4), may_alias));
 
-/* Macros, as a function that returns a wide vector has no fixed calling convention. */
+/* Macros: functions that return wide vectors have no fixed calling convention. */
 #define LOAD4(x) (*(const four *)(const void *)(x))
 #define STORE4(x, value) (*(four *)(void *)(x) = (value))
 #define WIDEN4(x) __builtin_convertvector(*(const four_floats *)(const void *)(x), four)
 
 /* Lanes of the kernels shared with controllers: four on processors with vectors of doubles, else
- * one, which any compiler translates efficiently.  The bits of a result are the same. */
+ * one, which every compiler translates efficiently.  Results are bit-identical. */
 #if (defined(__x86_64__) || defined(__aarch64__)) && !defined(MUKCA_SCALAR)
 #define MUKCA_LANES 4
 typedef four lanes;
