@@ -1,11 +1,9 @@
-/* A candidate cause: its class, and its forward model on the rows of a recording. */
+/* A candidate cause: its class, and its forward model on the samples of a recording. */
 #include "diagnose/candidate.h"
 
 #include <math.h>
 
 #include "diagnose/unlisted.h"
-
-/* Coefficient size of a wave that displaces by 1 rad rms: the rms of a sine. */
 
 /* Root of the summed squares of Gaussian bumps one width apart, pi^(1/4): divided by it, a function
  * with independent coefficients has their standard deviation. */
@@ -138,7 +136,7 @@ static bool is_elastic(const mukca_candidate *h)
            mukca_effect_has((int)h->effect.kind, MUKCA_TRAIT_ELASTIC);
 }
 
-/* Prior sizes of what is no unknown function. */
+/* Prior sizes of a class other than the unknown functions. */
 static const mukca_effect_sizes *sizes_of(int class)
 {
     const mukca_effect_sizes *sizes =
@@ -146,7 +144,7 @@ static const mukca_effect_sizes *sizes_of(int class)
     return sizes ? sizes : &mukca_sizes_angle;
 }
 
-/* The run-out of a part that turns is bounded by its make.  Shifts, gaps and springs have no such
+/* Manufacture bounds the run-out of rotating parts.  Shifts, backlash and compliance have no such
  * bound. */
 double mukca_candidate_largest(const mukca_candidate *h)
 {
@@ -160,11 +158,10 @@ double mukca_candidate_largest(const mukca_candidate *h)
 
 int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *h)
 {
-    /* An unknown function turns its joint by so much rms, rad: arms show many of 0.1 mrad, and
-     * hardly ever one of 10. */
+    /* Rms of an unknown function of a joint, rad: arms often show 0.1 mrad, hardly ever 10. */
     static const double unknown[] = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3};
     static const double frequency[] = {1, 0.5, 0.2, 0.1, 0.03};
-    /* An arm's own weight rarely deflects a joint by more, rad: two millimetres at the tip. */
+    /* Deflection of a joint, rad, that an arm's own weight rarely exceeds: 2 mm at the tip. */
     const double most_deflection = 3e-3;
     const int class = mukca_candidate_class(h);
     double total = 0;
@@ -252,7 +249,7 @@ static void fill_stretch(const mukca_candidate *h, const mukca_recording *record
                 (float)(1 - exp(-(recording->time[row] - range[0]) / h->stretch.time_constant));
 }
 
-/* An effect's basis; the terms behind an elastic effect's own are what each body alone does. */
+/* Basis of an effect; additional terms of an elastic effect: under the load of each single body. */
 static void fill_effect(const mukca_candidate *h, const mukca_recording *recording)
 {
     const int n_joints = recording->chain->n_joints, width = h->width_of_term;
@@ -283,7 +280,7 @@ static void fill_effect(const mukca_candidate *h, const mukca_recording *recordi
     }
 }
 
-/* Unit of each term: rms about the mean of what one unit of coefficient turns the joint by. */
+/* Unit of each term: rms, about the mean, of the joint's rotation per unit of coefficient. */
 static void set_units(double *unit, const mukca_candidate *h, const mukca_recording *recording)
 {
     const int width = h->width_of_term;
@@ -304,7 +301,7 @@ static void set_units(double *unit, const mukca_candidate *h, const mukca_record
             if (used) square += sum2 / used - (sum / used) * (sum / used), whole += sum2 / used;
         }
         if (site == MUKCA_SITE_ANGLES) square /= width;
-        /* what hardly varies is rounding about a constant */
+        /* a smaller variation is rounding about a constant */
         square = fmax(square, fmax(1e-18, 1e-8 * whole));
         unit[t] = wave ? MUKCA_WAVE_UNIT : sqrt(square);
         if (is_elastic(h) && t > 0)
@@ -312,7 +309,7 @@ static void set_units(double *unit, const mukca_candidate *h, const mukca_record
     }
 }
 
-/* Terms of a candidate and how many numbers a term is. */
+/* Number of terms of a candidate, and components of a term. */
 static void set_shape(mukca_candidate *h, const mukca_recording *recording)
 {
     double range[2];
@@ -398,7 +395,7 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
         h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
         return true;
     double *unit = MUKCA_TAKE(pool, double, h->terms);
-    /* three numbers behind it: it is read four at a time */
+    /* three spare entries: it is read four at a time */
     h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term) + 3);
     if (!unit || !h->basis) return false;
     for (int t = 0; t < h->terms; t++) unit[t] = 1;

@@ -1,4 +1,4 @@
-/* A candidate cause: what it is, and its forward model on the rows of a recording. */
+/* A candidate cause, and its forward model on the samples of a recording. */
 #ifndef MUKCA_DIAGNOSE_CANDIDATE_H
 #define MUKCA_DIAGNOSE_CANDIDATE_H
 
@@ -7,55 +7,55 @@
 
 enum {
     MUKCA_MAX_COLUMNS = 64, /* terms of one candidate */
-    /* Waves per turn that a smooth function of an angle follows: the narrowest bumps, 0.12 rad,
-     * need some six of them for a wave. */
+    /* Highest order per turn of a smooth function of an angle: some six of the narrowest bumps,
+     * 0.12 rad, make a wave. */
     MUKCA_SMOOTH_ORDER = 8,
     MUKCA_FINE_ORDER = 4 * MUKCA_SMOOTH_ORDER /* ripple above it resembles no smooth function */
 };
 
 #define MUKCA_WAVE_UNIT 0.70710678118654752440 /* rms of a sine */
 
-/* An effect of the catalogue, or a rival that explains structure by something else. */
+/* An effect of the catalogue, or a rival explanation of the structure. */
 typedef enum {
     MUKCA_CANDIDATE_EFFECT,        /* of the catalogue, acting on the arm */
     MUKCA_CANDIDATE_DISTANCE,      /* socket_distance */
-    MUKCA_CANDIDATE_STEP,          /* tool_motion: the socket moved once, before a row */
-    MUKCA_CANDIDATE_CREEP,         /* tool_motion: the socket crept through all its rows */
-    MUKCA_CANDIDATE_OUTLIER,       /* one row is off, or a few in a row are off alike */
-    MUKCA_CANDIDATE_OWN_ANGLE,     /* unknown: the joint turns by a smooth function of its angle */
+    MUKCA_CANDIDATE_STEP,          /* tool_motion: the socket moved once, before a sample */
+    MUKCA_CANDIDATE_CREEP,         /* tool_motion: the socket moved steadily through its samples */
+    MUKCA_CANDIDATE_OUTLIER,       /* one sample displaced, or a few successive ones alike */
+    MUKCA_CANDIDATE_OWN_ANGLE,     /* unknown: joint error, a smooth function of its angle */
     MUKCA_CANDIDATE_OTHER_ANGLE,   /* unknown: ... of another joint's angle */
     MUKCA_CANDIDATE_ANGLE_PRODUCT, /* unknown: ... of both angles together */
     MUKCA_CANDIDATE_TIME,          /* unknown: ... of time */
-    MUKCA_CANDIDATE_SLIP,          /* unknown: the joint slips once, before a row */
-    MUKCA_CANDIDATE_STRETCH,       /* unknown: a link changes its length with time */
-    /* Unlisted: simple causes, scored against a name and never accepted */
-    MUKCA_CANDIDATE_UNLISTED_ANGLE, /* the joint turns by a function of an argument */
-    MUKCA_CANDIDATE_UNLISTED_FRAME, /* a frame shifts or turns by it */
+    MUKCA_CANDIDATE_SLIP,          /* unknown: the joint slips once, before a sample */
+    MUKCA_CANDIDATE_STRETCH,       /* unknown: a link's length changes with time */
+    /* Unlisted: simple causes, scored as rivals of a name, never accepted */
+    MUKCA_CANDIDATE_UNLISTED_ANGLE, /* joint error, a function of an argument */
+    MUKCA_CANDIDATE_UNLISTED_FRAME, /* shift or rotation of a frame by it */
     MUKCA_CANDIDATE_UNLISTED_TILT,  /* the ball shifts with the tilt of the tool */
     MUKCA_CANDIDATE_KINDS
 } mukca_candidate_kind;
 
-/* What an unlisted cause is a function of. */
+/* Argument of an unlisted cause. */
 typedef enum {
     MUKCA_ARGUMENT_ANGLE,     /* of a joint */
     MUKCA_ARGUMENT_WAVE,      /* its sine and cosine */
-    MUKCA_ARGUMENT_HALF,      /* of its travel, as of an elbow that points up or down */
+    MUKCA_ARGUMENT_HALF,      /* in which half of its travel: elbow up or down */
     MUKCA_ARGUMENT_LOAD,      /* torque about its axis */
-    MUKCA_ARGUMENT_SIDE,      /* of that torque */
+    MUKCA_ARGUMENT_SIDE,      /* sign of that torque */
     MUKCA_ARGUMENT_SOFTENING, /* that torque times time */
     MUKCA_ARGUMENT_MOVE,      /* direction of its last move */
-    MUKCA_ARGUMENT_LAG,       /* that move, as far as it went */
-    MUKCA_ARGUMENT_RUBBING,   /* its direction times the load, as of friction */
-    MUKCA_ARGUMENT_WEARING,   /* its direction times what decays, as friction that changes */
+    MUKCA_ARGUMENT_LAG,       /* that move, with its length */
+    MUKCA_ARGUMENT_RUBBING,   /* its direction times the load: friction */
+    MUKCA_ARGUMENT_WEARING,   /* its direction times a decay: changing friction */
     MUKCA_ARGUMENT_TIME,
-    MUKCA_ARGUMENT_SAMPLE,    /* 1 from that sample on at which a socket moved, else 0 */
+    MUKCA_ARGUMENT_SAMPLE,    /* 1 from the sample on at which a socket moved, else 0 */
     MUKCA_ARGUMENT_PASSING,   /* 1 beyond the angle that the joint passed at that sample, else 0 */
     MUKCA_ARGUMENT_PAYLOAD,   /* torque of the outermost mass, in one placement or in all */
     MUKCA_ARGUMENT_PLACEMENT, /* 1 in one placement, else 0 */
     MUKCA_ARGUMENT_MOMENT     /* about a joint's origin, three components */
 } mukca_argument;
 
-/* Classes compete as equals: the catalogue's effects, then the two rivals of all of them. */
+/* Classes, equals in the competition: the catalogue's effects, then two rivals of all effects. */
 enum { MUKCA_CLASS_OUTLIER = MUKCA_EFFECT_COUNT, MUKCA_CLASS_UNKNOWN, MUKCA_CLASSES };
 
 typedef struct {
@@ -75,49 +75,49 @@ typedef struct {
         } stretch;
         struct {
             mukca_argument argument;
-            int row;         /* SAMPLE: of the dataset, set when a socket that moved is described */
+            int row;         /* SAMPLE: of the dataset, set by the scan for a moved socket */
             int other, slot; /* joint of the argument, TILT: axis of the tip; FRAME: of the
                                 unknowns */
             bool turns; /* FRAME: rotation, else shift; TILT: in the tool, else in the socket */
         } simple;       /* UNLISTED */
     };
-    int terms, width_of_term; /* a term is 1 angle, 3 of a rotation or shift, n_joints angles */
+    int terms, width_of_term; /* width: 1 angle, 3 of a rotation or shift, n_joints angles */
     float *basis;             /* [n_rows][terms][width_of_term]; NULL: faults and distances */
-    const double *unit; /* [terms] coefficient size that moves the joint by 1 rad rms (m: 1) */
+    const double *unit;       /* [terms] rms rotation, rad, per unit of coefficient; shifts: 1 */
     double log_prior;
 } mukca_candidate;
 
-/* The effect that a candidate is an instance of, or one of the two rival classes. */
+/* Class of a candidate: its effect, or one of the two rival classes. */
 int mukca_candidate_class(const mukca_candidate *candidate);
 
-/* Is it a fault of one socket or row, which moves the socket and not the arm? */
+/* Is it a fault of one socket or sample, which displaces the socket and not the arm? */
 bool mukca_candidate_is_fault(const mukca_candidate *candidate);
 
-/* Is it a simple cause that nobody listed? */
+/* Is it an unlisted cause? */
 bool mukca_candidate_is_unlisted(const mukca_candidate *candidate);
 
 /* Does it displace the arm's joints or tip?  Faults, distances and stretched links do not. */
 bool mukca_candidate_moves_arm(const mukca_candidate *candidate);
 
-/* Does it turn one joint about its axis? */
+/* Does it displace the angle of one joint? */
 bool mukca_candidate_turns_joint(const mukca_candidate *candidate);
 
-/* Was it fitted with one factor per mass: the first term is all masses, the others one each? */
+/* Is it fitted with one factor per mass: first a term of all masses, then one term for each? */
 bool mukca_candidate_by_mass(const mukca_candidate *candidate);
 
-/* Terms of the effect itself, without those that stand for what the masses may be off by. */
+/* Terms of the effect itself, without those for errors of the masses. */
 int mukca_candidate_own_terms(const mukca_candidate *candidate);
 
-/* The same kind with the same parameters at the same place? */
+/* Same kind, parameters, joint and placement? */
 bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b);
 
-/* The effect of a candidate that is no rival, without coefficients. */
+/* Effect of a candidate that is no rival, without coefficients. */
 mukca_effect mukca_candidate_effect(const mukca_candidate *candidate);
 
 /* Where its displacement acts. */
 mukca_effect_site mukca_candidate_site(const mukca_candidate *candidate);
 
-/* How far a fault moves its socket at a row of the dataset, in units of its coefficients. */
+/* Displacement of a fault's socket at a row of the dataset, in units of its coefficients. */
 double mukca_candidate_fault_share(const mukca_candidate *candidate,
                                    const mukca_recording *recording, int row);
 
@@ -125,19 +125,18 @@ double mukca_candidate_fault_share(const mukca_candidate *candidate,
 bool mukca_candidate_changes_pair(const mukca_candidate *candidate,
                                   const mukca_recording *recording, int pair);
 
-/* Prior scales of coefficient * unit that a candidate is averaged over, with the logarithm of their
- * weight; returns their number, at most MUKCA_MAX_SIZES. */
+/* Prior scales of coefficient * unit over which a candidate is averaged, with the logarithms of
+ * their weights; returns their number, at most MUKCA_MAX_SIZES. */
 int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *candidate);
 
-/* The largest amplitude that its prior admits, in the coefficient's unit; infinite where any is
- * possible. */
+/* Largest amplitude under its prior, in the coefficient's unit; infinite: no bound. */
 double mukca_candidate_largest(const mukca_candidate *candidate);
 
-/* Fill terms, basis and units of a candidate that is otherwise set.  False: no memory. */
+/* Fill terms, basis and units of a candidate; the other members are set.  False: no memory. */
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,
                              const mukca_recording *recording);
 
-/* Fill the basis of a prepared candidate again, for other angles of the same recording. */
+/* Recompute the basis of a prepared candidate, for other angles of the same recording. */
 void mukca_candidate_fill(const mukca_candidate *candidate, const mukca_recording *recording);
 
 #endif

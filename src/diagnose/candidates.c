@@ -8,9 +8,9 @@
 #include "diagnose/unlisted.h"
 
 enum {
-    LONGEST_BURST = 3, /* samples that a badly seated ball may stay so */
-    MOST_SLIPS = 64    /* rows at which a joint is tried for a slip: found at the wrong one by half
-                          a step, a slip in mid-recording loses 3 % of its evidence at most */
+    LONGEST_BURST = 3, /* successive samples with a badly seated ball */
+    MOST_SLIPS = 64    /* slips tried per joint: half a step off, a slip in mid-recording loses at
+                          most 3 % of its evidence */
 };
 
 typedef struct {
@@ -19,7 +19,7 @@ typedef struct {
     const mukca_recording *recording;
     const mukca_unknowns *unknowns;
     const unsigned char *disabled;
-    bool springs; /* nothing else */
+    bool springs; /* elastic effects only */
     bool ok;
 } lister;
 
@@ -41,12 +41,12 @@ static void append(lister *l, mukca_candidate h)
         all->list = bigger;
         all->capacity = capacity;
     }
-    /* the scan prepares unlisted ones, where a cause asks for its rivals */
+    /* the scan prepares unlisted ones, when it needs the rivals of a cause */
     l->ok = mukca_candidate_is_unlisted(&h) || mukca_candidate_prepare(&h, l->pool, l->recording);
     all->list[all->count++] = h;
 }
 
-/* The effects of the catalogue at a joint, or (-1) those of the arm and the recording. */
+/* Append the effects of the catalogue at a joint, or (-1) those without a joint. */
 static void append_effects(lister *l, int joint)
 {
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
@@ -64,7 +64,7 @@ static void append_effects(lister *l, int joint)
     }
 }
 
-/* Unknown functions that turn a joint by anything but its own angle. */
+/* List the unknown functions at a joint of any argument but its own angle alone. */
 static void list_other_functions(lister *l, int j)
 {
     static const double time_constants[] = {300, 1000, 3000}; /* s, as of joint_drift */
@@ -80,8 +80,8 @@ static void list_other_functions(lister *l, int j)
         }
     h.kind = MUKCA_CANDIDATE_TIME;
     append(l, h);
-    /* A slip of the first joint, or in the last socket, moves one socket only: that is a moved
-     * tool. */
+    /* A slip of the first joint, or in the last socket, is equivalent to a moved socket:
+     * tool_motion. */
     h.kind = MUKCA_CANDIDATE_SLIP;
     int end = rows - LONGEST_BURST;
     while (end > 0 && socket[end - 1] >= 0 && socket[end - 1] == socket[rows - 1]) end--;
@@ -96,7 +96,7 @@ static void list_other_functions(lister *l, int j)
         }
 }
 
-/* Unknown functions of a joint's own angle: two bumps or more, as many as there is room for. */
+/* List the unknown functions of a joint's own angle: two bumps or more, up to MUKCA_MAX_COLUMNS. */
 static void list_own_functions(lister *l, int j)
 {
     static const double widths[] = {0.12, 0.25, 0.5, 1}; /* rad */
@@ -109,7 +109,7 @@ static void list_own_functions(lister *l, int j)
                                         .width = widths[i]});
 }
 
-/* Faults that begin at sample i of a group. */
+/* List the faults that begin at sample i of a group. */
 static void list_faults_at(lister *l, int g, int i)
 {
     const mukca_group *group = &l->recording->groups[g];
@@ -151,12 +151,11 @@ static bool is_worth_listing(const lister *l, mukca_argument a, int j, int k)
                       a == MUKCA_ARGUMENT_RUBBING,
                friction = a >= MUKCA_ARGUMENT_LAG && a <= MUKCA_ARGUMENT_WEARING;
     if (l->all->survey.joint[k].range < 0.1 || (load && !l->recording->have_torques)) return false;
-    /* the loads of other joints are in this one's by the masses' spread; friction is a joint's own
-     */
+    /* the masses' spread covers the loads of other joints; friction acts on its own joint */
     return k == j || (!load && !friction);
 }
 
-/* Simple causes that nobody listed: every argument at every place. */
+/* List the unlisted causes: every argument at every joint and frame. */
 static void list_unlisted(lister *l)
 {
     const mukca_recording *r = l->recording;
@@ -217,7 +216,7 @@ static void list_unlisted(lister *l)
 
 /* Prior odds: equal per class, then per joint, then per variant; a quarter of tool motions creep,
  * half of the outliers are bursts, half of the unknown functions have another argument than the
- * joint's own angle alone.  Unlisted causes count as a class of their own, all alike. */
+ * joint's own angle alone.  Unlisted causes are a class of their own, all equal. */
 static void set_priors(mukca_candidates *all)
 {
     int variants[MUKCA_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
@@ -257,16 +256,17 @@ static void set_priors(mukca_candidates *all)
     for (int i = all->first_unlisted; i < all->count; i++) {
         mukca_candidate *h = &all->list[i];
         h->log_prior = -log((double)all->classes * (all->count - all->first_unlisted));
-        /* its sample is chosen like that of the socket that moved, whose rival it is */
+        /* its sample is chosen among as many as that of its rival, the moved socket */
         if (mukca_unlisted_at_sample(h)) h->log_prior -= log(fmax(kinds[MUKCA_CANDIDATE_STEP], 1));
     }
 }
 
-/* Where commands are fitted and readings are there, too, their difference shows a sag directly:
- * independent data, whose evidence adds to the prior odds. */
+/* If commands are fitted and readings are recorded, too, their difference measures a sag directly:
+ * independent data, with evidence that is added to the prior odds. */
 static void add_sag_evidence(mukca_candidates *all, const mukca_recording *recording)
 {
-    const double most = 20; /* log: certain, and no reason for a sag that moves no ball */
+    const double most =
+        20; /* log odds: certain, but not enough for a sag without effect on the ball */
     mukca_streams streams;
     if (!recording->data->by_command || !recording->data->reading) return;
     mukca_streams_compare(&streams, recording);
@@ -278,7 +278,7 @@ static void add_sag_evidence(mukca_candidates *all, const mukca_recording *recor
     }
 }
 
-/* The facts that decide which effects can be tested. */
+/* Properties of the recording that determine the testable effects. */
 static void survey_recording(mukca_effect_survey *s, const mukca_recording *recording)
 {
     const mukca_dataset *data = recording->data;

@@ -1,4 +1,4 @@
-/* One accepted cause, described: its size, how probable it is, and what else it could be. */
+/* Description of an accepted cause: size, probability and rivals. */
 #include "diagnose/cause.h"
 
 #include <math.h>
@@ -6,17 +6,17 @@
 
 #include "diagnose/resolution.h"
 
-/* Ties: within half of MUKCA_TIE_MOST (20 to 1), or within it where the two do nearly the same
- * (canonical correlation after geometry is projected out). */
+/* Ties: within half of MUKCA_TIE_MOST (20 to 1), or within all of it above this canonical
+ * correlation (geometry projected out). */
 #define TIE_CORRELATION 0.9
-/* Less than this changes no verdict. */
+/* A probability too small to change a verdict. */
 #define LITTLE 0.05
 #define PI 3.14159265358979323846
 /* Half width of a 95 % interval in standard errors. */
 #define INTERVAL 1.959963984540054
 
-/* Elastic causes were fitted with one factor per mass, and are reported as the one coefficient that
- * does most nearly the same to the recorded samples: sum of weight[t] coefficient[t]. */
+/* Elastic causes are fitted with one factor per mass, and reported as the single coefficient
+ * nearest to it in the recorded samples (least squares): sum of weight[t] coefficient[t]. */
 static void load_weights(double *weight, const mukca_recording *recording, const mukca_candidate *h)
 {
     const int terms = h->terms, width = h->width_of_term;
@@ -74,7 +74,7 @@ void mukca_cause_measure(mukca_cause *out, mukca_regression *m, int index)
         out->low = fmax(out->low, 0);
 }
 
-/* The effect of a tied candidate, of a size that moves the joints about as much as the cause. */
+/* Effect of a tied candidate; its coefficients displace the joints about as much as the cause. */
 static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *cause, double unit)
 {
     mukca_effect rival = mukca_candidate_effect(h);
@@ -93,8 +93,8 @@ static void add_tie(mukca_cause *out, mukca_tie tie)
     if (out->n_ties < MUKCA_MAX_TIES) out->ties[out->n_ties++] = tie;
 }
 
-/* Could flexibility look like that?  It is a smooth function of the angles, and differs between
- * placements; fine ripple, stale readings and moved sockets are nothing of the kind. */
+/* Does flexibility resemble the effect?  It is a smooth function of the angles, and differs between
+ * placements: unlike fine ripple, readback lag and recording faults. */
 static bool like_flexibility(const mukca_effect *effect)
 {
     return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT) &&
@@ -102,8 +102,8 @@ static bool like_flexibility(const mukca_effect *effect)
            mukca_effect_table[effect->kind]->site != MUKCA_SITE_ANGLES;
 }
 
-/* Without masses nobody knows the load: a name that flexibility could look like shares its place,
- * and its probability, with the flexibility that cannot be tested. */
+/* Without masses the load is unknown: an effect that flexibility resembles is tied with the
+ * untested flexibility, and shares its probability. */
 static void tie_untested_flexibility(mukca_cause *out, const mukca_competition *contest)
 {
     const unsigned char *disabled = contest->options->disabled;
@@ -119,8 +119,8 @@ static void tie_untested_flexibility(mukca_cause *out, const mukca_competition *
                         .correlation = NAN};
 }
 
-/* Is the only pair of sockets of a placement recorded one after the other?  What moves the tool, or
- * a joint's zero, between the two does exactly what another distance does: it shares the place. */
+/* If the only two sockets of a placement are recorded one after the other, a moved tool or a zero
+ * jump between them has exactly the effect of another distance: a tie. */
 static void tie_moved_tool(mukca_cause *out, const mukca_recording *r)
 {
     const mukca_socket_pair *pair = NULL;
@@ -167,8 +167,8 @@ static void add_ties(mukca_cause *out, const mukca_competition *contest, int ind
     }
 }
 
-/* Probabilities of those who would fill the place of candidate h; *share gets its own, and the
- * return value is the table's entry of h, or NULL. */
+/* Probabilities of all contenders for the place of candidate h; *share receives its own.  Returns
+ * the table's entry of h, or NULL. */
 static const mukca_contender *stand(mukca_standing *standing, double *share,
                                     const mukca_competition *contest, const mukca_candidate *h)
 {
@@ -199,7 +199,7 @@ static const mukca_contender *stand(mukca_standing *standing, double *share,
     return mine;
 }
 
-/* Score and rank all that could fill the place of a cause; share and return value as of stand(). */
+/* Score and rank all contenders for the place of a cause; share and return value as of stand(). */
 static const mukca_contender *compare(mukca_standing *standing, double *share,
                                       mukca_competition *contest, int index)
 {
@@ -216,10 +216,9 @@ static const mukca_contender *compare(mukca_standing *standing, double *share,
     return stand(standing, share, contest, h);
 }
 
-/* Fine ripple is sought among hundreds of orders, and can follow what smooth functions cannot:
- * noise of a joint's angle, and the rounding of angles to steps.  Where postures come at even
- * intervals, rounding is ripple of another order, of an amplitude up to that of a sawtooth, step /
- * pi. */
+/* Fine ripple is selected from hundreds of orders, and can fit what smooth functions cannot: noise
+ * in a joint's angle, and the rounding of angles to steps.  In evenly spaced postures rounding is
+ * aliased to ripple of another order, with at most the amplitude of a sawtooth, step / pi. */
 static void doubt_fine_ripple(mukca_cause *out, mukca_competition *contest, int index,
                               double log_odds)
 {

@@ -1,4 +1,4 @@
-/* The diagnosis: the way from a recording to a verdict. */
+/* The diagnosis: from a recording to a verdict. */
 #include "diagnose/diagnose.h"
 
 #include <math.h>
@@ -28,18 +28,19 @@ const char *const mukca_fault_name[] = {
 #undef FAULT_NAME
 };
 
-/* Standard deviations by which left-out rows may miss more than they should.  Where the truth was
- * modelled it was never above 1.7 in some 700 simulated cases, heavy tails and correlated rows
- * included: rows of a socket share their geometry's error, which the priors overstate. */
+/* Admissible excess of held-out errors over the expected ones, in standard deviations.  It never
+ * exceeded 1.7 in some 700 simulated cases with the true causes modelled, heavy tails and
+ * correlated samples included: samples of a socket share the error of the geometry, which the
+ * priors overstate. */
 #define SURPRISED 2.0
 
-/* Noise per axis above which no arm is so bad but the rows belong to another one, m. */
+/* Noise per axis, m, that no arm exceeds: above it, the samples belong to another arm. */
 #define MOST_SIGMA 10e-3
 
-/* Numbers that a socket needs for its own mean, and what must be left for the geometry: a dozen. */
+/* Observations for the mean of a socket, and least number of others for the geometry. */
 enum { PER_GROUP = 3, LEAST_NUMBERS = 12 };
 
-/* What the steps return. */
+/* Results of the steps. */
 typedef struct {
     mukca_faults faults;
     mukca_findings findings;
@@ -47,14 +48,14 @@ typedef struct {
     mukca_validation validation;
     mukca_test_errors test;
     mukca_confounding confounding;
-    double sigma_m, rho; /* noise with all that competed */
-    double score;        /* of all that was accepted */
+    double sigma_m, rho; /* noise with all accepted candidates */
+    double score;        /* of all accepted candidates */
     double structure_m;
-    const char *why; /* nothing can be tested */
+    const char *why; /* reason why nothing can be tested, or NULL */
 } steps;
 
-/* What is measured and handed on is the geometry with the named causes: an unknown function fits
- * these samples and says nothing of others. */
+/* Keep the geometry and the named causes for evaluation and output: an unknown function fits these
+ * samples, but does not predict others. */
 static void keep_named(mukca_regression *m, const mukca_findings *findings)
 {
     bool keep[MUKCA_MAX_ACCEPTED] = {false};
@@ -69,7 +70,8 @@ static void keep_named(mukca_regression *m, const mukca_findings *findings)
     if (m->unknowns.n_causes < n) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
 }
 
-/* Nothing can be tested.  Where a row belongs, an arm that does not fit cannot say either. */
+/* Nothing can be tested; of the faults only duplicates are kept, as the others need a model that
+ * fits. */
 static void give_up(steps *s, mukca_regression *m, const char *why)
 {
     int kept = 0;
@@ -115,12 +117,12 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
                 "the samples do not fit this arm: check the URDF, the tip, the columns and their "
                 "order; a tracker's log needs --free-base and --free-tool");
     }
-    m->pool.failed |= scan.pool.failed; /* columns that a scan could not hold */
+    m->pool.failed |= scan.pool.failed; /* no memory for columns of a scan */
     mukca_scan_free(&scan);
     return status;
 }
 
-/* Held-out errors, and what they say of the verdict. */
+/* Held-out errors, and the revision of the verdict by them. */
 static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
                              const mukca_diagnose_options *options, mukca_error *error)
 {
@@ -132,10 +134,10 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
     return status;
 }
 
-/* Is cause i dwarfed by what no effect explains?  The catalogue is wrong for these data then, and
- * its nearest effect takes its share of an unlisted one: two thirds of the squared held-out error
- * need a correlation above 0.8.  A rest below a sixth of all that can be removed is taken for a
- * minor effect of its own, a rule of thumb.  Fine ripple resembles no smooth function. */
+/* Is cause i dwarfed by the unexplained structure?  Then the catalogue lacks the true cause, and
+ * the nearest effect imitates it: to remove two thirds of the squared held-out error it needs a
+ * correlation above 0.8.  A remainder below a sixth of all removable error counts as a minor effect
+ * of its own, a rule of thumb.  Fine ripple resembles no smooth function. */
 static bool is_dwarfed(const mukca_validation *v, int i, const mukca_effect *effect,
                        double structure_m)
 {
@@ -148,10 +150,10 @@ static bool is_dwarfed(const mukca_validation *v, int i, const mukca_effect *eff
            effect->variant.order <= MUKCA_FINE_ORDER; /* NaN: not measured */
 }
 
-/* What the held-out errors say of the verdict: suspected causes are not found, causes that make the
- * predictions or those of the test data (NaN: none) worse than the geometry alone does, or are
- * dwarfed, are not certain, and samples that miss by more than noise and geometry allow have
- * structure left.  Test data say nothing of a drift: how warm the arm was is not known. */
+/* Revise the verdict by the held-out errors.  Suspected causes do not count as found.  Causes are
+ * in doubt if dwarfed, or if they make the predictions or those of the test data (NaN: none) worse
+ * than the geometry alone.  Held-out errors beyond noise and geometry are unexplained structure.
+ * Test data do not test a drift, as the temperature of the arm is unknown. */
 static void revise(mukca_findings *f, const mukca_validation *v, const mukca_test_errors *test,
                    double structure_m, bool have_torques)
 {
@@ -183,10 +185,10 @@ static void revise(mukca_findings *f, const mukca_validation *v, const mukca_tes
     if (surprised && f->verdict == MUKCA_VERDICT_NONE) f->verdict = MUKCA_VERDICT_UNKNOWN;
     f->unexplained = f->n_causes > suspected && (f->unexplained || surprised);
     if (!have_torques && f->unexplained && f->verdict == MUKCA_VERDICT_NAMED)
-        f->verdict = MUKCA_VERDICT_TIED; /* the rest may be the main thing: flexibility */
+        f->verdict = MUKCA_VERDICT_TIED; /* the rest may be the main cause: flexibility */
 }
 
-/* The results of all steps, as they are reported. */
+/* Combine the results of all steps for the report. */
 static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *recording)
 {
     const mukca_validation *v = &s->validation;

@@ -17,14 +17,14 @@ const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index)
                                     : &scan->harmonic[index - scan->all->count];
 }
 
-/* The products of a score; NULL: no memory. */
+/* Products of one score; NULL: no memory. */
 static mukca_products *products_of(mukca_scan *scan, int rho, int index, int columns)
 {
     mukca_products *x = &scan->products[rho][index];
     return mukca_products_reserve(x, &scan->pool, scan->projector.m, columns) ? x : NULL;
 }
 
-/* The best orders of a joint join the candidates. */
+/* Add the best orders of ripple of a joint to the candidates. */
 static void pick_harmonics(mukca_scan *scan, int j)
 {
     mukca_regression *m = scan->projector.m; /* bases outlive the scan in accepted causes */
@@ -61,7 +61,7 @@ static void pick_harmonics(mukca_scan *scan, int j)
     }
 }
 
-/* Prior sigmas with one cause taken out: a prior of width 0 does that. */
+/* Set the prior sigmas, 0 for cause `without`. */
 static void leave_out(mukca_regression *m, int without)
 {
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
@@ -70,7 +70,7 @@ static void leave_out(mukca_regression *m, int without)
            sizeof *m->evidence.prior * (size_t)m->unknowns.cause[without].candidate.terms);
 }
 
-/* Odds that make a candidate a contender for the place of an accepted cause. */
+/* Least log odds of a contender for the place of an accepted cause. */
 #define NEAR_THE_FRONT (-3.0F)
 
 /* The same effect at the same joint, placement or socket. */
@@ -90,8 +90,8 @@ static bool contends(const mukca_scan *scan, int index, const mukca_accepted *ca
     return false;
 }
 
-/* Is it another spring at the joint of an accepted spring: one that softens, bends along a link or
- * carries an unknown load?  Both are one cause. */
+/* Is it a variant of an accepted elastic cause at the same joint: softening, bending along a link,
+ * or an unknown payload?  Both are one cause. */
 static bool is_same_spring(const mukca_candidate *h, const mukca_candidate *cause)
 {
     const mukca_argument argument = h->simple.argument;
@@ -101,14 +101,14 @@ static bool is_same_spring(const mukca_candidate *h, const mukca_candidate *caus
            mukca_effect_has(mukca_candidate_class(cause), MUKCA_TRAIT_ELASTIC);
 }
 
-/* Is a candidate worth the other AR(1) coefficients?  Its score hardly depends on them, so only
- * those near the front are averaged. */
+/* Is a candidate scored at the other AR(1) coefficients, too?  Scores hardly depend on them: only
+ * those near the best are averaged. */
 static bool worth_averaging(double log_bayes, double log_prior, double most)
 {
     return log_bayes + log_prior > -4.0 || log_bayes > fmax(0.25 * most, 4.0);
 }
 
-/* Noise and evidence at an AR(1) coefficient.  Leaves the priors without the cause. */
+/* Noise and evidence at an AR(1) coefficient.  Sets the priors without the cause. */
 static double weigh_rho(double *sigma, mukca_regression *m, int rho, int without)
 {
     const mukca_unknowns *u = &m->unknowns;
@@ -120,14 +120,14 @@ static double weigh_rho(double *sigma, mukca_regression *m, int rho, int without
     mukca_unknowns_prior(evidence->prior, u);
     *sigma = mukca_noise_choose(evidence, mukca_regression_collect(m, rho), &out, u->sigma, &value);
     leave_out(m, without);
-    /* the noise is what the full model leaves, not what the missing cause adds */
+    /* noise is the residual of the full model, without the missing cause's contribution */
     if (without < 0 || !(*sigma > 1.15 * u->sigma)) return value;
     *sigma = 1.15 * u->sigma;
     return mukca_evidence_evaluate(evidence, &evidence->normal[rho], *sigma, NULL);
 }
 
-/* The same at each AR(1) coefficient that may count, NaN at the others; returns the best one's
- * index. */
+/* The same at each AR(1) coefficient that may matter, NaN at the others; returns the index of the
+ * best. */
 static int weigh_rhos(mukca_regression *m, double *sigma, double *value, int without)
 {
     const int own = mukca_evidence_index(m->unknowns.rho);
@@ -143,7 +143,7 @@ static int weigh_rhos(mukca_regression *m, double *sigma, double *value, int wit
     return best;
 }
 
-/* A fault by its columns costs as much as so many rows of the projector. */
+/* Cost of scoring a fault by its columns, in rows of the projector. */
 enum { ROWS_OF_A_FAULT = 4 };
 
 static int count_faults(const mukca_scan *scan)
@@ -154,8 +154,7 @@ static int count_faults(const mukca_scan *scan)
     return n;
 }
 
-/* Score the wanted candidates at an AR(1) coefficient that the projector aims at; `pick` adds
- * orders of ripple. */
+/* Score the wanted candidates at the projector's AR(1) coefficient; `pick`: add ripple orders. */
 static void score_all(mukca_scan *scan, int rho, bool pick)
 {
     mukca_projector *p = &scan->projector;
@@ -193,8 +192,8 @@ static bool prepare(mukca_candidate *h, mukca_regression *m)
     return h->unit || mukca_candidate_prepare(h, &m->pool, &m->recording);
 }
 
-/* Is an unlisted candidate a rival of that cause (NULL: none is left out)?  A socket that moved may
- * be a joint that slipped at that very sample, off the grid of listed slips. */
+/* Is an unlisted candidate a rival of that cause (NULL: none is left out)?  A moved socket may be a
+ * joint slip at that very sample, which the grid of listed slips may miss. */
 static bool is_rival(mukca_scan *scan, int index, const mukca_candidate *cause, mukca_regression *m)
 {
     mukca_candidate *h = &scan->all->list[index];
@@ -209,7 +208,7 @@ static bool is_rival(mukca_scan *scan, int index, const mukca_candidate *cause, 
     return !(cause && is_same_spring(h, cause)) && prepare(h, m);
 }
 
-/* The odds of a run against the whole model; orders of ripple that are found later had none. */
+/* Store the odds of a run against the whole model; orders of ripple found later have none. */
 static void remember(mukca_scan *scan)
 {
     const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
@@ -301,7 +300,7 @@ int mukca_scan_repeat(mukca_scan *scan, int steps)
     return from;
 }
 
-/* The projector in the state of the last run. */
+/* Restore the projector's state of the last run. */
 static mukca_projector *aim_again(mukca_scan *scan, mukca_regression *m, int without)
 {
     leave_out(m, without);

@@ -1,14 +1,13 @@
-/* Simple causes that nobody listed: the rivals of a name when its probability is computed.
+/* Simple causes outside the catalogue: rivals in the probability of a name.
  *
- * The catalogue is not complete.  What it lacks is, as what it has, mostly a simple function of one
- * argument that acts at one place.  So every argument that an arm has is tried at every place: the
- * angle of a joint (linear, once per turn, and its half of the travel), its load (linear, its side,
- * times time, and by what an unknown payload adds), its last move (its direction, also times the
- * load or what decays, and its length), time, and the placement; at the angle of each joint and at
- * each frame, which shifts or turns, as a link that bends all along does by the moment at its end.
- * A ball that is not round, or that its socket does not hold, and a tool that rattles move by the
- * tilt of the tool. These candidates are never accepted.  They share the probability of a name that
- * they could replace.
+ * The catalogue is incomplete.  A missing cause, like most listed ones, is a simple function of one
+ * argument, and acts on one joint or frame.  Therefore every argument is tried at every joint angle
+ * and at every frame, as a shift or a rotation.  The arguments: angle of a joint (linear, once per
+ * turn, half of the travel), its load (linear, sign, times time, torque of an unknown payload), its
+ * last move (direction, also times load or a decay; length), time, placement, and for frames the
+ * moment, as of a link that bends along its length.  A ball that is not round or not held by its
+ * socket, and a tool that rattles, move with the tilt of the tool.  These candidates are never
+ * accepted: they share the probability of a name that they could replace.
  */
 #include "diagnose/unlisted.h"
 
@@ -34,7 +33,7 @@ bool mukca_unlisted_at_sample(const mukca_candidate *h)
             h->simple.argument == MUKCA_ARGUMENT_PASSING);
 }
 
-/* The argument's functions at a row; middle: of the joint's travel. */
+/* Functions of the argument at a row of the dataset; `middle` of the joint's travel. */
 static void evaluate(double value[3], const mukca_candidate *h, const mukca_recording *r, int row,
                      double middle)
 {
@@ -110,9 +109,9 @@ void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
     }
 }
 
-/* v is the height of an axis of the tip.  In the tool: a shift to one of two sides, by the sign of
- * v.  In the socket: upwards by v and v^2, as an oval ball or its neck on a rim lift it, and along
- * the axis by v. */
+/* v: vertical component of an axis of the tip.  In the tool: a shift to either side, by the sign of
+ * v.  In the socket: upwards by v and v^2, as by an oval ball or its neck on the rim, and along the
+ * axis by v. */
 void mukca_unlisted_tilt(double *out, int ld, const mukca_candidate *h, const double *R,
                          const double gravity[3])
 {

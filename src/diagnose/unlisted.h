@@ -1,4 +1,4 @@
-/* Simple causes that nobody listed: the rivals of a name when its probability is computed. */
+/* Simple causes outside the catalogue: rivals in the probability of a name. */
 #ifndef MUKCA_DIAGNOSE_UNLISTED_H
 #define MUKCA_DIAGNOSE_UNLISTED_H
 
@@ -7,7 +7,7 @@
 /* Terms of an unlisted candidate. */
 int mukca_unlisted_terms(const mukca_candidate *candidate);
 
-/* Does it begin at the sample at which a socket moved, whose rival it is? */
+/* Does it begin at the sample of a moved socket, its rival? */
 bool mukca_unlisted_at_sample(const mukca_candidate *candidate);
 
 /* Fill its basis [n_rows][terms]. */

@@ -1,4 +1,4 @@
-/* The verdict on what a competition found: named causes, unexplained structure, and where it is. */
+/* The verdict on the causes accepted in a competition: names, unexplained structure, location. */
 #include "diagnose/verdict.h"
 
 #include <math.h>
@@ -7,15 +7,15 @@
 
 #include "diagnose/cause.h"
 
-/* Noise above which an outlier's size must lie to be reported as a fault. */
+/* Least size of an outlier that is reported as a fault, in sigmas of the noise. */
 #define OUTLIER_SIGMAS 12
 
-/* An accepted cause while the verdict is reached. */
+/* An accepted cause during the verdict. */
 typedef struct {
     int index;        /* of the accepted cause */
     bool named, part; /* part: of an unknown function */
     mukca_standing standing;
-    mukca_cause cause; /* where named */
+    mukca_cause cause; /* if named */
 } described;
 
 static void add_outlier(mukca_faults *faults, const mukca_regression *m,
@@ -27,8 +27,8 @@ static void add_outlier(mukca_faults *faults, const mukca_regression *m,
             mukca_screening_add(faults, &m->recording, MUKCA_FAULT_OUTLIER, row, size);
 }
 
-/* Widen range[2] to where an unknown function of a joint's angle departs from its mean by half its
- * largest departure. */
+/* Widen range[2] to all angles at which an unknown function of a joint's angle deviates from its
+ * mean by half its largest deviation or more. */
 static void widen_by_unknown(double range[2], const mukca_recording *recording,
                              const mukca_accepted *cause)
 {
@@ -61,8 +61,7 @@ static int by_share(const void *a, const void *b)
                                 : x->joint - y->joint;
 }
 
-/* Each joint's share in what was found, by the odds; of unknown functions alone where there are
- * any. */
+/* Share of each joint in the accepted causes, by odds; in the unknown functions alone, if any. */
 static void find_where(mukca_findings *findings, const mukca_regression *m, const described *found)
 {
     const mukca_recording *recording = &m->recording;
@@ -92,8 +91,8 @@ static void find_where(mukca_findings *findings, const mukca_regression *m, cons
     qsort(findings->where, (size_t)findings->n_where, sizeof *findings->where, by_share);
 }
 
-/* Is a named cause part of an unknown function that was found, too, of about its weight: of the
- * same joint's angle, or of time? */
+/* Is a named cause part of an accepted unknown function of similar odds: of the same joint's angle,
+ * or of time? */
 static bool part_of_unknown(const mukca_unknowns *u, const described *found, int cause)
 {
     const mukca_effect *effect = &found[cause].cause.effect;
@@ -113,10 +112,9 @@ static bool part_of_unknown(const mukca_unknowns *u, const described *found, int
     return false;
 }
 
-/* Is a cause more likely than not, or are its rivals named with it?  What loses to a rival by more
- * than a tie may is none; unknown functions count as rivals where it has one chance in five.  A
- * size of the sign that physics excludes is none: the score of a cause honours the sign, but other
- * causes may turn it. */
+/* Is a cause reported: more probable than not, or with rivals?  Least probability with named
+ * rivals: that of a tie, with an unknown function: one in five.  An amplitude of a sign that
+ * physics excludes is not reported: the score respects the sign, but other causes may turn it. */
 static bool listed(const mukca_cause *cause)
 {
     if (mukca_effect_table[cause->effect.kind]->nonnegative && !(cause->amplitude > 0))
@@ -125,7 +123,7 @@ static bool listed(const mukca_cause *cause)
     bool rivals = false;
     for (int t = 0; t < cause->n_ties; t++)
         if (isnan(cause->ties[t].log_bayes_factor))
-            probability *= 2; /* it shares its place with what cannot be tested */
+            probability *= 2; /* tied with an untested effect */
         else
             rivals = true;
     return probability >= (rivals ? exp(-MUKCA_TIE_MOST) : cause->or_unknown ? 0.2 : 0.5);
@@ -138,8 +136,8 @@ static int by_odds(const void *a, const void *b)
     return p != q ? (p < q) - (p > q) : x->index - y->index;
 }
 
-/* Log odds of the strongest structure that no name explains: of an unknown function, or of a name
- * whose place one may fill. */
+/* Log odds of the strongest unexplained structure: of an unknown function, or of a name that one
+ * may replace. */
 static double unnamed_structure(const described *found, int n)
 {
     double most = -HUGE_VAL;
@@ -149,8 +147,8 @@ static double unnamed_structure(const described *found, int n)
     return most;
 }
 
-/* An unlisted cause rarely goes into one unknown function, and the nearest names share what that
- * leaves: those of less evidence are in doubt.  Fine ripple resembles no smooth function. */
+/* One unknown function rarely fits an unlisted cause completely, and the nearest names share the
+ * remainder: those with less evidence are in doubt.  Fine ripple resembles no smooth function. */
 static bool is_remainder(const described *d, double structure)
 {
     return d->standing.log_odds < structure && d->cause.effect.variant.order <= MUKCA_FINE_ORDER;
