@@ -17,7 +17,7 @@
 
 /* Elastic causes are fitted with one factor per mass, and reported as the single coefficient
  * nearest to it in the recorded samples (least squares): sum of weight[t] coefficient[t]. */
-static void load_weights(double *weight, const mukca_recording *recording, const mukca_candidate *h)
+static void mass_weights(double *weight, const mukca_recording *recording, const mukca_candidate *h)
 {
     const int terms = h->terms, width = h->width_of_term;
     memset(weight, 0, sizeof *weight * MUKCA_MAX_COLUMNS);
@@ -37,7 +37,7 @@ static mukca_effect fitted_effect(const mukca_recording *recording, const mukca_
     mukca_effect effect = mukca_candidate_effect(h);
     if (mukca_candidate_by_mass(h)) {
         double weight[MUKCA_MAX_COLUMNS];
-        load_weights(weight, recording, h);
+        mass_weights(weight, recording, h);
         for (int t = 0; t < h->terms; t++)
             effect.coefficient[0] += weight[t] * cause->coefficient[t];
     } else {
@@ -64,7 +64,7 @@ void mukca_cause_measure(mukca_cause *out, mukca_regression *m, int index)
             out->sigma[t] = mukca_regression_standard_error(m, column + t, &one, 1);
         }
     } else if (mukca_candidate_by_mass(h)) {
-        load_weights(direction, &m->recording, h);
+        mass_weights(direction, &m->recording, h);
     }
     const double sigma = mukca_regression_standard_error(m, column, direction, h->terms);
     if (terms == 1) out->sigma[0] = sigma;
@@ -95,7 +95,7 @@ static void add_tie(mukca_cause *out, mukca_tie tie)
 
 /* Does flexibility resemble the effect?  It is a smooth function of the angles, and differs between
  * placements: unlike fine ripple, readback lag and recording faults. */
-static bool like_flexibility(const mukca_effect *effect)
+static bool resembles_flexibility(const mukca_effect *effect)
 {
     return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT) &&
            effect->variant.order <= MUKCA_SMOOTH_ORDER &&
@@ -108,7 +108,8 @@ static void tie_untested_flexibility(mukca_cause *out, const mukca_competition *
 {
     const unsigned char *disabled = contest->options->disabled;
     const bool withheld = disabled && disabled[MUKCA_EFFECT_JOINT_COMPLIANCE];
-    if (contest->m->recording.have_torques || withheld || !like_flexibility(&out->effect)) return;
+    if (contest->m->recording.have_torques || withheld || !resembles_flexibility(&out->effect))
+        return;
     out->probability *= 0.5;
     if (out->n_ties < MUKCA_MAX_TIES) /* gravity loads the second joint most */
         out->ties[out->n_ties++] =
@@ -169,12 +170,13 @@ static void add_ties(mukca_cause *out, const mukca_competition *contest, int ind
 
 /* Probabilities of all contenders for the place of candidate h; *share receives its own.  Returns
  * the table's entry of h, or NULL. */
-static const mukca_contender *stand(mukca_standing *standing, double *share,
-                                    const mukca_competition *contest, const mukca_candidate *h)
+static const mukca_contender *find_standing(mukca_standing *standing, double *share,
+                                            const mukca_competition *contest,
+                                            const mukca_candidate *h)
 {
     const int class = mukca_candidate_class(h);
     const double best = fmax(contest->n_table ? contest->table[0].log_odds : 0, 0);
-    const mukca_contender *mine = NULL;
+    const mukca_contender *entry = NULL;
     double total = 0, own = 0;
     memset(standing, 0, sizeof *standing);
     for (int i = 0; i < contest->n_table; i++) {
@@ -186,7 +188,7 @@ static const mukca_contender *stand(mukca_standing *standing, double *share,
         if (c->class == class && c->joint == h->joint &&
             (!mukca_candidate_is_fault(h) || member->fault.group == h->fault.group)) {
             own += p;
-            if (!mine) mine = c;
+            if (!entry) entry = c;
         }
     }
     total += exp(-best);
@@ -194,12 +196,13 @@ static const mukca_contender *stand(mukca_standing *standing, double *share,
         standing->by_joint[j] /= total;
         standing->unknown += standing->by_joint[j];
     }
-    standing->log_odds = mine ? mine->log_odds : -HUGE_VAL;
+    standing->log_odds = entry ? entry->log_odds : -HUGE_VAL;
     *share = fmin(own / total, 1);
-    return mine;
+    return entry;
 }
 
-/* Score and rank all contenders for the place of a cause; share and return value as of stand(). */
+/* Score and rank all contenders for the place of a cause; share and return value as of
+ * find_standing(). */
 static const mukca_contender *compare(mukca_standing *standing, double *share,
                                       mukca_competition *contest, int index)
 {
@@ -213,7 +216,7 @@ static const mukca_contender *compare(mukca_standing *standing, double *share,
         if (!mukca_competition_taken(contest, &contest->table[i], index))
             contest->table[others++] = contest->table[i];
     contest->n_table = others;
-    return stand(standing, share, contest, h);
+    return find_standing(standing, share, contest, h);
 }
 
 /* Fine ripple is selected from hundreds of orders, and can fit what smooth functions cannot: noise
@@ -240,15 +243,15 @@ bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_comp
     const mukca_accepted *cause = &contest->m->unknowns.cause[index];
     const mukca_candidate *h = &cause->candidate;
     double share;
-    const mukca_contender *mine = compare(standing, &share, contest, index);
+    const mukca_contender *entry = compare(standing, &share, contest, index);
     if (standing->unknown > LITTLE && mukca_competition_leave_unlisted(contest))
-        mine = compare(standing, &share, contest, index);
+        entry = compare(standing, &share, contest, index);
     if (!out || mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) return false;
     *out = (mukca_cause){
         .effect = fitted_effect(recording, cause),
         .socket = -1,
         .or_unknown = standing->unknown > MUKCA_UNKNOWN_SHARE,
-        .log_bayes_factor = mine ? contest->scan->score[mine->best].log_bayes : -HUGE_VAL,
+        .log_bayes_factor = entry ? contest->scan->score[entry->best].log_bayes : -HUGE_VAL,
         .probability = share,
         .held_out = MUKCA_SHRINK_NONE};
     add_ties(out, contest, index);

@@ -72,7 +72,7 @@ static void keep_named(mukca_regression *m, const mukca_findings *findings)
 
 /* Nothing can be tested; of the faults only duplicates are kept, as the others need a model that
  * fits. */
-static void give_up(steps *s, mukca_regression *m, const char *why)
+static void set_untestable(steps *s, mukca_regression *m, const char *why)
 {
     int kept = 0;
     s->why = why;
@@ -113,9 +113,10 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
         if (s->findings.unexplained || none) s->structure_m = mukca_cross_validation_structure(m);
         keep_named(m, &s->findings);
     } else if (status == MUKCA_OK) {
-        give_up(s, m,
-                "the samples do not fit this arm: check the URDF, the tip, the columns and their "
-                "order; a tracker's log needs --free-base and --free-tool");
+        set_untestable(
+            s, m,
+            "the samples do not fit this arm: check the URDF, the tip, the columns and their "
+            "order; a tracker's log needs --free-base and --free-tool");
     }
     m->pool.failed |= scan.pool.failed; /* no memory for columns of a scan */
     mukca_scan_free(&scan);
@@ -265,7 +266,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     const mukca_recording *recording = &m.recording;
     if (mukca_recording_distinct(recording) * recording->dim <
         PER_GROUP * recording->n_groups + LEAST_NUMBERS) {
-        give_up(s, NULL, "too few different samples: record 20 or more for each socket");
+        set_untestable(s, NULL, "too few different samples: record 20 or more for each socket");
     } else {
         mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
         status = identify(s, &m, options, error);

@@ -71,7 +71,7 @@ static void leave_out(mukca_regression *m, int without)
 }
 
 /* Least log odds of a contender for the place of an accepted cause. */
-#define NEAR_THE_FRONT (-3.0F)
+#define LEAST_LOG_ODDS (-3.0F)
 
 /* The same effect at the same joint, placement or socket. */
 static bool same_effect(const mukca_candidate *a, const mukca_candidate *b)
@@ -86,7 +86,7 @@ static bool contends(const mukca_scan *scan, int index, const mukca_accepted *ca
     if (own->kind == MUKCA_CANDIDATE_OUTLIER) return mukca_candidate_same(h, own);
     if (same_effect(h, own)) return true;
     for (int step = cause->step; step < scan->steps && step < MUKCA_SCAN_STEPS; step++)
-        if (scan->history[step * scan->capacity + index] > NEAR_THE_FRONT) return true;
+        if (scan->history[step * scan->capacity + index] > LEAST_LOG_ODDS) return true;
     return false;
 }
 
@@ -209,7 +209,7 @@ static bool is_rival(mukca_scan *scan, int index, const mukca_candidate *cause, 
 }
 
 /* Store the odds of a run against the whole model; orders of ripple found later have none. */
-static void remember(mukca_scan *scan)
+static void store_odds(mukca_scan *scan)
 {
     const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
     float *odds = scan->history + step * scan->capacity;
@@ -274,7 +274,7 @@ void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_sc
         mukca_score *score = &scan->score[k];
         score->log_odds = score->log_bayes + mukca_scan_candidate(scan, k)->log_prior;
     }
-    if (without < 0 && extent != MUKCA_SCAN_UNLISTED) remember(scan);
+    if (without < 0 && extent != MUKCA_SCAN_UNLISTED) store_odds(scan);
 }
 
 void mukca_scan_weigh(mukca_scan *scan, mukca_regression *m, int without)
@@ -301,7 +301,7 @@ int mukca_scan_repeat(mukca_scan *scan, int steps)
 }
 
 /* Restore the projector's state of the last run. */
-static mukca_projector *aim_again(mukca_scan *scan, mukca_regression *m, int without)
+static mukca_projector *restore_projector(mukca_scan *scan, mukca_regression *m, int without)
 {
     leave_out(m, without);
     mukca_regression_collect(m, scan->rho);
@@ -312,7 +312,7 @@ static mukca_projector *aim_again(mukca_scan *scan, mukca_regression *m, int wit
 double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
                               const mukca_candidate *a, const mukca_candidate *b)
 {
-    return mukca_correlation_canonical(aim_again(scan, m, without), a, b);
+    return mukca_correlation_canonical(restore_projector(scan, m, without), a, b);
 }
 
 double mukca_scan_noise_gain(mukca_scan *scan, mukca_regression *m, int without,
@@ -320,7 +320,7 @@ double mukca_scan_noise_gain(mukca_scan *scan, mukca_regression *m, int without,
 {
     const mukca_recording *r = &m->recording;
     if (!candidate->basis || r->groups[r->n_groups - 1].socket < 0) return 0;
-    return mukca_angle_noise_gain(aim_again(scan, m, without), candidate);
+    return mukca_angle_noise_gain(restore_projector(scan, m, without), candidate);
 }
 
 mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, mukca_regression *m,

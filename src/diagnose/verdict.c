@@ -115,7 +115,7 @@ static bool part_of_unknown(const mukca_unknowns *u, const described *found, int
 /* Is a cause reported: more probable than not, or with rivals?  Least probability with named
  * rivals: that of a tie, with an unknown function: one in five.  An amplitude of a sign that
  * physics excludes is not reported: the score respects the sign, but other causes may turn it. */
-static bool listed(const mukca_cause *cause)
+static bool is_reported(const mukca_cause *cause)
 {
     if (mukca_effect_table[cause->effect.kind]->nonnegative && !(cause->amplitude > 0))
         return false;
@@ -189,7 +189,7 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_c
         if (moved)
             mukca_screening_add(faults, &m->recording, MUKCA_FAULT_TOOL_MOTION,
                                 u->cause[found[c].index].candidate.fault.first, cause->amplitude);
-        if (found[c].part || !listed(cause)) {
+        if (found[c].part || !is_reported(cause)) {
             unknown = true;
             continue;
         }
