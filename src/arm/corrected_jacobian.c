@@ -1,13 +1,13 @@
 /* Jacobian of the corrected arm: derivative of the static equilibrium by the joint angles.
  *
- * From base to tip, all rows of the Jacobian in parallel.  A motion that moves a rigid arm's tip by
- * J, and has M and N as in equilibrium.h, moves the elastic arm's tip by J + by_M . M + by_N . N:
- * the proximal joints respond to M, the distal ones to N.  A response is such a motion itself: its
- * J, M and N give its share in by_M and by_N.  N = W x g is perpendicular to gravity g, and so is
- * by_M, as M acts through g x M alone: two components each in coordinates with z along gravity.
- * Each joint passed moves its share from by_N to by_M, so that by_N ends at 0.  Its initial value
- * is unknown, but the recursion is linear in it: it starts at 0, two more rows start at one unit
- * each, and a 2 x 2 system at the end finds the multiples of these that bring by_N to 0.
+ * From base to tip, all rows of the Jacobian in parallel.  A motion that moves the tip of a rigid
+ * arm by J, with M and N of equilibrium.h, moves the tip of the elastic arm by J + by_M . M + by_N
+ * . N: the proximal joints respond to M, the distal ones to N.  A response is itself such a motion,
+ * and its share of by_M and by_N follows from its J, M and N.  N = W x g is perpendicular to
+ * gravity g, and so is by_M, as M acts through g x M: two components each if z is along gravity.
+ * Each joint passed moves its share from by_N to by_M; by_N ends at 0.  The initial by_N is
+ * unknown, but the recursion is linear: it starts at 0, two more rows start at one unit each, and a
+ * 2 x 2 system at the end yields the multiples of these for which by_N ends at 0.
  */
 #include "arm/corrected_jacobian.h"
 

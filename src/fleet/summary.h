@@ -17,8 +17,8 @@ enum {
  * +-2047. */
 #define MUKCA_FLEET_QUANTUM (1.0 / 16)
 
-/* Properties common to arms of one model.  The tool, all behind the last joint and the tip, is
- * excluded. */
+/* Properties common to arms of one model.  The tool is excluded: all elements after the last joint,
+ * and the tip. */
 typedef struct {
     char robot[MUKCA_NAME_SIZE], base[MUKCA_NAME_SIZE], tip[MUKCA_NAME_SIZE];
     int n_joints;

@@ -72,7 +72,7 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
             turn_vector(g, geometry, k, -angles.s[j], angles.c[j]);
     }
 
-    /* Mass and first moment of everything that each joint carries, from tip to base. */
+    /* Mass and first moment of all bodies distal of each joint, from tip to base. */
     double total = 0, carried[3] = {0, 0, 0}; /* of element k + 1, in the child frame of k */
     for (int k = n - 1; k >= 0; k--) {
         const double *axis = geometry->axis[k], *p = geometry->origin[k].p;
