@@ -1,8 +1,8 @@
 /* Jacobian of the corrected arm: derivative of the static equilibrium by the joint angles.
  *
- * From base to tip, all rows of the Jacobian in parallel.  A motion that moves the tip of a rigid
- * arm by J, with M and N of equilibrium.h, moves the tip of the elastic arm by J + by_M . M + by_N
- * . N: the proximal joints respond to M, the distal ones to N.  A response is itself such a motion,
+ * From base to tip, all rows of the Jacobian in parallel.  If a motion moves the tip of a rigid arm
+ * by J, with M and N of equilibrium.h, the tip of the elastic arm moves by J + by_M . M + by_N . N:
+ * the proximal joints respond to M, the distal ones to N.  A response is itself such a motion,
  * and its share of by_M and by_N follows from its J, M and N.  N = W x g is perpendicular to
  * gravity g, and so is by_M, as M acts through g x M: two components each if z is along gravity.
  * Each joint passed moves its share from by_N to by_M; by_N ends at 0.  The initial by_N is
