@@ -16,16 +16,16 @@ PYTHON ?= python3
 VERSION := $(shell sed -n 's/.*MUKCA_VERSION "\(.*\)".*/\1/p' include/mukca/version.h)
 
 # ---- sources, objects, products ------------------------------------------------------------------
-# rooms of the core library, in the order of tests/layers.sh
-CORE_ROOMS := base math model effect arm fit recalibrate capture plan simulate diagnose fleet
-CORE_SRC := $(filter-out src/fit/nlopt_adapter%,$(foreach room,$(CORE_ROOMS),\
-            $(sort $(wildcard src/$(room)/*.c))))
+# modules of the core library, in the order of tests/layers.sh
+CORE_MODULES := base math model effect arm fit recalibrate capture plan simulate diagnose fleet
+CORE_SRC := $(filter-out src/fit/nlopt_adapter%,$(foreach module,$(CORE_MODULES),\
+            $(sort $(wildcard src/$(module)/*.c))))
 # the part of these for control loops: no stdio, no allocation, no clock, no locale
 RT_SRC := $(addprefix src/,$(addsuffix .c,base/cells base/number base/print math/orientation \
           math/rotation math/sincos model/chain model/fk model/fk_jacobian model/gravity model/row_state \
           arm/acceptance arm/corrected arm/corrected_jacobian arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
-REST_SRC := $(sort $(wildcard src/fit/nlopt_adapter*.c $(foreach room,io lcm report record,\
-            src/$(room)/*.c src/$(room)/*.cc)))
+REST_SRC := $(sort $(wildcard src/fit/nlopt_adapter*.c $(foreach module,io lcm report record,\
+            src/$(module)/*.c src/$(module)/*.cc)))
 CLI_SRC  := $(sort $(wildcard src/cli/*.c))
 TEST_SRC := $(sort $(wildcard tests/unit/test_*.c))
 BENCH_SRC := $(sort $(wildcard tools/bench/bench_*.c))

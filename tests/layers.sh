@@ -1,10 +1,10 @@
 #!/bin/sh
-# Each room of src/ may use only the rooms before it in this list (ARCHITECTURE.md), by include and
-# by symbol; files of one room never use each other in a circle; C++ and the libraries stay where
+# Each module of src/ may use only the modules before it in this list (ARCHITECTURE.md), by include and
+# by symbol; files of one module never use each other in a circle; C++ and the libraries stay where
 # they belong.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-rooms='base math model effect arm fit recalibrate capture plan simulate diagnose fleet io lcm report record cli'
+modules='base math model effect arm fit recalibrate capture plan simulate diagnose fleet io lcm report record cli'
 core='base math model effect arm fit recalibrate capture plan simulate diagnose fleet'
 build=${BUILD:-build}
 bad=0
@@ -14,10 +14,10 @@ fail() {
 }
 
 for file in $(find src -name '*.[ch]' -o -name '*.cc' | sort); do
-    room=${file#src/}
-    room=${room%%/*}
-    case " $rooms " in *" $room "*) ;; *) fail "$file: src/$room is no room of this list" ;; esac
-    above=" ${rooms%%"$room"*}$room "
+    module=${file#src/}
+    module=${module%%/*}
+    case " $modules " in *" $module "*) ;; *) fail "$file: src/$module is no module of this list" ;; esac
+    above=" ${modules%%"$module"*}$module "
     for include in $(sed -n 's/^[ \t]*#[ \t]*include[ \t]*"\([^"]*\)".*/\1/p' "$file"); do
         case $include in
         mukca/*) [ -f "include/$include" ] || fail "$file includes $include, which does not exist" ;;
@@ -26,7 +26,7 @@ for file in $(find src -name '*.[ch]' -o -name '*.cc' | sort); do
     done
 done
 
-# Who uses whose symbols: one line "user owner" per pair of object files, as room/file.
+# Who uses whose symbols: one line "user owner" per pair of object files, as module/file.
 uses=$(mktemp)
 trap 'rm -f "$uses"' EXIT
 find "$build/obj/src" -name '*.o' -exec nm -A -P {} + 2>/dev/null | awk '
@@ -37,16 +37,16 @@ find "$build/obj/src" -name '*.o' -exec nm -A -P {} + 2>/dev/null | awk '
               print user[i], owner[symbol[i]] }' | sort -u >"$uses"
 [ -s "$uses" ] || fail "no object files below $build/obj/src: build the program first"
 while read -r user owner; do
-    above=" ${rooms%%"${user%%/*}"*}${user%%/*} "
-    case $above in *" ${owner%%/*} "*) ;; *) fail "src/$user.c calls src/$owner.c, a later room" ;; esac
+    above=" ${modules%%"${user%%/*}"*}${user%%/*} "
+    case $above in *" ${owner%%/*} "*) ;; *) fail "src/$user.c calls src/$owner.c, a later module" ;; esac
 done <"$uses"
-for room in $rooms; do
-    circle=$(grep "^$room/.* $room/" "$uses" | tsort 2>&1 >/dev/null | grep -o "$room/.*" | tr '\n' ' ')
+for module in $modules; do
+    circle=$(grep "^$module/.* $module/" "$uses" | tsort 2>&1 >/dev/null | grep -o "$module/.*" | tr '\n' ' ')
     [ -z "$circle" ] || fail "files that use each other in a circle: $circle"
 done
 
 # The core needs libm and nothing else.
-sources=$(for room in $core; do find "src/$room" -name '*.[ch]' ! -name 'nlopt_adapter*'; done)
+sources=$(for module in $core; do find "src/$module" -name '*.[ch]' ! -name 'nlopt_adapter*'; done)
 for pattern in nlopt lcm/ jansson libxml urdf console_bridge unistd.h sys/; do
     # shellcheck disable=SC2086
     hit=$(grep -ln "#[ \t]*include[ \t]*<$pattern" $sources include/mukca/*.h 2>/dev/null)
