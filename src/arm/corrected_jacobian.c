@@ -29,8 +29,8 @@ typedef struct {
  * Jacobian: first of the rigid arm, finally of the corrected arm. */
 typedef struct {
     columns level;
-    double g;
     rows joint[MUKCA_MAX_JOINTS];
+    double g;
     const mukca_equilibrium *e;
     const mukca_effect_slopes *slopes;
 } tip_columns;
