@@ -57,7 +57,7 @@ PART void set_compliance(columns *K, const double w[3], double side, double slop
                          const double *axis)
 {
     for (int k = 0; k < 3; k++) {
-        double *m = (double *)K->column[k];
+        double *m = (double *)&K->column[k];
         for (int i = 0; i < 3; i++) m[i] = i == k ? slope : 0;
         turn_rate(m, w, side);
         const double off = axis ? mukca_dot3(axis, m) : 0;
