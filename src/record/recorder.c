@@ -206,6 +206,7 @@ static void warn_dropped(mukca_recorder *r)
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                  mukca_error *error)
 {
+    const int64_t last = r->last_arrival;
     mukca_status status = r->lines
                               ? mukca_recorder_wait_lines(r, timeout_ms, other, readable, error)
                               : mukca_lcm_link_wait(r->link, timeout_ms, other, readable, error);
@@ -220,7 +221,9 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
     if (replays || status) return status;
     warn_dropped(r);
     if (r->mapped && r->confirmed) r->connected = true;
-    watch(r, now - (r->last_arrival ? r->last_arrival : r->opened));
+    /* a joint state that waited in the queue of an overloaded machine is not silence */
+    const bool arrived = r->last_arrival != last;
+    watch(r, arrived ? 0 : now - (r->last_arrival ? r->last_arrival : r->opened));
     return MUKCA_OK;
 }
 
