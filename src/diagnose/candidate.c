@@ -144,18 +144,6 @@ static const mukca_effect_sizes *sizes_of(int class)
     return sizes ? sizes : &mukca_sizes_angle;
 }
 
-/* Manufacture bounds the run-out of rotating parts.  Shifts, backlash and compliance have no such
- * bound. */
-double mukca_candidate_largest(const mukca_candidate *h)
-{
-    const int class = mukca_candidate_class(h);
-    if (!mukca_effect_has(class, MUKCA_TRAIT_PERIODIC)) return HUGE_VAL;
-    const mukca_effect_sizes *sizes = sizes_of(class);
-    double largest = 0;
-    for (int i = 0; i < MUKCA_MAX_SIZES; i++) largest = fmax(largest, sizes->sigma[i]);
-    return largest;
-}
-
 int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *h)
 {
     /* Rms of an unknown function of a joint, rad: arms often show 0.1 mrad, hardly ever 10. */
@@ -185,6 +173,35 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
     }
     for (int i = 0; i < n; i++) log_weight[i] = log(log_weight[i] / total);
     return n;
+}
+
+mukca_mixture mukca_candidate_mixture(const mukca_candidate *h)
+{
+    mukca_mixture prior = {.nonnegative = h->kind == MUKCA_CANDIDATE_EFFECT &&
+                                          mukca_effect_table[h->effect.kind]->nonnegative};
+    prior.n_sizes = mukca_candidate_scales(prior.size, prior.log_weight, h);
+    return prior;
+}
+
+int mukca_candidate_key(const mukca_candidate *h)
+{
+    const int class = mukca_candidate_class(h);
+    int at = h->joint + 1, place = 0; /* place: what distinguishes causes of a class at a joint */
+    if (mukca_candidate_is_fault(h)) {
+        at = h->fault.group, place = h->fault.first;
+    } else if (class == MUKCA_EFFECT_GEAR_HARMONIC) {
+        place = h->effect.variant.order;
+    } else if (class == MUKCA_CLASS_UNKNOWN) {
+        place = (int)h->kind;
+        if (h->kind == MUKCA_CANDIDATE_SLIP) place += MUKCA_CANDIDATE_KINDS * (1 + h->row);
+        if (mukca_candidate_is_unlisted(h)) {
+            place += MUKCA_CANDIDATE_KINDS * (int)h->simple.argument;
+            at += MUKCA_MAX_JOINTS * h->simple.turns;
+        }
+    } else {
+        place = h->placement + 1;
+    }
+    return (place * 2 * MUKCA_MAX_JOINTS + at) * MUKCA_CLASSES + class;
 }
 
 /* x in the range, mapped to [-1, 1]. */
@@ -220,7 +237,7 @@ static void fill_bumps(const mukca_candidate *h, const mukca_recording *recordin
 static void fill_polynomials(const mukca_candidate *h, const mukca_recording *recording)
 {
     const int n_joints = recording->chain->n_joints;
-    const double *q = recording->data->q;
+    const double *q = recording->q;
     double range[2], own_range[2];
     mukca_recording_range(range, recording, q, n_joints, h->other);
     mukca_recording_range(own_range, recording, q, n_joints, h->joint);
@@ -332,7 +349,7 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
             h->terms = h->width_of_term = 3;
             break;
         case MUKCA_CANDIDATE_OWN_ANGLE:
-            mukca_recording_range(range, recording, recording->data->q, recording->chain->n_joints,
+            mukca_recording_range(range, recording, recording->q, recording->chain->n_joints,
                                   h->joint);
             h->terms = (int)ceil((range[1] - range[0]) / h->width) + 1;
             break;
@@ -364,7 +381,7 @@ void mukca_candidate_fill(const mukca_candidate *h, const mukca_recording *recor
             fill_effect(h, recording);
             break;
         case MUKCA_CANDIDATE_OWN_ANGLE:
-            fill_bumps(h, recording, recording->data->q, recording->chain->n_joints, h->joint);
+            fill_bumps(h, recording, recording->q, recording->chain->n_joints, h->joint);
             break;
         case MUKCA_CANDIDATE_TIME:
             fill_bumps(h, recording, recording->time, 1, 0);

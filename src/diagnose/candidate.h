@@ -4,13 +4,13 @@
 
 #include "diagnose/recording.h"
 #include "effect/catalogue.h"
+#include "infer/mixture.h"
 
 enum {
-    MUKCA_MAX_COLUMNS = 64, /* terms of one candidate */
+    MUKCA_MAX_COLUMNS = MUKCA_MOST_TERMS, /* terms of one candidate */
     /* Highest order per turn of a smooth function of an angle: some six of the narrowest bumps,
      * 0.12 rad, make a wave. */
-    MUKCA_SMOOTH_ORDER = 8,
-    MUKCA_FINE_ORDER = 4 * MUKCA_SMOOTH_ORDER /* ripple above it resembles no smooth function */
+    MUKCA_SMOOTH_ORDER = 8
 };
 
 #define MUKCA_WAVE_UNIT 0.70710678118654752440 /* rms of a sine */
@@ -28,7 +28,7 @@ typedef enum {
     MUKCA_CANDIDATE_TIME,          /* unknown: ... of time */
     MUKCA_CANDIDATE_SLIP,          /* unknown: the joint slips once, before a sample */
     MUKCA_CANDIDATE_STRETCH,       /* unknown: a link's length changes with time */
-    /* Unlisted: simple causes, scored as rivals of a name, never accepted */
+    /* Unlisted: simple causes outside the catalogue, without a name */
     MUKCA_CANDIDATE_UNLISTED_ANGLE, /* joint error, a function of an argument */
     MUKCA_CANDIDATE_UNLISTED_FRAME, /* shift or rotation of a frame by it */
     MUKCA_CANDIDATE_UNLISTED_TILT,  /* the ball shifts with the tilt of the tool */
@@ -48,8 +48,6 @@ typedef enum {
     MUKCA_ARGUMENT_RUBBING,   /* its direction times the load: friction */
     MUKCA_ARGUMENT_WEARING,   /* its direction times a decay: changing friction */
     MUKCA_ARGUMENT_TIME,
-    MUKCA_ARGUMENT_SAMPLE,    /* 1 from the sample on at which a socket moved, else 0 */
-    MUKCA_ARGUMENT_PASSING,   /* 1 beyond the angle that the joint passed at that sample, else 0 */
     MUKCA_ARGUMENT_PAYLOAD,   /* torque of the outermost mass, in one placement or in all */
     MUKCA_ARGUMENT_PLACEMENT, /* 1 in one placement, else 0 */
     MUKCA_ARGUMENT_MOMENT     /* about a joint's origin, three components */
@@ -75,7 +73,6 @@ typedef struct {
         } stretch;
         struct {
             mukca_argument argument;
-            int row;         /* SAMPLE: of the dataset, set by the scan for a moved socket */
             int other, slot; /* joint of the argument, TILT: axis of the tip; FRAME: of the
                                 unknowns */
             bool turns; /* FRAME: rotation, else shift; TILT: in the tool, else in the socket */
@@ -129,8 +126,11 @@ bool mukca_candidate_changes_pair(const mukca_candidate *candidate,
  * their weights; returns their number, at most MUKCA_MAX_SIZES. */
 int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candidate *candidate);
 
-/* Largest amplitude under its prior, in the coefficient's unit; infinite: no bound. */
-double mukca_candidate_largest(const mukca_candidate *candidate);
+/* The same as a mixture, for columns per unit. */
+mukca_mixture mukca_candidate_mixture(const mukca_candidate *candidate);
+
+/* Key of the candidates of which a set contains one at most: variants of one cause. */
+int mukca_candidate_key(const mukca_candidate *candidate);
 
 /* Fill terms, basis and units of a candidate; the other members are set.  False: no memory. */
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/ripple.h"
 #include "diagnose/streams.h"
 #include "diagnose/unlisted.h"
 
@@ -41,8 +42,7 @@ static void append(lister *l, mukca_candidate h)
         all->list = bigger;
         all->capacity = capacity;
     }
-    /* the scan prepares unlisted ones, when it needs the rivals of a cause */
-    l->ok = mukca_candidate_is_unlisted(&h) || mukca_candidate_prepare(&h, l->pool, l->recording);
+    l->ok = mukca_candidate_prepare(&h, l->pool, l->recording);
     all->list[all->count++] = h;
 }
 
@@ -130,11 +130,47 @@ static void list_faults_at(lister *l, int g, int i)
     append(l, h);
 }
 
+/* Orders of ripple of a joint that the geometry may absorb in part. */
+static void list_ripple(lister *l, int j)
+{
+    const mukca_effect_survey *survey = &l->all->survey;
+    mukca_candidate h = {
+        .kind = MUKCA_CANDIDATE_EFFECT,
+        .joint = j,
+        .placement = -1,
+        .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = j, .placement = -1}};
+    if (!survey->joint[j].turns || survey->joint[j].range < MUKCA_RIPPLE_TRAVEL) return;
+    for (int order = 2; order <= MUKCA_RIPPLE_LONG; order++) {
+        h.effect.variant.order = order;
+        append(l, h);
+    }
+}
+
+/* Was a socket of the same placement recorded completely before this group?  Then a tool that moved
+ * in between changes their distance. */
+static bool follows_another(const mukca_recording *r, int g)
+{
+    const mukca_group *group = &r->groups[g];
+    for (int p = 0; p < r->n_pairs; p++) {
+        const int o = r->pairs[p].a == g ? r->pairs[p].b : r->pairs[p].b == g ? r->pairs[p].a : -1;
+        if (o >= 0 &&
+            r->order[r->groups[o].start + r->groups[o].count - 1] < r->order[group->start])
+            return true;
+    }
+    return false;
+}
+
 static void list_faults(lister *l)
 {
     for (int g = 0; g < l->recording->n_groups; g++) {
         const mukca_group *group = &l->recording->groups[g];
         for (int i = 0; i < group->count; i++) list_faults_at(l, g, i);
+        if (group->count && follows_another(l->recording, g))
+            append(l, (mukca_candidate){
+                          .kind = MUKCA_CANDIDATE_STEP,
+                          .joint = -1,
+                          .placement = group->placement,
+                          .fault = {.group = g, .first = l->recording->order[group->start]}});
         if (group->socket < 0 || group->count < 2 * LONGEST_BURST) continue;
         append(l, (mukca_candidate){
                       .kind = MUKCA_CANDIDATE_CREEP,
@@ -177,14 +213,6 @@ static void list_unlisted(lister *l)
                                         .joint = j,
                                         .placement = p,
                                         .simple = {MUKCA_ARGUMENT_PAYLOAD, .other = j}});
-    for (int j = 0; j < n; j++) /* a slip of the first joint is a moved socket */
-        for (int k = -1; k < n && u->slot_element[0] <= r->chain->joint_element[j]; k++) {
-            const mukca_argument argument = k < 0 ? MUKCA_ARGUMENT_SAMPLE : MUKCA_ARGUMENT_PASSING;
-            append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
-                                        .joint = j,
-                                        .placement = -1,
-                                        .simple = {argument, .other = k < 0 ? j : k}});
-        }
     for (int axis = 0; axis < 3; axis++)
         for (int in_tool = 0; in_tool < 2; in_tool++)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_TILT,
@@ -214,6 +242,11 @@ static void list_unlisted(lister *l)
     }
 }
 
+static double ripple_prior(const mukca_candidates *all, int order)
+{
+    return mukca_ripple_log_prior(order) - log(all->survey.n_joints) - log(all->classes);
+}
+
 /* Prior odds: equal per class, then per joint, then per variant; a quarter of tool motions creep,
  * half of the outliers are bursts, half of the unknown functions have another argument than the
  * joint's own angle alone.  Unlisted causes are a class of their own, all equal. */
@@ -225,6 +258,7 @@ static void set_priors(mukca_candidates *all)
         const mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
         const bool cross = class == MUKCA_CLASS_UNKNOWN && h->kind != MUKCA_CANDIDATE_OWN_ANGLE;
+        if (class == MUKCA_EFFECT_GEAR_HARMONIC) continue; /* by order: ripple.c */
         single += h->kind == MUKCA_CANDIDATE_OUTLIER && h->fault.last == h->fault.first;
         all->enabled[class] = true;
         kinds[h->kind]++;
@@ -237,6 +271,10 @@ static void set_priors(mukca_candidates *all)
     for (int i = 0; i < all->first_unlisted; i++) {
         mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
+        if (class == MUKCA_EFFECT_GEAR_HARMONIC) {
+            h->log_prior = ripple_prior(all, h->effect.variant.order);
+            continue;
+        }
         double share = 1.0 / joints[class]; /* of the class */
         if (h->kind == MUKCA_CANDIDATE_OUTLIER) {
             const bool burst = h->fault.last != h->fault.first;
@@ -256,8 +294,6 @@ static void set_priors(mukca_candidates *all)
     for (int i = all->first_unlisted; i < all->count; i++) {
         mukca_candidate *h = &all->list[i];
         h->log_prior = -log((double)all->classes * (all->count - all->first_unlisted));
-        /* its sample is chosen among as many as that of its rival, the moved socket */
-        if (mukca_unlisted_at_sample(h)) h->log_prior -= log(fmax(kinds[MUKCA_CANDIDATE_STEP], 1));
     }
 }
 
@@ -348,6 +384,7 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
         append_effects(&l, j);
         list_other_functions(&l, j);
         list_own_functions(&l, j);
+        list_ripple(&l, j);
     }
     append_effects(&l, -1);
     list_faults(&l);
@@ -356,11 +393,47 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
     if (!l.ok) return no_memory(recording, error);
     all->harmonics = !(disabled && disabled[MUKCA_EFFECT_GEAR_HARMONIC]);
     set_priors(all);
+    const int most = all->count + MUKCA_RIPPLE_MOST * recording->chain->n_joints;
+    mukca_candidate *list = MUKCA_TAKE(pool, mukca_candidate, most);
+    if (!list) return no_memory(recording, error);
+    memcpy(list, all->list, sizeof *list * (size_t)all->count);
+    all->list = list;
+    all->capacity = most;
     add_sag_evidence(all, recording);
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
         if (!all->enabled[kind] && kind != MUKCA_EFFECT_GEAR_HARMONIC)
             all->missing[kind] = disabled && disabled[kind]
                                      ? "excluded on request"
                                      : mukca_effect_missing((mukca_effect_kind)kind, &all->survey);
+    return MUKCA_OK;
+}
+
+bool mukca_candidates_have_ripple(const mukca_candidates *all, int joint, int order)
+{
+    for (int i = 0; i < all->count; i++) {
+        const mukca_candidate *h = &all->list[i];
+        if (h->joint == joint && h->kind == MUKCA_CANDIDATE_EFFECT &&
+            h->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC && h->effect.variant.order == order)
+            return true;
+    }
+    return false;
+}
+
+mukca_status mukca_candidates_add_ripple(mukca_candidates *all, mukca_pool *pool,
+                                         const mukca_recording *recording, int joint, int order,
+                                         mukca_error *error)
+{
+    mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
+                         .joint = joint,
+                         .placement = -1,
+                         .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
+                                    .joint = joint,
+                                    .placement = -1,
+                                    .variant.order = order},
+                         .log_prior = ripple_prior(all, order)};
+    if (all->count == all->capacity || mukca_candidates_have_ripple(all, joint, order))
+        return MUKCA_OK;
+    if (!mukca_candidate_prepare(&h, pool, recording)) return no_memory(recording, error);
+    all->list[all->count++] = h;
     return MUKCA_OK;
 }

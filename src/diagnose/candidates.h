@@ -12,12 +12,28 @@ typedef struct {
     mukca_effect_survey survey;  /* of the recording */
     int classes;                 /* number of competing classes, with gear harmonics if scanned */
     bool enabled[MUKCA_CLASSES]; /* classes in the competition */
-    bool harmonics;              /* all orders of gear ripple are scanned, too */
+    bool harmonics;              /* ripple is listed, and further orders where they promise */
     const char *missing[MUKCA_CLASSES]; /* reason why a class has no candidate, or NULL */
 } mukca_candidates;
 
-/* All candidates for a recording, except effects with disabled[effect] != 0 (NULL: none).  Unlisted
- * ones are not yet prepared.  Memory comes from `pool`.  Errors: MUKCA_MEMORY. */
+enum {
+    MUKCA_RIPPLE_LONG = 32, /* orders listed from the start: the geometry may absorb much of them */
+    MUKCA_RIPPLE_MOST = 36  /* further orders of a joint */
+};
+
+/* Least travel that shows a ripple, rad: half a turn of the finest order, 400. */
+#define MUKCA_RIPPLE_TRAVEL 1e-2
+
+/* Is that order of ripple of a joint in the list? */
+bool mukca_candidates_have_ripple(const mukca_candidates *all, int joint, int order);
+
+/* Append an order of ripple of a joint, unless it has too many.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_candidates_add_ripple(mukca_candidates *all, mukca_pool *pool,
+                                         const mukca_recording *recording, int joint, int order,
+                                         mukca_error *error);
+
+/* All candidates for a recording, except effects with disabled[effect] != 0 (NULL: none).  Memory
+ * comes from `pool`.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
                                    const mukca_recording *recording, const mukca_unknowns *unknowns,
                                    const unsigned char *disabled, mukca_error *error);

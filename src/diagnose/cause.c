@@ -1,19 +1,21 @@
-/* Description of an accepted cause: size, probability and rivals. */
+/* Description of an identified cause: probability, rivals, size. */
 #include "diagnose/cause.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/resolution.h"
+#include "diagnose/ripple.h"
+#include "math/dense.h"
 
-/* Ties: within half of MUKCA_TIE_MOST (20 to 1), or within all of it above this canonical
- * correlation (geometry projected out). */
-#define TIE_CORRELATION 0.9
-/* A probability too small to change a verdict. */
-#define LITTLE 0.05
-#define PI 3.14159265358979323846
 /* Half width of a 95 % interval in standard errors. */
 #define INTERVAL 1.959963984540054
+
+static bool contains(const mukca_identification *id, const mukca_causes *set, int name)
+{
+    for (int i = 0; i < set->n; i++)
+        if (id->name[set->candidate[i]] == name) return true;
+    return false;
+}
 
 /* Elastic causes are fitted with one factor per mass, and reported as the single coefficient
  * nearest to it in the recorded samples (least squares): sum of weight[t] coefficient[t]. */
@@ -47,8 +49,8 @@ static mukca_effect fitted_effect(const mukca_recording *recording, const mukca_
     return effect;
 }
 
-/* The interval is by the delta method, from the posterior covariance. */
-void mukca_cause_measure(mukca_cause *out, mukca_regression *m, int index)
+/* Size; its interval is by the delta method, from the posterior covariance. */
+static void measure(mukca_cause *out, mukca_regression *m, int index)
 {
     const mukca_candidate *h = &m->unknowns.cause[index].candidate;
     const int terms = out->effect.terms, column = mukca_unknowns_column(&m->unknowns, index);
@@ -86,11 +88,37 @@ static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *c
     return rival;
 }
 
-static void add_tie(mukca_cause *out, mukca_tie tie)
+/* Largest canonical correlation of two items given a set: with Gram blocks A = L L', B = M M' and
+ * their cross block C, the largest singular value of L^-1 C M'^-1 (Golub and Van Loan, Matrix
+ * Computations, section 6.4.3).  Without the terms of single masses. */
+double mukca_cause_correlation(mukca_identification *id, const mukca_set *set, int a, int b)
 {
-    for (int t = 0; t < out->n_ties; t++)
-        if (out->ties[t].effect == tie.effect && out->ties[t].joint == tie.joint) return;
-    if (out->n_ties < MUKCA_MAX_TIES) out->ties[out->n_ties++] = tie;
+    enum { MOST = MUKCA_MOST_TERMS };
+    double A[MOST * MOST], B[MOST * MOST], C[MOST * MOST], s[MOST];
+    const mukca_candidate *x = &id->all.list[id->kept[a]], *y = &id->all.list[id->kept[b]];
+    const int ka = mukca_candidate_own_terms(x), kb = mukca_candidate_own_terms(y);
+    mukca_sets_gram(A, &id->sets, set, a, a);
+    mukca_sets_gram(B, &id->sets, set, b, b);
+    mukca_sets_gram(C, &id->sets, set, a, b);
+    for (int i = 0; i < ka; i++) {
+        for (int k = 0; k < ka; k++) A[i * ka + k] = A[i * x->terms + k];
+        for (int k = 0; k < kb; k++) C[i * kb + k] = C[i * y->terms + k];
+        A[i * ka + i] *= 1 + 1e-9; /* singular to rounding */
+    }
+    for (int i = 0; i < kb; i++) {
+        for (int k = 0; k < kb; k++) B[i * kb + k] = B[i * y->terms + k];
+        B[i * kb + i] *= 1 + 1e-9;
+    }
+    if (mukca_dense_cholesky(A, ka) || mukca_dense_cholesky(B, kb)) return NAN;
+    mukca_dense_forward(C, kb, A, ka);
+    for (int i = 0; i < ka; i++) mukca_dense_forward(C + i * kb, 1, B, kb); /* rows times M'^-1 */
+    if (ka < kb) { /* the transpose has the same singular values */
+        for (int i = 0; i < ka; i++)
+            for (int k = 0; k < kb; k++) B[k * ka + i] = C[i * kb + k];
+        memcpy(C, B, sizeof *C * (size_t)(ka * kb));
+    }
+    if (mukca_dense_svd(C, s, NULL, ka > kb ? ka : kb, ka > kb ? kb : ka)) return NAN;
+    return fmin(s[0], 1);
 }
 
 /* Does flexibility resemble the effect?  It is a smooth function of the angles, and differs between
@@ -104,173 +132,113 @@ static bool resembles_flexibility(const mukca_effect *effect)
 
 /* Without masses the load is unknown: an effect that flexibility resembles is tied with the
  * untested flexibility, and shares its probability. */
-static void tie_untested_flexibility(mukca_cause *out, const mukca_competition *contest)
+static void tie_untested_flexibility(mukca_cause *out, const mukca_recording *r)
 {
-    const unsigned char *disabled = contest->options->disabled;
-    const bool withheld = disabled && disabled[MUKCA_EFFECT_JOINT_COMPLIANCE];
-    if (contest->m->recording.have_torques || withheld || !resembles_flexibility(&out->effect))
-        return;
+    if (r->have_torques || !resembles_flexibility(&out->effect)) return;
     out->probability *= 0.5;
     if (out->n_ties < MUKCA_MAX_TIES) /* gravity loads the second joint most */
-        out->ties[out->n_ties++] =
-            (mukca_tie){.effect = MUKCA_EFFECT_JOINT_COMPLIANCE,
-                        .joint = out->effect.joint >= 0 ? out->effect.joint
-                                                        : contest->m->recording.chain->n_joints > 1,
-                        .log_bayes_factor = NAN,
-                        .correlation = NAN};
+        out->ties[out->n_ties++] = (mukca_tie){
+            .effect = MUKCA_EFFECT_JOINT_COMPLIANCE,
+            .joint = out->effect.joint >= 0 ? out->effect.joint : r->chain->n_joints > 1,
+            .log_bayes_factor = NAN,
+            .correlation = NAN};
 }
 
-/* If the only two sockets of a placement are recorded one after the other, a moved tool or a zero
- * jump between them has exactly the effect of another distance: a tie. */
-static void tie_moved_tool(mukca_cause *out, const mukca_recording *r)
+/* A set of the last search with these candidates, but one. */
+static mukca_set set_without(mukca_identification *id, const mukca_causes *set, int without)
 {
-    const mukca_socket_pair *pair = NULL;
-    const int placement = out->effect.placement;
-    int pairs = 0;
-    if (out->effect.kind != MUKCA_EFFECT_SOCKET_DISTANCE || placement < 0) return;
-    for (int p = 0; p < r->n_pairs; p++)
-        if (r->groups[r->pairs[p].a].placement == placement) pair = &r->pairs[p], pairs++;
-    if (pairs != 1) return;
-    const mukca_group *a = &r->groups[pair->a], *b = &r->groups[pair->b];
-    const int *row = r->order;
-    if (row[a->start] < row[b->start + b->count - 1] &&
-        row[b->start] < row[a->start + a->count - 1])
-        return;
-    out->probability *= 0.5;
-    add_tie(out,
-            (mukca_tie){
-                .effect = MUKCA_EFFECT_TOOL_MOTION,
-                .joint = -1,
-                .log_bayes_factor = out->log_bayes_factor,
-                .correlation = 1,
-                .rival = {.kind = MUKCA_EFFECT_TOOL_MOTION, .joint = -1, .placement = placement}});
+    int item[MUKCA_SET_ITEMS], n = 0;
+    for (int k = 0; k < id->n_kept; k++)
+        for (int i = 0; i < set->n; i++)
+            if (i != without && set->candidate[i] == id->kept[k]) item[n++] = k;
+    const int at = mukca_sets_insert(&id->sets, item, n);
+    return id->sets.set[at < 0 ? 0 : at];
 }
 
-static void add_ties(mukca_cause *out, const mukca_competition *contest, int index)
+/* Rivals: what replaces the cause in the sets that lack it, and is not in the best set. */
+static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_causes *best,
+                     int member, const mukca_set *rest, int own)
 {
-    mukca_regression *m = contest->m;
-    const mukca_candidate *cause = &m->unknowns.cause[index].candidate;
-    const double best = contest->n_table ? contest->table[0].log_odds : 0;
-    for (int i = 0; i < contest->n_table && out->n_ties < MUKCA_MAX_TIES; i++) {
-        const mukca_contender *c = &contest->table[i];
-        if (c->log_odds < best - MUKCA_TIE_MOST) break;
-        if (c->class >= MUKCA_EFFECT_COUNT ||
-            (c->class == (int)out->effect.kind && c->joint == out->effect.joint))
-            continue;
-        const mukca_candidate *rival = mukca_scan_candidate(contest->scan, c->best);
-        const double correlation = mukca_scan_correlation(contest->scan, m, index, cause, rival);
-        if (c->log_odds < best - 0.5 * MUKCA_TIE_MOST && !(correlation > TIE_CORRELATION)) continue;
-        add_tie(out, (mukca_tie){.effect = (mukca_effect_kind)c->class,
-                                 .joint = c->joint,
-                                 .log_bayes_factor = contest->scan->score[c->best].log_bayes,
-                                 .correlation = correlation,
-                                 .rival = rival_effect(rival, &out->effect, cause->unit[0])});
-    }
-}
-
-/* Probabilities of all contenders for the place of candidate h; *share receives its own.  Returns
- * the table's entry of h, or NULL. */
-static const mukca_contender *find_standing(mukca_standing *standing, double *share,
-                                            const mukca_competition *contest,
-                                            const mukca_candidate *h)
-{
-    const int class = mukca_candidate_class(h);
-    const double best = fmax(contest->n_table ? contest->table[0].log_odds : 0, 0);
-    const mukca_contender *entry = NULL;
-    double total = 0, own = 0;
-    memset(standing, 0, sizeof *standing);
-    for (int i = 0; i < contest->n_table; i++) {
-        const mukca_contender *c = &contest->table[i];
-        const mukca_candidate *member = mukca_scan_candidate(contest->scan, c->best);
-        const double p = exp(c->log_odds - best);
-        total += p;
-        if (c->class == MUKCA_CLASS_UNKNOWN) standing->by_joint[c->joint] += p;
-        if (c->class == class && c->joint == h->joint &&
-            (!mukca_candidate_is_fault(h) || member->fault.group == h->fault.group)) {
-            own += p;
-            if (!entry) entry = c;
+    const mukca_candidate *cause = &id->all.list[best->candidate[member]];
+    const int name = id->name[best->candidate[member]];
+    double unknown = 0;
+    memset(id->instead, 0, sizeof *id->instead * (size_t)id->n_names);
+    for (int i = 0; i < id->n_sets; i++) {
+        const mukca_causes *set = &id->set[i];
+        bool counted = false;
+        if (contains(id, set, name)) continue;
+        for (int k = 0; k < set->n; k++) {
+            const mukca_candidate *h = &id->all.list[set->candidate[k]];
+            const int of = id->name[set->candidate[k]];
+            if (contains(id, best, of)) continue;
+            if (mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN)
+                id->instead[of] += set->weight;
+            else if (!counted)
+                unknown += set->weight, counted = true;
         }
     }
-    total += exp(-best);
-    for (int j = 0; j < MUKCA_MAX_JOINTS; j++) {
-        standing->by_joint[j] /= total;
-        standing->unknown += standing->by_joint[j];
+    out->or_unknown = unknown > MUKCA_DOUBT;
+    while (out->n_ties < MUKCA_MAX_TIES) {
+        int most = 0;
+        for (int n = 1; n < id->n_names; n++)
+            if (id->instead[n] > id->instead[most]) most = n;
+        if (!(id->instead[most] > MUKCA_DOUBT)) break;
+        id->instead[most] = 0;
+        const mukca_candidate *h = &id->all.list[id->of_name[most]];
+        if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) continue;
+        const int item = mukca_identify_item(id, h);
+        out->ties[out->n_ties++] = (mukca_tie){
+            .effect = (mukca_effect_kind)mukca_candidate_class(h),
+            .joint = h->joint,
+            .log_bayes_factor = item < 0 ? (double)NAN : mukca_sets_gain(&id->sets, rest, item),
+            .correlation =
+                item < 0 || own < 0 ? (double)NAN : mukca_cause_correlation(id, rest, own, item),
+            .rival = rival_effect(h, &out->effect, cause->unit[0])};
     }
-    standing->log_odds = entry ? entry->log_odds : -HUGE_VAL;
-    *share = fmin(own / total, 1);
-    return entry;
+    tie_untested_flexibility(out, &id->m->recording);
 }
 
-/* Score and rank all contenders for the place of a cause; share and return value as of
- * find_standing(). */
-static const mukca_contender *compare(mukca_standing *standing, double *share,
-                                      mukca_competition *contest, int index)
+/* 95 % interval of the order of ripple. */
+static void find_orders(mukca_cause *out, const mukca_identification *id, int name)
 {
-    const mukca_candidate *h = &contest->m->unknowns.cause[index].candidate;
-    mukca_scan_run(
-        contest->scan, contest->m, index,
-        mukca_candidate_class(h) < MUKCA_EFFECT_COUNT ? MUKCA_SCAN_RIVALS : MUKCA_SCAN_CONTENDERS);
-    mukca_competition_rank(contest);
-    int others = 0;
-    for (int i = 0; i < contest->n_table; i++)
-        if (!mukca_competition_taken(contest, &contest->table[i], index))
-            contest->table[others++] = contest->table[i];
-    contest->n_table = others;
-    return find_standing(standing, share, contest, h);
+    double weight[MUKCA_RIPPLE_ORDERS + 1] = {0}, total = 0, below = 0;
+    for (int i = 0; i < id->n_sets; i++)
+        for (int k = 0; k < id->set[i].n; k++) {
+            const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
+            if (id->name[id->set[i].candidate[k]] != name) continue;
+            weight[h->effect.variant.order] += id->set[i].weight;
+            total += id->set[i].weight;
+        }
+    for (int o = 2; o <= MUKCA_RIPPLE_ORDERS; o++) {
+        if (below <= 0.025 * total && below + weight[o] > 0.025 * total) out->order_range[0] = o;
+        if (below < 0.975 * total && below + weight[o] >= 0.975 * total) out->order_range[1] = o;
+        below += weight[o];
+    }
 }
 
-/* Fine ripple is selected from hundreds of orders, and can fit what smooth functions cannot: noise
- * in a joint's angle, and the rounding of angles to steps.  In evenly spaced postures rounding is
- * aliased to ripple of another order, with at most the amplitude of a sawtooth, step / pi. */
-static void doubt_fine_ripple(mukca_cause *out, mukca_competition *contest, int index,
-                              double log_odds)
+void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukca_causes *best,
+                          int member)
 {
-    const mukca_candidate *h = &contest->m->unknowns.cause[index].candidate;
-    const double *c = out->effect.coefficient;
-    if (h->kind != MUKCA_CANDIDATE_EFFECT || h->effect.variant.order <= MUKCA_SMOOTH_ORDER) return;
-    contest->tails.known = false;
-    const double gain = mukca_heavy_tails_gain(&contest->tails, contest->m, index, h);
-    out->probability /= 1 + exp(gain - log_odds);
-    if (PI * hypot(c[0], c[1]) <
-        mukca_resolution_step(contest->tails.scratch, &contest->m->recording, h->joint))
-        mukca_cause_doubt(out);
-}
-
-bool mukca_cause_describe(mukca_cause *out, mukca_standing *standing, mukca_competition *contest,
-                          int index)
-{
-    const mukca_recording *recording = &contest->m->recording;
-    const mukca_accepted *cause = &contest->m->unknowns.cause[index];
-    const mukca_candidate *h = &cause->candidate;
-    double share;
-    const mukca_contender *entry = compare(standing, &share, contest, index);
-    if (standing->unknown > LITTLE && mukca_competition_leave_unlisted(contest))
-        entry = compare(standing, &share, contest, index);
-    if (!out || mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) return false;
+    const mukca_recording *recording = &id->m->recording;
+    const mukca_candidate *h = &id->all.list[best->candidate[member]];
+    const mukca_accepted *cause = &id->m->unknowns.cause[member];
+    const mukca_set rest = set_without(id, best, member);
+    const int own = mukca_identify_item(id, h), name = id->name[best->candidate[member]];
     *out = (mukca_cause){
         .effect = fitted_effect(recording, cause),
         .socket = -1,
-        .or_unknown = standing->unknown > MUKCA_UNKNOWN_SHARE,
-        .log_bayes_factor = entry ? contest->scan->score[entry->best].log_bayes : -HUGE_VAL,
-        .probability = share,
+        .log_bayes_factor = own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own),
+        .probability = id->probability[name],
         .held_out = MUKCA_SHRINK_NONE};
-    add_ties(out, contest, index);
-    tie_untested_flexibility(out, contest);
-    tie_moved_tool(out, recording);
-    doubt_fine_ripple(out, contest, index, standing->log_odds);
+    add_ties(out, id, best, member, &rest, own);
+    if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC) find_orders(out, id, name);
     if (mukca_candidate_is_fault(h)) {
         out->socket = recording->groups[h->fault.group].socket;
         out->row = recording->data->row[h->fault.first];
         out->file = recording->data->file[h->fault.first];
         out->creep = h->kind == MUKCA_CANDIDATE_CREEP;
     }
-    return true;
-}
-
-void mukca_cause_doubt(mukca_cause *cause)
-{
-    cause->or_unknown = true;
-    cause->probability = fmin(cause->probability, 1 - MUKCA_UNKNOWN_SHARE);
+    measure(out, id->m, member);
 }
 
 int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)
@@ -284,4 +252,10 @@ int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)
             return c;
     }
     return -1;
+}
+
+void mukca_cause_doubt(mukca_cause *cause)
+{
+    cause->or_unknown = true;
+    cause->probability = fmin(cause->probability, 1 - MUKCA_DOUBT);
 }

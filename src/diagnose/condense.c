@@ -1,5 +1,4 @@
-/* Condensing of recordings with several rows per posture, or with too many rows for a diagnosis:
- * one sample per posture. */
+/* Condensing of recordings with too many rows for a diagnosis: one sample per posture. */
 #include "diagnose/condense.h"
 
 #include <math.h>
@@ -11,11 +10,6 @@
 /* Successive postures kept together: last moves and the autocorrelation of the noise are preserved
  * except at the first of each block. */
 enum { BLOCK = 50 };
-/* Rows that repeat a posture share the error of the ball in the socket, but count as independent.
- * A larger fraction of repeats than one in FEW_REPEATS overstates the log evidence by this
- * fraction, and is no accident. */
-enum { FEW_REPEATS = 10 };
-
 /* Does a row belong to the posture of row `first`? */
 static bool same_posture(const mukca_dataset *d, int first, int row)
 {
@@ -104,21 +98,10 @@ static int spread(unsigned char *keep, int n_rows, int postures, int most)
     return left;
 }
 
-/* Do samples of sockets repeat postures? */
-static bool repeats(const mukca_dataset *d)
-{
-    int again = 0, rows = 0;
-    for (int row = 0; row < d->n_rows; row++) {
-        rows += d->socket[row] >= 0;
-        again += row > 0 && d->socket[row] >= 0 && same_posture(d, row - 1, row);
-    }
-    return again * FEW_REPEATS > rows;
-}
-
 mukca_status mukca_condense(mukca_condensed *how, mukca_dataset *data, int most, mukca_error *error)
 {
     *how = (mukca_condensed){data->n_rows, data->n_rows, data->n_rows};
-    if (data->n_rows <= most && !repeats(data)) return MUKCA_OK;
+    if (data->n_rows <= most) return MUKCA_OK;
     unsigned char *keep = calloc((size_t)data->n_rows, 1);
     if (!keep) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     how->samples = how->postures = find_postures(keep, data);

@@ -4,94 +4,85 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/correlation.h"
+#include "diagnose/cause.h"
 
 /* Correlation from which a candidate is close to a cause: it explains half of the cause's variance,
  * r^2 = 1/2. */
 #define CLOSE 0.7071
 
 typedef struct {
-    mukca_projector *projector;
-    mukca_competition *contest;
+    mukca_identification *id;
     mukca_confounding *out;
-    const mukca_candidate *item[MUKCA_MAX_CONFOUNDED];
+    int item[MUKCA_MAX_CONFOUNDED]; /* of the last search */
 } confounding_table;
 
-/* Candidate of an effect: an accepted one, else one of the list; NULL: none. */
-static const mukca_candidate *find(const mukca_competition *contest, const mukca_effect *effect)
+static const mukca_candidate *candidate_of(const confounding_table *t, int item)
+{
+    return &t->id->all.list[t->id->kept[item]];
+}
+
+/* Correlation with nothing but the geometry projected out. */
+static double correlate(confounding_table *t, int a, int b)
+{
+    const mukca_set none = {0};
+    return mukca_cause_correlation(t->id, &none, a, b);
+}
+
+/* Append an effect unless the table contains it. */
+static void add(confounding_table *t, int item, bool cause)
+{
+    mukca_confounding *out = t->out;
+    if (item < 0 || candidate_of(t, item)->kind != MUKCA_CANDIDATE_EFFECT ||
+        out->n == MUKCA_MAX_CONFOUNDED)
+        return;
+    for (int i = 0; i < out->n; i++)
+        if (t->item[i] == item) return;
+    t->item[out->n] = item;
+    out->effects[out->n] = mukca_candidate_effect(candidate_of(t, item));
+    out->cause[out->n++] = cause;
+}
+
+static void add_effect(confounding_table *t, const mukca_effect *effect, bool cause)
 {
     const mukca_candidate key = {.kind = MUKCA_CANDIDATE_EFFECT,
                                  .joint = effect->joint,
                                  .placement = effect->placement,
                                  .effect = *effect};
-    const mukca_unknowns *unknowns = &contest->m->unknowns;
-    for (int c = 0; c < unknowns->n_causes; c++)
-        if (mukca_candidate_same(&unknowns->cause[c].candidate, &key))
-            return &unknowns->cause[c].candidate;
-    for (int k = 0; k < contest->scan->n_scores; k++) {
-        const mukca_candidate *candidate = mukca_scan_candidate(contest->scan, k);
-        if (mukca_candidate_same(candidate, &key)) return candidate;
-    }
-    return NULL;
+    add(t, mukca_identify_item(t->id, &key), cause);
 }
 
-/* Append a candidate unless the table contains it. */
-static void add(confounding_table *t, const mukca_candidate *candidate, bool cause)
-{
-    mukca_confounding *out = t->out;
-    if (!candidate || candidate->kind != MUKCA_CANDIDATE_EFFECT || out->n == MUKCA_MAX_CONFOUNDED)
-        return;
-    for (int i = 0; i < out->n; i++)
-        if (mukca_candidate_same(t->item[i], candidate)) return;
-    t->item[out->n] = candidate;
-    out->effects[out->n] = mukca_candidate_effect(candidate);
-    out->cause[out->n++] = cause;
-}
-
-/* Candidate of another effect or joint with the highest correlation with a cause; NULL: none is
+/* Kept candidate of another effect or joint with the highest correlation with a cause; -1: none is
  * close. */
-static const mukca_candidate *closest(confounding_table *t, const mukca_candidate *cause)
+static int closest(confounding_table *t, int cause)
 {
-    const mukca_candidate *best = NULL;
+    const mukca_candidate *own = candidate_of(t, cause);
+    int best = -1;
     double most = CLOSE;
-    for (int i = 0; cause && i < t->contest->n_first; i++) {
-        const mukca_contender *c = &t->contest->first[i];
-        const mukca_candidate *candidate = mukca_scan_candidate(t->contest->scan, c->best);
-        if (candidate->kind != MUKCA_CANDIDATE_EFFECT ||
-            (mukca_candidate_class(candidate) == mukca_candidate_class(cause) &&
-             candidate->joint == cause->joint))
+    for (int i = 0; i < t->id->n_kept; i++) {
+        const mukca_candidate *h = candidate_of(t, i);
+        if (h->kind != MUKCA_CANDIDATE_EFFECT ||
+            (mukca_candidate_class(h) == mukca_candidate_class(own) && h->joint == own->joint))
             continue;
-        const double correlation = mukca_correlation_canonical(t->projector, cause, candidate);
-        if (correlation > most) most = correlation, best = candidate;
+        const double correlation = correlate(t, cause, i);
+        if (correlation > most) most = correlation, best = i;
     }
     return best;
 }
 
 void mukca_confounding_measure(mukca_confounding *out, const mukca_findings *findings,
-                               mukca_competition *contest)
+                               mukca_identification *id)
 {
-    mukca_regression *m = contest->m;
-    mukca_unknowns *unknowns = &m->unknowns;
-    confounding_table t = {.contest = contest, .out = out, .projector = &contest->scan->projector};
-    const int geometry = mukca_unknowns_column(unknowns, 0),
-              all = mukca_unknowns_column(unknowns, unknowns->n_causes);
-    mukca_unknowns_prior(m->evidence.prior, unknowns);
-    /* a prior sigma of 0 excludes a column: here all causes */
-    memset(m->evidence.prior + geometry, 0, sizeof *m->evidence.prior * (size_t)(all - geometry));
-    mukca_projector_aim(t.projector, mukca_regression_collect_own(m), unknowns->sigma);
+    confounding_table t = {.id = id, .out = out};
     for (int i = 0; i < findings->n_causes; i++)
-        add(&t, find(contest, &findings->causes[i].effect), true);
-    const int causes = t.out->n;
+        if (!findings->causes[i].suspected) add_effect(&t, &findings->causes[i].effect, true);
+    const int causes = out->n;
     for (int i = 0; i < findings->n_causes; i++)
         for (int k = 0; k < findings->causes[i].n_ties; k++)
-            add(&t, find(contest, &findings->causes[i].ties[k].rival), false);
+            add_effect(&t, &findings->causes[i].ties[k].rival, false);
     for (int i = 0; i < causes; i++) add(&t, closest(&t, t.item[i]), false);
-    for (int i = 0; i < t.out->n; i++) {
-        t.out->correlation[i][i] = 1;
+    for (int i = 0; i < out->n; i++) {
+        out->correlation[i][i] = 1;
         for (int k = 0; k < i; k++)
-            t.out->correlation[i][k] = t.out->correlation[k][i] =
-                mukca_correlation_canonical(t.projector, t.item[i], t.item[k]);
+            out->correlation[i][k] = out->correlation[k][i] = correlate(&t, t.item[i], t.item[k]);
     }
-    mukca_unknowns_prior(m->evidence.prior, unknowns);
-    mukca_regression_factor(m);
 }

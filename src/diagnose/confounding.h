@@ -8,6 +8,6 @@
 /* Fill `out` for the causes and ties of the findings.  The competition's regression must contain
  * the causes; at return its evidence is that of the whole model. */
 void mukca_confounding_measure(mukca_confounding *out, const mukca_findings *findings,
-                               mukca_competition *competition);
+                               mukca_identification *id);
 
 #endif

@@ -7,10 +7,6 @@
 #include "diagnose/cause.h"
 #include "diagnose/folds.h"
 
-/* Log Bayes factor of an evident cause: 160,000 to 1, some 400 to 1 after the prior odds of one
- * candidate in 400. */
-#define PLAIN 12.0
-
 void mukca_cross_validation_clear(mukca_validation *v)
 {
     *v = (mukca_validation){.nominal_m = NAN,
@@ -127,59 +123,37 @@ static void measure_explained(measurement *s)
     mukca_folds_by_placement(v->placement_m, &b->m->recording, s->full[0]);
 }
 
-/* Is the cause suspected?  The error of a few folds is weaker evidence than the Bayes factor: of
- * simulated causes with zero in the interval, five in six were true.  An interval with zero
- * therefore counts only if the evidence is below PLAIN, too. */
-static bool is_suspected(const mukca_shrink *shrink, const mukca_cause *cause)
-{
-    return !(shrink->shrink_percent > 0) ||
-           (!(shrink->low_percent > 0) && cause->log_bayes_factor < PLAIN);
-}
-
-/* Error without each cause in turn, fitted again, since the geometry absorbs part of the cause.
- * *least receives the suspected cause needed least, -1: none. */
-static mukca_status measure_each(measurement *s, int *least, mukca_error *error)
+/* Error without each cause in turn, fitted again, since the geometry absorbs part of the cause. */
+static mukca_status measure_each(measurement *s, mukca_error *error)
 {
     mukca_regression *m = s->b->m;
     const mukca_diagnose_options *o = s->options;
     const int n = s->findings->n_causes;
     unsigned version = m->linear.version;
-    *least = -1;
     mukca_unknowns_assign(&s->all, &m->unknowns);
     for (int i = 0; i < n; i++) {
-        const int c = s->v->suspected[i] ? -1 : mukca_cause_find(m, &s->findings->causes[i]);
+        const mukca_cause *cause = &s->findings->causes[i];
+        const int c = cause->suspected ? -1 : mukca_cause_find(m, cause);
         if (c < 0 || !m->unknowns.cause[c].candidate.basis) continue;
-        const bool by_socket = needs_sockets(&s->findings->causes[i].effect, &m->recording);
+        const bool by_socket = needs_sockets(&cause->effect, &m->recording);
         if (o->progress &&
             !o->progress(o->progress_context, 0.7 + 0.2 * i / n, "measuring on held-out samples"))
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        mukca_shrink *shrink = &s->v->cause[i];
         mukca_unknowns_drop(&m->unknowns, c);
         mukca_regression_revise(m);
         mukca_folds_run(s->b->error, s->b, by_socket);
-        mukca_folds_compare(shrink, s->b, s->b->error, s->full[by_socket]);
+        mukca_folds_compare(&s->v->cause[i], s->b, s->b->error, s->full[by_socket]);
         mukca_unknowns_assign(&m->unknowns, &s->all);
         if (m->linear.version != version) mukca_regression_freeze(m), version = m->linear.version;
-        if (is_suspected(shrink, &s->findings->causes[i]) &&
-            (*least < 0 || shrink->shrink_percent < s->v->cause[*least].shrink_percent))
-            *least = i;
     }
     return MUKCA_OK;
 }
 
 static mukca_status measure_causes(measurement *s, mukca_error *error)
 {
-    mukca_regression *m = s->b->m;
-    for (;;) {
-        int least;
-        mukca_regression_freeze(m);
-        measure_explained(s);
-        const mukca_status status = measure_each(s, &least, error);
-        if (status != MUKCA_OK || least < 0) return status;
-        s->v->suspected[least] = true;
-        mukca_unknowns_drop(&m->unknowns, mukca_cause_find(m, &s->findings->causes[least]));
-        mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
-    }
+    mukca_regression_freeze(s->b->m);
+    measure_explained(s);
+    return measure_each(s, error);
 }
 
 mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, mukca_regression *m,

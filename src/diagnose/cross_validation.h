@@ -11,7 +11,6 @@ typedef struct {
     double surprise, surprise_sigmas;     /* as in mukca_diagnosis */
     mukca_shrink shrink;                  /* from faults_excused_m to explained_m */
     mukca_shrink cause[MUKCA_MAX_CAUSES]; /* from all identified causes but this one, to all */
-    bool suspected[MUKCA_MAX_CAUSES];     /* its removal does not raise the error */
     double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
     double axis_rms_m[3]; /* remaining error of the fitted geometry, by base axis; not held out */
     double *placement_m;  /* [n_placements] of explained_m, NULL: none */
@@ -26,8 +25,7 @@ double mukca_cross_validation_structure(mukca_regression *m);
 
 /* Leave one placement out (one socket if there is one placement; a fifth of the rows of a pose
  * log): errors of the nominal model, geometry, geometry with faults excused, all causes, and all
- * causes but one.  A cause whose removal does not raise the error beyond its interval is suspected
- * and removed, the least needed one first.  placement_m comes from `pool`.  Errors:
+ * causes but one.  placement_m comes from `pool`.  Errors:
  * MUKCA_INTERRUPTED, MUKCA_MEMORY. */
 mukca_status mukca_cross_validation_run(mukca_validation *validation, mukca_pool *pool,
                                         mukca_regression *m, const mukca_findings *findings,

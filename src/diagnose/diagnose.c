@@ -9,8 +9,8 @@
 #include "diagnose/cause.h"
 #include "diagnose/confounding.h"
 #include "diagnose/cross_validation.h"
+#include "diagnose/identify.h"
 #include "diagnose/logs.h"
-#include "diagnose/search.h"
 #include "diagnose/streams.h"
 #include "diagnose/test_data.h"
 #include "diagnose/untested.h"
@@ -27,12 +27,6 @@ const char *const mukca_fault_name[] = {
     MUKCA_FAULT_LIST(FAULT_NAME)
 #undef FAULT_NAME
 };
-
-/* Admissible excess of held-out errors over the expected ones, in standard deviations.  It never
- * exceeded 1.7 in some 700 simulated cases with the true causes modelled, heavy tails and
- * correlated samples included: samples of a socket share the error of the geometry, which the
- * priors overstate. */
-#define SURPRISED 2.0
 
 /* Noise per axis, m, that no arm exceeds: above it, the samples belong to another arm. */
 #define MOST_SIGMA 10e-3
@@ -61,7 +55,8 @@ static void keep_named(mukca_regression *m, const mukca_findings *findings)
     bool keep[MUKCA_MAX_ACCEPTED] = {false};
     const int n = m->unknowns.n_causes;
     for (int i = 0; i < findings->n_causes; i++) {
-        const int c = mukca_cause_find(m, &findings->causes[i]);
+        const int c =
+            findings->causes[i].suspected ? -1 : mukca_cause_find(m, &findings->causes[i]);
         if (c >= 0) keep[c] = true;
     }
     for (int c = n - 1; c >= 0; c--)
@@ -87,28 +82,21 @@ static void set_untestable(steps *s, mukca_regression *m, const char *why)
     mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
 }
 
-/* List the candidates, let them compete, and reach the verdict. */
+/* Identify the causes, and reach the verdict. */
 static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose_options *options,
                              mukca_error *error)
 {
-    mukca_candidates all;
-    mukca_scan scan;
-    mukca_status status = mukca_candidates_list(&all, &m->pool, &m->recording, &m->unknowns,
-                                                options->disabled, error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_scan_create(&scan, &all, m, error);
-    if (status != MUKCA_OK) return status;
-    mukca_competition competition = {
-        .m = m, .all = &all, .scan = &scan, .faults = &s->faults, .options = options};
-    status = mukca_search_run(&competition, error);
+    mukca_identification *id = MUKCA_TAKE(&m->pool, mukca_identification, 1);
+    if (!id) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates");
+    *id = (mukca_identification){.m = m, .faults = &s->faults, .options = options};
+    const mukca_status status = mukca_identify_run(id, error);
     s->score = mukca_regression_score(m);
     s->sigma_m = m->unknowns.sigma;
-    s->rho = m->unknowns.rho;
+    s->rho = m->evidence.normal[m->unknowns.family].whitening.family.rho;
     if (status == MUKCA_OK && s->sigma_m < MOST_SIGMA) {
-        mukca_verdict_reach(&s->findings, &s->faults, &competition);
-        mukca_untested_list(&s->tested, &competition);
-        if (options->confounding)
-            mukca_confounding_measure(&s->confounding, &s->findings, &competition);
+        mukca_verdict_reach(&s->findings, &s->faults, id);
+        mukca_untested_list(&s->tested, id);
+        if (options->confounding) mukca_confounding_measure(&s->confounding, &s->findings, id);
         const bool none = s->findings.verdict == MUKCA_VERDICT_UNKNOWN;
         if (s->findings.unexplained || none) s->structure_m = mukca_cross_validation_structure(m);
         keep_named(m, &s->findings);
@@ -118,12 +106,11 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
             "the samples do not fit this arm: check the URDF, the tip, the columns and their "
             "order; a tracker's log needs --free-base and --free-tool");
     }
-    m->pool.failed |= scan.pool.failed; /* no memory for columns of a scan */
-    mukca_scan_free(&scan);
+    mukca_identify_free(id);
     return status;
 }
 
-/* Held-out errors, and the revision of the verdict by them. */
+/* Held-out errors. */
 static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
                              const mukca_diagnose_options *options, mukca_error *error)
 {
@@ -133,60 +120,6 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
         status = mukca_test_data_measure(&s->test, pool, m, &s->validation.geometry, options->test,
                                          error);
     return status;
-}
-
-/* Is cause i dwarfed by the unexplained structure?  Then the catalogue lacks the true cause, and
- * the nearest effect imitates it: to remove two thirds of the squared held-out error it needs a
- * correlation above 0.8.  A remainder below a sixth of all removable error counts as a minor effect
- * of its own, a rule of thumb.  Fine ripple resembles no smooth function. */
-static bool is_dwarfed(const mukca_validation *v, int i, const mukca_effect *effect,
-                       double structure_m)
-{
-    const mukca_shrink *own = &v->cause[i];
-    const double explained = v->explained_m * v->explained_m,
-                 rest = explained - structure_m * structure_m,
-                 gain = own->before_m * own->before_m - own->after_m * own->after_m,
-                 of_all = v->faults_excused_m * v->faults_excused_m - explained;
-    return rest > 0.5 * gain && rest > 0.2 * of_all &&
-           effect->variant.order <= MUKCA_FINE_ORDER; /* NaN: not measured */
-}
-
-/* Revise the verdict by the held-out errors.  Suspected causes do not count as found.  Causes are
- * in doubt if dwarfed, or if they make the predictions or those of the test data (NaN: none) worse
- * than the geometry alone.  Held-out errors beyond noise and geometry are unexplained structure.
- * Test data do not test a drift, as the temperature of the arm is unknown. */
-static void revise(mukca_findings *f, const mukca_validation *v, const mukca_test_errors *test,
-                   double structure_m, bool have_torques)
-{
-    const bool surprised = v->surprise_sigmas > SURPRISED;
-    int on_arm = 0, suspected = 0;
-    bool tied = false, doubted = false, timed = false;
-    for (int i = 0; i < f->n_causes; i++)
-        timed |= !v->suspected[i] &&
-                 mukca_effect_has((int)f->causes[i].effect.kind, MUKCA_TRAIT_OF_TIME);
-    const bool worse =
-        v->explained_m > v->faults_excused_m || (!timed && test->explained_m > test->geometry_m);
-    for (int i = 0; i < f->n_causes; i++) {
-        mukca_cause *cause = &f->causes[i];
-        suspected += v->suspected[i];
-        if (v->suspected[i]) continue;
-        const mukca_effect_site site = mukca_effect_table[cause->effect.kind]->site;
-        const bool predicts = site != MUKCA_SITE_SOCKET && site != MUKCA_SITE_DISTANCE;
-        on_arm += site != MUKCA_SITE_SOCKET;
-        const bool doubtful = predicts && (worse || is_dwarfed(v, i, &cause->effect, structure_m));
-        doubted |= doubtful;
-        if (doubtful) mukca_cause_doubt(cause);
-        tied |= cause->n_ties > 0 || cause->or_unknown;
-    }
-    if (suspected && f->verdict != MUKCA_VERDICT_UNKNOWN)
-        f->verdict = !on_arm                                     ? MUKCA_VERDICT_UNKNOWN
-                     : tied || f->verdict == MUKCA_VERDICT_NAMED ? f->verdict
-                                                                 : MUKCA_VERDICT_NAMED;
-    if (doubted && f->verdict == MUKCA_VERDICT_NAMED) f->verdict = MUKCA_VERDICT_TIED;
-    if (surprised && f->verdict == MUKCA_VERDICT_NONE) f->verdict = MUKCA_VERDICT_UNKNOWN;
-    f->unexplained = f->n_causes > suspected && (f->unexplained || surprised);
-    if (!have_torques && f->unexplained && f->verdict == MUKCA_VERDICT_NAMED)
-        f->verdict = MUKCA_VERDICT_TIED; /* the rest may be the main cause: flexibility */
 }
 
 /* Combine the results of all steps for the report. */
@@ -200,11 +133,13 @@ static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *
     d->n_faults = s->faults.count;
     d->n_tested = s->tested.count;
     memcpy(d->where, s->findings.where, sizeof d->where);
+    d->n_sets = s->findings.n_sets;
+    memcpy(d->sets, s->findings.sets, sizeof d->sets);
     memcpy(d->faults, s->faults.list, sizeof d->faults);
     memcpy(d->tested, s->tested.list, sizeof d->tested);
     for (int c = 0; c < s->findings.n_causes; c++) {
-        mukca_cause *cause =
-            v->suspected[c] ? &d->suspected[d->n_suspected++] : &d->causes[d->n_causes++];
+        mukca_cause *cause = s->findings.causes[c].suspected ? &d->suspected[d->n_suspected++]
+                                                             : &d->causes[d->n_causes++];
         *cause = s->findings.causes[c];
         cause->held_out = v->cause[c];
     }
@@ -274,7 +209,6 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         diagnosis->tracker = m.unknowns.log.tracker[0];
         if (status == MUKCA_OK && !options->no_folds)
             status = validate(s, &diagnosis->pool, &m, options, error);
-        revise(&s->findings, &s->validation, &s->test, s->structure_m, m.recording.have_torques);
         if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, &m);
     }
     assemble(diagnosis, s, recording);

@@ -74,6 +74,8 @@ typedef struct {
     double sigma[MUKCA_MAX_TERMS]; /* of the coefficients */
     double log_bayes_factor;
     double probability;
+    bool suspected;     /* less probable than not */
+    int order_range[2]; /* gear_harmonic: 95 % interval of the order */
     int n_ties;
     mukca_tie ties[MUKCA_MAX_TIES];
     mukca_shrink held_out;
@@ -153,16 +155,31 @@ typedef struct {
     double log_evidence[4]; /* shared frames; a base, a tool, both per log; NaN: not compared */
 } mukca_logs;
 
+enum { MUKCA_MAX_SETS = 10, MUKCA_MAX_MEMBERS = 24 };
+
+/* A probable set of causes, the answer to why a cause was named and not another. */
+typedef struct {
+    double probability;
+    int n;
+    struct {
+        mukca_effect effect; /* kind, joint, placement, variant */
+        bool unknown;        /* a function outside the catalogue, at the joint */
+        int row, file;       /* outlier or moved tool: 1-based data row of its file, else 0 */
+    } member[MUKCA_MAX_MEMBERS];
+} mukca_cause_set;
+
 typedef struct {
     mukca_verdict verdict;
     const char *why; /* reason if `untestable`, else NULL */
     bool unexplained;
     int n_causes, n_suspected, n_faults, n_tested, n_where;
     mukca_cause causes[MUKCA_MAX_CAUSES];
-    mukca_cause suspected[MUKCA_MAX_CAUSES]; /* removal does not raise the held-out error */
+    mukca_cause suspected[MUKCA_MAX_CAUSES]; /* less probable than not */
     mukca_data_fault faults[MUKCA_MAX_FAULTS];
     mukca_tested tested[MUKCA_MAX_TESTED];
     mukca_where where[MUKCA_MAX_JOINTS];
+    int n_sets; /* the most probable sets of causes */
+    mukca_cause_set sets[MUKCA_MAX_SETS];
     double axis_rms_m[3]; /* remaining error of the fitted geometry, by base axis */
     /* held-out mean errors, each placement predicted from the others, m; NaN: not measurable */
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
@@ -179,7 +196,7 @@ typedef struct {
     double *test_placement_mae_m; /* [n_test_placements] of test_explained_m, in the pool */
     int n_test_placements;
     double sigma_m, rho;
-    double score;               /* log posterior of all accepted causes, up to a constant */
+    double score;               /* log posterior of the most probable causes, up to a constant */
     double gravity[3];          /* a direction with far higher evidence, m/s^2; 0: none */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
     mukca_geometry geometry;    /* fitted with the causes */

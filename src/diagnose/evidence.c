@@ -11,31 +11,37 @@
 #include "base/clones.h"
 #include "math/dense.h"
 
-const double mukca_evidence_rho[MUKCA_RHOS] = {0.0, 0.25, 0.5};
+/* AR(1) coefficients up to the largest in recordings of swept postures; shared parts r / (1 + r) of
+ * the variance, for a common variance of r = 0.3 to 1000 times that of single readings. */
+static const mukca_noise_family families[MUKCA_NOISES] = {
+    {0, 0},         {0.25, 0},      {0.5, 0},         {0.75, 0},          {0, 0.3 / 1.3},
+    {0, 1.0 / 2.0}, {0, 3.0 / 4.0}, {0, 10.0 / 11.0}, {0, 100.0 / 101.0}, {0, 1000.0 / 1001.0}};
+enum { INDEPENDENT_POSTURES = 4 };
 
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns)
 {
     const int capacity = mukca_unknowns_capacity(unknowns), size = capacity + 1;
     const int pairs = recording->data->n_distances + 1, rows = recording->data->n_rows;
-    for (int i = 0; i < MUKCA_RHOS; i++)
-        evidence->normal[i] = (mukca_normal_equations){
-            .rho = mukca_evidence_rho[i],
-            .distance_sigma = recording->options.distance_sigma,
-            .gram = MUKCA_TAKE(pool, double, size *size),
-            .distance = MUKCA_TAKE(pool, double, pairs *size),
-            .variance = MUKCA_TAKE(pool, double, pairs),
-            .diagonal = MUKCA_TAKE(pool, double, rows),
-            .off = MUKCA_TAKE(pool, double, rows),
-            .mean_weight = MUKCA_TAKE(pool, double, rows),
-            .ones = MUKCA_TAKE(pool, double, recording->data->n_sockets + 2),
-            .weighted = MUKCA_TAKE(pool, double, (size_t)(rows * recording->dim) * (size_t)size),
-            .all_gram = MUKCA_TAKE(pool, double, size *size),
-            .all_distance = MUKCA_TAKE(pool, double, pairs *size),
-            .at = MUKCA_TAKE(pool, int, size),
-            .reduced_prior = MUKCA_TAKE(pool, double, size),
-            .T = MUKCA_TAKE(pool, double, 4 * size),
-            .B = MUKCA_TAKE(pool, double, size *size)};
+    const size_t whole = (size_t)(rows * recording->dim) * (size_t)size;
+    evidence->n_noises = recording->repeats ? MUKCA_NOISES : INDEPENDENT_POSTURES;
+    for (int i = 0; i < evidence->n_noises; i++) {
+        mukca_normal_equations *normal = &evidence->normal[i];
+        *normal = (mukca_normal_equations){.distance_sigma = recording->options.distance_sigma,
+                                           .gram = MUKCA_TAKE(pool, double, size *size),
+                                           .distance = MUKCA_TAKE(pool, double, pairs *size),
+                                           .variance = MUKCA_TAKE(pool, double, pairs),
+                                           .all_gram = MUKCA_TAKE(pool, double, size *size),
+                                           .all_distance = MUKCA_TAKE(pool, double, pairs *size),
+                                           .at = MUKCA_TAKE(pool, int, size),
+                                           .reduced_prior = MUKCA_TAKE(pool, double, size),
+                                           .T = MUKCA_TAKE(pool, double, 4 * size),
+                                           .B = MUKCA_TAKE(pool, double, size *size)};
+        mukca_whitening_create(&normal->whitening, pool, rows, recording->data->n_sockets + 2);
+    }
+    evidence->white.x = MUKCA_TAKE(pool, double, whole);
+    evidence->white.mean =
+        MUKCA_TAKE(pool, double, (recording->data->n_sockets + 2) * recording->dim * size);
     evidence->work = MUKCA_TAKE(pool, double, size);
     evidence->factor = MUKCA_TAKE(pool, double, size *size);
     evidence->marginal = MUKCA_TAKE(pool, double, 4 * size * size);
@@ -46,134 +52,74 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
     return !pool->failed;
 }
 
-int mukca_evidence_index(double rho)
+void mukca_evidence_along(double *along, const double *mean, int n, int ld,
+                          const mukca_recording *r, const mukca_linearisation *linear)
 {
-    int index = 0;
-    for (int i = 0; i < MUKCA_RHOS; i++)
-        if (mukca_evidence_rho[i] == rho) index = i;
-    return index;
+    for (int p = 0; p < r->n_pairs; p++)
+        for (int c = 0; c < 3; c++) {
+            const double *a = mean + (r->pairs[p].a * r->dim + c) * ld,
+                         *b = mean + (r->pairs[p].b * r->dim + c) * ld, w = linear->direction[p][c];
+            for (int k = 0; k < n; k++) along[p * ld + k] += w * (a[k] - b[k]);
+        }
 }
 
-/* Compute W for the samples in use and their robust weights (NULL: none), and the terms of the
- * evidence that depend on W alone. */
-static void lay_out(mukca_normal_equations *normal, const mukca_recording *r, const double *weight)
+const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal,
+                                    const mukca_recording *r, const mukca_linearisation *linear)
 {
-    const double rho = normal->rho, root = sqrt(1 - rho * rho), part = sqrt(r->share);
-    normal->n_pairs = r->n_pairs;
-    normal->log_det = 0;
-    normal->dof = 0;
-    memset(normal->variance, 0, sizeof *normal->variance * (size_t)r->n_pairs);
-    for (int g = 0; g < r->n_groups; g++) {
-        const mukca_group *group = &r->groups[g];
-        double sum = 0;
-        if (!group->count) continue;
-        for (int k = 0; k < group->count; k++) {
-            const int i = group->start + k;
-            const double w = part * (weight ? weight[r->order[i]] : 1);
-            double own, before;
-            mukca_evidence_whitening(&own, &before, k, root, rho);
-            own *= w, before *= w;
-            normal->diagonal[i] = own * own;
-            normal->off[i] = -own * before;
-            normal->mean_weight[i] = own * (own - before);
-            sum += (own - before) * (own - before);
-            if (!k) continue;
-            normal->diagonal[i - 1] += before * before;
-            normal->mean_weight[i - 1] -= before * (own - before);
-        }
-        normal->ones[g] = sum;
-        for (int k = 0; k < group->count; k++) normal->mean_weight[group->start + k] /= sum;
-        normal->log_det -= 0.5 * r->share * r->dim * (group->count - 1) * log(1 - rho * rho);
-        normal->dof += (int)lround(r->share * r->dim * group->count);
-        if (group->socket < 0) continue;
-        normal->dof -= 3;
-        normal->log_det -= 0.5 * 3 * log(sum);
-        for (int p = 0; p < r->n_pairs; p++)
-            if (r->pairs[p].a == g || r->pairs[p].b == g) normal->variance[p] += 1 / sum;
-    }
+    if (evidence->white.of != normal || evidence->white.version != normal->version ||
+        !normal->version || evidence->white.stride != linear->stride)
+        evidence->white.done = 0;
+    const int done = evidence->white.done, n = linear->n_stored - done;
+    evidence->white.of = normal;
+    evidence->white.version = normal->version;
+    evidence->white.stride = linear->stride;
+    evidence->white.done = linear->n_stored;
+    if (n > 0)
+        mukca_whitening_apply(&(mukca_whitened){.n = n,
+                                                .ld = linear->stride,
+                                                .x = linear->columns + done,
+                                                .white = evidence->white.x + done,
+                                                .mean = evidence->white.mean + done},
+                              &normal->whitening, &r->samples);
+    return evidence->white.x;
 }
 
-/* Coordinate c of a socket's samples: subtract the mean from the weighted columns, and add it to
- * the distances. */
-MUKCA_INLINE void centre(const mukca_weighing *x, const mukca_normal_equations *normal,
-                         const mukca_recording *r, const mukca_linearisation *linear, int g, int c)
-{
-    enum { BLOCK = 64 };
-    const mukca_group *group = &r->groups[g];
-    const size_t step = (size_t)r->dim * (size_t)x->ld;
-    for (int start = 0; start < x->n; start += BLOCK) {
-        const int count = x->n - start < BLOCK ? x->n - start : BLOCK;
-        const size_t at =
-            ((size_t)group->start * (size_t)r->dim + (size_t)c) * (size_t)x->ld + (size_t)start;
-        double mean[BLOCK] = {0};
-        for (int i = 0; i < group->count; i++) {
-            const double w = normal->mean_weight[group->start + i],
-                         *row = x->x + at + (size_t)i * step;
-            for (int k = 0; k < count; k++) mean[k] += w * row[k];
-        }
-        for (int i = 0; i < group->count; i++) {
-            const double w = normal->ones[g] * normal->mean_weight[group->start + i];
-            double *row = x->weighted + at + (size_t)i * step;
-            for (int k = 0; k < count; k++) row[k] -= w * mean[k];
-        }
-        for (int p = 0; p < r->n_pairs; p++) {
-            const double direction = linear->direction[p][c], w = r->pairs[p].a == g   ? direction
-                                                                  : r->pairs[p].b == g ? -direction
-                                                                                       : 0;
-            double *along = x->along + p * x->ld + start;
-            for (int k = 0; k < count && w != 0; k++) along[k] += w * mean[k];
-        }
-    }
-}
-
-MUKCA_CLONES void mukca_evidence_weigh(const mukca_weighing *x,
-                                       const mukca_normal_equations *normal,
-                                       const mukca_recording *r, const mukca_linearisation *linear)
-{
-    const size_t ld = (size_t)x->ld, step = (size_t)r->dim * ld;
-    for (int g = 0; g < r->n_groups; g++) {
-        const mukca_group *group = &r->groups[g];
-        for (int i = group->start; i < group->start + group->count; i++) {
-            const double diagonal = normal->diagonal[i], before = normal->off[i],
-                         after = i + 1 < group->start + group->count ? normal->off[i + 1] : 0;
-            for (int c = 0; c < r->dim; c++) {
-                const double *row = x->x + (size_t)i * step + (size_t)c * ld;
-                double *out = x->weighted + (size_t)i * step + (size_t)c * ld;
-                for (int k = 0; k < x->n; k++) out[k] = diagonal * row[k];
-                for (int k = 0; k < x->n && before < 0; k++) out[k] += before * (row - step)[k];
-                for (int k = 0; k < x->n && after < 0; k++) out[k] += after * (row + step)[k];
-            }
-        }
-        for (int c = 0; c < 3 && group->socket >= 0; c++) centre(x, normal, r, linear, g, c);
-    }
-}
-
-/* Compute the missing products of the stored columns; `scratch` is [stride][stride]. */
-static void extend(mukca_normal_equations *normal, const mukca_recording *r,
-                   const mukca_linearisation *linear, double *scratch)
+/* Compute the missing products of the stored columns. */
+static void extend(mukca_evidence *evidence, mukca_normal_equations *normal,
+                   const mukca_recording *r, const mukca_linearisation *linear)
 {
     const int done = normal->done, held = linear->n_stored, k = held - done, ld = linear->stride;
+    double *scratch = evidence->marginal;
     if (!k) return;
+    const double *white = mukca_evidence_whiten(evidence, normal, r, linear);
     for (int p = 0; p < r->n_pairs; p++)
         memcpy(normal->all_distance + p * ld + done, linear->pair_columns + p * ld + done,
                sizeof(double) * (size_t)k);
-    mukca_evidence_weigh(&(mukca_weighing){.n = k,
-                                           .ld = ld,
-                                           .x = linear->columns + done,
-                                           .weighted = normal->weighted + done,
-                                           .along = normal->all_distance + done},
-                         normal, r, linear);
-    const mukca_columns x = {linear->columns + done, k, ld}, w = {normal->weighted, held, ld};
+    mukca_evidence_along(normal->all_distance + done, evidence->white.mean + done, k, ld, r,
+                         linear);
+    const mukca_columns x = {white + done, k, ld}, all = {white, held, ld};
     memset(scratch, 0, sizeof *scratch * (size_t)(k * held));
     if (done)
-        mukca_dense_xty(scratch, x, w, r->n_samples * r->dim);
+        mukca_dense_xty(scratch, x, all, r->n_samples * r->dim);
     else
-        mukca_dense_symmetric(scratch, x, w, r->n_samples * r->dim);
+        mukca_dense_symmetric(scratch, x, all, r->n_samples * r->dim);
     for (int i = 0; i < k; i++)
         for (int j = 0; j < held; j++)
             normal->all_gram[(done + i) * ld + j] = normal->all_gram[j * ld + done + i] =
                 scratch[i * held + j];
     normal->done = held;
+}
+
+/* Factor the noise for the samples in use and their robust weights (NULL: none). */
+static void lay_out(mukca_normal_equations *normal, int index, const mukca_recording *r,
+                    const double *weight, double *scratch)
+{
+    for (int i = 0; weight && i < r->n_samples; i++) scratch[i] = weight[r->order[i]];
+    mukca_whitening_set(&normal->whitening, &r->samples, families[index], weight ? scratch : NULL);
+    normal->n_pairs = r->n_pairs;
+    for (int p = 0; p < r->n_pairs; p++)
+        normal->variance[p] =
+            1 / normal->whitening.total[r->pairs[p].a] + 1 / normal->whitening.total[r->pairs[p].b];
 }
 
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,
@@ -186,18 +132,17 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     bool same = normal->n + 1 == size && memcmp(normal->at, at, sizeof *at * (size_t)size) == 0;
     if (unknowns->weight || normal->version != linear->version) {
         same = false;
-        lay_out(normal, recording, unknowns->weight);
+        lay_out(normal, index, recording, unknowns->weight, evidence->white.x);
+        evidence->white.of = NULL;
         normal->done = 0;
         normal->version = unknowns->weight ? 0 : linear->version;
     } else if (normal->stride != ld) {
         const mukca_strides strides = {.columns = normal->done, .old = normal->stride, .new = ld};
-        mukca_linearisation_spread(normal->weighted, recording->n_samples * recording->dim,
-                                   &strides);
         mukca_linearisation_spread(normal->all_gram, normal->done, &strides);
         mukca_linearisation_spread(normal->all_distance, recording->n_pairs, &strides);
     }
     normal->stride = ld;
-    extend(normal, recording, linear, evidence->marginal);
+    extend(evidence, normal, recording, linear);
     if (same) return normal;
     normal->n = linear->n_columns;
     normal->reduced = false;
@@ -253,8 +198,8 @@ MUKCA_CLONES double mukca_evidence_evaluate(mukca_evidence *evidence,
         mukca_dense_backward(mean, 1, L, n);
         for (int i = 0; i < n; i++) mean[i] *= prior[i];
     }
-    return -0.5 * quadratic - log_diagonal - normal->dof * log(sigma) - 0.5 * log_variance +
-           normal->log_det;
+    return -0.5 * quadratic - log_diagonal - normal->whitening.dof * log(sigma) -
+           0.5 * log_variance + normal->whitening.log_det;
 }
 
 double mukca_evidence_standard_error(mukca_evidence *evidence, int n, int column,

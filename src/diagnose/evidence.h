@@ -4,30 +4,21 @@
 
 #include "diagnose/linearisation.h"
 
-enum { MUKCA_RHOS = 3 };
+enum { MUKCA_NOISES = 10 };
 
-/* Possible AR(1) coefficients of the noise. */
-extern const double mukca_evidence_rho[MUKCA_RHOS];
-
-/* Normal equations at one AR(1) coefficient.  W combines whitening and the free means of the
- * sockets: W = A'A - A'o o'A / o'o in each socket and coordinate, with A the whitening matrix and o
- * = A times the vector of ones.  Each pair of sockets adds one row. */
+/* Normal equations under one family of the noise, with the means of the sockets integrated out.
+ * Each pair of sockets adds one row. */
 typedef struct {
-    double rho, log_det;
-    double behind; /* log evidence of the best coefficient minus its own, in the last comparison */
-    int dof, n, n_pairs;
+    mukca_whitening whitening;
+    double behind; /* log evidence of the best family minus its own, in the last comparison */
+    int n, n_pairs;
     unsigned version;      /* of the linearisation with these columns; 0: none, or robust weights */
     double distance_sigma; /* m */
     double *gram;          /* [n + 1][n + 1] of the columns in use, and y */
     double *distance;      /* [n_pairs][n + 1] */
     double *variance;      /* [n_pairs] of a distance row, in units of sigma^2 */
-    /* A'A is tridiagonal */
-    double *diagonal, *off; /* [n_samples]; `off`: with the preceding sample */
-    double *mean_weight;    /* [n_samples] A'o / o'o: weights in a socket's mean */
-    double *ones;           /* [n_groups] o'o */
     /* of all stored columns of the linearisation */
     int done, stride;     /* columns computed so far, and their stride */
-    double *weighted;     /* [n_samples][dim][stride] W times the columns */
     double *all_gram;     /* [stride][stride] */
     double *all_distance; /* [n_pairs][stride] */
     int *at;              /* [n + 1] their indices for `gram` */
@@ -39,7 +30,14 @@ typedef struct {
 } mukca_normal_equations;
 
 typedef struct {
-    mukca_normal_equations normal[MUKCA_RHOS];
+    int n_noises; /* families compared: with repeated postures also those that share errors */
+    mukca_normal_equations normal[MUKCA_NOISES];
+    struct { /* whitened stored columns of one family, [n_samples][dim][stride] */
+        const mukca_normal_equations *of;
+        unsigned version; /* of the linearisation */
+        int done, stride;
+        double *x, *mean; /* mean[n_blocks][dim][stride] */
+    } white;
     double *prior;    /* [capacity] prior sigmas of the next evaluations */
     double *mean;     /* [capacity] posterior mean of the last fit */
     double *factor;   /* [n][n] Cholesky factor of the scaled posterior precision, of the last
@@ -57,25 +55,21 @@ typedef struct {
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns);
 
-/* Index of an AR(1) coefficient. */
-int mukca_evidence_index(double rho);
-
-/* Update the normal equations of one AR(1) coefficient if the columns have changed, and return
+/* Update the normal equations of one family of the noise if the columns have changed, and return
  * them. */
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,
                                                const mukca_recording *recording,
                                                const mukca_unknowns *unknowns,
                                                const mukca_linearisation *linear);
 
-/* n columns x[n_samples][dim][ld]: `weighted` (of the same shape) receives W x; along[n_pairs][ld]
- * is incremented by their effect on the distances. */
-typedef struct {
-    int n, ld;
-    const double *x;
-    double *weighted, *along;
-} mukca_weighing;
+/* Whitened stored columns evidence->white.x of that family; updated if necessary. */
+const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal,
+                                    const mukca_recording *recording,
+                                    const mukca_linearisation *linear);
 
-void mukca_evidence_weigh(const mukca_weighing *columns, const mukca_normal_equations *normal,
+/* along[n_pairs][ld] += effect of n columns on the distances, from their means
+ * mean[n_blocks][dim][ld]. */
+void mukca_evidence_along(double *along, const double *mean, int n, int ld,
                           const mukca_recording *recording, const mukca_linearisation *linear);
 
 /* Log evidence with the priors evidence->prior and noise sigma (m); mean[n] (may be NULL) receives
@@ -87,13 +81,5 @@ double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equa
  * posterior of the last evaluation: |L^-1 D a| with its priors D. */
 double mukca_evidence_standard_error(mukca_evidence *evidence, int n, int column,
                                      const double *direction, int terms);
-
-/* Coefficients of sample i of a group in the AR(1) whitening: its own and its predecessor's. */
-static inline void mukca_evidence_whitening(double *own, double *before, int i, double root,
-                                            double rho)
-{
-    *own = i ? 1 / root : 1;
-    *before = i ? rho / root : 0;
-}
 
 #endif

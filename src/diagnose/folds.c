@@ -11,7 +11,7 @@
 #include "math/random.h"
 #include "math/stats.h"
 
-enum { POSE_FOLDS = 5, DRAWS = 400, BLOCK = 16 };
+enum { POSE_FOLDS = 5, DRAWS = 400 };
 
 void mukca_folds_create(mukca_folds *b)
 {
@@ -20,7 +20,6 @@ void mukca_folds_create(mukca_folds *b)
     const int size = mukca_unknowns_capacity(&m->unknowns) + 1;
     b->fold = MUKCA_TAKE(&m->pool, int, rows);
     b->gram = MUKCA_TAKE(&m->pool, double, size *size);
-    b->white = MUKCA_TAKE(&m->pool, double, (6 * BLOCK + 3) * size);
     b->position = MUKCA_TAKE(&m->pool, double, 3 * rows);
     b->error = MUKCA_TAKE(&m->pool, double, rows);
     b->all = MUKCA_TAKE(&m->pool, unsigned char, rows);
@@ -42,8 +41,11 @@ int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket)
         const int g = log[row]; /* a block of each log: the rest determines its frames */
         if (data->socket[row] < 0)
             fold[row] = n + (int)((long long)POSE_FOLDS * done[g]++ / of_log[g]);
-        else
-            fold[row] = sockets ? data->socket[row] : m->recording.placement[row];
+        if (data->socket[row] < 0 && m->recording.repeats && m->recording.posture[row] < row &&
+            data->socket[m->recording.posture[row]] < 0)
+            fold[row] = fold[m->recording.posture[row]]; /* readings of a posture share errors */
+        if (data->socket[row] < 0) continue;
+        fold[row] = sockets ? data->socket[row] : m->recording.placement[row];
     }
     return n + (poses >= POSE_FOLDS ? POSE_FOLDS : 0);
 }
@@ -116,40 +118,19 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
         mean[p] = mean_of(error, recording->data->n_rows, recording->placement, p);
 }
 
-/* b->gram += contribution of the samples of fold f in a group to the normal equations of all stored
- * columns: the product of their whitened rows, without the socket's mean. */
-static void add_group(mukca_folds *b, const mukca_normal_equations *normal, int g, int f)
+/* b->gram += contribution of the samples of fold f to the normal equations of all stored columns:
+ * the products of their whitened rows. */
+static void add_fold(mukca_folds *b, const mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
-    const mukca_group *group = &r->groups[g];
     const mukca_linearisation *linear = &b->m->linear;
-    const int size = linear->stride, d = r->dim;
-    const size_t step = (size_t)d * (size_t)size;
-    const double *X = linear->columns + (size_t)group->start * step,
-                 root = sqrt(1 - normal->rho * normal->rho), part = sqrt(r->share);
-    double *mean = b->white + 6 * BLOCK * size;
-    int count = 0;
-    for (int i = 0; i < group->count; i++) count += b->fold[r->order[group->start + i]] == f;
-    if (!count) return;
-    count = 0;
-    memset(mean, 0, sizeof *mean * (size_t)(3 * size));
-    for (int i = 0; i < group->count && group->socket >= 0; i++)
-        for (int k = 0; k < 3 * size; k++)
-            mean[k] += normal->mean_weight[group->start + i] * X[(size_t)i * step + (size_t)k];
-    for (int i = 0; i < group->count; i++, X += step) {
-        if (b->fold[r->order[group->start + i]] == f) {
-            double own, before, *W = b->white + (size_t)count++ * step;
-            mukca_evidence_whitening(&own, &before, i, root, normal->rho);
-            own *= part, before *= part;
-            for (size_t k = 0; k < step; k++) W[k] = own * X[k];
-            for (size_t k = 0; k < step && before > 0; k++) W[k] -= before * (X - step)[k];
-            for (int k = 0; k < 3 * size && group->socket >= 0; k++)
-                W[k] -= (own - before) * mean[k];
-        }
-        if (count == BLOCK || i + 1 == group->count) {
-            mukca_dense_syrk(b->gram, linear->n_stored, b->white, count * d, size);
-            count = 0;
-        }
+    const int d = r->dim, n = r->n_samples;
+    const size_t step = (size_t)d * (size_t)linear->stride;
+    const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, linear);
+    for (int i = 0, count; i < n; i += count ? count : 1) { /* runs of samples of the fold */
+        for (count = 0; i + count < n && b->fold[r->order[i + count]] == f;) count++;
+        mukca_dense_syrk(b->gram, linear->n_stored, X + (size_t)i * step, count * d,
+                         linear->stride);
     }
 }
 
@@ -161,7 +142,7 @@ static int subtract_fold(mukca_folds *b, mukca_normal_equations *normal, int f)
     const int size = normal->n + 1, d = r->dim, held = b->m->linear.n_stored, *at = b->m->linear.at;
     int freedom = 0;
     memset(b->gram, 0, sizeof *b->gram * (size_t)(held * held));
-    for (int g = 0; g < r->n_groups; g++) add_group(b, normal, g, f);
+    add_fold(b, normal, f);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++) normal->gram[i * size + j] -= b->gram[at[i] * held + at[j]];
     for (int p = 0; p < r->n_pairs; p++) {
@@ -173,7 +154,7 @@ static int subtract_fold(mukca_folds *b, mukca_normal_equations *normal, int f)
     for (int g = 0; g < r->n_groups; g++) /* the socket's mean consumes those of one sample */
         for (int i = r->groups[g].socket < 0 ? 0 : 1; i < r->groups[g].count; i++)
             if (b->fold[r->order[r->groups[g].start + i]] == f) freedom += d;
-    return (int)lround(r->share * freedom);
+    return freedom;
 }
 
 /* Fit without each fold in turn and predict it; the model must be linearised.

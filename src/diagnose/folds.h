@@ -10,7 +10,6 @@ typedef struct {
     int n_folds;
     int *fold;        /* [n_rows] */
     double *gram;     /* sum of products of one fold */
-    double *white;    /* scratch: whitened rows of a few samples, and the mean of a socket */
     double *position; /* [n_rows][3] prediction of each row without its fold; NaN: a row in no fold
                          (fewer poses than folds) */
     double *error;    /* [n_rows]; NaN: not measured */

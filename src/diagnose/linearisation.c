@@ -21,6 +21,8 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
         .change = MUKCA_TAKE(pool, double, size),
         .tip = MUKCA_TAKE(pool, double, 3 * rows),
         .tip_frame = MUKCA_TAKE(pool, double, 9 * rows),
+        .seated = MUKCA_TAKE(pool, double, rows *n_joints),
+        .seated_frame = MUKCA_TAKE(pool, double, 9 * rows),
         .mean = MUKCA_TAKE(pool, double[3], groups),
         .direction = MUKCA_TAKE(pool, double[3], pairs),
         .lever = MUKCA_TAKE(pool, double, rows *n_joints *d),
@@ -165,6 +167,7 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
     double turn[6][3];
     turn_of(turn, &(mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}}, tip.p, u->rotation_weight);
     memcpy(base_lever, turn, sizeof *turn * (size_t)d);
+    memcpy(linear->seated_frame + 9 * i, tip.R, sizeof tip.R);
     int slot = 0;
     for (int k = 0; k < chain->n_elements; k++) {
         const mukca_element *element = &chain->element[k];
@@ -294,14 +297,15 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
         const mukca_group *group = &recording->groups[g];
         for (int i = group->start; i < group->start + group->count; i++) {
             const int row = recording->order[i];
-            double seated[MUKCA_MAX_JOINTS], r[3];
+            double *seated = linear->seated + i * n_joints, r[6];
             mukca_displacement displacement;
             mukca_unknowns_displacement(&displacement, u, n_joints, row);
             memcpy(seated, recording->data->q + row * n_joints, sizeof *seated * (size_t)n_joints);
-            if (group->socket >= 0) {
+            if (group->socket >= 0)
                 socket_error(r, linear, recording, u, g, i);
-                mukca_linearisation_seat(seated, r, n_joints, &u->geometry, &displacement);
-            }
+            else
+                pose_residual(r, linear, recording, u, i);
+            mukca_linearisation_seat(seated, r, n_joints, &u->geometry, &displacement);
             fill_sample(linear, recording, u, i, seated, &displacement);
         }
     }

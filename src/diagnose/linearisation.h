@@ -21,10 +21,12 @@ typedef struct {
     double *reference; /* [stride] unknowns at which y was computed, with the frames below */
     mukca_log_frames log;
     mukca_frame target;
-    double *change;         /* [stride] scratch: present unknowns minus the reference */
-    double *tip;            /* [n_samples][3] predicted position */
-    double *tip_frame;      /* [n_samples][9] orientation of the tip */
-    double (*mean)[3];      /* [n_groups] mean of the predicted positions, m */
+    double *change;       /* [stride] scratch: present unknowns minus the reference */
+    double *tip;          /* [n_samples][3] predicted position */
+    double *tip_frame;    /* [n_samples][9] orientation of the tip */
+    double *seated;       /* [n_samples][n_joints] angles at which the columns are computed, and */
+    double *seated_frame; /* [n_samples][9] orientation of the tip there */
+    double (*mean)[3];    /* [n_groups] mean of the predicted positions, m */
     double (*direction)[3]; /* [n_pairs] unit vector between the two means */
     double *lever;          /* [n_samples][n_joints][dim] derivative of the tip by a joint angle */
     double *rotation_lever; /* [n_samples][n_joints][dim][3] by a rotation of the joint frame */

@@ -95,7 +95,8 @@ void mukca_linearisation_columns_of(double *E, int ld, const mukca_linearisation
             continue;
         }
         if (h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
-            mukca_unlisted_tilt(out, ld, h, linear->tip_frame + 9 * i, recording->chain->gravity);
+            mukca_unlisted_tilt(out, ld, h, linear->seated_frame + 9 * i,
+                                recording->chain->gravity);
         if (!h->basis) continue; /* a change of distance moves no sample */
         const float *basis = h->basis + (size_t)row * (size_t)(terms * width);
         if (h->kind == MUKCA_CANDIDATE_STRETCH) { /* along x, y and z of the slot's frame */
@@ -110,7 +111,7 @@ void mukca_linearisation_columns_of(double *E, int ld, const mukca_linearisation
                 for (int t = 0; t < terms; t++)
                     out[c * ld + t] = slot[c * ldx + t % 3] * (double)basis[t];
         } else if (mukca_candidate_site(h) == MUKCA_SITE_TIP) {
-            const double *frame = linear->tip_frame + 9 * i;
+            const double *frame = linear->seated_frame + 9 * i;
             for (int c = 0; c < 3; c++)
                 for (int t = 0; t < 3; t++)
                     out[c * ld + t] = frame[3 * c + t] * (double)basis[t * width + t];

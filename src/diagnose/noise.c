@@ -11,7 +11,7 @@
 #define LEAST_NOISE 1e-6
 #define MOST_NOISE 5e-2
 
-/* Log evidence behind the best AR(1) coefficient from which one is negligible (3 million to 1), and
+/* Log evidence behind the best family from which one is negligible (3 million to 1), and
  * the share of a candidate's gain that may reduce this difference. */
 #define NEGLIGIBLE 15.0
 #define SHARE 0.25
@@ -143,7 +143,8 @@ static double minus_evidence(void *context, double log_sigma)
         quadratic += r[p] * r[p];
         log_det += 2 * log(S[p * pairs + p]);
     }
-    return 0.5 * (quadratic + log_det) + normal->dof * log_sigma - normal->log_det;
+    return 0.5 * (quadratic + log_det) + normal->whitening.dof * log_sigma -
+           normal->whitening.log_det;
 }
 
 double mukca_noise_choose(mukca_evidence *evidence, mukca_normal_equations *normal,

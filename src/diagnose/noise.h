@@ -14,11 +14,11 @@ typedef struct {
 double mukca_noise_choose(mukca_evidence *evidence, mukca_normal_equations *normal,
                           const mukca_left_out *out, double guess, double *value);
 
-/* Is an AR(1) coefficient relevant whose log evidence is `behind` that of the best one?  A
+/* Is a family of the noise relevant whose log evidence is `behind` that of the best one?  A
  * candidate with a log Bayes factor of `gain` may reverse their order. */
 bool mukca_noise_counts(double behind, double gain);
 
-/* Can it be relevant, given the last comparison of all coefficients?  `best` is the present log
+/* Can it be relevant, given the last comparison of all families?  `best` is the present log
  * evidence of the best one. */
 bool mukca_noise_contends(const mukca_evidence *evidence, int index, double best, double gain);
 

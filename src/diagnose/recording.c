@@ -4,12 +4,15 @@
 #include <math.h>
 #include <string.h>
 
-#define SAME_ANGLE 1e-5 /* rad: the resolution of any encoder */
+#include "diagnose/postures.h"
+
+/* One row in ten that repeats a posture is no accident. */
+#define FEW_REPEATS 0.1
 
 mukca_joint_state mukca_recording_state(const mukca_recording *r, int row)
 {
     const size_t n = (size_t)r->chain->n_joints, at = (size_t)row * n;
-    mukca_joint_state state = {.q = r->data->q + at,
+    mukca_joint_state state = {.q = r->q + at,
                                .move = r->move + at,
                                .command = r->command ? r->command + at : NULL,
                                .torque = r->have_torques ? r->total_torque + at : NULL,
@@ -45,6 +48,29 @@ void mukca_recording_travel(double range[2], const mukca_recording *r, int joint
     }
 }
 
+/* Blocks and postures of the samples in use. */
+static void fill_samples(mukca_recording *r)
+{
+    mukca_samples *s = &r->samples;
+    int *last = r->last; /* [n_rows] last sample of a posture in the present block */
+    s->n_samples = r->n_samples;
+    s->n_blocks = r->n_groups;
+    s->dim = r->dim;
+    for (int i = 0; i < r->n_samples; i++) s->next[i] = -1, s->readings[i] = 1;
+    for (int g = 0; g < r->n_groups; g++) {
+        const mukca_group *group = &r->groups[g];
+        s->block[g] = (mukca_block){group->start, group->count, group->socket >= 0};
+        for (int row = 0; row < r->data->n_rows; row++) last[row] = -1;
+        for (int i = group->start; i < group->start + group->count; i++) {
+            const int posture = r->posture[r->order[i]];
+            if (last[posture] >= 0) s->next[last[posture]] = i, s->readings[i] = 0;
+            last[posture] = i;
+        }
+        for (int i = group->start; i < group->start + group->count; i++)
+            for (int k = i; s->readings[i] && s->next[k] >= 0; k = s->next[k]) s->readings[i]++;
+    }
+}
+
 void mukca_recording_regroup(mukca_recording *r)
 {
     const mukca_dataset *data = r->data;
@@ -67,6 +93,7 @@ void mukca_recording_regroup(mukca_recording *r)
         const mukca_socket_pair pair = {known->a + shift, known->b + shift, known->distance};
         if (r->groups[pair.a].count && r->groups[pair.b].count) r->pairs[r->n_pairs++] = pair;
     }
+    fill_samples(r);
 }
 
 /* Fill move, command, time and placement of each row. */
@@ -77,7 +104,6 @@ static void fill_motion(mukca_recording *r)
     for (int row = 0; row < r->data->n_rows; row++) {
         const mukca_joint_state *state = mukca_dataset_state(&rows, r->data, row);
         const size_t at = (size_t)row * n;
-        memcpy(r->move + at, state->move, size);
         if (r->command) memcpy(r->command + at, state->command, size);
         r->time[row] = state->time;
         r->placement[row] = state->placement;
@@ -138,34 +164,12 @@ static void list_bodies(mukca_recording *r)
     r->body_element[r->payload_body] = chain->n_elements - 1;
 }
 
-/* Postures per sample of several targets; 1 for one target.  The errors of all targets in one
- * posture count as one, as if fully correlated.  Quadratic in the samples, which condensing limits
- * to some thousands. */
-static double share_of(const mukca_dataset *data, int n_joints)
-{
-    int again = 0;
-    for (int row = 0; row < data->n_rows && data->n_targets > 1; row++)
-        for (int before = row - 1; before >= 0; before--) {
-            int j = 0;
-            while (j < n_joints &&
-                   fabs(data->q[row * n_joints + j] - data->q[before * n_joints + j]) < SAME_ANGLE)
-                j++;
-            if (j < n_joints ||
-                mukca_dataset_target(data, row) == mukca_dataset_target(data, before))
-                continue;
-            again++;
-            break;
-        }
-    return data->n_rows ? 1 - (double)again / data->n_rows : 1;
-}
-
 bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_chain *chain,
                             const mukca_dataset *data, const mukca_recording_options *options)
 {
     const int rows = data->n_rows, n_joints = chain->n_joints;
     *r =
         (mukca_recording){.chain = chain, .data = data, .options = *options, .dim = observed(data)};
-    r->share = share_of(data, n_joints);
     list_bodies(r);
     const int bodies = r->n_bodies ? r->n_bodies : 1;
     r->moment = MUKCA_TAKE(pool, double, 3 * rows * bodies * n_joints);
@@ -183,9 +187,20 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     r->order = MUKCA_TAKE(pool, int, rows);
     r->groups = MUKCA_TAKE(pool, mukca_group, data->n_sockets + 2);
     r->pairs = MUKCA_TAKE(pool, mukca_socket_pair, data->n_distances + 1);
+    r->q = MUKCA_TAKE(pool, double, rows *n_joints);
+    r->posture = MUKCA_TAKE(pool, int, rows);
+    r->last = MUKCA_TAKE(pool, int, rows);
+    r->samples = (mukca_samples){.block = MUKCA_TAKE(pool, mukca_block, data->n_sockets + 2),
+                                 .next = MUKCA_TAKE(pool, int, rows),
+                                 .readings = MUKCA_TAKE(pool, int, rows)};
     if (pool->failed) return false;
     memset(r->keep, 1, (size_t)rows);
+    memcpy(r->q, data->q, sizeof *r->q * (size_t)rows * (size_t)n_joints);
     fill_motion(r);
+    r->repeats = mukca_postures_find(r->posture, pool, data) > FEW_REPEATS * rows;
+    for (int row = 0; row < rows && !r->repeats; row++) r->posture[row] = row;
+    mukca_postures_move(r->move, pool, r->posture, data, r->q);
+    if (pool->failed) return false;
     r->n_logs = mukca_recording_number_logs(r->log, data);
     if (r->n_logs == 0) r->n_logs = 1;
     mukca_recording_load(r);
@@ -193,17 +208,17 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     return true;
 }
 
+void mukca_recording_seat(mukca_recording *r, mukca_pool *pool, const double *seated)
+{
+    const size_t n = (size_t)r->chain->n_joints;
+    for (int i = 0; i < r->n_samples; i++)
+        memcpy(r->q + (size_t)r->order[i] * n, seated + (size_t)i * n, sizeof *seated * n);
+    mukca_postures_move(r->move, pool, r->posture, r->data, r->q);
+}
+
 int mukca_recording_distinct(const mukca_recording *r)
 {
-    const int n = r->chain->n_joints;
     int distinct = 0;
-    for (int g = 0; g < r->n_groups; g++)
-        for (int i = 0; i < r->groups[g].count; i++) {
-            const int *row = r->order + r->groups[g].start + i;
-            double most = i ? 0 : HUGE_VAL;
-            for (int j = 0; i && j < n; j++)
-                most = fmax(most, fabs(r->data->q[row[0] * n + j] - r->data->q[row[-1] * n + j]));
-            distinct += most > SAME_ANGLE;
-        }
+    for (int i = 0; i < r->n_samples; i++) distinct += r->samples.readings[i] > 0;
     return distinct;
 }

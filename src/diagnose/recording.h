@@ -4,7 +4,7 @@
 #ifndef MUKCA_DIAGNOSE_RECORDING_H
 #define MUKCA_DIAGNOSE_RECORDING_H
 
-#include "base/pool.h"
+#include "infer/whitening.h"
 #include "mukca/dataset.h"
 #include "mukca/effect.h"
 
@@ -38,10 +38,8 @@ typedef struct {
     const mukca_chain *chain;
     const mukca_dataset *data;
     mukca_recording_options options;
-    int dim;      /* observed values per sample: 3, or 6 with orientations (pose logs) */
-    double share; /* information per sample: below 1 if one posture has several targets, whose
-                     errors share the repeatability of the arm */
-    int n_logs;   /* 1 without poses */
+    int dim;    /* observed values per sample: 3, or 6 with orientations (pose logs) */
+    int n_logs; /* 1 without poses */
 
     /* loads: a body is an element with mass, or the payload */
     int n_bodies, body_element[MUKCA_MAX_ELEMENTS + 1];
@@ -55,7 +53,11 @@ typedef struct {
     double *total_moment, *total_torque, *total_base; /* [n_rows]... sums over the bodies */
 
     /* state of each row of the dataset */
-    double *move;    /* [n_rows][n_joints] from the preceding row, rad */
+    double *q; /* [n_rows][n_joints] angles of the bases, rad: seated, see mukca_recording_seat() */
+    double *move;    /* [n_rows][n_joints] from the preceding posture, rad */
+    int *posture;    /* [n_rows] first row with these angles */
+    bool repeats;    /* postures are read more than once, by design */
+    int *last;       /* [n_rows] scratch */
     double *command; /* [n_rows][n_joints] rad; NULL: not recorded */
     double *time;    /* [n_rows] s since the file's start */
     int *placement;  /* [n_rows] */
@@ -66,6 +68,7 @@ typedef struct {
     int n_samples, n_groups, n_pairs;
     int *order; /* [n_samples] row of the dataset */
     mukca_group *groups;
+    mukca_samples samples; /* the same for inference */
     mukca_socket_pair *pairs;
 } mukca_recording;
 
@@ -80,6 +83,12 @@ double mukca_recording_mass_spread(const mukca_recording *recording, int body);
 /* Group the rows in use, after changes of `keep`. */
 void mukca_recording_regroup(mukca_recording *recording);
 
+/* Use seated[n_samples][n_joints] as the angles of all functions of the angles: those at which the
+ * ball is where the socket holds it.  At the recorded ones, functions contain the noise of their
+ * own sample, and their product with the residual has a mean other than 0 (errors in variables: W.
+ * A. Fuller, Measurement Error Models, 1987, section 1.1).  Check `pool`. */
+void mukca_recording_seat(mukca_recording *recording, mukca_pool *pool, const double *seated);
+
 /* State of a row of the dataset for the forward models. */
 mukca_joint_state mukca_recording_state(const mukca_recording *recording, int row);
 
@@ -90,7 +99,7 @@ void mukca_recording_range(double range[2], const mukca_recording *recording, co
 /* Smallest and largest angle of a joint in the samples in use. */
 void mukca_recording_travel(double range[2], const mukca_recording *recording, int joint);
 
-/* Number of samples without those that repeat the preceding one of their group. */
+/* Number of samples with different postures. */
 int mukca_recording_distinct(const mukca_recording *recording);
 
 /* Number the pose logs: rows of one file and one load, since a target with another mass is a new

@@ -39,7 +39,7 @@ mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
 
 mukca_normal_equations *mukca_regression_collect_own(mukca_regression *m)
 {
-    return mukca_regression_collect(m, mukca_evidence_index(m->unknowns.rho));
+    return mukca_regression_collect(m, m->unknowns.family);
 }
 
 double mukca_regression_factor(mukca_regression *m)
@@ -56,18 +56,19 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
                                          terms);
 }
 
-/* Choose noise and AR(1) coefficient by evidence, and the prior scales with them; returns the
- * normal equations of the best coefficient.  The present coefficient is tried first. */
+/* Choose noise and its family by evidence, and the prior scales with them; returns the normal
+ * equations of the best family.  The present one is tried first. */
 static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freedom freedom)
 {
     mukca_unknowns *u = &m->unknowns;
     mukca_evidence *evidence = &m->evidence;
-    const int own = u->weight ? 0 : mukca_evidence_index(u->rho);
+    const int own = u->weight ? 0 : u->family;
     mukca_normal_equations *chosen = NULL;
-    double best = -HUGE_VAL, value[MUKCA_RHOS] = {0};
+    const int noises = u->weight ? 1 : evidence->n_noises;
+    double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
     bool all = !u->weight; /* robust weights imply independent samples */
-    for (int k = 0; k < (u->weight ? 1 : MUKCA_RHOS); k++) {
-        const int i = (own + k) % MUKCA_RHOS;
+    for (int k = 0; k < noises; k++) {
+        const int i = (own + k) % noises;
         if (chosen && !mukca_noise_contends(evidence, i, best, 0)) {
             all = false;
             continue;
@@ -75,10 +76,10 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
         mukca_normal_equations *normal = mukca_regression_collect(m, i);
         const double sigma = mukca_noise_choose(evidence, normal, NULL, u->sigma, &value[i]);
         if (chosen && !(value[i] > best)) continue;
-        best = value[i], u->sigma = sigma, u->rho = normal->rho;
+        best = value[i], u->sigma = sigma, u->family = i;
         chosen = normal;
     }
-    for (int i = 0; i < MUKCA_RHOS && all; i++) evidence->normal[i].behind = best - value[i];
+    for (int i = 0; i < noises && all; i++) evidence->normal[i].behind = best - value[i];
     if (all) evidence->best = best;
     if (freedom == MUKCA_FIT_ALL) {
         mukca_scales_choose(u, evidence, &m->recording, chosen);
@@ -146,7 +147,8 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
 {
     mukca_unknowns *u = &m->unknowns;
     mukca_unknowns_set_geometry_prior(u, &m->recording);
-    for (int i = 0; i < MUKCA_RHOS; i++) m->evidence.normal[i].behind = 0; /* compare again */
+    for (int i = 0; i < m->evidence.n_noises; i++)
+        m->evidence.normal[i].behind = 0; /* compare again */
     for (int it = 0; it < iterations; it++) {
         mukca_regression_linearise(m);
         mukca_unknowns_prior(m->evidence.prior, u);

@@ -1,7 +1,7 @@
 /* Regression of the diagnosis: recording, unknowns, linearisation, evidence.
  *
  * The means of the sockets are free: samples and columns are centred per socket, after whitening
- * with an AR(1) coefficient, and each known distance adds one row.  Samples of a pose log are
+ * by the family of the noise, and each known distance adds one row.  Samples of a pose log are
  * compared with their measured tip instead. */
 #ifndef MUKCA_DIAGNOSE_REGRESSION_H
 #define MUKCA_DIAGNOSE_REGRESSION_H
@@ -25,7 +25,7 @@ void mukca_regression_free(mukca_regression *m);
 /* Linearise at the present unknowns. */
 void mukca_regression_linearise(mukca_regression *m);
 
-/* Normal equations of the present columns at one AR(1) coefficient, or at that of the noise. */
+/* Normal equations of the present columns under one family of the noise, or the present one. */
 mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index);
 mukca_normal_equations *mukca_regression_collect_own(mukca_regression *m);
 
@@ -40,9 +40,9 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
 
 /* Quantities chosen by a fit in addition to the unknowns. */
 typedef enum {
-    MUKCA_FIT_UNKNOWNS, /* none: noise, AR(1) and prior scales stay */
-    MUKCA_FIT_NOISE,    /* noise and AR(1), in the first step */
-    MUKCA_FIT_ALL       /* noise, AR(1) and prior scales by evidence, in the first and third step */
+    MUKCA_FIT_UNKNOWNS, /* none: noise, its family and prior scales stay */
+    MUKCA_FIT_NOISE,    /* noise and its family, in the first step */
+    MUKCA_FIT_ALL /* noise, its family and prior scales by evidence, in the first and third step */
 } mukca_fit_freedom;
 
 /* Log posterior of the set of causes fitted last, up to a constant: evidence, and the priors of the
@@ -58,7 +58,8 @@ void mukca_regression_return(mukca_regression *m);
  * the normal equations are singular. */
 bool mukca_regression_solve(mukca_regression *m);
 
-/* Choose noise, AR(1) and prior scales by evidence on the frozen columns; the other unknowns stay.
+/* Choose noise, its family and prior scales by evidence on the frozen columns; the other unknowns
+ * stay.
  */
 void mukca_regression_weigh(mukca_regression *m);
 

@@ -23,7 +23,7 @@ void mukca_ripple_start(mukca_ripple *wave, const mukca_recording *r, int joint)
 {
     const int n_joints = r->chain->n_joints, n = r->n_samples;
     for (int i = 0; i < n; i++) {
-        const double q = r->data->q[r->order[i] * n_joints + joint];
+        const double q = r->q[r->order[i] * n_joints + joint];
         wave->first[i] = wave->sine[i] = sin(q);
         wave->first[n + i] = wave->cosine[i] = cos(q);
     }

@@ -4,7 +4,7 @@
 
 #include "diagnose/recording.h"
 
-enum { MUKCA_RIPPLE_ORDERS = 400, MUKCA_RIPPLE_COLUMNS = 2 * (MUKCA_RIPPLE_ORDERS - 1) };
+enum { MUKCA_RIPPLE_ORDERS = 400 };
 
 /* Log prior of an order among all scanned orders. */
 double mukca_ripple_log_prior(int order);

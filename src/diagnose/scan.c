@@ -1,356 +1,367 @@
-/* Score every candidate cause against the present model. */
+/* Scores of all candidate causes against the present model.
+ *
+ * With the model's whitened columns X (prior sigmas D) and 1 + D X'X D = L L', a candidate E has the
+ * projected normal equations G = E'E - T'T and g = E'y - T'z, T = L^-1 D X'E, z = L^-1 D X'y (block
+ * elimination; Golub and Van Loan, Matrix Computations, section 4.2). */
 #include "diagnose/scan.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/angle_noise.h"
-#include "diagnose/correlation.h"
-#include "diagnose/noise.h"
-#include "diagnose/projector.h"
-#include "diagnose/ripple_scan.h"
-#include "diagnose/unlisted.h"
+#include "base/clones.h"
+#include "diagnose/ripple.h"
+#include "diagnose/scan_faults.h"
+#include "math/dense.h"
+#include "math/four.h"
 
-const mukca_candidate *mukca_scan_candidate(const mukca_scan *scan, int index)
-{
-    return index < scan->all->count ? &scan->all->list[index]
-                                    : &scan->harmonic[index - scan->all->count];
-}
+enum { LD = MUKCA_SCAN_WIDTH };
 
-/* Products of one score; NULL: no memory. */
-static mukca_products *products_of(mukca_scan *scan, int rho, int index, int columns)
+bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, mukca_candidates *all)
 {
-    mukca_products *x = &scan->products[rho][index];
-    return mukca_products_reserve(x, &scan->pool, scan->projector.m, columns) ? x : NULL;
-}
-
-/* Add the best orders of ripple of a joint to the candidates. */
-static void pick_harmonics(mukca_scan *scan, int j)
-{
-    mukca_regression *m = scan->projector.m; /* bases outlive the scan in accepted causes */
     const mukca_recording *r = &m->recording;
-    const int n_joints = r->chain->n_joints;
-    double value[MUKCA_RIPPLE_ORDERS + 1], travel[2];
-    mukca_recording_travel(travel, r, j);
-    if (!scan->all->survey.joint[j].turns || travel[1] - travel[0] < 1e-2) return;
-    mukca_ripple_scan(value, &scan->projector, &scan->ripple, j);
-    for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
-        value[order] += mukca_ripple_log_prior(order);
-    for (int k = 0; k < MUKCA_RIPPLE_KEPT; k++) {
-        int best = 2, known = 0, of_joint = 0;
-        for (int order = 3; order <= MUKCA_RIPPLE_ORDERS; order++)
-            if (value[order] > value[best]) best = order;
-        for (int i = 0; i < scan->n_harmonic; i++) {
-            const mukca_candidate *e = &scan->harmonic[i];
-            known |= e->joint == j && e->effect.variant.order == best;
-            of_joint += e->joint == j;
-        }
-        value[best] = -HUGE_VAL;
-        if (known || of_joint == MUKCA_RIPPLE_MOST) continue;
-        mukca_candidate *h = &scan->harmonic[scan->n_harmonic];
-        *h = (mukca_candidate){.kind = MUKCA_CANDIDATE_EFFECT,
-                               .joint = j,
-                               .placement = -1,
-                               .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                          .joint = j,
-                                          .placement = -1,
-                                          .variant.order = best}};
-        if (!mukca_candidate_prepare(h, &m->pool, r)) continue;
-        h->log_prior = mukca_ripple_log_prior(best) - log(n_joints) - log(scan->all->classes);
-        scan->n_harmonic++;
-    }
+    const size_t rows = (size_t)(r->data->n_rows * r->dim),
+                 n = (size_t)mukca_unknowns_capacity(&m->unknowns) + 1,
+                 pairs = (size_t)r->data->n_distances + 1;
+    *s = (mukca_scan){
+        .m = m,
+        .all = all,
+        .capacity = all->capacity,
+        .z = MUKCA_TAKE(pool, double, n),
+        .prior = MUKCA_TAKE(pool, double, n),
+        .inverse = MUKCA_TAKE(pool, double, pairs),
+        .distance = MUKCA_TAKE(pool, double, pairs *n),
+        .E = MUKCA_TAKE(pool, double, rows *LD),
+        .W = MUKCA_TAKE(pool, double, rows *LD),
+        .mean = MUKCA_TAKE(pool, double, (r->data->n_sockets + 2) * r->dim * LD),
+        .along = MUKCA_TAKE(pool, double, pairs *LD),
+        .C = MUKCA_TAKE(pool, double, n *LD),
+        .T = MUKCA_TAKE(pool, double, n *LD),
+        .g = MUKCA_TAKE(pool, double, LD),
+        .rows = MUKCA_TAKE(pool, double, (rows + 8) * n),
+        .u = MUKCA_TAKE(pool, double, rows),
+        .value = MUKCA_TAKE(pool, double, all->capacity),
+        .information = MUKCA_TAKE(pool, double, all->capacity),
+    };
+    return !pool->failed;
 }
 
-/* Set the prior sigmas, 0 for cause `without`. */
-static void leave_out(mukca_regression *m, int without)
+bool mukca_scan_aim(mukca_scan *s, int family)
 {
-    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
-    if (without < 0) return;
-    memset(m->evidence.prior + mukca_unknowns_column(&m->unknowns, without), 0,
-           sizeof *m->evidence.prior * (size_t)m->unknowns.cause[without].candidate.terms);
-}
-
-/* Least log odds of a contender for the place of an accepted cause. */
-#define LEAST_LOG_ODDS (-3.0F)
-
-/* The same effect at the same joint, placement or socket. */
-static bool same_effect(const mukca_candidate *a, const mukca_candidate *b)
-{
-    return mukca_candidate_class(a) == mukca_candidate_class(b) && a->joint == b->joint &&
-           a->placement == b->placement && a->kind != MUKCA_CANDIDATE_OUTLIER;
-}
-
-static bool contends(const mukca_scan *scan, int index, const mukca_accepted *cause)
-{
-    const mukca_candidate *h = mukca_scan_candidate(scan, index), *own = &cause->candidate;
-    if (own->kind == MUKCA_CANDIDATE_OUTLIER) return mukca_candidate_same(h, own);
-    if (same_effect(h, own)) return true;
-    for (int step = cause->step; step < scan->steps && step < MUKCA_SCAN_STEPS; step++)
-        if (scan->history[step * scan->capacity + index] > LEAST_LOG_ODDS) return true;
-    return false;
-}
-
-/* Is it a variant of an accepted elastic cause at the same joint: softening, bending along a link,
- * or an unknown payload?  Both are one cause. */
-static bool is_same_spring(const mukca_candidate *h, const mukca_candidate *cause)
-{
-    const mukca_argument argument = h->simple.argument;
-    return h->kind != MUKCA_CANDIDATE_UNLISTED_TILT && h->joint == cause->joint &&
-           (argument == MUKCA_ARGUMENT_SOFTENING || argument == MUKCA_ARGUMENT_PAYLOAD ||
-            argument == MUKCA_ARGUMENT_MOMENT) &&
-           mukca_effect_has(mukca_candidate_class(cause), MUKCA_TRAIT_ELASTIC);
-}
-
-/* Is a candidate scored at the other AR(1) coefficients, too?  Scores hardly depend on them: only
- * those near the best are averaged. */
-static bool worth_averaging(double log_bayes, double log_prior, double most)
-{
-    return log_bayes + log_prior > -4.0 || log_bayes > fmax(0.25 * most, 4.0);
-}
-
-/* Noise and evidence at an AR(1) coefficient.  Sets the priors without the cause. */
-static double weigh_rho(double *sigma, mukca_regression *m, int rho, int without)
-{
-    const mukca_unknowns *u = &m->unknowns;
-    const mukca_left_out out = {.column = without < 0 ? 0 : mukca_unknowns_column(u, without),
-                                .count = without < 0 ? 0 : u->cause[without].candidate.terms,
-                                .from = u->n_geometry};
+    mukca_regression *m = s->m;
     mukca_evidence *evidence = &m->evidence;
-    double value;
-    mukca_unknowns_prior(evidence->prior, u);
-    *sigma = mukca_noise_choose(evidence, mukca_regression_collect(m, rho), &out, u->sigma, &value);
-    leave_out(m, without);
-    /* noise is the residual of the full model, without the missing cause's contribution */
-    if (without < 0 || !(*sigma > 1.15 * u->sigma)) return value;
-    *sigma = 1.15 * u->sigma;
-    return mukca_evidence_evaluate(evidence, &evidence->normal[rho], *sigma, NULL);
-}
-
-/* The same at each AR(1) coefficient that may matter, NaN at the others; returns the index of the
- * best. */
-static int weigh_rhos(mukca_regression *m, double *sigma, double *value, int without)
-{
-    const int own = mukca_evidence_index(m->unknowns.rho);
-    int best = own;
-    value[own] = weigh_rho(&sigma[own], m, own, without);
-    for (int i = 0; i < MUKCA_RHOS; i++) {
-        if (i == own) continue;
-        value[i] = mukca_noise_contends(&m->evidence, i, value[best], 0)
-                       ? weigh_rho(&sigma[i], m, i, without)
-                       : (double)NAN;
-        if (value[i] > value[best]) best = i;
+    const double sigma = m->unknowns.sigma;
+    mukca_regression_return(m);
+    const mukca_normal_equations *normal = mukca_regression_collect(m, family);
+    mukca_unknowns_prior(evidence->prior, &m->unknowns);
+    const double value = mukca_evidence_evaluate(evidence, normal, sigma, NULL);
+    const int n = normal->n;
+    s->normal = normal;
+    s->white = mukca_evidence_whiten(evidence, normal, &m->recording, &m->linear);
+    s->n = n;
+    s->dof = normal->whitening.dof + normal->n_pairs;
+    s->precision = 1 / (sigma * sigma);
+    s->residual = fmax(evidence->quadratic, 1e-9);
+    s->evidence =
+        value + 0.5 * s->residual - 0.5 * s->dof * (log(s->residual / s->dof) + 1);
+    memcpy(s->z, evidence->work, sizeof *s->z * (size_t)n);
+    memcpy(s->prior, evidence->prior, sizeof *s->prior * (size_t)n);
+    for (int p = 0; p < normal->n_pairs; p++) {
+        s->inverse[p] = 1 / (normal->distance_sigma * normal->distance_sigma +
+                             sigma * sigma * normal->variance[p]);
+        memcpy(s->distance + p * (n + 1), normal->distance + p * (n + 1),
+               sizeof *s->distance * (size_t)(n + 1));
     }
-    return best;
+    return isfinite(value);
 }
 
-/* Cost of scoring a fault by its columns, in rows of the projector. */
-enum { ROWS_OF_A_FAULT = 4 };
+/* Candidates side by side in the scratch. */
+typedef struct {
+    int n, width, index[LD], at[LD];
+} batch;
 
-static int count_faults(const mukca_scan *scan)
+/* C := X'E for all stored columns, T and g of the batch. */
+static void project(mukca_scan *s, const batch *b)
 {
-    int n = 0;
-    for (int k = 0; k < scan->n_scores; k++)
-        n += scan->wanted[k] && mukca_candidate_is_fault(mukca_scan_candidate(scan, k));
-    return n;
-}
-
-/* Score the wanted candidates at the projector's AR(1) coefficient; `pick`: add ripple orders. */
-static void score_all(mukca_scan *scan, int rho, bool pick)
-{
-    mukca_projector *p = &scan->projector;
-    const mukca_regression *m = p->m;
-    int n = 0;
-    for (int j = 0; j < m->recording.chain->n_joints && pick; j++) pick_harmonics(scan, j);
-    scan->n_scores = scan->all->count + scan->n_harmonic;
-    if (count_faults(scan) > p->rows / ROWS_OF_A_FAULT) mukca_projector_rows(p);
-    const bool by_rows = p->have_rows;
-    for (int j = -1; j < m->recording.chain->n_joints; j++) /* functions of one joint together */
-        for (int k = 0; k < scan->n_scores; k++) {
-            if (!scan->wanted[k]) continue;
-            const mukca_candidate *h = mukca_scan_candidate(scan, k);
-            if (j >= 0 && h->joint != j) continue;
-            if (mukca_candidate_turns_joint(h) != (j >= 0)) continue;
-            if (mukca_candidate_is_fault(h)) {
-                const bool kept = m->recording.keep[h->fault.first];
-                if (!kept) scan->value[k] = -HUGE_VAL;
-                if (kept && by_rows)
-                    scan->value[k] = mukca_projector_fault(p, h, &scan->information[k]);
-                if (!kept || by_rows) continue;
-            }
-            mukca_products *x = products_of(scan, rho, k, h->terms);
-            if (!x) return;
-            scan->item[n] = (mukca_product_item){h, j, x};
-            scan->scored[n++] = (mukca_scored){x, h, &scan->value[k], &scan->information[k]};
-        }
-    mukca_products_update(scan->item, n, m, p->normal, &p->scratch);
-    mukca_projector_score(p, scan->scored, n);
-}
-
-/* Prepare a candidate that was not needed before.  False: no memory. */
-static bool prepare(mukca_candidate *h, mukca_regression *m)
-{
-    return h->unit || mukca_candidate_prepare(h, &m->pool, &m->recording);
-}
-
-/* Is an unlisted candidate a rival of that cause (NULL: none is left out)?  A moved socket may be a
- * joint slip at that very sample, which the grid of listed slips may miss. */
-static bool is_rival(mukca_scan *scan, int index, const mukca_candidate *cause, mukca_regression *m)
-{
-    mukca_candidate *h = &scan->all->list[index];
-    if (mukca_unlisted_at_sample(h)) {
-        if (!cause || cause->kind != MUKCA_CANDIDATE_STEP) return false;
-        if (h->simple.row != cause->fault.first) {
-            h->simple.row = cause->fault.first;
-            h->unit = NULL;
-            for (int i = 0; i < MUKCA_RHOS; i++) scan->products[i][index].version = 0;
+    const mukca_recording *r = &s->m->recording;
+    const mukca_linearisation *linear = &s->m->linear;
+    const int width = (b->width + 7) & ~7, n = s->n, *at = linear->at, ld = linear->stride;
+    memset(s->along, 0, sizeof *s->along * (size_t)(r->n_pairs * LD));
+    mukca_whitening_apply(
+        &(mukca_whitened){.n = b->width, .ld = LD, .x = s->E, .white = s->W, .mean = s->mean},
+        &s->normal->whitening, &r->samples);
+    mukca_evidence_along(s->along, s->mean, b->width, LD, r, linear);
+    for (int e = 0; e < b->n; e++)
+        for (int p = 0; p < r->n_pairs; p++)
+            if (mukca_candidate_changes_pair(&s->all->list[b->index[e]], r, p))
+                s->along[p * LD + b->at[e]] = -1;
+    memset(s->C, 0, sizeof *s->C * (size_t)(linear->n_stored * width));
+    mukca_dense_xty(s->C, (mukca_columns){s->white, linear->n_stored, ld},
+                    (mukca_columns){s->W, width, LD}, r->n_samples * r->dim);
+    for (int t = 0; t <= n; t++) {
+        double *out = t < n ? s->T + t * LD : s->g;
+        const double *C = s->C + at[t] * width, by = t < n ? s->prior[t] : 1;
+        for (int k = 0; k < width; k++) out[k] = by * s->precision * C[k];
+        for (int p = 0; p < r->n_pairs; p++) {
+            const double w = by * s->inverse[p] * s->distance[p * (n + 1) + t];
+            for (int k = 0; k < width && w != 0; k++) out[k] += w * s->along[p * LD + k];
         }
     }
-    return !(cause && is_same_spring(h, cause)) && prepare(h, m);
+    mukca_dense_forward8(s->T, width, LD, s->m->evidence.factor, n);
+    for (int t = 0; t < n; t++)
+        for (int k = 0; k < width; k++) s->g[k] -= s->T[t * LD + k] * s->z[t];
 }
 
-/* Store the odds of a run against the whole model; orders of ripple found later have none. */
-static void store_odds(mukca_scan *scan)
+/* G[k][k] of the k columns from `at` on. */
+MUKCA_CLONES static void gram_of(double *G, const mukca_scan *s, int at, int k)
 {
-    const int step = scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS - 1;
-    float *odds = scan->history + step * scan->capacity;
-    for (int k = 0; k < scan->capacity; k++)
-        odds[k] = k < scan->n_scores ? (float)scan->score[k].log_odds : -HUGE_VALF;
-    scan->steps++;
+    const mukca_recording *r = &s->m->recording;
+    const int rows = r->n_samples * r->dim;
+    memset(G, 0, sizeof *G * (size_t)(k * k));
+    for (int i = 0; i < rows; i++) {
+        const double *w = s->W + i * LD + at;
+        for (int a = 0; a < k; a++)
+            for (int c = 0; c < k; c++) G[a * k + c] += w[a] * w[c];
+    }
+    for (int a = 0; a < k * k; a++) G[a] *= s->precision;
+    for (int t = 0; t < s->n; t++) {
+        const double *w = s->T + t * LD + at;
+        for (int a = 0; a < k; a++)
+            for (int c = 0; c < k; c++) G[a * k + c] -= w[a] * w[c];
+    }
+    for (int p = 0; p < r->n_pairs; p++) {
+        const double *w = s->along + p * LD + at;
+        for (int a = 0; a < k; a++)
+            for (int c = 0; c < k; c++) G[a * k + c] += s->inverse[p] * w[a] * w[c];
+    }
 }
 
-void mukca_scan_run(mukca_scan *scan, mukca_regression *m, int without, mukca_scan_extent extent)
+static void finish(mukca_scan *s, batch *b)
 {
-    double value[MUKCA_RHOS], sigma[MUKCA_RHOS];
-    const bool ripple = extent == MUKCA_SCAN_ALL || extent == MUKCA_SCAN_RIPPLE;
-    const int best = scan->rho = weigh_rhos(m, sigma, value, without);
-    scan->sigma = sigma[best];
+    double G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
+    if (!b->n) return;
+    project(s, b);
+    for (int e = 0; e < b->n; e++) {
+        const mukca_candidate *h = &s->all->list[b->index[e]];
+        const mukca_mixture prior = mukca_candidate_mixture(h);
+        double most = 0;
+        gram_of(G, s, b->at[e], h->terms);
+        for (int t = 0; t < mukca_candidate_own_terms(h); t++)
+            most = fmax(most, G[t * h->terms + t]);
+        s->information[b->index[e]] = most;
+        s->value[b->index[e]] = mukca_mixture_evidence(NULL, G, s->g + b->at[e], h->terms, &prior,
+                                                       s->residual, s->dof);
+    }
+    b->n = b->width = 0;
+}
 
-    double first = -HUGE_VAL; /* evidence of the rhos averaged so far */
-    memset(scan->wanted, 1, (size_t)scan->capacity);
-    scan->n_scores = scan->all->count + scan->n_harmonic;
-    for (int k = 0; k < scan->n_scores; k++)
-        if (mukca_candidate_is_unlisted(mukca_scan_candidate(scan, k)))
-            scan->wanted[k] =
-                extent >= MUKCA_SCAN_RIVALS &&
-                is_rival(scan, k, without < 0 ? NULL : &m->unknowns.cause[without].candidate, m);
-        else if (extent == MUKCA_SCAN_RIPPLE || extent == MUKCA_SCAN_UNLISTED)
-            scan->wanted[k] = 0;
-        else if (extent >= MUKCA_SCAN_CONTENDERS)
-            scan->wanted[k] = contends(scan, k, &m->unknowns.cause[without]);
-    if (extent != MUKCA_SCAN_RIPPLE) scan->most = -HUGE_VAL;
-    for (int k = 0; k < scan->n_scores && extent != MUKCA_SCAN_RIPPLE; k++)
-        scan->score[k] = (mukca_score){.index = k, .log_bayes = -HUGE_VAL, .log_odds = -HUGE_VAL};
-    for (int i = 0; i < MUKCA_RHOS; i++) {
-        const int which = i == 0 ? best : i <= best ? i - 1 : i; /* the best one comes first */
-        if (i && isnan(value[which]) &&
-            mukca_noise_contends(&m->evidence, which, value[best], scan->most))
-            value[which] = weigh_rho(&sigma[which], m, which, without);
-        if (i && !mukca_noise_counts(value[best] - value[which], scan->most)) continue;
-        mukca_projector_aim(&scan->projector, &m->evidence.normal[which], sigma[which]);
-        score_all(scan, which, i == 0 && scan->all->harmonics && ripple);
-        /* Running average over rho, weighted by the evidence of the model scanned against. */
-        const double hi = fmax(first, value[which]);
-        const double old_share = exp(first - hi) / (exp(first - hi) + exp(value[which] - hi));
-        for (int k = 0; k < scan->n_scores; k++) {
-            mukca_score *score = &scan->score[k];
-            if (!scan->wanted[k]) continue;
-            if (i == 0) {
-                *score = (mukca_score){
-                    .index = k, .log_bayes = scan->value[k], .information = scan->information[k]};
-                scan->most = fmax(scan->most, scan->value[k]);
-            } else if (scan->value[k] > -HUGE_VAL) {
-                const double a = score->log_bayes + log(fmax(old_share, 1e-300));
-                const double b = scan->value[k] + log(fmax(1 - old_share, 1e-300));
-                score->log_bayes = fmax(a, b) + log1p(exp(-fabs(a - b)));
-            }
+/* Append a candidate's columns, per unit size, to the batch. */
+static void put(mukca_scan *s, batch *b, int index)
+{
+    const mukca_candidate *h = &s->all->list[index];
+    const int rows = s->m->recording.n_samples * s->m->recording.dim;
+    mukca_linearisation_columns(s->E + b->width, LD, &s->m->linear, &s->m->recording, h);
+    for (int t = 0; t < h->terms; t++) {
+        const double by = 1 / h->unit[t];
+        double *column = s->E + b->width + t;
+        for (int i = 0; i < rows && by != 1; i++) column[i * LD] *= by;
+    }
+    b->index[b->n] = index;
+    b->at[b->n++] = b->width;
+    b->width += h->terms;
+}
+
+/* Score candidates from `first` on. */
+static void score_from(mukca_scan *s, int first)
+{
+    batch b = {0};
+    for (int i = first; i < s->all->count; i++) {
+        const mukca_candidate *h = &s->all->list[i];
+        if (mukca_candidate_is_fault(h)) continue;
+        if (b.width + h->terms > LD) finish(s, &b);
+        put(s, &b, i);
+    }
+    finish(s, &b);
+}
+
+void mukca_scan_residual(double *u, mukca_scan *s)
+{
+    const mukca_recording *r = &s->m->recording;
+    const mukca_linearisation *linear = &s->m->linear;
+    const mukca_whitening *w = &s->normal->whitening;
+    const int n = s->n, d = r->dim, ld = linear->stride, *at = linear->at;
+    double *mean = s->T, *white = s->W; /* scratch */
+    memcpy(mean, s->z, sizeof *mean * (size_t)n);
+    mukca_dense_backward(mean, 1, s->m->evidence.factor, n);
+    for (int t = 0; t < n; t++) mean[t] *= s->prior[t];
+    for (int i = 0; i < r->n_samples * d; i++) {
+        const double *x = s->white + (size_t)i * (size_t)ld;
+        white[i] = x[at[n]];
+        for (int t = 0; t < n; t++) white[i] -= x[at[t]] * mean[t];
+        white[i] *= s->precision;
+    }
+    for (int p = 0; p < r->n_pairs; p++) {
+        const double *distance = s->distance + p * (n + 1);
+        double rest = distance[n];
+        for (int t = 0; t < n; t++) rest -= distance[t] * mean[t];
+        for (int side = 0; side < 2; side++) {
+            const int g = side ? r->pairs[p].b : r->pairs[p].a;
+            const mukca_group *group = &r->groups[g];
+            for (int i = group->start; i < group->start + group->count; i++)
+                for (int c = 0; c < 3; c++)
+                    white[i * d + c] += (side ? -1 : 1) * s->inverse[p] * rest *
+                                        linear->direction[p][c] * w->one[i] / w->total[g];
         }
-        first = hi + log(exp(first - hi) + exp(value[which] - hi));
-        for (int k = 0; i == 0 && k < scan->n_scores; k++)
-            scan->wanted[k] = scan->wanted[k] &&
-                              worth_averaging(scan->value[k],
-                                              mukca_scan_candidate(scan, k)->log_prior, scan->most);
     }
-    for (int k = 0; k < scan->n_scores; k++) {
-        mukca_score *score = &scan->score[k];
-        score->log_odds = score->log_bayes + mukca_scan_candidate(scan, k)->log_prior;
+    mukca_whitening_transpose(u, white, 1, 1, w, &r->samples);
+}
+
+/* Log odds, but for those of the joint and the class, of the orders of ripple of a joint that are
+ * not yet listed.  The geometry absorbs little of a short wave: all have nearly the same
+ * information, and the gradient is exact.  u: residual; along[n_samples]: scratch.  False: too
+ * little travel. */
+static bool guess_ripple(double *odds, mukca_scan *s, int j, const double *u, double *along)
+{
+    const mukca_recording *r = &s->m->recording;
+    const mukca_whitening *w = &s->normal->whitening;
+    const int N = r->n_samples, d = r->dim;
+    double square = 0, travel[2];
+    mukca_recording_travel(travel, r, j);
+    if (!s->all->survey.joint[j].turns || travel[1] - travel[0] < MUKCA_RIPPLE_TRAVEL) return false;
+    for (int i = 0; i < N; i++) {
+        const double *lever = s->m->linear.lever + (i * r->chain->n_joints + j) * d,
+                     of = w->family.shared > 0 ? w->one[i] : w->own[i];
+        along[i] = 0;
+        for (int c = 0; c < d; c++) {
+            along[i] += lever[c] * u[i * d + c];
+            square += s->precision * of * of * lever[c] * lever[c];
+        }
     }
-    if (without < 0 && extent != MUKCA_SCAN_UNLISTED) store_odds(scan);
+    const double left = square * fmax(1 - (double)s->n / s->dof, 0.1); /* a wave has half, twice */
+    mukca_ripple wave = {.sine = along + N, .cosine = along + 2 * N, .first = along + 3 * N};
+    const mukca_mixture prior = mukca_candidate_mixture(
+        &(mukca_candidate){.kind = MUKCA_CANDIDATE_EFFECT,
+                           .effect.kind = MUKCA_EFFECT_GEAR_HARMONIC,
+                           .unit = (const double[]){MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT},
+                           .terms = 2});
+    mukca_ripple_start(&wave, r, j);
+    for (int o = 2; o <= MUKCA_RIPPLE_ORDERS; o++) {
+        mukca_ripple_next(&wave);
+        const double G[] = {left, 0, 0, left},
+                     g[] = {dot4(along, wave.sine, N) / MUKCA_WAVE_UNIT,
+                            dot4(along, wave.cosine, N) / MUKCA_WAVE_UNIT};
+        odds[o] = mukca_candidates_have_ripple(s->all, j, o)
+                      ? -HUGE_VAL
+                      : mukca_ripple_log_prior(o) +
+                            mukca_mixture_evidence(NULL, G, g, 2, &prior, s->residual, s->dof);
+    }
+    return true;
 }
 
-void mukca_scan_weigh(mukca_scan *scan, mukca_regression *m, int without)
+static mukca_status add_ripple(mukca_scan *s, mukca_error *error)
 {
-    double value[MUKCA_RHOS], sigma[MUKCA_RHOS];
-    scan->rho = weigh_rhos(m, sigma, value, without);
-    scan->sigma = sigma[scan->rho];
+    enum { ADDED = 12 };
+    const double least = -5; /* log odds below which an order is not listed */
+    const mukca_recording *r = &s->m->recording;
+    const int first = s->all->count;
+    double *along = s->W;
+    double *u = s->E;
+    mukca_scan_residual(u, s);
+    for (int j = 0; j < r->chain->n_joints && s->all->harmonics; j++) {
+        double odds[MUKCA_RIPPLE_ORDERS + 1];
+        if (!guess_ripple(odds, s, j, u, along)) continue;
+        for (int k = 0; k < ADDED; k++) {
+            int best = 2;
+            for (int o = 3; o <= MUKCA_RIPPLE_ORDERS; o++)
+                if (odds[o] > odds[best]) best = o;
+            if (!(odds[best] - log(s->all->classes * r->chain->n_joints) > least)) break;
+            odds[best] = -HUGE_VAL;
+            const mukca_status status =
+                mukca_candidates_add_ripple(s->all, &s->m->pool, r, j, best, error);
+            if (status != MUKCA_OK) return status;
+        }
+    }
+    score_from(s, first);
+    return MUKCA_OK;
 }
 
-const float *mukca_scan_last_odds(const mukca_scan *scan)
+mukca_status mukca_scan_run(mukca_scan *s, bool ripple, mukca_error *error)
 {
-    const int step = (scan->steps < MUKCA_SCAN_STEPS ? scan->steps : MUKCA_SCAN_STEPS) - 1;
-    return scan->history + step * scan->capacity;
+    score_from(s, 0);
+    mukca_scan_faults(s);
+    return ripple ? add_ripple(s, error) : MUKCA_OK;
 }
 
-int mukca_scan_repeat(mukca_scan *scan, int steps)
+bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *pool,
+                         const int *index, int n)
 {
-    const int from = scan->steps;
-    if (from + steps > MUKCA_SCAN_STEPS) return 0;
-    memcpy(scan->history + from * scan->capacity, scan->history,
-           sizeof *scan->history * (size_t)(steps * scan->capacity));
-    scan->steps += steps;
-    return from;
+    const mukca_recording *r = &s->m->recording;
+    const int rows = r->n_samples * r->dim, pairs = r->n_pairs;
+    int columns = 0, width = 0;
+    for (int i = 0; i < n; i++) columns += s->all->list[index[i]].terms;
+    const int stride = (columns + 7) & ~7, all = rows + pairs + s->n;
+    mukca_item *item = MUKCA_TAKE(pool, mukca_item, n + 1);
+    double *E = MUKCA_TAKE(pool, double, (size_t)all *(size_t)stride + 1),
+           *g = MUKCA_TAKE(pool, double, stride + 1);
+    if (pool->failed) return false;
+    batch b = {0};
+    for (int i = 0; i < n; i++) {
+        const mukca_candidate *h = &s->all->list[index[i]];
+        item[i] = (mukca_item){.at = width + b.width,
+                               .terms = h->terms,
+                               .prior = mukca_candidate_mixture(h),
+                               .log_prior = h->log_prior - MUKCA_SET_RATE,
+                               .key = mukca_candidate_key(h)};
+        put(s, &b, index[i]);
+        const int next = i + 1 < n ? s->all->list[index[i + 1]].terms : LD;
+        if (b.width + next <= LD) continue;
+        project(s, &b);
+        const double root = sqrt(s->precision);
+        for (int k = 0; k < b.width; k++) g[width + k] = s->g[k];
+        for (int row = 0; row < all; row++) {
+            double *out = E + (size_t)row * (size_t)stride + width;
+            const double *in = row < rows           ? s->W + row * LD
+                               : row < rows + pairs ? s->along + (row - rows) * LD
+                                                    : s->T + (row - rows - pairs) * LD,
+                         by = row < rows ? root
+                              : row < rows + pairs ? sqrt(s->inverse[row - rows])
+                                                   : 1;
+            for (int k = 0; k < b.width; k++) out[k] = by * in[k];
+        }
+        width += b.width;
+        b.n = b.width = 0;
+    }
+    *question = (mukca_question){.n_items = n,
+                                 .n_columns = columns,
+                                 .stride = stride,
+                                 .n_rows = all,
+                                 .n_projected = s->n,
+                                 .item = item,
+                                 .E = E,
+                                 .g = g,
+                                 .residual = s->residual,
+                                 .dof = s->dof};
+    return true;
 }
 
-/* Restore the projector's state of the last run. */
-static mukca_projector *restore_projector(mukca_scan *scan, mukca_regression *m, int without)
+bool mukca_scan_orders(double *value, mukca_scan *s, int joint)
 {
-    leave_out(m, without);
-    mukca_regression_collect(m, scan->rho);
-    mukca_projector_aim(&scan->projector, &m->evidence.normal[scan->rho], scan->sigma);
-    return &scan->projector;
-}
-
-double mukca_scan_correlation(mukca_scan *scan, mukca_regression *m, int without,
-                              const mukca_candidate *a, const mukca_candidate *b)
-{
-    return mukca_correlation_canonical(restore_projector(scan, m, without), a, b);
-}
-
-double mukca_scan_noise_gain(mukca_scan *scan, mukca_regression *m, int without,
-                             const mukca_candidate *candidate)
-{
-    const mukca_recording *r = &m->recording;
-    if (!candidate->basis || r->groups[r->n_groups - 1].socket < 0) return 0;
-    return mukca_angle_noise_gain(restore_projector(scan, m, without), candidate);
-}
-
-mukca_status mukca_scan_create(mukca_scan *scan, mukca_candidates *all, mukca_regression *m,
-                               mukca_error *error)
-{
-    const int harmonics = m->recording.chain->n_joints * MUKCA_RIPPLE_MOST,
-              most = all->count + harmonics;
-    memset(scan, 0, sizeof *scan);
-    scan->all = all;
-    scan->capacity = most;
-    scan->harmonic = MUKCA_TAKE(&scan->pool, mukca_candidate, harmonics);
-    scan->score = MUKCA_TAKE(&scan->pool, mukca_score, most);
-    scan->history = MUKCA_TAKE(&scan->pool, float, (size_t)most *MUKCA_SCAN_STEPS);
-    scan->wanted = MUKCA_TAKE(&scan->pool, unsigned char, most);
-    scan->value = MUKCA_TAKE(&scan->pool, double, most);
-    scan->information = MUKCA_TAKE(&scan->pool, double, most);
-    scan->item = MUKCA_TAKE(&scan->pool, mukca_product_item, most);
-    scan->scored = MUKCA_TAKE(&scan->pool, mukca_scored, most);
-    for (int i = 0; i < MUKCA_RHOS; i++)
-        scan->products[i] = MUKCA_TAKE(&scan->pool, mukca_products, most);
-    mukca_projector_create(&scan->projector, &scan->pool, m);
-    mukca_products_create(&scan->ripple, &scan->pool, m, 2 * MUKCA_RIPPLE_PROMISING, 2);
-    if (!scan->pool.failed) return MUKCA_OK;
-    mukca_scan_free(scan);
-    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",
-                      all->count);
-}
-
-void mukca_scan_free(mukca_scan *scan)
-{
-    mukca_pool_free(&scan->pool);
-    memset(scan, 0, sizeof *scan);
+    const mukca_recording *r = &s->m->recording;
+    mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
+                         .joint = joint,
+                         .placement = -1,
+                         .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
+                                    .joint = joint,
+                                    .placement = -1,
+                                    .variant.order = 2}};
+    if (!mukca_candidate_prepare(&h, &s->m->pool, r)) return false;
+    mukca_candidates one = {.list = &h, .count = 1}, *all = s->all;
+    s->all = &one;
+    for (int o = 2; o <= MUKCA_RIPPLE_ORDERS; o++) {
+        h.effect.variant.order = o;
+        mukca_candidate_fill(&h, r);
+        score_from(s, 0);
+        value[o] = s->value[0];
+    }
+    s->all = all;
+    return true;
 }

@@ -145,7 +145,8 @@ static double move_in_socket(const mukca_recording *r, int row)
     const int n_joints = r->chain->n_joints;
     double largest = 0;
     if (row == 0 || r->data->socket[row] != r->data->socket[row - 1]) return NAN;
-    for (int j = 0; j < n_joints; j++) largest = fmax(largest, fabs(r->move[row * n_joints + j]));
+    const double *q = r->data->q + row * n_joints;
+    for (int j = 0; j < n_joints; j++) largest = fmax(largest, fabs(q[j] - q[j - n_joints]));
     return largest;
 }
 
@@ -154,6 +155,7 @@ static double move_in_socket(const mukca_recording *r, int row)
 static void duplicates(mukca_faults *faults, const mukca_recording *r, double *scratch)
 {
     int moves = 0;
+    if (r->repeats) return; /* by design */
     for (int row = 0; row < r->data->n_rows; row++) {
         scratch[moves] = move_in_socket(r, row);
         moves += isfinite(scratch[moves]);

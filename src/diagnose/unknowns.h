@@ -52,7 +52,8 @@ typedef struct {
     int n_causes;
     mukca_accepted *cause; /* [MUKCA_MAX_ACCEPTED] */
 
-    double sigma, rho;      /* noise, m, and its AR(1) coefficient between successive samples */
+    double sigma;           /* noise, m */
+    int family;             /* of the noise, index of the evidence's */
     double rotation_weight; /* m per rad: converts orientations to units of position noise */
     double *weight;         /* [n_rows] robust weights, NULL: none */
 } mukca_unknowns;

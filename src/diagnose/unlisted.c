@@ -1,4 +1,4 @@
-/* Simple causes outside the catalogue: rivals in the probability of a name.
+/* Simple causes outside the catalogue.
  *
  * The catalogue is incomplete.  A missing cause, like most listed ones, is a simple function of one
  * argument, and acts on one joint or frame.  Therefore every argument is tried at every joint angle
@@ -6,8 +6,8 @@
  * turn, half of the travel), its load (linear, sign, times time, torque of an unknown payload), its
  * last move (direction, also times load or a decay; length), time, placement, and for frames the
  * moment, as of a link that bends along its length.  A ball that is not round or not held by its
- * socket, and a tool that rattles, move with the tilt of the tool.  These candidates are never
- * accepted: they share the probability of a name that they could replace.
+ * socket, and a tool that rattles, move with the tilt of the tool.  They share the
+ * probability of a name that they could replace.
  */
 #include "diagnose/unlisted.h"
 
@@ -24,13 +24,6 @@ static int values_of(mukca_argument argument)
 int mukca_unlisted_terms(const mukca_candidate *h)
 {
     return values_of(h->simple.argument) * (h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME ? 3 : 1);
-}
-
-bool mukca_unlisted_at_sample(const mukca_candidate *h)
-{
-    return h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE &&
-           (h->simple.argument == MUKCA_ARGUMENT_SAMPLE ||
-            h->simple.argument == MUKCA_ARGUMENT_PASSING);
 }
 
 /* Functions of the argument at a row of the dataset; `middle` of the joint's travel. */
@@ -80,14 +73,6 @@ static void evaluate(double value[3], const mukca_candidate *h, const mukca_reco
         case MUKCA_ARGUMENT_TIME:
             value[0] = state.time;
             break;
-        case MUKCA_ARGUMENT_SAMPLE:
-            value[0] = row >= h->simple.row;
-            break;
-        case MUKCA_ARGUMENT_PASSING: {
-            const double *at = r->data->q + h->simple.row * r->chain->n_joints + j;
-            value[0] = h->simple.row > 0 && state.q[j] > 0.5 * (at[0] + at[-r->chain->n_joints]);
-            break;
-        }
         case MUKCA_ARGUMENT_PLACEMENT:
             value[0] = state.placement == h->placement;
             break;

@@ -1,4 +1,4 @@
-/* Simple causes outside the catalogue: rivals in the probability of a name. */
+/* Simple causes outside the catalogue: members of sets without a name. */
 #ifndef MUKCA_DIAGNOSE_UNLISTED_H
 #define MUKCA_DIAGNOSE_UNLISTED_H
 
@@ -6,9 +6,6 @@
 
 /* Terms of an unlisted candidate. */
 int mukca_unlisted_terms(const mukca_candidate *candidate);
-
-/* Does it begin at the sample of a moved socket, its rival? */
-bool mukca_unlisted_at_sample(const mukca_candidate *candidate);
 
 /* Fill its basis [n_rows][terms]. */
 void mukca_unlisted_fill(const mukca_candidate *candidate, const mukca_recording *recording);

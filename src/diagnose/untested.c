@@ -2,6 +2,7 @@
 #include "diagnose/untested.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* Log evidence grows as amplitude^2 information / 2 and must exceed the prior odds, Occam's factor
  * and the threshold: some 12 in all. */
@@ -30,6 +31,12 @@ static void add(mukca_tested_list *tested, int kind, int joint, const char *why)
                                                    .why = why};
 }
 
+static int by_odds(const void *a, const void *b)
+{
+    const mukca_tested *x = a, *y = b;
+    return (x->log_odds < y->log_odds) - (x->log_odds > y->log_odds);
+}
+
 /* Add the effects without a candidate, as a whole or at a joint. */
 static void add_missing(mukca_tested_list *tested, const mukca_candidates *all)
 {
@@ -47,27 +54,44 @@ static void add_missing(mukca_tested_list *tested, const mukca_candidates *all)
     }
 }
 
-void mukca_untested_list(mukca_tested_list *tested, const mukca_competition *contest)
+void mukca_untested_list(mukca_tested_list *tested, const mukca_identification *id)
 {
+    double most[MUKCA_MAX_TESTED]; /* information of the best member */
     tested->count = 0;
-    for (int i = 0; i < contest->n_first && tested->count < MUKCA_MAX_TESTED; i++) {
-        const mukca_contender *c = &contest->first[i];
-        if (c->class >= MUKCA_EFFECT_COUNT || listed(tested, c->class, c->joint)) continue;
-        const mukca_score *score = &contest->first_score[c->best];
-        const double limit = sqrt(2 * LEAST_EVIDENCE / fmax(score->information, 1e-12));
-        const bool length = mukca_effect_table[c->class]->site == MUKCA_SITE_TIP ||
-                            mukca_effect_has(c->class, MUKCA_TRAIT_RECORDING_FAULT);
-        const bool testable = limit < (length ? MOST_LENGTH : MOST_ANGLE);
-        tested->list[tested->count++] = (mukca_tested){
-            .effect = (mukca_effect_kind)c->class,
-            .joint = c->joint,
-            .log_bayes_factor = score->log_bayes,
-            .log_odds = c->log_odds,
-            .limit = limit,
-            .testable = testable,
-            .why = testable ? NULL : mukca_effect_faint((mukca_effect_kind)c->class, c->joint)};
+    for (int i = 0; i < id->n_first; i++) { /* members of an effect at a joint together */
+        const mukca_candidate *h = &id->all.list[i];
+        const int class = mukca_candidate_class(h);
+        const double log_bayes = id->first_value[i], odds = log_bayes + h->log_prior;
+        int t = 0;
+        if (class >= MUKCA_EFFECT_COUNT || !(log_bayes > -HUGE_VAL)) continue;
+        while (t < tested->count &&
+               ((int)tested->list[t].effect != class || tested->list[t].joint != h->joint))
+            t++;
+        if (t == MUKCA_MAX_TESTED) continue;
+        mukca_tested *of = &tested->list[t];
+        if (t == tested->count) {
+            tested->count++;
+            *of = (mukca_tested){.effect = (mukca_effect_kind) class,
+                                 .joint = h->joint,
+                                 .log_bayes_factor = -HUGE_VAL,
+                                 .log_odds = -HUGE_VAL};
+        }
+        if (log_bayes > of->log_bayes_factor)
+            of->log_bayes_factor = log_bayes, most[t] = id->first_information[i];
+        const double hi = fmax(of->log_odds, odds), lo = fmin(of->log_odds, odds);
+        of->log_odds = lo > -HUGE_VAL ? hi + log1p(exp(lo - hi)) : hi;
     }
-    add_missing(tested, contest->all);
+    for (int t = 0; t < tested->count; t++) {
+        mukca_tested *of = &tested->list[t];
+        const int class = (int)of->effect;
+        of->limit = sqrt(2 * LEAST_EVIDENCE / fmax(most[t], 1e-12));
+        const bool length = mukca_effect_table[class]->site == MUKCA_SITE_TIP ||
+                            mukca_effect_has(class, MUKCA_TRAIT_RECORDING_FAULT);
+        of->testable = of->limit < (length ? MOST_LENGTH : MOST_ANGLE);
+        of->why = of->testable ? NULL : mukca_effect_faint(of->effect, of->joint);
+    }
+    qsort(tested->list, (size_t)tested->count, sizeof *tested->list, by_odds);
+    add_missing(tested, &id->all);
 }
 
 void mukca_untested_all(mukca_tested_list *tested, const char *why)

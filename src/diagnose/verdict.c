@@ -1,4 +1,4 @@
-/* The verdict on the causes accepted in a competition: names, unexplained structure, location. */
+/* The verdict on the identified sets of causes: names, unexplained structure, location. */
 #include "diagnose/verdict.h"
 
 #include <math.h>
@@ -9,14 +9,6 @@
 
 /* Least size of an outlier that is reported as a fault, in sigmas of the noise. */
 #define OUTLIER_SIGMAS 12
-
-/* An accepted cause during the verdict. */
-typedef struct {
-    int index;        /* of the accepted cause */
-    bool named, part; /* part: of an unknown function */
-    mukca_standing standing;
-    mukca_cause cause; /* if named */
-} described;
 
 static void add_outlier(mukca_faults *faults, const mukca_regression *m,
                         const mukca_accepted *cause)
@@ -61,146 +53,143 @@ static int by_share(const void *a, const void *b)
                                 : x->joint - y->joint;
 }
 
-/* Share of each joint in the accepted causes, by odds; in the unknown functions alone, if any. */
-static void find_where(mukca_findings *findings, const mukca_regression *m, const described *found)
+/* Share of each joint: in the sets with unknown functions, if these are probable, else in the
+ * evidence for the listed causes. */
+static void find_where(mukca_findings *findings, const mukca_identification *id, bool unknown)
 {
-    const mukca_recording *recording = &m->recording;
-    const int n_joints = recording->chain->n_joints, n = m->unknowns.n_causes;
+    const mukca_regression *m = id->m;
     double share[MUKCA_MAX_JOINTS] = {0}, total = 0;
-    bool unknown = false;
-    for (int c = 0; c < n; c++)
-        unknown |= mukca_candidate_class(&m->unknowns.cause[c].candidate) == MUKCA_CLASS_UNKNOWN;
-    for (int c = 0; c < n; c++) {
-        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        if (!unknown && h->joint >= 0)
-            share[h->joint] += fmax(found[c].standing.log_odds, 0);
-        else if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN)
-            for (int j = 0; j < n_joints; j++) share[j] += found[c].standing.by_joint[j];
-    }
-    for (int j = 0; j < n_joints; j++) total += share[j];
-    for (int j = 0; j < n_joints; j++) {
+    for (int i = 0; i < id->n_sets && unknown; i++)
+        for (int k = 0; k < id->set[i].n; k++) {
+            const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
+            if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN && h->joint >= 0)
+                share[h->joint] += id->set[i].weight;
+        }
+    for (int c = 0; c < findings->n_causes && !unknown; c++)
+        if (findings->causes[c].effect.joint >= 0)
+            share[findings->causes[c].effect.joint] +=
+                fmax(findings->causes[c].log_bayes_factor, 0);
+    for (int j = 0; j < m->recording.chain->n_joints; j++) total += share[j];
+    for (int j = 0; j < m->recording.chain->n_joints; j++) {
         if (!(share[j] > 0)) continue;
         double range[2] = {HUGE_VAL, -HUGE_VAL};
-        for (int c = 0; c < n; c++)
+        for (int c = 0; c < m->unknowns.n_causes; c++)
             if (m->unknowns.cause[c].candidate.joint == j)
-                widen_by_unknown(range, recording, &m->unknowns.cause[c]);
-        if (range[0] > range[1]) mukca_recording_travel(range, recording, j);
+                widen_by_unknown(range, &m->recording, &m->unknowns.cause[c]);
+        if (range[0] > range[1]) mukca_recording_travel(range, &m->recording, j);
         findings->where[findings->n_where++] =
             (mukca_where){.joint = j, .share = share[j] / total, .range_rad = {range[0], range[1]}};
     }
     qsort(findings->where, (size_t)findings->n_where, sizeof *findings->where, by_share);
 }
 
-/* Is a named cause part of an accepted unknown function of similar odds: of the same joint's angle,
- * or of time? */
-static bool part_of_unknown(const mukca_unknowns *u, const described *found, int cause)
+static int by_evidence(const void *a, const void *b)
 {
-    const mukca_effect *effect = &found[cause].cause.effect;
-    const int kind = (int)effect->kind, joint = effect->joint;
-    const bool timed = mukca_effect_has(kind, MUKCA_TRAIT_OF_TIME | MUKCA_TRAIT_PER_PLACEMENT);
-    const bool smooth = mukca_effect_has(kind, MUKCA_TRAIT_SMOOTH | MUKCA_TRAIT_PERIODIC) &&
-                        effect->variant.order <= MUKCA_SMOOTH_ORDER;
+    const mukca_cause *x = a, *y = b;
+    return (x->log_bayes_factor < y->log_bayes_factor) -
+           (x->log_bayes_factor > y->log_bayes_factor);
+}
+
+/* The first set with all causes that are more probable than not; the first one if there is none. */
+static const mukca_causes *choose_set(const mukca_identification *id)
+{
+    int wanted = 0;
+    for (int n = 0; n < id->n_names; n++) wanted += id->probability[n] >= MUKCA_LISTED;
+    for (int i = 0; i < id->n_sets; i++) {
+        int found = 0;
+        for (int k = 0; k < id->set[i].n; k++) {
+            const int name = id->name[id->set[i].candidate[k]];
+            bool again = false;
+            for (int c = 0; c < k; c++) again |= id->name[id->set[i].candidate[c]] == name;
+            found += !again && id->probability[name] >= MUKCA_LISTED;
+        }
+        if (found == wanted) return &id->set[i];
+    }
+    return &id->set[0];
+}
+
+static int likeliest(const mukca_findings *findings)
+{
+    int best = 0;
+    for (int i = 1; i < findings->n_causes; i++)
+        if (findings->causes[i].probability > findings->causes[best].probability) best = i;
+    return best;
+}
+
+/* Probability of the sets with a member of the class, or (-1) with any but outliers. */
+static double probability_of(const mukca_identification *id, int class)
+{
+    double sum = 0;
+    for (int i = 0; i < id->n_sets; i++) {
+        bool found = false;
+        for (int k = 0; k < id->set[i].n; k++) {
+            const int of = mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]);
+            found |= class < 0 ? of != MUKCA_CLASS_OUTLIER : of == class;
+        }
+        if (found) sum += id->set[i].weight;
+    }
+    return sum;
+}
+
+static void list_sets(mukca_findings *findings, const mukca_identification *id)
+{
+    const mukca_dataset *data = id->m->recording.data;
+    for (int i = 0; i < id->n_sets && i < MUKCA_MAX_SETS; i++) {
+        mukca_cause_set *out = &findings->sets[findings->n_sets++];
+        *out = (mukca_cause_set){.probability = id->set[i].weight, .n = id->set[i].n};
+        for (int k = 0; k < out->n; k++) {
+            const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
+            out->member[k].effect = mukca_candidate_effect(h);
+            out->member[k].unknown = mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN;
+            if (!mukca_candidate_is_fault(h)) continue;
+            out->member[k].row = data->row[h->fault.first];
+            out->member[k].file = data->file[h->fault.first];
+        }
+    }
+}
+
+void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_identification *id)
+{
+    mukca_regression *m = id->m;
+    const mukca_unknowns *u = &m->unknowns;
+    const mukca_causes *best = choose_set(id);
+    const bool any = probability_of(id, -1) >= MUKCA_LISTED,
+               unknown = probability_of(id, MUKCA_CLASS_UNKNOWN) >= MUKCA_LISTED;
+    bool sure = true;
+    int listed = 0, on_arm = 0;
+    memset(findings, 0, sizeof *findings);
+    if (best != &id->set[0]) mukca_identify_fit(id, best);
+    mukca_regression_factor(m); /* intervals are those of the full model */
     for (int c = 0; c < u->n_causes; c++) {
         const mukca_candidate *h = &u->cause[c].candidate;
-        if (mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN ||
-            !(found[c].standing.log_odds > 0.5 * found[cause].standing.log_odds))
+        mukca_cause *cause = &findings->causes[findings->n_causes];
+        const int class = mukca_candidate_class(h);
+        if (class == MUKCA_CLASS_OUTLIER) add_outlier(faults, m, &u->cause[c]);
+        if (class >= MUKCA_EFFECT_COUNT || findings->n_causes == MUKCA_MAX_CAUSES ||
+            id->probability[id->name[best->candidate[c]]] < MUKCA_SUSPECTED)
             continue;
-        const bool of_time = h->kind == MUKCA_CANDIDATE_TIME || h->kind == MUKCA_CANDIDATE_SLIP ||
-                             h->kind == MUKCA_CANDIDATE_STRETCH;
-        if (of_time ? timed : smooth && h->joint == joint) return true;
-    }
-    return false;
-}
-
-/* Is a cause reported: more probable than not, or with rivals?  Least probability with named
- * rivals: that of a tie, with an unknown function: one in five.  An amplitude of a sign that
- * physics excludes is not reported: the score respects the sign, but other causes may turn it. */
-static bool is_reported(const mukca_cause *cause)
-{
-    if (mukca_effect_table[cause->effect.kind]->nonnegative && !(cause->amplitude > 0))
-        return false;
-    double probability = cause->probability;
-    bool rivals = false;
-    for (int t = 0; t < cause->n_ties; t++)
-        if (isnan(cause->ties[t].log_bayes_factor))
-            probability *= 2; /* tied with an untested effect */
-        else
-            rivals = true;
-    return probability >= (rivals ? exp(-MUKCA_TIE_MOST) : cause->or_unknown ? 0.2 : 0.5);
-}
-
-static int by_odds(const void *a, const void *b)
-{
-    const described *x = a, *y = b;
-    const double p = x->standing.log_odds, q = y->standing.log_odds;
-    return p != q ? (p < q) - (p > q) : x->index - y->index;
-}
-
-/* Log odds of the strongest unexplained structure: of an unknown function, or of a name that one
- * may replace. */
-static double unnamed_structure(const described *found, int n)
-{
-    double most = -HUGE_VAL;
-    for (int c = 0; c < n; c++)
-        if (found[c].standing.unknown > MUKCA_UNKNOWN_SHARE)
-            most = fmax(most, found[c].standing.log_odds);
-    return most;
-}
-
-/* One unknown function rarely fits an unlisted cause completely, and the nearest names share the
- * remainder: those with less evidence are in doubt.  Fine ripple resembles no smooth function. */
-static bool is_remainder(const described *d, double structure)
-{
-    return d->standing.log_odds < structure && d->cause.effect.variant.order <= MUKCA_FINE_ORDER;
-}
-
-void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_competition *contest)
-{
-    mukca_regression *m = contest->m;
-    const mukca_unknowns *u = &m->unknowns;
-    described found[MUKCA_MAX_ACCEPTED];
-    int named = 0, on_arm = 0;
-    bool unknown = false, tied = false;
-    memset(findings, 0, sizeof *findings);
-    for (int c = 0; c < u->n_causes; c++) {
-        found[c] = (described){.index = c, .standing = {.log_odds = -HUGE_VAL}};
-        unknown |= mukca_candidate_class(&u->cause[c].candidate) == MUKCA_CLASS_UNKNOWN;
-        if (u->cause[c].candidate.kind == MUKCA_CANDIDATE_OUTLIER)
-            add_outlier(faults, m, &u->cause[c]);
-        else
-            found[c].named = mukca_cause_describe(named < MUKCA_MAX_CAUSES ? &found[c].cause : NULL,
-                                                  &found[c].standing, contest, c);
-        named += found[c].named;
-    }
-    find_where(findings, m, found);
-    mukca_regression_factor(m); /* intervals are those of the full model */
-    for (int c = 0; c < u->n_causes; c++)
-        if (found[c].named) {
-            mukca_cause_measure(&found[c].cause, m, c);
-            found[c].part = part_of_unknown(u, found, c);
-        }
-    qsort(found, (size_t)u->n_causes, sizeof *found, by_odds);
-    const double structure = unnamed_structure(found, u->n_causes);
-
-    for (int c = 0; c < u->n_causes; c++) {
-        mukca_cause *cause = &found[c].cause;
-        if (!found[c].named) continue;
-        const bool moved = mukca_effect_table[cause->effect.kind]->site == MUKCA_SITE_SOCKET;
+        mukca_cause_describe(cause, id, best, c);
+        /* other causes may turn a sign that physics excludes */
+        if (mukca_effect_table[class]->nonnegative && !(cause->amplitude > 0)) continue;
+        findings->n_causes++;
+        cause->suspected = cause->probability < MUKCA_LISTED;
+        if (cause->suspected) continue;
+        const bool moved = mukca_effect_table[class]->site == MUKCA_SITE_SOCKET;
         if (moved)
-            mukca_screening_add(faults, &m->recording, MUKCA_FAULT_TOOL_MOTION,
-                                u->cause[found[c].index].candidate.fault.first, cause->amplitude);
-        if (found[c].part || !is_reported(cause)) {
-            unknown = true;
-            continue;
-        }
-        if (is_remainder(&found[c], structure)) mukca_cause_doubt(cause);
+            mukca_screening_add(faults, &m->recording, MUKCA_FAULT_TOOL_MOTION, h->fault.first,
+                                cause->amplitude);
+        listed++;
         on_arm += !moved;
-        tied |= cause->n_ties > 0 || cause->or_unknown;
-        findings->causes[findings->n_causes++] = *cause;
+        sure &= cause->probability >= 1 - MUKCA_DOUBT && !cause->n_ties && !cause->or_unknown;
     }
-    findings->verdict = unknown && !on_arm    ? MUKCA_VERDICT_UNKNOWN
-                        : !findings->n_causes ? MUKCA_VERDICT_NONE
-                        : tied                ? MUKCA_VERDICT_TIED
-                                              : MUKCA_VERDICT_NAMED;
-    findings->unexplained = unknown && findings->n_causes > 0;
+    qsort(findings->causes, (size_t)findings->n_causes, sizeof *findings->causes, by_evidence);
+    if (any && !unknown && !listed && findings->n_causes) /* one of several: the likeliest */
+        findings->causes[likeliest(findings)].suspected = false, listed++, sure = false;
+    find_where(findings, id, unknown);
+    list_sets(findings, id);
+    findings->verdict = !any                 ? MUKCA_VERDICT_NONE
+                        : unknown && !on_arm ? MUKCA_VERDICT_UNKNOWN
+                        : listed && sure     ? MUKCA_VERDICT_NAMED
+                                             : MUKCA_VERDICT_TIED;
+    findings->unexplained = unknown && listed;
 }

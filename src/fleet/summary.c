@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/ripple_scan.h"
+#include "diagnose/scan.h"
 
 /* FNV-1a, 64 bits (Fowler, Noll, Vo). */
 static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t n)
@@ -92,21 +92,18 @@ static bool has_ripple(const mukca_unknowns *u, int joint)
 static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
 {
     const mukca_recording *r = &m->recording;
-    mukca_projector p;
-    mukca_products x;
-    if (!mukca_projector_create(&p, &m->pool, m) ||
-        !mukca_products_create(&x, &m->pool, m, MUKCA_RIPPLE_COLUMNS, 2))
-        return false;
-    const mukca_normal_equations *normal = mukca_regression_collect_own(m);
-    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
-    mukca_projector_aim(&p, normal, m->unknowns.sigma);
+    mukca_candidates none = {0};
+    mukca_scan scan;
+    none.capacity = 1;
+    if (!mukca_scan_create(&scan, &m->pool, m, &none)) return false;
+    mukca_scan_aim(&scan, m->unknowns.family);
     for (int j = 0; j < r->chain->n_joints; j++) {
         double value[MUKCA_RIPPLE_ORDERS + 1], travel[2];
         if (only < 0 ? has_ripple(&m->unknowns, j) : j != only) continue;
         mukca_recording_travel(travel, r, j);
         const mukca_joint_type type = r->chain->element[r->chain->joint_element[j]].type;
         if (!mukca_joint_turns((int)type) || travel[1] - travel[0] < MUKCA_LEAST_RANGE) continue;
-        mukca_ripple_scan(value, &p, &x, j);
+        if (!mukca_scan_orders(value, &scan, j)) return false;
         for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
             const double quanta = round(value[o + 2] / MUKCA_FLEET_QUANTUM);
             s->ripple[j][o] = (int16_t)fmin(fmax(quanta, -INT16_MAX), INT16_MAX);

@@ -1,0 +1,351 @@
+/* Posterior over sets of causes: passes of linearisation, scan and search.
+ *
+ * A pass linearises at the most probable set found so far, scores all candidates against the
+ * geometry and against that set, and searches among the sets of the best of them.  It ends when the
+ * set no longer changes.  At last the weights are averaged over the families of the noise. */
+#include "diagnose/identify.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "math/stats.h"
+
+enum {
+    PASSES = 3,
+    ROUNDS = 4,        /* searches at the first linearisation */
+    BUDGET = 40,       /* sets expanded in a search */
+    SHORT_BUDGET = 12, /* in those that only find the set for the next scan */
+    KEPT = 300,        /* candidates kept by their score against the geometry */
+    KEPT_BESIDE = 100, /* by that against the set */
+    MOST_KEPT = 3 * KEPT,
+    MOST_NUMBERS = 8 << 20, /* of the kept columns: 64 MiB */
+    SETS = 1000,
+    FINE_SETS = 60 /* evaluated under each family of the noise */
+};
+
+/* Log odds behind the best set of the sets that are averaged, and behind the best family of those
+ * that are left out: 160,000 to 1. */
+#define AVERAGED 12.0
+
+/* Set the causes of the unknowns, to be fitted. */
+static void set_causes(mukca_identification *id, const mukca_causes *set)
+{
+    mukca_unknowns *u = &id->m->unknowns;
+    u->n_causes = 0;
+    for (int i = 0; set && i < set->n; i++)
+        if (mukca_unknowns_add(u, &id->all.list[set->candidate[i]]))
+            u->cause[u->n_causes - 1].scale = set->scale[i];
+}
+
+void mukca_identify_fit(mukca_identification *id, const mukca_causes *set)
+{
+    set_causes(id, set);
+    mukca_regression_fit(id->m, 3, MUKCA_FIT_ALL);
+}
+
+typedef struct {
+    double odds;
+    int index;
+} ranked;
+
+static int by_odds(const void *a, const void *b)
+{
+    const ranked *x = a, *y = b;
+    return x->odds != y->odds ? (x->odds < y->odds) - (x->odds > y->odds) : x->index - y->index;
+}
+
+/* Add the candidates with the best scores of the last scan to those kept. */
+static void keep_best(mukca_identification *id, int most)
+{
+    const mukca_scan *scan = &id->scan;
+    const mukca_recording *r = &id->m->recording;
+    ranked *order = MUKCA_TAKE(&id->pool, ranked, id->all.count);
+    unsigned char *taken = MUKCA_TAKE(&id->pool, unsigned char, id->all.count);
+    long long numbers = 0;
+    if (id->pool.failed) return;
+    for (int i = 0; i < id->n_kept; i++) {
+        taken[id->kept[i]] = 1;
+        numbers += id->all.list[id->kept[i]].terms;
+    }
+    for (int i = 0; i < id->all.count; i++)
+        order[i] = (ranked){scan->value[i] + id->all.list[i].log_prior, i};
+    qsort(order, (size_t)id->all.count, sizeof *order, by_odds);
+    for (int i = 0; i < id->all.count && i < most && id->n_kept < MOST_KEPT; i++) {
+        if (!(order[i].odds > -HUGE_VAL) || taken[order[i].index]) continue;
+        numbers += id->all.list[order[i].index].terms;
+        if (numbers * (r->n_samples * r->dim + scan->n) > MOST_NUMBERS) return;
+        id->kept[id->n_kept++] = order[i].index;
+    }
+}
+
+static void keep(mukca_identification *id, int candidate)
+{
+    for (int i = 0; i < id->n_kept; i++)
+        if (id->kept[i] == candidate) return;
+    if (id->n_kept < MOST_KEPT) id->kept[id->n_kept++] = candidate;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    return *(const int *)a - *(const int *)b;
+}
+
+/* A set of the search as candidates. */
+static mukca_causes causes_of(const mukca_identification *id, const mukca_set *set)
+{
+    mukca_causes out = {.n = set->n};
+    for (int i = 0; i < set->n; i++) {
+        out.candidate[i] = id->kept[set->item[i]];
+        out.scale[i] = id->question.item[set->item[i]].prior.size[set->size[i]];
+    }
+    return out;
+}
+
+/* Items of a set, ascending, among index[n]; returns their number. */
+static int items_of(int *item, const mukca_causes *set, const int *index, int n)
+{
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < set->n; k++)
+            if (set->candidate[k] == index[i]) item[count++] = i;
+    return count;
+}
+
+/* Search among the sets of the kept candidates, from the empty set and from `start`. */
+static bool search(mukca_identification *id, const mukca_causes *start, int budget)
+{
+    mukca_pool *pool = &id->search_pool;
+    int item[MUKCA_SET_ITEMS];
+    qsort(id->kept, (size_t)id->n_kept, sizeof *id->kept, ascending); /* order of kept: no matter */
+    set_causes(id, NULL);
+    if (!mukca_scan_aim(&id->scan, id->m->unknowns.family) ||
+        !mukca_scan_question(&id->question, &id->scan, pool, id->kept, id->n_kept) ||
+        !mukca_sets_create(&id->sets, pool, &id->question))
+        return false;
+    mukca_sets_insert(&id->sets, item, items_of(item, start, id->kept, id->n_kept));
+    mukca_sets_explore(&id->sets, budget);
+    return !pool->failed;
+}
+
+static bool same(const mukca_causes *a, const mukca_causes *b)
+{
+    for (int i = 0; i < a->n && a->n == b->n; i++)
+        if (a->candidate[i] != b->candidate[i]) return false;
+    return a->n == b->n;
+}
+
+static bool watch(const mukca_identification *id, double share, mukca_error *error)
+{
+    const mukca_diagnose_options *o = id->options;
+    if (!o->progress || o->progress(o->progress_context, share, "comparing sets of causes"))
+        return true;
+    mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+    return false;
+}
+
+/* One pass: scans and searches at the present linearisation.  *best: the most probable set. */
+static mukca_status pass(mukca_identification *id, mukca_causes *best, int number,
+                         mukca_error *error)
+{
+    id->n_kept = 0;
+    set_causes(id, NULL);
+    if (!mukca_scan_aim(&id->scan, id->m->unknowns.family))
+        return mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular");
+    mukca_status status = mukca_scan_run(&id->scan, true, error);
+    if (status != MUKCA_OK) return status;
+    keep_best(id, KEPT);
+    if (number == 0) {
+        id->n_first = id->all.count;
+        memcpy(id->first_value, id->scan.value, sizeof(double) * (size_t)id->n_first);
+        memcpy(id->first_information, id->scan.information, sizeof(double) * (size_t)id->n_first);
+    }
+    for (int i = 0; i < best->n; i++) keep(id, best->candidate[i]);
+    for (int round = 0; round < (number == 0 ? ROUNDS : 2); round++) {
+        const mukca_causes before = *best;
+        if (!watch(id, 0.1 + 0.2 * number + 0.05 * round, error)) return MUKCA_INTERRUPTED;
+        if (best->n) {
+            set_causes(id, best);
+            if (mukca_scan_aim(&id->scan, id->m->unknowns.family)) {
+                status = mukca_scan_run(&id->scan, true, error);
+                if (status != MUKCA_OK) return status;
+                keep_best(id, KEPT_BESIDE);
+            }
+        }
+        mukca_pool_free(&id->search_pool);
+        const bool brief = number == 0 && round + 1 < ROUNDS;
+        if (!search(id, best, brief ? SHORT_BUDGET : BUDGET))
+            return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
+        *best = causes_of(id, &id->sets.set[id->sets.best]);
+        if (same(best, &before)) break;
+    }
+    return MUKCA_OK;
+}
+
+/* Log posterior of the first sets under another family; relative to the same of the search. */
+static bool weigh_family(double *value, mukca_identification *id, const mukca_causes *set, int n,
+                         int family)
+{
+    mukca_pool pool = {0};
+    mukca_question question;
+    mukca_sets sets;
+    int *index = MUKCA_TAKE(&pool, int, id->all.count), count = 0, item[MUKCA_SET_ITEMS];
+    unsigned char *used = MUKCA_TAKE(&pool, unsigned char, id->all.count);
+    bool ok = !pool.failed && mukca_scan_aim(&id->scan, family);
+    for (int i = 0; ok && i < n; i++)
+        for (int k = 0; k < set[i].n; k++) used[set[i].candidate[k]] = 1;
+    for (int i = 0; ok && i < id->all.count; i++)
+        if (used[i]) index[count++] = i;
+    ok = ok && mukca_scan_question(&question, &id->scan, &pool, index, count) &&
+         mukca_sets_create(&sets, &pool, &question);
+    for (int i = 0; ok && i < n; i++) {
+        const int at = mukca_sets_insert(&sets, item, items_of(item, &set[i], index, count));
+        value[i] = id->scan.evidence + (at >= 0 ? sets.set[at].value : -HUGE_VAL);
+    }
+    mukca_pool_free(&pool);
+    return ok;
+}
+
+/* Average the posterior of the sets of the last search over the families of the noise. */
+static mukca_status average(mukca_identification *id, mukca_error *error)
+{
+    mukca_sets *sets = &id->sets;
+    const int own = id->m->unknowns.family, noises = id->m->evidence.n_noises;
+    ranked *order = MUKCA_TAKE(&id->pool, ranked, sets->n_sets);
+    double *total = MUKCA_TAKE(&id->pool, double, SETS), *value = MUKCA_TAKE(&id->pool, double, SETS);
+    id->set = MUKCA_TAKE(&id->pool, mukca_causes, SETS);
+    if (id->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
+    for (int i = 0; i < sets->n_sets; i++)
+        if (sets->set[i].value > sets->set[sets->best].value - AVERAGED - 3)
+            mukca_sets_evaluate(sets, i);
+    for (int i = 0; i < sets->n_sets; i++) order[i] = (ranked){sets->set[i].value, i};
+    qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
+    int n = 0;
+    for (; n < sets->n_sets && n < SETS && order[n].odds > order[0].odds - AVERAGED; n++) {
+        id->set[n] = causes_of(id, &sets->set[order[n].index]);
+        total[n] = id->scan.evidence + order[n].odds;
+    }
+    id->n_sets = n;
+    const double best = total[0];
+    const int fine = n < FINE_SETS ? n : FINE_SETS;
+    set_causes(id, NULL);
+    for (int f = 0; f < noises; f++) {
+        if (f == own || !weigh_family(value, id, id->set, 1, f) || value[0] < best - AVERAGED)
+            continue;
+        if (!weigh_family(value, id, id->set, fine, f)) continue;
+        for (int i = 0; i < n; i++) {
+            const double of = i < fine ? value[i] : value[0] + order[i].odds - order[0].odds;
+            const double hi = fmax(total[i], of);
+            total[i] = hi + log(exp(total[i] - hi) + exp(of - hi));
+        }
+    }
+    const double sum = mukca_stats_log_sum_exp(total, n);
+    for (int i = 0; i < n; i++) id->set[i].weight = exp(total[i] - sum);
+    return MUKCA_OK;
+}
+
+/* Would a report call both the same? */
+static bool same_name(const mukca_candidate *a, const mukca_candidate *b, const double *travel)
+{
+    const double turn = 6.28318530717958647692;
+    if (mukca_candidate_class(a) != mukca_candidate_class(b) || a->joint != b->joint) return false;
+    if (mukca_candidate_is_fault(a))
+        return a->fault.group == b->fault.group &&
+               (a->kind != MUKCA_CANDIDATE_OUTLIER || a->fault.first == b->fault.first);
+    if (mukca_candidate_class(a) != MUKCA_EFFECT_GEAR_HARMONIC) return true;
+    return abs(a->effect.variant.order - b->effect.variant.order) * travel[a->joint] < turn;
+}
+
+/* Names of the candidates in the sets, and their probabilities. */
+static void find_names(mukca_identification *id)
+{
+    double travel[MUKCA_MAX_JOINTS], range[2];
+    unsigned char *in = MUKCA_TAKE(&id->pool, unsigned char, id->all.count);
+    id->name = MUKCA_TAKE(&id->pool, int, id->all.count);
+    id->of_name = MUKCA_TAKE(&id->pool, int, id->all.count);
+    id->probability = MUKCA_TAKE(&id->pool, double, id->all.count);
+    id->instead = MUKCA_TAKE(&id->pool, double, id->all.count);
+    if (id->pool.failed) return;
+    for (int j = 0; j < id->m->recording.chain->n_joints; j++) {
+        mukca_recording_travel(range, &id->m->recording, j);
+        travel[j] = range[1] - range[0];
+    }
+    for (int i = 0; i < id->all.count; i++) id->name[i] = -1;
+    for (int i = 0; i < id->n_sets; i++) {
+        const mukca_causes *set = &id->set[i];
+        memset(in, 0, (size_t)id->n_names);
+        for (int k = 0; k < set->n; k++) {
+            int *name = &id->name[set->candidate[k]], n = 0;
+            if (*name < 0) {
+                const mukca_candidate *h = &id->all.list[set->candidate[k]];
+                while (n < id->n_names &&
+                       !same_name(h, &id->all.list[id->of_name[n]], travel))
+                    n++;
+                if (n == id->n_names) id->of_name[id->n_names++] = set->candidate[k], in[n] = 0;
+                *name = n;
+            }
+            if (!in[*name]) id->probability[*name] += set->weight;
+            in[*name] = 1;
+        }
+    }
+}
+
+static int by_weight(const void *a, const void *b)
+{
+    const mukca_causes *x = a, *y = b;
+    return (x->weight < y->weight) - (x->weight > y->weight);
+}
+
+/* Compute the functions of the angles at the present linearisation. */
+static void seat(mukca_identification *id)
+{
+    mukca_recording_seat(&id->m->recording, &id->m->pool, id->m->linear.seated);
+    for (int i = 0; i < id->all.count; i++)
+        if (id->all.list[i].basis) mukca_candidate_fill(&id->all.list[i], &id->m->recording);
+}
+
+mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
+{
+    mukca_regression *m = id->m;
+    mukca_causes best = {0}, fitted = {0};
+    mukca_recording_seat(&m->recording, &m->pool, m->linear.seated);
+    mukca_status status = mukca_candidates_list(&id->all, &m->pool, &m->recording, &m->unknowns,
+                                                id->options->disabled, error);
+    if (status != MUKCA_OK) return status;
+    id->kept = MUKCA_TAKE(&id->pool, int, MOST_KEPT);
+    id->first_value = MUKCA_TAKE(&id->pool, double, id->all.capacity);
+    id->first_information = MUKCA_TAKE(&id->pool, double, id->all.capacity);
+    if (!mukca_scan_create(&id->scan, &id->pool, m, &id->all))
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",
+                          id->all.count);
+    for (int number = 0; number < PASSES && status == MUKCA_OK; number++) {
+        mukca_regression_freeze(m);
+        if (number) seat(id);
+        status = pass(id, &best, number, error);
+        const bool done = same(&best, &fitted) && number > 0;
+        if (status != MUKCA_OK || number + 1 == PASSES || done || (number == 0 && !best.n)) break;
+        fitted = best;
+        mukca_identify_fit(id, &best);
+        if (mukca_screening_reinstate(id->faults, m)) mukca_identify_fit(id, &best);
+    }
+    if (status == MUKCA_OK) status = average(id, error);
+    if (status == MUKCA_OK) {
+        qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
+        find_names(id);
+        mukca_identify_fit(id, &id->set[0]);
+    }
+    return status;
+}
+
+void mukca_identify_free(mukca_identification *id)
+{
+    mukca_pool_free(&id->search_pool);
+    mukca_pool_free(&id->pool);
+}
+
+int mukca_identify_item(const mukca_identification *id, const mukca_candidate *candidate)
+{
+    for (int i = 0; i < id->n_kept; i++)
+        if (mukca_candidate_same(&id->all.list[id->kept[i]], candidate)) return i;
+    return -1;
+}

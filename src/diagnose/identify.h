@@ -1,0 +1,51 @@
+/* Identification: posterior probability of sets of causes of the remaining error. */
+#ifndef MUKCA_DIAGNOSE_IDENTIFY_H
+#define MUKCA_DIAGNOSE_IDENTIFY_H
+
+#include "diagnose/diagnose.h"
+#include "diagnose/scan.h"
+#include "diagnose/screening.h"
+
+/* A set of candidates. */
+typedef struct {
+    int n;
+    int candidate[MUKCA_SET_ITEMS]; /* of the list */
+    double scale[MUKCA_SET_ITEMS];  /* most probable prior sizes */
+    double weight;                  /* posterior probability */
+} mukca_causes;
+
+typedef struct {
+    mukca_regression *m;
+    mukca_faults *faults; /* from screening; their rows may be reinstated */
+    const mukca_diagnose_options *options;
+    mukca_candidates all;
+    mukca_scan scan;
+    int n_sets;
+    mukca_causes *set; /* [n_sets] by falling weight */
+    /* names: what a report calls the same, one effect at one joint or socket; orders of ripple that
+     * a joint's travel cannot tell apart are the same */
+    int n_names, *name, *of_name; /* [all.capacity] name of a candidate, -1: in no set; its first */
+    double *probability;          /* [n_names] weight of all sets that contain it */
+    double *instead;              /* [n_names] scratch */
+    /* the last search, under the most probable family of the noise */
+    int n_kept, *kept; /* its items are these candidates */
+    mukca_question question;
+    mukca_sets sets;
+    /* scores of each candidate alone */
+    int n_first;
+    double *first_value, *first_information;
+    mukca_pool pool, search_pool; /* of all; of the last search */
+} mukca_identification;
+
+/* List the candidates and find the most probable sets of them.  The regression is left fitted to the
+ * first set.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
+mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error);
+void mukca_identify_free(mukca_identification *id);
+
+/* Fit the regression to a set. */
+void mukca_identify_fit(mukca_identification *id, const mukca_causes *set);
+
+/* Item of a candidate in the last search, -1: none. */
+int mukca_identify_item(const mukca_identification *id, const mukca_candidate *candidate);
+
+#endif

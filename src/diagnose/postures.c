@@ -1,0 +1,135 @@
+/* Postures: rows of a recording with the same joint angles. */
+#include "diagnose/postures.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Distances between readings of one posture and between postures, rad (m of a sliding joint):
+ * encoder noise and servo steps are below the one, chosen postures above the other.  Between them
+ * the widest gap in the data decides. */
+#define NEAR 0.2e-3
+#define FAR 5e-3
+
+typedef struct {
+    double q;
+    int row;
+} sorted;
+
+static int by_angle(const void *a, const void *b)
+{
+    const sorted *x = a, *y = b;
+    return x->q != y->q ? (x->q > y->q) - (x->q < y->q) : x->row - y->row;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Largest difference of a joint's angles; rows with another payload are another posture. */
+static double distance(const mukca_dataset *d, int a, int b)
+{
+    const double *p = d->q + (size_t)a * (size_t)d->n_joints,
+                 *q = d->q + (size_t)b * (size_t)d->n_joints;
+    double most = 0;
+    for (int j = 0; j < d->n_joints; j++) most = fmax(most, fabs(p[j] - q[j]));
+    if (d->payload && d->payload[a] != d->payload[b] &&
+        !(isnan(d->payload[a]) && isnan(d->payload[b])))
+        return HUGE_VAL;
+    return most;
+}
+
+/* Rows by the joint with the widest range, so that near rows are neighbours. */
+static void sort_rows(sorted *order, const mukca_dataset *d)
+{
+    double widest = -1;
+    int joint = 0;
+    for (int j = 0; j < d->n_joints; j++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (int row = 0; row < d->n_rows; row++) {
+            low = fmin(low, d->q[row * d->n_joints + j]);
+            high = fmax(high, d->q[row * d->n_joints + j]);
+        }
+        if (high - low > widest) widest = high - low, joint = j;
+    }
+    for (int row = 0; row < d->n_rows; row++)
+        order[row] = (sorted){d->q[row * d->n_joints + joint], row};
+    qsort(order, (size_t)d->n_rows, sizeof *order, by_angle);
+}
+
+/* Largest distance of readings of one posture: the middle, in logarithms, of the widest gap in the
+ * distances of each row to the nearest other one. */
+static double find_tolerance(double *nearest, const sorted *order, const mukca_dataset *d)
+{
+    int n = 0;
+    for (int i = 0; i < d->n_rows; i++) {
+        double least = FAR;
+        for (int side = -1; side <= 1; side += 2)
+            for (int k = i + side;
+                 k >= 0 && k < d->n_rows && fabs(order[k].q - order[i].q) < least; k += side)
+                least = fmin(least, distance(d, order[i].row, order[k].row));
+        if (least > NEAR && least < FAR) nearest[n++] = least;
+    }
+    qsort(nearest, (size_t)n, sizeof *nearest, ascending);
+    double widest = 0, tolerance = sqrt(NEAR * FAR);
+    for (int i = 0; i <= n; i++) {
+        const double low = i ? nearest[i - 1] : NEAR, high = i < n ? nearest[i] : FAR;
+        if (high > widest * low) widest = high / low, tolerance = sqrt(high * low);
+    }
+    return tolerance;
+}
+
+int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *d)
+{
+    const int rows = d->n_rows;
+    sorted *order = MUKCA_TAKE(pool, sorted, rows);
+    double *nearest = MUKCA_TAKE(pool, double, rows + 1);
+    int *place = MUKCA_TAKE(pool, int, rows), repeats = 0;
+    if (pool->failed) return 0;
+    sort_rows(order, d);
+    const double tolerance = find_tolerance(nearest, order, d);
+    for (int i = 0; i < rows; i++) place[order[i].row] = i, posture[i] = -1;
+    for (int row = 0; row < rows; row++) {
+        double least = tolerance;
+        int first = row;
+        for (int side = -1; side <= 1; side += 2)
+            for (int k = place[row] + side;
+                 k >= 0 && k < rows && fabs(order[k].q - order[place[row]].q) < least; k += side) {
+                const int other = order[k].row;
+                if (other > row || posture[other] != other) continue;
+                const double far = distance(d, row, other);
+                if (far < least) least = far, first = other;
+            }
+        posture[row] = first;
+        repeats += first != row;
+    }
+    return repeats;
+}
+
+void mukca_postures_move(double *move, mukca_pool *pool, const int *posture,
+                         const mukca_dataset *d, const double *q)
+{
+    const int rows = d->n_rows, n = d->n_joints;
+    double *mean = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)n);
+    int *count = MUKCA_TAKE(pool, int, rows);
+    if (pool->failed) return;
+    for (int row = 0; row < rows; row++, count[posture[row - 1]]++)
+        for (int j = 0; j < n; j++) {
+            double *of = &mean[posture[row] * n + j];
+            *of += (q[row * n + j] - *of) / (count[posture[row]] + 1);
+        }
+    for (int row = 0; row < rows; row++) {
+        const bool start = row == 0 || d->file[row] != d->file[row - 1];
+        for (int j = 0; j < n; j++) {
+            double *to = &move[row * n + j];
+            if (start)
+                *to = 0;
+            else if (posture[row] == posture[row - 1])
+                *to = to[-n];
+            else
+                *to = mean[posture[row] * n + j] - mean[posture[row - 1] * n + j];
+        }
+    }
+}

@@ -1,0 +1,160 @@
+/* Scores of faults of one socket or sample. */
+#include "diagnose/scan_faults.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "math/dense.h"
+#include "math/four.h"
+
+/* Running sums over the samples of one group. */
+typedef struct {
+    mukca_scan *scan;
+    int group, ld;
+    double *Z; /* [n][ld] sums of L^-1 D X' of each row, by sample and coordinate, from the first
+                  sample on */
+    double *u; /* [count][dim] sums of the residual */
+    mukca_samples samples; /* the group alone, one coordinate */
+    mukca_whitening whitening;
+} fault_sums;
+
+/* Z: L^-1 D (A'X)', with the effect of the group's mean on the distances. */
+static void fill(fault_sums *f)
+{
+    mukca_scan *s = f->scan;
+    const mukca_recording *r = &s->m->recording;
+    const mukca_linearisation *linear = &s->m->linear;
+    const mukca_group *group = &r->groups[f->group];
+    const int n = s->n, d = r->dim, count = group->count, ld = f->ld, *at = linear->at;
+    double *x = s->E, *turned = s->W; /* scratch */
+    for (int t = 0; t < n; t++) {
+        double *Z = f->Z + (size_t)t * (size_t)ld;
+        memset(Z, 0, sizeof *Z * (size_t)ld);
+        for (int i = 0; i < count * d; i++) {
+            const size_t row = (size_t)(group->start * d + i);
+            x[row] = s->precision * s->white[row * (size_t)linear->stride + (size_t)at[t]];
+        }
+        for (int p = 0; p < r->n_pairs; p++) {
+            const double sign = (r->pairs[p].a == f->group) - (r->pairs[p].b == f->group),
+                         by = sign * s->inverse[p] * s->distance[p * (n + 1) + t] /
+                              f->whitening.total[0];
+            for (int i = 0; i < count && by != 0; i++)
+                for (int c = 0; c < 3; c++)
+                    x[(group->start + i) * d + c] +=
+                        by * linear->direction[p][c] * f->whitening.one[group->start + i];
+        }
+        mukca_samples block = f->samples;
+        block.dim = d;
+        mukca_whitening_transpose(turned, x, 1, 1, &f->whitening, &block);
+        for (int i = 0; i < count * d; i++) Z[i] = s->prior[t] * turned[group->start * d + i];
+    }
+    mukca_dense_forward8(f->Z, ld, ld, s->m->evidence.factor, n);
+    for (int t = 0; t < n; t++)
+        for (int i = d; i < count * d; i++) f->Z[(size_t)t * (size_t)ld + (size_t)i] +=
+            f->Z[(size_t)t * (size_t)ld + (size_t)(i - d)];
+}
+
+/* Samples [from, to) of the group that a fault displaces. */
+static void find_samples(int *from, int *to, const mukca_recording *r, const mukca_candidate *h)
+{
+    const mukca_group *group = &r->groups[h->fault.group];
+    const int *row = r->order + group->start;
+    int lo = 0, hi = group->count;
+    *from = 0, *to = group->count;
+    if (h->kind == MUKCA_CANDIDATE_CREEP) return;
+    while (lo < hi) { /* rows ascend within a group */
+        const int middle = (lo + hi) / 2;
+        if (row[middle] < h->fault.first)
+            lo = middle + 1;
+        else
+            hi = middle;
+    }
+    *from = lo;
+    if (h->kind != MUKCA_CANDIDATE_OUTLIER) return;
+    while (hi < group->count && row[hi] <= h->fault.last) hi++;
+    *to = hi;
+}
+
+static void score(double *value, double *information, fault_sums *f, const mukca_candidate *h)
+{
+    mukca_scan *s = f->scan;
+    const mukca_recording *r = &s->m->recording;
+    const mukca_group *group = &r->groups[f->group];
+    const int n = s->n, d = r->dim;
+    double *T = s->T, *share = s->C, *white = s->W, mean = 0, square = 0, G[9], g[3];
+    int from, to;
+    find_samples(&from, &to, r, h);
+    for (int i = 0; i < group->count; i++)
+        share[group->start + i] = mukca_candidate_fault_share(h, r, r->order[group->start + i]);
+    mukca_whitening_apply(
+        &(mukca_whitened){.n = 1, .ld = 1, .x = share, .white = white, .mean = &mean},
+        &f->whitening, &f->samples);
+    for (int i = group->start; i < group->start + group->count; i++) square += white[i] * white[i];
+    memset(T, 0, sizeof *T * (size_t)(3 * n));
+    memset(g, 0, sizeof g);
+    const bool creep = h->kind == MUKCA_CANDIDATE_CREEP;
+    for (int i = creep ? from : to - 1; i < to; i++) {
+        const int start = creep ? i : from;
+        const double w = share[group->start + i];
+        for (int c = 0; c < 3; c++) {
+            const int last = i * d + c, before = (start - 1) * d + c;
+            g[c] -= w * (f->u[last] - (start ? f->u[before] : 0));
+            for (int t = 0; t < n; t++) {
+                const double *Z = f->Z + (size_t)t * (size_t)f->ld;
+                T[c * n + t] -= w * (Z[last] - (start ? Z[before] : 0));
+            }
+        }
+    }
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            G[3 * a + b] =
+                (a == b ? s->precision * square : 0) - dot4(T + a * n, T + b * n, n);
+    for (int p = 0; p < r->n_pairs; p++) {
+        const double *direction = s->m->linear.direction[p],
+                     w = s->inverse[p] * mean * mean;
+        if (r->pairs[p].a != f->group && r->pairs[p].b != f->group) continue;
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++) G[3 * a + b] += w * direction[a] * direction[b];
+    }
+    const mukca_mixture prior = mukca_candidate_mixture(h);
+    *information = G[0];
+    *value = mukca_mixture_evidence(NULL, G, g, 3, &prior, s->residual, s->dof);
+}
+
+void mukca_scan_faults(mukca_scan *s)
+{
+    const mukca_recording *r = &s->m->recording;
+    double *u = s->u;
+    mukca_scan_residual(u, s);
+    for (int g = 0; g < r->n_groups; g++) {
+        const mukca_group *group = &r->groups[g];
+        const int d = r->dim;
+        mukca_block block = {group->start, group->count, group->socket >= 0};
+        fault_sums f = {.scan = s,
+                        .group = g,
+                        .ld = (group->count * d + 7) & ~7,
+                        .Z = s->rows,
+                        .u = u + group->start * d,
+                        .samples = {.n_samples = r->n_samples,
+                                    .n_blocks = 1,
+                                    .dim = 1,
+                                    .block = &block,
+                                    .next = r->samples.next,
+                                    .readings = r->samples.readings},
+                        .whitening = s->normal->whitening};
+        f.whitening.total += g;
+        bool filled = false;
+        for (int k = 0; k < s->all->count; k++) {
+            const mukca_candidate *h = &s->all->list[k];
+            if (!mukca_candidate_is_fault(h) || h->fault.group != g) continue;
+            s->value[k] = -HUGE_VAL, s->information[k] = 0;
+            if (!r->keep[h->fault.first] || !group->count) continue;
+            if (!filled) {
+                fill(&f);
+                for (int i = d; i < group->count * d; i++) f.u[i] += f.u[i - d];
+                filled = true;
+            }
+            score(&s->value[k], &s->information[k], &f, h);
+        }
+    }
+}

@@ -1,0 +1,27 @@
+/* Evidence of a block of coefficients whose prior is a mixture of sizes. */
+#ifndef MUKCA_INFER_MIXTURE_H
+#define MUKCA_INFER_MIXTURE_H
+
+#include <stdbool.h>
+
+enum { MUKCA_MOST_TERMS = 64, MUKCA_MOST_SIZES = 8 };
+
+/* The coefficients are independent Gaussians of one of several standard deviations. */
+typedef struct {
+    int n_sizes;
+    double size[MUKCA_MOST_SIZES], log_weight[MUKCA_MOST_SIZES];
+    bool nonnegative; /* the first coefficient */
+} mukca_mixture;
+
+/* Log Bayes factor of k coefficients with the projected normal equations G[k][k] and g[k], averaged
+ * over the sizes, with the scale of the noise profiled out: `residual` is the squared residual
+ * without them in units of the noise, and `dof` its degrees of freedom.  by_size[n_sizes] (may be
+ * NULL) receives the terms of the average. */
+double mukca_mixture_evidence(double *by_size, const double *G, const double *g, int k,
+                              const mukca_mixture *prior, double residual, int dof);
+
+/* Log of twice the posterior probability that a coefficient with this mean and variance, in units
+ * of the noise, is positive. */
+double mukca_mixture_positive(double mean, double variance, double residual, int dof);
+
+#endif

@@ -1,0 +1,83 @@
+/* Posterior probability of sets of causes in a linear Gaussian regression.
+ *
+ * An item is a possible cause: a block of columns with a mixture prior, and prior odds.  A set
+ * explains the data by the sum of its items.  Best-first search from the empty set adds, drops and
+ * swaps items and replaces one by two; all sets that it meets are kept with their posterior. */
+#ifndef MUKCA_INFER_SETS_H
+#define MUKCA_INFER_SETS_H
+
+#include "base/pool.h"
+#include "infer/mixture.h"
+
+enum {
+    MUKCA_SET_ITEMS = 24,    /* in a set */
+    MUKCA_SET_COLUMNS = 160, /* of them together */
+    MUKCA_MOST_SETS = 16384
+};
+
+typedef struct {
+    int at, terms; /* columns */
+    mukca_mixture prior;
+    double log_prior;
+    int key; /* a set has at most one item of a key: variants of one cause */
+} mukca_item;
+
+/* Columns E[n_rows][stride], whitened, in units of the noise; the products of the last n_projected
+ * rows are subtracted, as these rows are components along a model that was integrated out.  g[]:
+ * products with the residual, which has the squared length `residual` and `dof` degrees of freedom.
+ * The stride is a multiple of 8; unused columns are 0. */
+typedef struct {
+    int n_items, n_columns, stride, n_rows, n_projected, dof;
+    const mukca_item *item;
+    const double *E, *g;
+    double residual;
+} mukca_question;
+
+typedef struct {
+    int n;
+    unsigned short item[MUKCA_SET_ITEMS]; /* ascending */
+    unsigned char size[MUKCA_SET_ITEMS];  /* most probable one of each item's mixture */
+    double value;                         /* log posterior against the empty set */
+    bool exact, expanded; /* exact: its sizes are at their maximum, and integrated */
+} mukca_set;
+
+typedef struct {
+    const mukca_question *question;
+    mukca_pool *pool;
+    double **gram; /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
+    double *block; /* diagonal blocks of all items */
+    int *block_at; /* [n_items] */
+    int n_sets, best;
+    mukca_set *set; /* [MUKCA_MOST_SETS] */
+    int *table;     /* hash table of sets */
+    struct {
+        int n;
+        int column[MUKCA_SET_COLUMNS];
+        double size[MUKCA_SET_COLUMNS];
+        double *L, *v, *B; /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
+        double rest;       /* residual */
+    } with; /* the set integrated out last */
+    double *value;                                 /* [n_items] scratch */
+    int *order;
+} mukca_sets;
+
+/* Start with the empty set.  Memory comes from `pool`.  False: no memory. */
+bool mukca_sets_create(mukca_sets *sets, mukca_pool *pool, const mukca_question *question);
+
+/* Index of the set of these items, ascending, evaluated; -1: too large. */
+int mukca_sets_insert(mukca_sets *sets, const int *item, int n);
+
+/* Expand at most `budget` sets, the most probable first. */
+void mukca_sets_explore(mukca_sets *sets, int budget);
+
+/* Evaluate a set, if it is only estimated. */
+void mukca_sets_evaluate(mukca_sets *sets, int set);
+
+/* Log Bayes factor of an item in addition to a set without it, and (correlation, may be NULL) its
+ * largest canonical correlation with another item given the set. */
+double mukca_sets_gain(mukca_sets *sets, const mukca_set *set, int item);
+
+/* Projected Gram block G[a.terms][b.terms] of two items given a set. */
+void mukca_sets_gram(double *G, mukca_sets *sets, const mukca_set *set, int a, int b);
+
+#endif
