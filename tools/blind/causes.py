@@ -198,6 +198,7 @@ def choose(kind, arm, rng, st, ses, places, aim, sigma, want=True):
         label["joint_index"] = part.joints[0]
     if kind in OUTSIDE:
         slip = [[e, arm.joints[j]] for e in ("zero_jump", "joint_drift") for j in part.joints]
+        slip += [["tool_motion", None]]         # what a socket sees of a slip
         label["near"] = (outside.near(part, arm.n) if kind in outside.CAUSES
                          else slip if kind == "joint_slip" else [])
     for key, value in part.set.items():

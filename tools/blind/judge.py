@@ -124,6 +124,7 @@ class Record(dict):
         self.flag("false alarms, " + ("heavy" if label["kind"] == "none_heavy" else
                                       "correlated" if label["ar"] else "Gaussian"), bad)
         how = self["readings"]
+        self.flag("false alarms, read " + how, bad)
         if how != "once":
             self.flag(f"null, {how}: named", r.get("verdict") == "named")
             self.flag(f"null, {how}: any name listed", causes)

@@ -301,7 +301,7 @@ CAUSES = {
     "worn_segment": (worn_draw, worn_unit, 5, True, SPRING + ("backlash",)),
     "warming_spring": (cold_draw, cold_unit, 4, True, SPRING + TIME),
     "bearing_lobes": (lobes_draw, lobes_unit, 5, True, ("axis_wobble",)),
-    "bent_link": (bent_draw, bent_unit, 4, True, ("zero_jump",) + TIME),
+    "bent_link": (bent_draw, bent_unit, 4, True, ("zero_jump", "tool_motion@any") + TIME),
     "link_warp": (warp_draw, warp_unit, 4, True, TIME),
     "room_cycle": (room_draw, room_unit, 4, False, ()),
     "rocking_base": (rocking_draw, rocking_unit, 5, False, BASE),
@@ -319,7 +319,7 @@ def near(part, n):
     out = []
     for name in CAUSES[part.kind][4]:
         effect, _, at = name.partition("@")
-        joints = [int(at)] if at else [j + 1 for j in part.joints]
+        joints = [] if at == "any" else [int(at)] if at else [j + 1 for j in part.joints]
         across = effect == "link_bending" and not at or part.kind in ("bent_link", "link_warp")
         joints += [j + d for j in joints for d in (-1, 1) if across and 0 < j + d <= n]
         out += [[effect, f"joint_{j}"] for j in joints] or [[effect, None]]

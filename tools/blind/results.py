@@ -117,6 +117,19 @@ def goals(sets):
     return out
 
 
+def withheld(records):
+    """Markdown lines: what is said in place of a class that was taken out."""
+    what = ("unknown", "declared alias", "none", "tied wrong names", "CONFIDENT WRONG NAME")
+    columns = ["withheld: " + w for w in what] + ["withheld: stated above 0.9 and wrong"]
+    out = ["| withheld class | cases | unknown | declared alias | none | tied, wrong "
+           "| named, wrong | above 0.9 without reserve and wrong |", "| --- " * 8 + "|"]
+    for kind in sorted({r["kind"] for r in records}) + ["all"]:
+        mine = [r for r in records if kind in (r["kind"], "all")]
+        cells = [str(sum(r["flags"].get(c, False) for r in mine)) for c in columns]
+        out.append(f"| {kind} | {len(mine)} | " + " | ".join(cells) + " |")
+    return out
+
+
 def text(folder):
     sets = {}
     for name in SETS:
@@ -124,13 +137,13 @@ def text(folder):
         if os.path.exists(path):
             with open(path) as f:
                 sets[name] = json.load(f)
-    out = goals(sets) + ["", "Every stated probability of a cause or of its rival in a tie, plain and "
-                         "hard together:", ""]
-    out += calibration([r for s in ("plain", "hard", "repeats") for r in sets.get(s, [])])
+    out = goals(sets) + ["", "Every stated probability of a cause, or of its rival in a tie, of the plain "
+                         "and the hard set:", ""]
+    out += calibration([r for s in ("plain", "hard") for r in sets.get(s, [])])
     held = [r for s in sets if "withheld" in s for r in sets[s]]
     if held:
-        out += ["", "The true class withheld; a declared alias counts as right:", ""]
-        out += calibration(held)
+        out += ["", "The true class withheld from the catalogue, both sets; a declared alias counts as right:", ""]
+        out += calibration(held) + [""] + withheld(held)
     return "\n".join(out)
 
 

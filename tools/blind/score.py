@@ -166,17 +166,6 @@ def by_outside(records):
             print(f"  {kind}: " + ", ".join(f"{k} {n}" for k, n in notes.most_common()))
 
 
-def by_withheld(records):
-    what = ("unknown", "declared alias", "none", "tied wrong names", "CONFIDENT WRONG NAME")
-    print("\n| withheld class | n | unknown | alias | none | tied wrong | confident wrong |"
-          " above 0.9 and wrong |\n| --- | --- | --- | --- | --- | --- | --- | --- |")
-    for kind in sorted({r["kind"] for r in records}):
-        rs = [r for r in records if r["kind"] == kind]
-        print(f"| {kind} | {len(rs)} |", " | ".join(str(sum(
-            r["flags"].get(name, False) for r in rs)) for name in
-            ["withheld: " + w for w in what] + ["withheld: stated above 0.9 and wrong"]), "|")
-
-
 def by_band(records):
     bands = collections.OrderedDict()
     for r in records:
@@ -227,7 +216,7 @@ def main():
     print()
     print("\n".join(results.calibration(records)))
     if a.without_class:
-        by_withheld(records)
+        print("\n" + "\n".join(results.withheld(records)))
     else:
         by_effect(records)
         by_outside(records)
