@@ -187,8 +187,9 @@ def make_case(kind, rng, hard, stock, use_real, asked):
     if kind == "convention":        # the columns count joint 3 from the horizontal, the URDF does not
         for angles in (q, qh):
             angles[:, 2] -= true.linkage[0] * angles[:, 1]
-    with_time = bool(any("tau_s" in p.set or "period_s" in p.set or p.kind == "joint_drift"
-                         for p in parts) or rng.random() < 0.75)
+    timed = kind == "duplicate" or any(
+        "tau_s" in p.set or "period_s" in p.set or p.kind == "joint_drift" for p in parts)
+    with_time = bool(timed or rng.random() < 0.75)
     effort = bool(rng.random() < 0.5)
     group = ("none" if kind.startswith("none") else "unknown" if kind in OUTSIDE else
              "fault" if kind in ONCE - {"socket_distance"} else kind if kind in OTHER else "effect")

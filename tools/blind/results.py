@@ -99,7 +99,8 @@ def calibration(records):
 def goals(sets):
     """Markdown lines: every goal, a column per set; a missed one is bold."""
     names = list(sets)
-    out = ["| figure | goal | " + " | ".join(f"{SETS[s]}, {len(sets[s])}" for s in names) + " |",
+    out = ["| figure | goal | " + " | ".join(f"{SETS[s]}, {sum('class' in r for r in sets[s])}"
+                                             for s in names) + " |",
            "| --- " * (len(names) + 2) + "|"]
     for name, way, goal in GOALS:
         cells = []
@@ -142,7 +143,7 @@ def text(folder):
     out += calibration([r for s in ("plain", "hard") for r in sets.get(s, [])])
     held = [r for s in sets if "withheld" in s for r in sets[s]]
     if held:
-        out += ["", "The true class withheld from the catalogue, both sets; a declared alias counts as right:", ""]
+        out += ["", "The true class withheld from the catalogue; a declared alias counts as right:", ""]
         out += calibration(held) + [""] + withheld(held)
     return "\n".join(out)
 
