@@ -303,7 +303,7 @@ CAUSES = {
     "bearing_lobes": (lobes_draw, lobes_unit, 5, True, ("axis_wobble",)),
     "bent_link": (bent_draw, bent_unit, 4, True, ("zero_jump", "tool_motion@any") + TIME),
     "link_warp": (warp_draw, warp_unit, 4, True, TIME),
-    "room_cycle": (room_draw, room_unit, 4, False, ()),
+    "room_cycle": (room_draw, room_unit, 4, False, ("tool_motion@any",)),
     "rocking_base": (rocking_draw, rocking_unit, 5, False, BASE),
     "soft_table": (table_draw, table_unit, 4, False, BASE),
     "worn_socket": (socket_draw, socket_unit, 5, False, ()),
