@@ -66,8 +66,9 @@ class Sweep:
 class Arm:
     """Serial arm: per joint a fixed placement (shift, frame), an axis and limits; then the ball."""
 
-    def __init__(self, name, shifts, frames, axes, limits, ball, masses, flange=None):
+    def __init__(self, name, shifts, frames, axes, limits, ball, masses, flange=None, slides=()):
         self.name = name
+        self.linkage = None                   # sign, low, high of q3 + sign q2: a parallel linkage
         self.shift = np.array(shifts, float)
         self.frame = np.array(frames, float)
         self.axis = np.array(axes, float)
@@ -77,9 +78,13 @@ class Arm:
         self.flange = flange                  # fixed (shift, frame) before the ball, or None
         self.n = len(self.axis)
         self.joints = [f"joint_{k + 1}" for k in range(self.n)]
+        self.slide = np.isin(np.arange(self.n), slides)
+        self.step = np.where(self.slide, 0.3, 1.0)      # metres that are like one radian
 
     def reach(self):
-        return float(np.linalg.norm(self.shift[1:], axis=1).sum() + np.linalg.norm(self.tool()))
+        turning = self.shift[np.argmin(self.slide) + 1:]
+        return float(np.linalg.norm(turning, axis=1).sum() + np.linalg.norm(self.tool())
+                     + 0.3 * np.ptp(self.limit[self.slide], axis=1).sum())
 
     def tool(self):
         """Ball in the last link's frame."""
@@ -101,7 +106,10 @@ class Arm:
             place = place + frame @ self.shift[k]
             frame = frame @ self.frame[k]
             s.origin[:, k], s.before[:, k], s.axis[:, k] = place, frame, frame @ self.axis[k]
-            frame = frame @ turn(q[:, k:k + 1] * self.axis[k])
+            if self.slide[k]:
+                place = place + s.axis[:, k] * q[:, k:k + 1]
+            else:
+                frame = frame @ turn(q[:, k:k + 1] * self.axis[k])
             if twist is not None and np.any(twist[:, k]):
                 frame = turn(twist[:, k]) @ frame
             if want_masses:
@@ -112,16 +120,22 @@ class Arm:
         s.ball = place + frame @ self.tool()
         return s
 
+    def lever(self, s):
+        """Ball's derivative by the joints' angles or travels, (N,n,3)."""
+        return np.where(self.slide[:, None], s.axis, np.cross(s.axis, s.ball[:, None] - s.origin))
+
     def gravity(self, s):
-        """Gravity's moment about every joint (N,n,3) and about the base (N,3), world frame."""
-        moment = np.zeros_like(s.origin)
+        """Gravity's moment about every joint (N,n,3) and the base (N,3), world frame; what joints hold."""
+        moment, weight = np.zeros_like(s.origin), np.zeros((self.n, 3))
         base = np.zeros_like(s.ball)
         for i, (link, kg, _) in enumerate(self.masses):
             pull = kg * GRAVITY
             base += np.cross(s.centre[:, i], pull)
             for k in range(link + 1):
                 moment[:, k] += np.cross(s.centre[:, i] - s.origin[:, k], pull)
-        return moment, base
+                weight[k] += pull
+        held = np.where(self.slide[:, None], weight, moment)
+        return moment, base, -np.einsum("nki,nki->nk", held, s.axis)
 
     def geometry(self, s):
         """Ball's derivative by the place and attitude of every joint and the ball: (N,3,6n+3)."""
@@ -174,7 +188,8 @@ class Arm:
         parent = "base"
         for k in range(self.n):
             low, high = self.limit[k]
-            out += [f'  <joint name="joint_{k + 1}" type="revolute">',
+            kind = "prismatic" if self.slide[k] else "revolute"
+            out += [f'  <joint name="joint_{k + 1}" type="{kind}">',
                     f'    <origin xyz="{vec(self.shift[k])}" rpy="{vec(angles(self.frame[k]))}"/>',
                     f'    <parent link="{parent}"/><child link="link_{k + 1}"/>',
                     f'    <axis xyz="{vec(self.axis[k])}"/>',
@@ -205,7 +220,7 @@ def solve(arm, q, target, bend=None, rounds=40):
         worst = np.linalg.norm(miss, axis=1)
         if worst.max() < 1e-11:
             break
-        jac = np.cross(s.axis, s.ball[:, None] - s.origin).transpose(0, 2, 1)
+        jac = arm.lever(s).transpose(0, 2, 1)
         soft = 1e-4 * np.minimum(1.0, worst / 1e-2)[:, None, None] * np.eye(3)
         step = np.einsum("nji,nj->ni", jac,
                          np.linalg.solve(jac @ jac.transpose(0, 2, 1) + soft + 1e-12 * np.eye(3),
@@ -271,6 +286,49 @@ def own_arms():
         masses=[(0, 1.0, (0, 0, 0.02)), (1, 1.2, (0.0, 0.2, 0.03)), (2, 0.6, (0.01, -0.08, 0.01)),
                 (3, 0.5, (0, 0.01, 0.06)), (4, 0.5, (-0.05, 0, 0.01)), (5, 0.35, (0, 0, 0.05))]))
     return arms
+
+
+def on_slides(arm, name, slides):
+    """The arm on sliding joints: rows of (shift, axis, low, high, kg)."""
+    shifts, axes, limits, masses = [], [], [], []
+    for k, (shift, axis, low, high, kg) in enumerate(slides):
+        shifts.append(shift)
+        axes.append(axis)
+        limits.append((low, high))
+        masses.append((k, kg, np.array([0.02, 0.01, 0.1])))
+    m = len(slides)
+    return Arm(name, shifts + list(arm.shift), [np.eye(3)] * m + list(arm.frame),
+               axes + list(arm.axis), limits + list(arm.limit), arm.ball,
+               masses + [(k + m, kg, c) for k, kg, c in arm.masses], arm.flange, range(m))
+
+
+def sliding_arms():
+    """A lifting column, a floor rail, and a gantry with a wrist of three axes."""
+    h = np.pi / 2
+    x, y, z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
+    _, par, elb, _, desk = own_arms()
+    wrist = Arm("wrist", *_chain([
+        ((0.0, 0.0, -0.12), (np.pi, 0, 0), z, -2.9, 2.9), ((0.04, 0, 0.11), (h, 0, 0), z, -2.0, 2.0),
+        ((0, 0.10, 0), (-h, 0, 0), z, -2.9, 2.9)]), ball=(0.06, 0.02, 0.19),
+        masses=[(0, 3.0, (0.01, 0, 0.05)), (1, 2.0, (0, 0.05, 0)), (2, 1.2, (0.01, 0, 0.08))])
+    return [on_slides(par, "column7", [((0, 0, 0.1), z, 0.0, 0.4, 12.0)]),
+            on_slides(elb, "rail7", [((0, 0, 0.05), y, -0.7, 0.7, 25.0)]),
+            on_slides(desk, "lift7", [((0.1, 0, 0.2), z, -0.2, 0.2, 4.0)]),
+            on_slides(wrist, "gantry6", [((0, -0.6, 1.1), x, 0.0, 1.2, 30.0),
+                                         ((0, 0.1, 0), y, 0.0, 1.0, 15.0),
+                                         ((0.05, 0, 0), z, -0.6, 0.0, 8.0)])]
+
+
+def linkage_arms():
+    """Arms whose forearm a parallelogram drives from the shoulder: its angle to the base is bounded."""
+    out = []
+    for arm in own_arms():
+        if arm.name in ("par6", "elb6", "desk6"):       # joints 2 and 3 parallel
+            sign = -1.0 if arm.name == "desk6" else 1.0
+            middle = (arm.limit[2] + sign * arm.limit[1][::int(sign)]).mean()
+            arm.linkage = (sign, middle - 1.1, middle + 1.1)
+            out.append(arm)
+    return out
 
 
 def from_urdf(path, tip="ball_link", inertials=None):

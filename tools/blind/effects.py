@@ -6,17 +6,22 @@ origins, about the base, and a displacement of the ball.
 """
 import numpy as np
 
+import outside
+
 
 class State:
     """Everything a cause may depend on, for the encoder angles q of one recording."""
 
-    def __init__(self, arm, q, time, place, rank=None):
+    def __init__(self, arm, q, time, place, rank=None, posture=None):
         s = arm.sweep(q, want_masses=True)
         self.arm, self.q, self.time, self.place, self.sweep = arm, q, time, place, s
         self.rank = np.arange(len(q)) if rank is None else rank
-        self.moment, self.base_moment = arm.gravity(s)
-        self.hold = -np.einsum("nki,nki->nk", self.moment, s.axis)
-        self.step = np.vstack([np.zeros((1, q.shape[1])), np.diff(q, axis=0)])
+        self.moment, self.base_moment, self.hold = arm.gravity(s)
+        posture = np.arange(len(q)) if posture is None else posture
+        at = np.arange(len(q))
+        first = np.maximum.accumulate(np.where(np.diff(posture, prepend=-1) != 0, at, 0))
+        self.reading = at - first               # since the arm arrived
+        self.step = np.vstack([np.zeros((1, q.shape[1])), np.diff(q, axis=0)])[first]
 
 
 class Part:
@@ -31,16 +36,26 @@ class Part:
         """twist (N,n,3), base (N,3), shift (N,3) for amplitude 1, world frame."""
         rows, n = st.q.shape
         twist, base, shift = np.zeros((rows, n, 3)), np.zeros((rows, 3)), np.zeros((rows, 3))
-        if self.kind == "base_compliance":
+        if self.kind in outside.CAUSES:
+            turns, tilt, move = outside.CAUSES[self.kind][1](st, (self.joints or [0])[0], self.set)
+            for j, t in turns.items():
+                twist[:, j] = t
+            base = base if tilt is None else tilt
+            shift = shift if move is None else move
+        elif self.kind == "base_compliance":
             base = st.base_moment.copy()
             base[:, 2] = 0.0
         elif self.kind == "ball_shift":
             hit = st.place == self.set["placement"]
             shift[hit] = st.sweep.last[hit] @ self.set["direction"]
         elif self.kind == "readback_lag":
-            top = np.abs(st.step).max(axis=1, keepdims=True)
+            top = np.abs(st.step / st.arm.step).max(axis=1, keepdims=True)
             part = np.divide(st.step, top, out=np.zeros_like(st.step), where=top > 1e-12)
-            twist = part[:, :, None] * st.sweep.axis
+            if self.set.get("settle"):      # a dwelling arm: later readings lag less
+                part = part * np.exp(-st.reading / self.set["settle"])[:, None]
+            move = part[:, :, None] * st.sweep.axis
+            twist = np.where(st.arm.slide[:, None], 0.0, move)
+            shift = move[:, st.arm.slide].sum(axis=1)
         elif self.kind == "thermal_link":
             j = self.joints[0]      # the span from joint j to the next grows with its warmth
             nxt = st.sweep.origin[:, j + 1] if j + 1 < n else st.sweep.ball
@@ -63,7 +78,11 @@ class Part:
             twist[:, j] = (frame @ side) * np.cos(x)[:, None] + (frame @ other) * np.sin(x)[:, None]
         else:
             for j in self.joints:
-                twist[:, j] = self.angle(st, j)[:, None] * st.sweep.axis[:, j]
+                move = self.angle(st, j)[:, None] * st.sweep.axis[:, j]
+                if st.arm.slide[j]:
+                    shift = shift + move
+                else:
+                    twist[:, j] = move
         return twist, base, shift
 
     def angle(self, st, j):
@@ -74,7 +93,7 @@ class Part:
         if k == "backlash":
             return -0.5 * np.tanh(st.hold[:, j] / s["threshold"])
         if k == "approach_hysteresis":
-            return -0.5 * np.tanh(st.step[:, j] / 0.02)
+            return -0.5 * np.tanh(st.step[:, j] / (0.02 * st.arm.step[j]))
         if k == "joint_scale":
             return q
         if k == "joint_coupling":
@@ -117,12 +136,12 @@ def displacement(part, st):
     return np.cross(twist, arm).sum(axis=1) + np.cross(base, st.sweep.ball) + shift
 
 
-def bender(arm, parts, time, place, session=True, rank=None):
+def bender(arm, parts, time, place, session=True, posture=None):
     """The function that arms.solve wants: all causes together at given encoder angles."""
     live = [p for p in parts if session or not p.session_only]
 
     def bend(q):
-        st = State(arm, q, time, place, rank)
+        st = State(arm, q, time, place, posture=posture)
         twist = np.zeros(q.shape + (3,))
         base, shift = np.zeros((len(q), 3)), np.zeros((len(q), 3))
         for p in live:
