@@ -14,6 +14,7 @@
 #include "diagnose/streams.h"
 #include "diagnose/test_data.h"
 #include "diagnose/untested.h"
+#include "fit/frames.h"
 #include "math/stats.h"
 
 const char *const mukca_verdict_name[] = {
@@ -251,11 +252,19 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         .free_tool = options->free_tool};
     mukca_regression m;
     memset(diagnosis, 0, sizeof *diagnosis);
+    mukca_chain *arm = MUKCA_TAKE(&diagnosis->pool, mukca_chain, 1);
+    if (!arm) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the arm");
     mukca_status status =
-        mukca_logs_compare(&diagnosis->logs, &recording_options, chain, data, error);
+        mukca_chain_with_frames(arm, chain, false, options->free_tool && data->position, error);
+    diagnosis->chain = chain = arm;
+    if (status == MUKCA_OK)
+        status = mukca_logs_compare(&diagnosis->logs, &recording_options, chain, data, error);
     if (status == MUKCA_OK)
         status = mukca_regression_create(&m, chain, data, &recording_options, error);
-    if (status != MUKCA_OK) return status;
+    if (status != MUKCA_OK) {
+        mukca_diagnosis_free(diagnosis);
+        return status;
+    }
     mukca_streams_compare(&diagnosis->streams, &m.recording);
     status = mukca_streams_fit(&diagnosis->streams, &recording_options, chain, data, error);
     steps *s = MUKCA_TAKE(&m.pool, steps, 1);
