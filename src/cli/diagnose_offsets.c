@@ -60,7 +60,7 @@ static void judge(mukca_offsets *o, const mukca_chain *chain, const mukca_diagno
                                                        .data = r->data,
                                                        .base_frame = frames->base,
                                                        .tool_frame = frames->tool});
-    mukca_acceptance_judge(a, NULL);
+    mukca_acceptance_judge(a, NULL, r->test ? d->explained_m : (double)NAN);
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE) mukca_acceptance_refuse(a, "%s", d->why);
 }
 

@@ -35,8 +35,9 @@ const char *const mukca_fault_name[] = {
  * priors overstate. */
 #define SURPRISED 2.0
 
-/* Noise per axis, m, that no arm exceeds: above it, the samples belong to another arm. */
-#define MOST_SIGMA 10e-3
+static const char does_not_fit[] =
+    "the samples do not fit this arm: check the URDF, the tip, the columns and their order; a "
+    "tracker's log needs --free-base and --free-tool";
 
 /* Observations for the mean of a socket, and least number of others for the geometry. */
 enum { PER_GROUP = 3, LEAST_NUMBERS = 12 };
@@ -86,6 +87,7 @@ static void set_untestable(steps *s, mukca_regression *m, const char *why)
     s->faults.count = kept;
     m->unknowns.n_causes = 0;
     mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
+    s->sigma_m = m->unknowns.sigma;
 }
 
 /* List the candidates, let them compete, and reach the verdict. */
@@ -105,7 +107,7 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
     s->score = mukca_regression_score(m);
     s->sigma_m = m->unknowns.sigma;
     s->rho = m->unknowns.rho;
-    if (status == MUKCA_OK && s->sigma_m < MOST_SIGMA) {
+    if (status == MUKCA_OK && s->sigma_m < MUKCA_MOST_SIGMA) {
         mukca_verdict_reach(&s->findings, &s->faults, &competition);
         mukca_untested_list(&s->tested, &competition);
         if (options->confounding)
@@ -114,10 +116,7 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
         if (s->findings.unexplained || none) s->structure_m = mukca_cross_validation_structure(m);
         keep_named(m, &s->findings);
     } else if (status == MUKCA_OK) {
-        set_untestable(
-            s, m,
-            "the samples do not fit this arm: check the URDF, the tip, the columns and their "
-            "order; a tracker's log needs --free-base and --free-tool");
+        set_untestable(s, m, does_not_fit);
     }
     m->pool.failed |= scan.pool.failed; /* no memory for columns of a scan */
     mukca_scan_free(&scan);
@@ -130,6 +129,11 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
 {
     mukca_status status =
         mukca_cross_validation_run(&s->validation, pool, m, &s->findings, options, error);
+    /* unknown functions can absorb any error of the samples, but do not predict others */
+    if (!s->why && s->validation.explained_m > MUKCA_MEAN_NORM3 * MUKCA_MOST_SIGMA) {
+        set_untestable(s, m, does_not_fit);
+        return validate(s, pool, m, options, error);
+    }
     if (status == MUKCA_OK && options->test)
         status = mukca_test_data_measure(&s->test, pool, m, &s->validation.geometry, options->test,
                                          error);
@@ -278,7 +282,10 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         set_untestable(s, NULL, "too few different samples: record 20 or more for each socket");
     } else {
         mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
-        status = identify(s, &m, options, error);
+        if (s->faults.misfit)
+            set_untestable(s, &m, does_not_fit);
+        else
+            status = identify(s, &m, options, error);
         diagnosis->geometry = m.unknowns.geometry;
         diagnosis->tracker = m.unknowns.log.tracker[0];
         if (status == MUKCA_OK && !options->no_folds)
