@@ -45,8 +45,9 @@ extern const mukca_acceptance_number mukca_acceptance_numbers[];
 void mukca_acceptance_init(mukca_acceptance *acceptance);
 
 /* Accept or refuse by `converged` and the numbers; `stop` (may be NULL) is the solver's reason for
- * stopping.  NaN numbers are not judged, except error_m, which is required. */
-void mukca_acceptance_judge(mukca_acceptance *acceptance, const char *stop);
+ * stopping; `others_m` the mean error of the training samples if error_m is that of test data, else
+ * NaN.  NaN numbers are not judged, except error_m, which is required. */
+void mukca_acceptance_judge(mukca_acceptance *acceptance, const char *stop, double others_m);
 
 /* Refuse the table for this reason (a printf format); sets `given`, clears `accepted`. */
 void mukca_acceptance_refuse(mukca_acceptance *acceptance, const char *format, ...)

@@ -9,6 +9,11 @@
  * the worst published arm. */
 static const double foreign_noise = 10e-3;
 
+/* Test data contradict the others if their error is this multiple of that of the others, and more
+ * than this part of the nominal model's.  Extrapolation from one placement to another reaches a
+ * factor of 10, but then removes most of the error. */
+static const double contradiction = 10, left = 0.5;
+
 /* Largest ratio of the tip's displacement to its prior standard deviation.  A normal prior exceeds
  * 5 in one of 1.7 million arms: an error of URDF, labels or units is more probable. */
 static const double most_sigma = 5;
@@ -23,7 +28,7 @@ void mukca_acceptance_refuse(mukca_acceptance *a, const char *format, ...)
     a->accepted = false;
 }
 
-void mukca_acceptance_judge(mukca_acceptance *a, const char *stop)
+void mukca_acceptance_judge(mukca_acceptance *a, const char *stop, double others_m)
 {
     a->given = a->accepted = true;
     a->reason[0] = '\0';
@@ -42,6 +47,11 @@ void mukca_acceptance_judge(mukca_acceptance *a, const char *stop)
                                 stop ? stop : "out of iterations");
     else if (!isfinite(a->error_m))
         mukca_acceptance_refuse(a, "no held-out error is known; record more samples");
+    else if (a->error_m > contradiction * others_m && a->error_m > left * a->error_nominal_m)
+        mukca_acceptance_refuse(a,
+                                "test error %.4g mm, training error %.4g mm: the data contradict "
+                                "each other; check for another arm, tool or tip",
+                                1e3 * a->error_m, 1e3 * others_m);
     else if (a->error_m >= a->error_nominal_m)
         mukca_acceptance_refuse(a,
                                 "held-out error %.4g mm, no better than the nominal model with "

@@ -6,6 +6,7 @@
 #include "cli/calibrate.h"
 #include "cli/traits.h"
 #include "diagnose/recording.h"
+#include "fit/columns.h"
 #include "fit/frames.h"
 #include "fit/nlopt_adapter.h"
 #include "io/traits.h"
@@ -245,7 +246,10 @@ static mukca_status run(cli_call *call)
         (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
     mukca_status status = cli_check_output(call, "--trace", o->trace);
     if (status == MUKCA_OK) status = cli_load(call);
-    if (status == MUKCA_OK) note_logs(call, r->train);
+    if (status == MUKCA_OK) {
+        note_logs(call, r->train);
+        mukca_columns_note(cli_note, call, &s->model.chain, r->train);
+    }
     if (status == MUKCA_OK) status = check_moving(call, r->train);
     if (status == MUKCA_OK) status = fit_data(call, fit);
     if (status == MUKCA_OK) status = use_traits(call);
@@ -288,7 +292,8 @@ const cli_command cli_command_calibrate = {
         "The table carries a verdict: it is accepted if the fit converged, the data fit the arm, "
         "the "
         "error on held-out samples (--test, else cross-validation) is below that of the nominal "
-        "model, and the change of the tip is plausible. The other commands refuse a table that is "
+        "model, test data do not contradict the training data, and the change of the tip is "
+        "plausible. The other commands refuse a table that is "
         "not accepted.\n\n"
         "--traits corrects the recorded angles for the mean elasticity of the arm's fleet before "
         "the fit and adds it to the table, or half of it, or nothing, whichever fits the data "

@@ -226,7 +226,7 @@ void calibrate_print(cli_call *call, const calibrate_result *r)
     mukca_frame T;
     const bool foreign =
         !r->offsets->acceptance.accepted && r->train_scores.nominal_mean.mae > CLI_FAR_OFF;
-    if (foreign)
+    if (!r->offsets->acceptance.accepted)
         cli_print_mismatch(call, r->train, calibrate_frame(&T, r, true),
                            calibrate_frame(&T, r, false));
     cli_scores_print_header(call, true);

@@ -3,6 +3,7 @@
 #include "cli/scores.h"
 #include "cli/traits.h"
 #include "diagnose/mounting.h"
+#include "fit/columns.h"
 #include "io/summary.h"
 #include "io/traits.h"
 
@@ -205,6 +206,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) status = prepare(call);
     if (status != MUKCA_OK) return status;
+    mukca_columns_note(cli_note, call, &s->model.chain, &s->data);
     if (s->data.n_targets > 1 && !o->free_tool) {
         cli_note(call, "several targets: each has its own position on the tool (--free-tool)");
         o->free_tool = true;
@@ -242,7 +244,7 @@ static mukca_status run(cli_call *call)
     }
     for (int i = 0; i < d->n_causes; i++)
         if ((int)d->causes[i].effect.kind == expected) return MUKCA_OK;
-    return expected < 0 ? MUKCA_OK : MUKCA_NEGATIVE;
+    return expected < 0 && !d->why ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
 const cli_command cli_command_diagnose = {
@@ -273,8 +275,8 @@ const cli_command cli_command_diagnose = {
         "-o writes the geometry and the causes that act on the arm as an offsets table for "
         "evaluate, fk, compensate and export. Its sigma is the standard error; identifiable means "
         "that the data at least halved the prior uncertainty.\n\n"
-        "Exit code 1: the effect of --expect is not among the causes, or the table of -o is not "
-        "accepted (see calibrate). Exit code 5: -o was given "
+        "Exit code 1: nothing could be tested (untestable), the effect of --expect is not among "
+        "the causes, or the table of -o is not accepted (see calibrate). Exit code 5: -o was given "
         "but nothing could be fitted.",
     .example =
         "mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv",

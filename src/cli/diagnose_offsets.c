@@ -60,7 +60,7 @@ static void judge(mukca_offsets *o, const mukca_chain *chain, const mukca_diagno
                                                        .data = r->data,
                                                        .base_frame = frames->base,
                                                        .tool_frame = frames->tool});
-    mukca_acceptance_judge(a, NULL);
+    mukca_acceptance_judge(a, NULL, r->test ? d->explained_m : (double)NAN);
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE) mukca_acceptance_refuse(a, "%s", d->why);
 }
 
@@ -73,11 +73,12 @@ mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *le
     if (!a->fitted)
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                           "no offsets to write: these samples are too few to fit anything");
-    mukca_status status = mukca_chain_with_frames(chain, r->chain, frames->base, false, error);
+    mukca_status status =
+        mukca_chain_with_frames(chain, r->diagnosis->chain, frames->base, false, error);
     if (status != MUKCA_OK) return status;
     mukca_offsets_init(o, chain);
     mukca_offsets_set_placements(o, r->data);
-    fill_geometry(o, a, r->chain, frames->base);
+    fill_geometry(o, a, r->diagnosis->chain, frames->base);
     if (frames->base) fill_tracker(o, a);
     for (int e = 0; e < a->n_effects; e++) {
         if ((mukca_effect_table[a->effects[e].kind]->needs & MUKCA_NEEDS_MASSES) &&

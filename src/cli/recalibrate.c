@@ -264,7 +264,7 @@ static void judge_offsets(mukca_offsets *o, const cli_recalibrated *r, const muk
     a->error_nominal_m = errors[MUKCA_BEFORE].position.mean;
     a->error_m = spare > 0 ? errors[MUKCA_WITH_BOTH].position.mean / spare : (double)NAN;
     mukca_tip_change_judge(o, &(mukca_tip_change_task){.chain = chain, .to = o});
-    mukca_acceptance_judge(a, NULL);
+    mukca_acceptance_judge(a, NULL, (double)NAN);
 }
 
 static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)

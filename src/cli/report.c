@@ -13,6 +13,7 @@
 #include "cli/fleet.h"
 #include "diagnose/mounting.h"
 #include "fit/accept.h"
+#include "fit/columns.h"
 #include "fit/nlopt_adapter.h"
 #include "io/output.h"
 #include "report/fleet_page.h"
@@ -290,6 +291,7 @@ static mukca_status prepare_arm(cli_call *call)
                              .progress_context = call};
     mukca_status status = cli_load(call);
     if (status == MUKCA_OK) status = cli_condense(call);
+    if (status == MUKCA_OK) mukca_columns_note(cli_note, call, &s->model.chain, &s->data);
     if (status == MUKCA_OK) status = cli_check_effects(call, &s->model);
     const bool several = s->data.n_targets > 1 && !call->common->offsets;
     if (several) o->free_tool = true;

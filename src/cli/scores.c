@@ -228,6 +228,11 @@ void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_bas
     if (m.shifted >= 0)
         mukca_text_put(&what, "with %+.0f degrees added to %s", m.shift * 180 / M_PI,
                        mukca_chain_joint_name(chain, m.shifted));
+    if (m.coupled >= 0)
+        mukca_text_put(
+            &what, "with %s %s %s (as where the controller counts %s from the horizontal)",
+            mukca_chain_joint_name(chain, m.with), m.sign > 0 ? "added to" : "subtracted from",
+            mukca_chain_joint_name(chain, m.coupled), mukca_chain_joint_name(chain, m.coupled));
     cli_answer_wrapped(call,
                        "The data would agree with the nominal model to %.3g mm instead of %.3g mm "
                        "%s: check these columns%s and the URDF.",

@@ -14,6 +14,7 @@
 #include "diagnose/streams.h"
 #include "diagnose/test_data.h"
 #include "diagnose/untested.h"
+#include "fit/frames.h"
 #include "math/stats.h"
 
 const char *const mukca_verdict_name[] = {
@@ -28,8 +29,9 @@ const char *const mukca_fault_name[] = {
 #undef FAULT_NAME
 };
 
-/* Noise per axis, m, that no arm exceeds: above it, the samples belong to another arm. */
-#define MOST_SIGMA 10e-3
+static const char does_not_fit[] =
+    "the samples do not fit this arm: check the URDF, the tip, the columns and their order; a "
+    "tracker's log needs --free-base and --free-tool";
 
 /* Observations for the mean of a socket, and least number of others for the geometry. */
 enum { PER_GROUP = 3, LEAST_NUMBERS = 12 };
@@ -80,6 +82,7 @@ static void set_untestable(steps *s, mukca_regression *m, const char *why)
     s->faults.count = kept;
     m->unknowns.n_causes = 0;
     mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
+    s->sigma_m = m->unknowns.sigma;
 }
 
 /* Identify the causes, and reach the verdict. */
@@ -93,7 +96,7 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
     s->score = mukca_regression_score(m);
     s->sigma_m = m->unknowns.sigma;
     s->rho = m->evidence.normal[m->unknowns.family].whitening.family.rho;
-    if (status == MUKCA_OK && s->sigma_m < MOST_SIGMA) {
+    if (status == MUKCA_OK && s->sigma_m < MUKCA_MOST_SIGMA) {
         mukca_verdict_reach(&s->findings, &s->faults, id);
         mukca_untested_list(&s->tested, id);
         if (options->confounding) mukca_confounding_measure(&s->confounding, &s->findings, id);
@@ -101,10 +104,7 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
         if (s->findings.unexplained || none) s->structure_m = mukca_cross_validation_structure(m);
         keep_named(m, &s->findings);
     } else if (status == MUKCA_OK) {
-        set_untestable(
-            s, m,
-            "the samples do not fit this arm: check the URDF, the tip, the columns and their "
-            "order; a tracker's log needs --free-base and --free-tool");
+        set_untestable(s, m, does_not_fit);
     }
     mukca_identify_free(id);
     return status;
@@ -116,6 +116,11 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
 {
     mukca_status status =
         mukca_cross_validation_run(&s->validation, pool, m, &s->findings, options, error);
+    /* unknown functions can absorb any error of the samples, but do not predict others */
+    if (!s->why && s->validation.explained_m > MUKCA_MEAN_NORM3 * MUKCA_MOST_SIGMA) {
+        set_untestable(s, m, does_not_fit);
+        return validate(s, pool, m, options, error);
+    }
     if (status == MUKCA_OK && options->test)
         status = mukca_test_data_measure(&s->test, pool, m, &s->validation.geometry, options->test,
                                          error);
@@ -186,11 +191,19 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         .free_tool = options->free_tool};
     mukca_regression m;
     memset(diagnosis, 0, sizeof *diagnosis);
+    mukca_chain *arm = MUKCA_TAKE(&diagnosis->pool, mukca_chain, 1);
+    if (!arm) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the arm");
     mukca_status status =
-        mukca_logs_compare(&diagnosis->logs, &recording_options, chain, data, error);
+        mukca_chain_with_frames(arm, chain, false, options->free_tool && data->position, error);
+    diagnosis->chain = chain = arm;
+    if (status == MUKCA_OK)
+        status = mukca_logs_compare(&diagnosis->logs, &recording_options, chain, data, error);
     if (status == MUKCA_OK)
         status = mukca_regression_create(&m, chain, data, &recording_options, error);
-    if (status != MUKCA_OK) return status;
+    if (status != MUKCA_OK) {
+        mukca_diagnosis_free(diagnosis);
+        return status;
+    }
     mukca_streams_compare(&diagnosis->streams, &m.recording);
     status = mukca_streams_fit(&diagnosis->streams, &recording_options, chain, data, error);
     steps *s = MUKCA_TAKE(&m.pool, steps, 1);
@@ -204,7 +217,10 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         set_untestable(s, NULL, "too few different samples: record 20 or more for each socket");
     } else {
         mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
-        status = identify(s, &m, options, error);
+        if (s->faults.misfit)
+            set_untestable(s, &m, does_not_fit);
+        else
+            status = identify(s, &m, options, error);
         diagnosis->geometry = m.unknowns.geometry;
         diagnosis->tracker = m.unknowns.log.tracker[0];
         if (status == MUKCA_OK && !options->no_folds)

@@ -205,6 +205,7 @@ typedef struct {
     mukca_streams streams;
     mukca_applied applied;         /* filled with options->applied */
     mukca_confounding confounding; /* filled with options->confounding */
+    const mukca_chain *chain; /* fitted: with --free-tool it ends in a fixed joint; in the pool */
     double elapsed_s;
     mukca_pool pool;
 } mukca_diagnosis;

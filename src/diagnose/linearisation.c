@@ -151,7 +151,8 @@ static void turn_of(double turn[6][3], const mukca_frame *frame, const double ti
     }
 }
 
-/* Levers and geometry columns of sample i at the angles q. */
+/* Levers and geometry columns of sample i at the angles q.  The common factor scales the nominal
+ * origins: not the travel of a sliding joint, a measured target or the offsets. */
 static void fill_sample(mukca_linearisation *linear, const mukca_recording *recording,
                         const mukca_unknowns *u, int i, const double *q,
                         const mukca_displacement *displacement)
@@ -167,11 +168,15 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
     double turn[6][3];
     turn_of(turn, &(mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}}, tip.p, u->rotation_weight);
     memcpy(base_lever, turn, sizeof *turn * (size_t)d);
+    double length[3], local[3], factor[3] = {0};
     memcpy(linear->seated_frame + 9 * i, tip.R, sizeof tip.R);
     int slot = 0;
     for (int k = 0; k < chain->n_elements; k++) {
         const mukca_element *element = &chain->element[k];
         const double *R = before[k].R;
+        mukca_mat3_tvec(local, u->geometry.origin[k].R, element->xyz);
+        mukca_mat3_vec(length, R, local);
+        for (int c = 0; c < 3; c++) factor[c] += length[c];
         const bool free = slot < u->n_slots && u->slot_element[slot] == k;
         if (!free && element->joint < 0) continue;
         turn_of(turn, &before[k], tip.p, u->rotation_weight);
@@ -194,7 +199,7 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
             }
         slot++;
     }
-    for (int c = 0; c < 3; c++) X[c * ld + u->first_tracker - 1] = tip.p[c];
+    for (int c = 0; c < 3; c++) X[c * ld + u->first_tracker - 1] = factor[c];
     for (int a = 0; u->free_base && a < 3; a++) {
         double *frame = X + u->first_tracker + (u->n_trackers > 1 ? 6 * log : 0) + a;
         frame[a * ld] = 1;

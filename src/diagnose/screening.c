@@ -116,6 +116,23 @@ static double median_of(const double *x, int n, double *scratch)
     return mukca_stats_median(scratch, n);
 }
 
+/* A bad seat or a lost reflector is one sample, or two.  More of them are a model that does not fit
+ * if the error of all samples exceeds any noise: no sample of the only postures in which a joint
+ * moved is an outlier. */
+static void judge_outliers(mukca_faults *faults, mukca_recording *r)
+{
+    double square = 0;
+    int count = 0;
+    for (int f = 0; f < faults->count; f++) {
+        if (faults->list[f].kind != MUKCA_FAULT_OUTLIER) continue;
+        square += faults->list[f].size_m * faults->list[f].size_m;
+        count++;
+    }
+    faults->misfit = count > 2 && square > 3 * r->n_samples * MUKCA_MOST_SIGMA * MUKCA_MOST_SIGMA;
+    for (int f = 0; f < faults->count && faults->misfit; f++)
+        if (faults->list[f].kind == MUKCA_FAULT_OUTLIER) r->keep[faults->list[f].data_row] = 1;
+}
+
 /* Outliers of a robust fit: close to another socket (wrong label), or to none (outlier). */
 static void outliers(mukca_faults *faults, mukca_regression *m, const double *residual,
                      double *scratch)
@@ -201,6 +218,7 @@ void mukca_screening_run(mukca_faults *faults, mukca_regression *m)
     }
     m->unknowns.weight = NULL;
     outliers(faults, m, residual, scratch);
+    judge_outliers(faults, r);
     mukca_recording_regroup(r);
 }
 

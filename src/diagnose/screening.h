@@ -8,8 +8,12 @@
 
 typedef struct {
     int count;
+    bool misfit; /* the samples do not fit this arm: several, apparently outliers, are used */
     mukca_data_fault list[MUKCA_MAX_FAULTS];
 } mukca_faults;
+
+/* Noise per axis, m, that no arm exceeds: above it, the samples do not fit the model. */
+#define MUKCA_MOST_SIGMA 10e-3
 
 /* Append a fault at a row of the dataset; ignored if the table is full. */
 void mukca_screening_add(mukca_faults *faults, const mukca_recording *recording,

@@ -1,10 +1,12 @@
 /* The verdict of a calibration, for its offsets table. */
 #include "fit/accept.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "arm/tip_change.h"
+#include "math/stats.h"
 
 void mukca_fit_offsets(mukca_offsets *offsets, const mukca_fit *fit)
 {
@@ -53,6 +55,7 @@ mukca_status mukca_fit_accept(mukca_offsets *offsets, const mukca_fit *fit,
                                                              .data = data,
                                                              .base_frame = options.free_base,
                                                              .tool_frame = options.free_tool});
-    mukca_acceptance_judge(a, mukca_stop_text(fit->outcome.stop));
+    mukca_acceptance_judge(a, mukca_stop_text(fit->outcome.stop),
+                           test ? MUKCA_MEAN_NORM3 * a->noise_m : (double)NAN);
     return MUKCA_OK;
 }

@@ -188,20 +188,22 @@ static double refine(mukca_alignment *a, const problem *p)
 }
 
 /* Robust weights from the residuals of the alignment, with the heavy-tailed weighting of the
- * screening; returns the median distance, m.  `length`: scratch, one number per pose. */
-static double weigh(const mukca_alignment *a, problem *p, double *length)
+ * screening; sets median and mean distance, m.  `length`: scratch, one number per pose. */
+static void weigh(mukca_alignment *a, problem *p, double *length)
 {
     double lever[3], r[3];
+    a->mean_m = 0;
     for (int i = 0; i < p->n; i++) {
         residual(r, lever, a, &p->poses[i]);
         length[i] = p->poses[i].weight = mukca_norm3(r);
+        a->mean_m += length[i] / p->n;
     }
-    const double median = mukca_stats_median(length, p->n), c = fmax(3 * median, 1e-6);
+    a->median_m = mukca_stats_median(length, p->n);
+    const double c = fmax(3 * a->median_m, 1e-6);
     for (int i = 0; i < p->n; i++) {
         const double x = p->poses[i].weight / c;
         p->poses[i].weight = 1 / (1 + x * x);
     }
-    return median;
 }
 
 /* Closed form, then Gauss-Newton; with `guess` the target starts at the solution of the linear
@@ -217,7 +219,7 @@ static void solve(mukca_alignment *a, problem *p, bool guess, double *length)
     }
     for (int pass = 0; pass < MOST_STEPS; pass++) {
         const double step = refine(a, p);
-        a->median_m = weigh(a, p, length);
+        weigh(a, p, length);
         if (step < 1e-9) break; /* 1 nm, 1 nrad */
     }
 }
@@ -242,7 +244,8 @@ bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const muk
                  const mukca_align_options *options)
 {
     const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const mukca_alignment start = {.tracker = identity, .target = identity, .median_m = NAN};
+    const mukca_alignment start = {
+        .tracker = identity, .target = identity, .median_m = NAN, .mean_m = NAN};
     problem p = {.tracker = options->tracker, .target = options->target};
     *out = start;
     if (!data->position || data->n_rows < 3 || (!p.tracker && !p.target)) return true;

@@ -8,7 +8,7 @@
 /* measured = tracker * tip(q) * target, with the geometry's prediction tip(q). */
 typedef struct {
     mukca_frame tracker, target; /* identity if not free */
-    double median_m;             /* median distance after the alignment, m; NaN: none */
+    double median_m, mean_m;     /* distance after the alignment, m; NaN: none */
 } mukca_alignment;
 
 typedef struct {

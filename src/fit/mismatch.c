@@ -9,7 +9,7 @@
 
 /* Ratio of the errors after and before a change below which the change is no coincidence: real
  * errors of origins reach 1 cm at the tip, those of a wrong column 10 cm and more. */
-static const double explained = 0.2;
+static const double explained = 0.2, origins = 10e-3;
 /* A less simple change must reduce the error by this factor: reversing a joint with little
  * influence on the ball changes the error by less. */
 static const double simpler = 0.5;
@@ -25,7 +25,7 @@ typedef struct {
     bool failed; /* out of memory */
 } search;
 
-/* Error of the nominal model, m: the mean, or the median for poses with free frames. */
+/* Mean error of the nominal model, m. */
 static double measure(search *s)
 {
     if (s->data->n_sockets == 0 && (s->free_base || s->free_tool)) {
@@ -35,7 +35,7 @@ static double measure(search *s)
         s->failed |=
             !mukca_align(&alignment, &geometry, s->data,
                          &(mukca_align_options){.tracker = s->free_base, .target = s->free_tool});
-        return alignment.median_m;
+        return alignment.mean_m;
     }
     mukca_score mean, *scores = calloc(mukca_evaluate_room(s->data), sizeof *scores);
     s->failed |=
@@ -54,6 +54,7 @@ static void try(mukca_mismatch *best, search *s, const mukca_mismatch *change)
         for (int j = 0; j < d->n_joints; j++)
             q[j] = (change->reversed >> j & 1 ? -1 : 1) * from[j] +
                    (j == change->shifted ? change->shift : 0);
+        if (change->coupled >= 0) q[change->coupled] += change->sign * from[change->with];
         if (change->exchanged[0] < 0) continue;
         q[change->exchanged[0]] = from[change->exchanged[1]];
         q[change->exchanged[1]] = from[change->exchanged[0]];
@@ -75,7 +76,7 @@ static bool is_one_joint(unsigned pattern)
 /* All changes, the simple ones first. */
 static void try_all(mukca_mismatch *best, search *s)
 {
-    const mukca_mismatch none = {.exchanged = {-1, -1}, .shifted = -1};
+    const mukca_mismatch none = {.exchanged = {-1, -1}, .shifted = -1, .coupled = -1};
     const int n = s->chain->n_joints;
     mukca_mismatch change = none;
     for (int j = 0; j < n; j++, change = none) {
@@ -94,6 +95,10 @@ static void try_all(mukca_mismatch *best, search *s)
             change.shifted = j, change.shift = quarter * M_PI / 2;
             try(best, s, &change);
         }
+    for (int pair = 0; pair < 2 * n * n; pair++, change = none) {
+        change.coupled = pair / 2 % n, change.with = pair / 2 / n, change.sign = pair % 2 ? -1 : 1;
+        if (change.coupled != change.with) try(best, s, &change);
+    }
     for (unsigned pattern = 1; n <= MOST_PATTERNS && pattern < 1u << n; pattern++) {
         change.reversed = pattern;
         if (!is_one_joint(pattern)) try(best, s, &change);
@@ -107,7 +112,7 @@ mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *ch
     mukca_dataset part = {0};
     unsigned char *keep = calloc((size_t)data->n_rows + 1, 1);
     const int step = 1 + (data->n_rows - 1) / MOST_SAMPLES;
-    *mismatch = (mukca_mismatch){.exchanged = {-1, -1}, .shifted = -1};
+    *mismatch = (mukca_mismatch){.exchanged = {-1, -1}, .shifted = -1, .coupled = -1};
     for (int r = 0; keep && r < data->n_rows; r += step) keep[r] = 1;
     mukca_status status = keep ? mukca_dataset_subset(&part, data, keep, error)
                                : mukca_fail(error, MUKCA_MEMORY, "out of memory");
@@ -124,7 +129,7 @@ mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *ch
     if (q && part.q) {
         memcpy(q, part.q, size);
         mismatch->before_m = measure(&s);
-        try_all(mismatch, &s);
+        if (mismatch->before_m > origins) try_all(mismatch, &s);
     }
     free(q);
     mukca_dataset_free(&part);

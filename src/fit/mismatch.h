@@ -10,12 +10,14 @@ typedef struct {
     int exchanged[2];         /* joints whose columns are exchanged; -1: none */
     int shifted;              /* joint with a shifted zero; -1: none */
     double shift;             /* correction of its angles, rad */
-    double before_m, after_m; /* error of the nominal model (mean; median of poses with free
-                                 frames), as recorded and after the change */
+    int coupled, with, sign;  /* joint that needs `sign` times the angle of `with` added, as where
+                                 the controller counts it from the horizontal; -1: none */
+    double before_m, after_m; /* mean error of the nominal model, as recorded and changed */
 } mukca_mismatch;
 
 /* Search for one change of the joint columns that reduces the error of the nominal model to less
- * than a fifth: reversed joints, two exchanged columns, a zero shifted by a quarter or half a turn.
+ * than a fifth: reversed joints, two exchanged columns, a zero shifted by a quarter or half a turn,
+ * an angle that another joint's is part of.
  * Of several, the simplest whose error is not twice that of another.  Poses are first aligned with
  * the free frames.  At most 500 samples, evenly spread, are used.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *chain,

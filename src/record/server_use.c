@@ -1,5 +1,6 @@
 /* The offsets table of the poses.  Only the command `use` changes it, subject to conditions, by a
  * copy that later jobs do not overwrite.  It persists across restarts. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -44,7 +45,7 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
                           "%s has no verdict: calibrate again, then use the result", name);
     mukca_tip_change_judge(offsets,
                            &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
-    mukca_acceptance_judge(a, NULL);
+    mukca_acceptance_judge(a, NULL, (double)NAN);
     if (a->accepted) return MUKCA_OK;
     return mukca_fail(error, MUKCA_INPUT, "%.60s did not pass: %.150s", name, a->reason);
 }

@@ -113,21 +113,22 @@ static double *joint_errors(mukca_report *r, const mukca_chain *chain, const dou
  * training data and are omitted for the test data. */
 static double *explain(mukca_report *r)
 {
-    const mukca_applied *applied = &r->diagnosed.diagnosis->applied;
+    const mukca_diagnosis *d = r->diagnosed.diagnosis;
+    const mukca_applied *applied = &d->applied;
     double theta[MUKCA_MAX_THETA];
     mukca_effect general[MUKCA_MAX_APPLIED];
     int n = 0;
     for (int i = 0; i < applied->n_effects; i++)
         if (applied->effects[i].placement < 0) general[n++] = applied->effects[i];
-    mukca_geometry_theta(theta, r->chain, &applied->geometry);
+    mukca_geometry_theta(theta, d->chain, &applied->geometry);
     const mukca_model models[2] = {
-        {.chain = r->chain,
+        {.chain = d->chain,
          .theta = theta,
          .effects = applied->effects,
          .n_effects = applied->n_effects},
-        {.chain = r->chain, .theta = theta, .effects = general, .n_effects = n}};
+        {.chain = d->chain, .theta = theta, .effects = general, .n_effects = n}};
     r->explained = residuals(r, positions(r, models));
-    return joint_errors(r, r->chain, theta, r->explained);
+    return joint_errors(r, d->chain, theta, r->explained);
 }
 
 /* Compute positions, residuals and their components by joint; models[0] for the training data,

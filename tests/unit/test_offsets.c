@@ -136,8 +136,9 @@ static void each_gate_refuses(void **state)
         const char *reason; /* NULL: accepted */
     } cases[] = {
         {offsetof(mukca_acceptance, error_m), 2e-4, NULL},
-        {offsetof(mukca_acceptance, error_m), 5e-3, "no better than the nominal model"},
         {offsetof(mukca_acceptance, error_m), (double)NAN, "no held-out error is known"},
+        {offsetof(mukca_acceptance, error_m), 2.4e-3, NULL},
+        {offsetof(mukca_acceptance, error_m), 2.6e-3, "contradict each other"},
         {offsetof(mukca_acceptance, error_nominal_m), 1e-4, "no better than the nominal model"},
         {offsetof(mukca_acceptance, noise_m), 9.9e-3, NULL},
         {offsetof(mukca_acceptance, noise_m), 10e-3, "do not fit this arm"},
@@ -149,14 +150,14 @@ static void each_gate_refuses(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         mukca_acceptance a = good_verdict();
         memcpy((char *)&a + cases[i].number, &cases[i].value, sizeof(double));
-        mukca_acceptance_judge(&a, NULL);
+        mukca_acceptance_judge(&a, NULL, 1e-4);
         assert_true(a.given);
         assert_int_equal(a.accepted, cases[i].reason == NULL);
         assert_non_null(strstr(a.reason, cases[i].reason ? cases[i].reason : ""));
     }
     mukca_acceptance a = good_verdict();
     a.converged = false;
-    mukca_acceptance_judge(&a, "out of time");
+    mukca_acceptance_judge(&a, "out of time", NAN);
     assert_false(a.accepted);
     assert_string_equal(a.reason,
                         "NOT CONVERGED (out of time); check the data with mukca diagnose");

@@ -75,32 +75,6 @@ static const mukca_candidate *find(const fixture *f, mukca_candidate_kind kind, 
     return NULL;
 }
 
-/* Each geometry column is the derivative of the prediction at the seated angles; noise of 0.1 mm
- * over half a metre leaves 1e-3 between those and the recorded ones. */
-static void geometry_columns(void **state)
-{
-    fixture *f = *state;
-    mukca_regression *m = &f->m;
-    const int size = m->linear.n_columns + 1;
-    const double h = 1e-6;
-    for (int k = 0; k < m->unknowns.n_geometry; k++)
-        for (int i = 0; i < m->recording.n_samples; i += 37) {
-            double up[3], down[3];
-            const double was = m->unknowns.theta[k];
-            m->unknowns.theta[k] = was + h;
-            mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
-            mukca_unknowns_predict(up, &m->unknowns, &m->recording, m->recording.order[i]);
-            m->unknowns.theta[k] = was - h;
-            mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
-            mukca_unknowns_predict(down, &m->unknowns, &m->recording, m->recording.order[i]);
-            m->unknowns.theta[k] = was;
-            for (int c = 0; c < 3; c++)
-                assert_close(m->linear.columns[(3 * i + c) * size + k], (up[c] - down[c]) / (2 * h),
-                             8e-3);
-        }
-    mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
-}
-
 /* Columns of every effect that acts on the arm against differences of the forward model. */
 static void effect_columns(void **state)
 {
@@ -609,20 +583,13 @@ static void scales(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(geometry_columns),
-                                       cmocka_unit_test(effect_columns),
-                                       cmocka_unit_test(projected_evidence),
-                                       cmocka_unit_test(faults),
-                                       cmocka_unit_test(noise),
-                                       cmocka_unit_test(noise_without),
-                                       cmocka_unit_test(harmonics),
-                                       cmocka_unit_test(scales),
-                                       cmocka_unit_test(held_products),
-                                       cmocka_unit_test(frozen_fit),
-                                       cmocka_unit_test(revised_fit),
-                                       cmocka_unit_test(priors),
-                                       cmocka_unit_test(full_columns),
-                                       cmocka_unit_test(reinstated),
-                                       cmocka_unit_test(never_left_out)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(effect_columns), cmocka_unit_test(projected_evidence),
+        cmocka_unit_test(faults),         cmocka_unit_test(noise),
+        cmocka_unit_test(noise_without),  cmocka_unit_test(harmonics),
+        cmocka_unit_test(scales),         cmocka_unit_test(held_products),
+        cmocka_unit_test(frozen_fit),     cmocka_unit_test(revised_fit),
+        cmocka_unit_test(priors),         cmocka_unit_test(full_columns),
+        cmocka_unit_test(reinstated),     cmocka_unit_test(never_left_out)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

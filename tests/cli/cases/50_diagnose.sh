@@ -75,12 +75,12 @@ refuse 3 "hole_1.csv:1: 3 columns" $d folder
 
 # rows that can be read but tell nothing: words, not numbers
 awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 0.1 * i } { print }' good.tsv >same.tsv
-answer "Nothing can be tested: too few different samples" $d same.tsv
+doubt "Nothing can be tested: too few different samples" $d same.tsv
 refuse 5 "no offsets to write" $d same.tsv -q -o never.tsv
 run $d same.tsv --expect backlash -q
 expect "exit 1 where nothing was found and a cause expected" test $code -eq 1
 awk -F'\t' -v OFS='\t' 'BEGIN { srand(1) } /^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 3 * rand() - 1.5 } { print }' good.tsv >noise.tsv
-answer "the samples do not fit this arm" $d noise.tsv
+doubt "the samples do not fit this arm" $d noise.tsv
 answer "^Flexibility not tested: the URDF has no link masses" diagnose --urdf bare.urdf good.tsv
 awk -F'\t' '!/^p[1-9]/ || $1 == "p1"' good.tsv >one.tsv
 answer "one placement only" $d one.tsv

@@ -47,9 +47,22 @@ mixed() { # NAME PROGRAM: the demo's session, changed by awk; columns 4 to 10 ar
 mixed sign '$7 = -$7; $9 = -$9'
 mixed exchange 'x = $5; $5 = $6; $6 = x'
 mixed zero '$5 += 1.5707963267948966'
+mixed parallel '$6 -= $5'
 mixed cycle 'x = $4; $4 = $5; $5 = $6; $6 = x'
 doubt "sign of joint_4, joint_6" calibrate $a sign.tsv
-answer "joint_2 and joint_3 exchanged" diagnose $a exchange.tsv
+doubt "joint_2 and joint_3 exchanged" diagnose $a exchange.tsv
+for command in calibrate diagnose; do
+    run $command $a parallel.tsv
+    expect "$command: a controller that counts joint_3 from the horizontal" \
+        sh -c "test $code = 1 && tr '\\n' ' ' <'$scratch/out' | grep -q 'joint_2 added to joint_3'"
+done
+mixed follows '$6 = 0.3 - $5; $8 = 0.5'
+for command in calibrate diagnose; do
+    run $command $a follows.tsv
+    expect "$command: columns that repeat, and a joint that did not move" sh -c "test $code = 1 &&
+        grep -q 'joint_2 and joint_3 have a constant sum' '$scratch/err' &&
+        grep -q 'did not move in any sample: joint_5' '$scratch/err'"
+done
 run evaluate $a zero.tsv
 expect "evaluate names the joint whose zero is a quarter turn off" \
     grep -q -e "-90 degrees added to joint_2" "$scratch/err"

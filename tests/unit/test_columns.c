@@ -1,0 +1,226 @@
+/* Every column of the geometry, of the calibration and of the diagnosis, against differences of
+ * forward kinematics, on random arms of all joint types, with and without a fixed last link. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "close.h"
+#include "diagnose/regression.h"
+#include "fit/frames.h"
+#include "fit/observe.h"
+#include "math/random.h"
+
+enum { ROWS = 16 };
+
+/* Arm, data without error, and the frames to be fitted. */
+typedef struct {
+    mukca_chain chain;
+    mukca_dataset data;
+    mukca_frame tracker, target; /* true ones */
+    bool sockets, oriented, base, tool, per_log, fixed_tip;
+} scene;
+
+static void put_element(mukca_chain *chain, mukca_random *random, mukca_joint_type type)
+{
+    mukca_element *e = &chain->element[chain->n_elements];
+    *e = (mukca_element){.type = type, .joint = -1, .lower = -3, .upper = 3};
+    snprintf(e->name, sizeof e->name, "element_%d", chain->n_elements);
+    const bool upright = mukca_random_below(random, 2);
+    for (int i = 0; i < 3; i++) {
+        e->xyz[i] = 0.3 * mukca_random_normal(random);
+        e->rpy[i] = mukca_random_normal(random);
+        e->axis[i] = upright ? i == 2 : mukca_random_normal(random);
+    }
+    const double length = mukca_norm3(e->axis);
+    for (int i = 0; i < 3; i++) e->axis[i] /= length;
+    if (type != MUKCA_FIXED) {
+        e->joint = chain->n_joints;
+        chain->joint_element[chain->n_joints++] = chain->n_elements;
+    }
+    chain->n_elements++;
+}
+
+static void make_arm(mukca_chain *chain, mukca_random *random, bool fixed_tip)
+{
+    static const mukca_joint_type moving[] = {MUKCA_REVOLUTE, MUKCA_CONTINUOUS, MUKCA_PRISMATIC};
+    memset(chain, 0, sizeof *chain);
+    chain->gravity[2] = -9.80665;
+    for (int j = 3 + mukca_random_below(random, 4); j > 0; j--) {
+        if (mukca_random_below(random, 3) == 0) put_element(chain, random, MUKCA_FIXED);
+        put_element(chain, random, moving[mukca_random_below(random, 3)]);
+    }
+    if (fixed_tip) put_element(chain, random, MUKCA_FIXED);
+}
+
+static void random_frame(mukca_frame *frame, mukca_random *random, bool any)
+{
+    double w[3];
+    for (int c = 0; c < 3; c++) {
+        w[c] = any ? mukca_random_normal(random) : 0;
+        frame->p[c] = any ? mukca_random_normal(random) : 0;
+    }
+    mukca_rotation_exp(frame->R, w);
+}
+
+/* Measured poses: those of the nominal arm, seen through random frames where these are free. */
+static void make_data(scene *s, mukca_random *random)
+{
+    mukca_geometry nominal;
+    mukca_frame pose;
+    const int n = s->chain.n_joints, sockets = s->sockets ? ROWS : 0;
+    assert_int_equal(mukca_dataset_create(&s->data, ROWS, n, sockets, sockets > 0, NULL), MUKCA_OK);
+    mukca_geometry_set(&nominal, &s->chain, NULL);
+    random_frame(&s->tracker, random, s->base);
+    random_frame(&s->target, random, s->tool);
+    for (int i = 0; i < ROWS * n; i++) s->data.q[i] = mukca_random_normal(random);
+    for (int i = 0; i < sockets; i++) s->data.socket[i] = i; /* alone, each is seated */
+    if (sockets) return;
+    s->data.position = malloc(3 * ROWS * sizeof(double));
+    s->data.quaternion = s->oriented ? malloc(4 * ROWS * sizeof(double)) : NULL;
+    assert_true(s->data.position && (s->data.quaternion || !s->oriented));
+    for (int i = 0; i < ROWS; i++) {
+        s->data.file[i] = i >= ROWS / 2;
+        mukca_fk_pose(&pose, &nominal, s->data.q + i * n, NULL);
+        mukca_frame_multiply(&pose, &s->tracker, &pose);
+        mukca_frame_multiply(&pose, &pose, &s->target);
+        memcpy(s->data.position + 3 * i, pose.p, sizeof pose.p);
+        if (s->oriented) mukca_rotation_to_quaternion(s->data.quaternion + 4 * i, pose.R);
+    }
+}
+
+/* Central difference of poses: position and rotation vector. */
+static void difference(double slope[6], const mukca_frame side[2], double step)
+{
+    mukca_rotation_difference(slope + 3, side[1].R, side[0].R);
+    for (int c = 0; c < 3; c++) {
+        slope[c] = (side[1].p[c] - side[0].p[c]) / (2 * step);
+        slope[3 + c] /= 2 * step;
+    }
+}
+
+static void check_fit(const scene *s)
+{
+    mukca_chain chain;
+    mukca_geometry geometry;
+    mukca_observations o;
+    mukca_parameters parameters;
+    mukca_pool pool = {0};
+    double theta[MUKCA_MAX_FREE];
+    const int n_joints = s->chain.n_joints;
+    assert_int_equal(mukca_chain_with_frames(&chain, &s->chain, s->base, s->tool, NULL), MUKCA_OK);
+    assert_int_equal(mukca_parameters_select(&parameters, &chain, NULL, NULL), MUKCA_OK);
+    mukca_geometry_set(&geometry, &chain, NULL);
+    mukca_frame *tip = &geometry.origin[chain.n_elements - 1];
+    if (s->base) geometry.origin[0] = s->tracker;
+    if (s->tool) mukca_frame_multiply(tip, tip, &s->target);
+    mukca_geometry_theta(theta, &chain, &geometry);
+    const int n = parameters.n, part = s->oriented ? 6 : 3;
+    assert_true(mukca_observe_setup(&o, &pool, &chain, &s->data, NULL, n));
+    double *r = MUKCA_TAKE(&pool, double, o.n_residuals);
+    double *J = MUKCA_TAKE(&pool, double, o.n_residuals *n);
+    assert_true(r && J);
+    mukca_observe_residuals(r, J, &o, theta, &parameters, MUKCA_GRADIENT_ANALYTIC);
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < ROWS; i++) {
+            const double h = 1e-6, at = theta[parameters.index[k]];
+            mukca_frame side[2];
+            double slope[6];
+            for (int up = 0; up < 2; up++) {
+                theta[parameters.index[k]] = up ? at + h : at - h;
+                mukca_geometry_set(&geometry, &chain, theta);
+                mukca_fk_pose(&side[up], &geometry, s->data.q + i * n_joints, NULL);
+            }
+            theta[parameters.index[k]] = at;
+            difference(slope, side, h);
+            for (int c = 0; c < part; c++)
+                assert_close(J[(c / 3 * 3 * ROWS + 3 * i + c % 3) * n + k],
+                             slope[c] * (c < 3 ? 1 : MUKCA_METRES_PER_RADIAN), 2e-8);
+        }
+    mukca_pool_free(&pool);
+}
+
+/* Pose of a row in the frame of the measurement. */
+static void predict(mukca_frame *pose, mukca_unknowns *u, const mukca_recording *r, int row)
+{
+    mukca_unknowns_fold_frames(u);
+    mukca_unknowns_set_geometry(u, r->chain);
+    mukca_fk_pose(pose, &u->geometry, r->data->q + row * r->chain->n_joints, NULL);
+    mukca_frame_multiply(pose, pose, &u->log.shift[r->log[row]]);
+    if (u->free_base) mukca_frame_multiply(pose, &u->log.tracker[r->log[row]], pose);
+}
+
+/* Offsets of some milliradians change a column by as much: it is that of the frame after them. */
+static void check_diagnosis(const scene *s, mukca_random *random, double offset)
+{
+    mukca_regression m;
+    mukca_unknowns moved;
+    mukca_chain chain;
+    const mukca_recording_options options = {.free_base = s->base,
+                                             .free_tool = s->tool,
+                                             .base_per_log = s->per_log && s->base,
+                                             .tool_per_log = s->per_log && s->tool};
+    assert_int_equal(mukca_chain_with_frames(&chain, &s->chain, false, s->tool, NULL), MUKCA_OK);
+    assert_int_equal(mukca_regression_create(&m, &chain, &s->data, &options, NULL), MUKCA_OK);
+    mukca_unknowns *u = &m.unknowns;
+    const int n = u->n_geometry, d = m.recording.dim;
+    assert_int_equal(d, s->oriented && !s->sockets ? 6 : 3);
+    assert_true(u->free_tool == (s->tool && !s->sockets));
+    for (int g = 0; g < MUKCA_MAX_LOGS && !s->sockets; g++) {
+        u->log.tracker[g] = s->tracker;
+        mukca_rotation_exp(u->log.shift[g].R, (const double[3]){0, 0, 0});
+        memset(u->log.shift[g].p, 0, sizeof u->log.shift[g].p);
+    }
+    if (u->free_tool) u->target = s->target;
+    assert_true(mukca_unknowns_clone(&moved, &m.pool, u));
+    for (int k = 0; k < u->first_tracker; k++) u->theta[k] = offset * mukca_random_normal(random);
+    mukca_unknowns_fold_frames(u);
+    mukca_regression_linearise(&m);
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < ROWS; i++) {
+            const double h = 1e-6;
+            const int row = m.recording.order[i];
+            mukca_frame side[2];
+            double slope[6], in_base[6];
+            for (int up = 0; up < 2; up++) {
+                mukca_unknowns_assign(&moved, u);
+                moved.theta[k] += up ? h : -h;
+                predict(&side[up], &moved, &m.recording, row);
+            }
+            difference(slope, side, h);
+            memcpy(in_base, slope, sizeof slope);
+            for (int part = 0; part < 6 && u->free_base; part += 3)
+                mukca_mat3_tvec(in_base + part, u->log.tracker[m.recording.log[row]].R,
+                                slope + part);
+            for (int c = 0; c < d; c++)
+                assert_close(m.linear.columns[(d * i + c) * m.linear.stride + k],
+                             in_base[c] * (c < 3 ? 1 : u->rotation_weight), 2e-8 + 8 * offset);
+        }
+    mukca_regression_free(&m);
+}
+
+static void columns(void **state)
+{
+    (void)state;
+    mukca_random random;
+    mukca_random_seed(&random, 27);
+    for (int kind = 0; kind < 64; kind++) {
+        scene s = {.sockets = kind >> 5 & 1,
+                   .oriented = kind & 1,
+                   .base = kind >> 1 & 1,
+                   .tool = kind >> 2 & 1,
+                   .per_log = kind >> 3 & 1,
+                   .fixed_tip = kind >> 4 & 1};
+        if (s.sockets && kind & 15) continue;
+        make_arm(&s.chain, &random, s.fixed_tip);
+        make_data(&s, &random);
+        if (!s.sockets) check_fit(&s);
+        check_diagnosis(&s, &random, 0);
+        check_diagnosis(&s, &random, 1e-3);
+        mukca_dataset_free(&s.data);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(columns)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
