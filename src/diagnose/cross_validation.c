@@ -184,8 +184,9 @@ mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, m
     for (int c = 0; c < m->unknowns.n_causes; c++)
         if (!mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
             mukca_unknowns_drop(&m->unknowns, c--);
-    if (findings->verdict != MUKCA_VERDICT_NONE) /* else it was fitted without causes already */
-        mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
+    /* With the prior scales chosen beside the causes: alone, the geometry would widen them to
+     * absorb what the causes explain.  Without causes it was fitted already. */
+    if (findings->verdict != MUKCA_VERDICT_NONE) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
     measure_geometry(v, &b, s.excused);
     mukca_unknowns_assign(&m->unknowns, &explained);
     memcpy(m->recording.keep, kept, (size_t)rows);
