@@ -408,17 +408,6 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
     return MUKCA_OK;
 }
 
-bool mukca_candidates_have_ripple(const mukca_candidates *all, int joint, int order)
-{
-    for (int i = 0; i < all->count; i++) {
-        const mukca_candidate *h = &all->list[i];
-        if (h->joint == joint && h->kind == MUKCA_CANDIDATE_EFFECT &&
-            h->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC && h->effect.variant.order == order)
-            return true;
-    }
-    return false;
-}
-
 mukca_status mukca_candidates_add_ripple(mukca_candidates *all, mukca_pool *pool,
                                          const mukca_recording *recording, int joint, int order,
                                          mukca_error *error)
@@ -431,8 +420,7 @@ mukca_status mukca_candidates_add_ripple(mukca_candidates *all, mukca_pool *pool
                                     .placement = -1,
                                     .variant.order = order},
                          .log_prior = ripple_prior(all, order)};
-    if (all->count == all->capacity || mukca_candidates_have_ripple(all, joint, order))
-        return MUKCA_OK;
+    if (all->count == all->capacity) return MUKCA_OK;
     if (!mukca_candidate_prepare(&h, pool, recording)) return no_memory(recording, error);
     all->list[all->count++] = h;
     return MUKCA_OK;

@@ -24,10 +24,8 @@ enum {
 /* Least travel that shows a ripple, rad: half a turn of the finest order, 400. */
 #define MUKCA_RIPPLE_TRAVEL 1e-2
 
-/* Is that order of ripple of a joint in the list? */
-bool mukca_candidates_have_ripple(const mukca_candidates *all, int joint, int order);
-
-/* Append an order of ripple of a joint, unless it has too many.  Errors: MUKCA_MEMORY. */
+/* Append an order of ripple of a joint that is not listed yet, if there is room.  Errors:
+ * MUKCA_MEMORY. */
 mukca_status mukca_candidates_add_ripple(mukca_candidates *all, mukca_pool *pool,
                                          const mukca_recording *recording, int joint, int order,
                                          mukca_error *error);

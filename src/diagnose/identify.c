@@ -12,10 +12,8 @@
 #include "math/stats.h"
 
 enum {
-    PASSES = 3,
-    ROUNDS = 4,        /* searches at the first linearisation */
+    PASSES = 5,
     BUDGET = 40,       /* sets expanded in a search */
-    SHORT_BUDGET = 12, /* in those that only find the set for the next scan */
     KEPT = 300,        /* candidates kept by their score against the geometry */
     KEPT_BESIDE = 100, /* by that against the set */
     MOST_KEPT = 3 * KEPT,
@@ -27,6 +25,8 @@ enum {
 /* Log odds behind the best set of the sets that are averaged, and behind the best family of those
  * that are left out: 160,000 to 1. */
 #define AVERAGED 12.0
+/* Log odds below which a candidate is not kept. */
+#define HOPELESS (-AVERAGED)
 
 /* Set the causes of the unknowns, to be fitted. */
 static void set_causes(mukca_identification *id, const mukca_causes *set)
@@ -44,46 +44,38 @@ void mukca_identify_fit(mukca_identification *id, const mukca_causes *set)
     mukca_regression_fit(id->m, 3, MUKCA_FIT_ALL);
 }
 
-typedef struct {
-    double odds;
-    int index;
-} ranked;
-
 static int by_odds(const void *a, const void *b)
 {
-    const ranked *x = a, *y = b;
+    const mukca_ranked *x = a, *y = b;
     return x->odds != y->odds ? (x->odds < y->odds) - (x->odds > y->odds) : x->index - y->index;
 }
 
-/* Add the candidates with the best scores of the last scan to those kept. */
-static void keep_best(mukca_identification *id, int most)
+/* Add the candidates with the best scores of the last scan to those kept; returns the highest log
+ * odds of those added. */
+static double keep_best(mukca_identification *id, int most)
 {
     const mukca_scan *scan = &id->scan;
     const mukca_recording *r = &id->m->recording;
-    ranked *order = MUKCA_TAKE(&id->pool, ranked, id->all.count);
-    unsigned char *taken = MUKCA_TAKE(&id->pool, unsigned char, id->all.count);
+    mukca_ranked *order = id->ranked;
+    double best = -HUGE_VAL;
     long long numbers = 0;
-    if (id->pool.failed) return;
+    memset(id->taken, 0, (size_t)id->all.count);
     for (int i = 0; i < id->n_kept; i++) {
-        taken[id->kept[i]] = 1;
+        id->taken[id->kept[i]] = 1;
         numbers += id->all.list[id->kept[i]].terms;
     }
     for (int i = 0; i < id->all.count; i++)
-        order[i] = (ranked){scan->value[i] + id->all.list[i].log_prior, i};
+        order[i] = (mukca_ranked){scan->value[i] + id->all.list[i].log_prior, i};
     qsort(order, (size_t)id->all.count, sizeof *order, by_odds);
     for (int i = 0; i < id->all.count && i < most && id->n_kept < MOST_KEPT; i++) {
-        if (!(order[i].odds > -HUGE_VAL) || taken[order[i].index]) continue;
+        if (!(order[i].odds > HOPELESS)) break;
+        if (id->taken[order[i].index]) continue;
         numbers += id->all.list[order[i].index].terms;
-        if (numbers * (r->n_samples * r->dim + scan->n) > MOST_NUMBERS) return;
+        if (numbers * (r->n_samples * r->dim + scan->n) > MOST_NUMBERS) break;
         id->kept[id->n_kept++] = order[i].index;
+        best = fmax(best, order[i].odds);
     }
-}
-
-static void keep(mukca_identification *id, int candidate)
-{
-    for (int i = 0; i < id->n_kept; i++)
-        if (id->kept[i] == candidate) return;
-    if (id->n_kept < MOST_KEPT) id->kept[id->n_kept++] = candidate;
+    return best;
 }
 
 static int ascending(const void *a, const void *b)
@@ -144,41 +136,38 @@ static bool watch(const mukca_identification *id, double share, mukca_error *err
     return false;
 }
 
-/* One pass: scans and searches at the present linearisation.  *best: the most probable set. */
-static mukca_status pass(mukca_identification *id, mukca_causes *best, int number,
-                         mukca_error *error)
+static mukca_status no_memory(mukca_error *error)
 {
-    id->n_kept = 0;
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
+}
+
+/* The first pass.  *best: the most probable set. */
+static mukca_status begin(mukca_identification *id, mukca_causes *best, mukca_error *error)
+{
     set_causes(id, NULL);
     if (!mukca_scan_aim(&id->scan, id->m->unknowns.family))
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular");
-    mukca_status status = mukca_scan_run(&id->scan, true, error);
+    const mukca_status status = mukca_scan_run(&id->scan, true, error);
     if (status != MUKCA_OK) return status;
     keep_best(id, KEPT);
-    if (number == 0) {
-        id->n_first = id->all.count;
-        memcpy(id->first_value, id->scan.value, sizeof(double) * (size_t)id->n_first);
-        memcpy(id->first_information, id->scan.information, sizeof(double) * (size_t)id->n_first);
-    }
-    for (int i = 0; i < best->n; i++) keep(id, best->candidate[i]);
-    for (int round = 0; round < (number == 0 ? ROUNDS : 2); round++) {
-        const mukca_causes before = *best;
-        if (!watch(id, 0.1 + 0.2 * number + 0.05 * round, error)) return MUKCA_INTERRUPTED;
-        if (best->n) {
-            set_causes(id, best);
-            if (mukca_scan_aim(&id->scan, id->m->unknowns.family)) {
-                status = mukca_scan_run(&id->scan, true, error);
-                if (status != MUKCA_OK) return status;
-                keep_best(id, KEPT_BESIDE);
-            }
-        }
-        mukca_pool_free(&id->search_pool);
-        const bool brief = number == 0 && round + 1 < ROUNDS;
-        if (!search(id, best, brief ? SHORT_BUDGET : BUDGET))
-            return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
-        *best = causes_of(id, &id->sets.set[id->sets.best]);
-        if (same(best, &before)) break;
-    }
+    id->n_first = id->all.count;
+    memcpy(id->first_value, id->scan.value, sizeof(double) * (size_t)id->n_first);
+    memcpy(id->first_information, id->scan.information, sizeof(double) * (size_t)id->n_first);
+    if (!search(id, best, BUDGET)) return no_memory(error);
+    *best = causes_of(id, &id->sets.set[id->sets.best]);
+    return MUKCA_OK;
+}
+
+/* A later pass, at a linearisation with the set found so far. */
+static mukca_status revise(mukca_identification *id, mukca_causes *best, mukca_error *error)
+{
+    set_causes(id, best);
+    if (!mukca_scan_aim(&id->scan, id->m->unknowns.family)) return MUKCA_OK;
+    const mukca_status status = mukca_scan_run(&id->scan, true, error);
+    if (status != MUKCA_OK) return status;
+    keep_best(id, KEPT_BESIDE);
+    if (!search(id, best, BUDGET)) return no_memory(error);
+    *best = causes_of(id, &id->sets.set[id->sets.best]);
     return MUKCA_OK;
 }
 
@@ -211,14 +200,15 @@ static mukca_status average(mukca_identification *id, mukca_error *error)
 {
     mukca_sets *sets = &id->sets;
     const int own = id->m->unknowns.family, noises = id->m->evidence.n_noises;
-    ranked *order = MUKCA_TAKE(&id->pool, ranked, sets->n_sets);
-    double *total = MUKCA_TAKE(&id->pool, double, SETS), *value = MUKCA_TAKE(&id->pool, double, SETS);
+    mukca_ranked *order = MUKCA_TAKE(&id->pool, mukca_ranked, sets->n_sets);
+    double *total = MUKCA_TAKE(&id->pool, double, SETS),
+           *value = MUKCA_TAKE(&id->pool, double, SETS);
     id->set = MUKCA_TAKE(&id->pool, mukca_causes, SETS);
     if (id->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
     for (int i = 0; i < sets->n_sets; i++)
         if (sets->set[i].value > sets->set[sets->best].value - AVERAGED - 3)
             mukca_sets_evaluate(sets, i);
-    for (int i = 0; i < sets->n_sets; i++) order[i] = (ranked){sets->set[i].value, i};
+    for (int i = 0; i < sets->n_sets; i++) order[i] = (mukca_ranked){sets->set[i].value, i};
     qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
     int n = 0;
     for (; n < sets->n_sets && n < SETS && order[n].odds > order[0].odds - AVERAGED; n++) {
@@ -278,9 +268,7 @@ static void find_names(mukca_identification *id)
             int *name = &id->name[set->candidate[k]], n = 0;
             if (*name < 0) {
                 const mukca_candidate *h = &id->all.list[set->candidate[k]];
-                while (n < id->n_names &&
-                       !same_name(h, &id->all.list[id->of_name[n]], travel))
-                    n++;
+                while (n < id->n_names && !same_name(h, &id->all.list[id->of_name[n]], travel)) n++;
                 if (n == id->n_names) id->of_name[id->n_names++] = set->candidate[k], in[n] = 0;
                 *name = n;
             }
@@ -313,20 +301,25 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
                                                 id->options->disabled, error);
     if (status != MUKCA_OK) return status;
     id->kept = MUKCA_TAKE(&id->pool, int, MOST_KEPT);
+    id->ranked = MUKCA_TAKE(&id->pool, mukca_ranked, id->all.capacity);
+    id->taken = MUKCA_TAKE(&id->pool, unsigned char, id->all.capacity);
     id->first_value = MUKCA_TAKE(&id->pool, double, id->all.capacity);
     id->first_information = MUKCA_TAKE(&id->pool, double, id->all.capacity);
     if (!mukca_scan_create(&id->scan, &id->pool, m, &id->all))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",
                           id->all.count);
-    for (int number = 0; number < PASSES && status == MUKCA_OK; number++) {
-        mukca_regression_freeze(m);
-        if (number) seat(id);
-        status = pass(id, &best, number, error);
-        const bool done = same(&best, &fitted) && number > 0;
-        if (status != MUKCA_OK || number + 1 == PASSES || done || (number == 0 && !best.n)) break;
+    mukca_regression_freeze(m);
+    if (!watch(id, 0.1, error)) return MUKCA_INTERRUPTED;
+    status = begin(id, &best, error);
+    for (int pass = 0; pass < PASSES && status == MUKCA_OK && best.n && !same(&best, &fitted);
+         pass++) {
+        if (!watch(id, 0.2 + 0.4 * pass / PASSES, error)) return MUKCA_INTERRUPTED;
         fitted = best;
         mukca_identify_fit(id, &best);
         if (mukca_screening_reinstate(id->faults, m)) mukca_identify_fit(id, &best);
+        mukca_regression_freeze(m);
+        seat(id);
+        status = revise(id, &best, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
     if (status == MUKCA_OK) {

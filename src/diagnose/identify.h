@@ -15,6 +15,11 @@ typedef struct {
 } mukca_causes;
 
 typedef struct {
+    double odds;
+    int index;
+} mukca_ranked;
+
+typedef struct {
     mukca_regression *m;
     mukca_faults *faults; /* from screening; their rows may be reinstated */
     const mukca_diagnose_options *options;
@@ -34,11 +39,13 @@ typedef struct {
     /* scores of each candidate alone */
     int n_first;
     double *first_value, *first_information;
+    mukca_ranked *ranked; /* scratch */
+    unsigned char *taken;
     mukca_pool pool, search_pool; /* of all; of the last search */
 } mukca_identification;
 
-/* List the candidates and find the most probable sets of them.  The regression is left fitted to the
- * first set.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
+/* List the candidates and find the most probable sets of them.  The regression is left fitted to
+ * the first set.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error);
 void mukca_identify_free(mukca_identification *id);
 

@@ -67,8 +67,8 @@ static double find_tolerance(double *nearest, const sorted *order, const mukca_d
     for (int i = 0; i < d->n_rows; i++) {
         double least = FAR;
         for (int side = -1; side <= 1; side += 2)
-            for (int k = i + side;
-                 k >= 0 && k < d->n_rows && fabs(order[k].q - order[i].q) < least; k += side)
+            for (int k = i + side; k >= 0 && k < d->n_rows && fabs(order[k].q - order[i].q) < least;
+                 k += side)
                 least = fmin(least, distance(d, order[i].row, order[k].row));
         if (least > NEAR && least < FAR) nearest[n++] = least;
     }
@@ -108,8 +108,8 @@ int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *d)
     return repeats;
 }
 
-void mukca_postures_move(double *move, mukca_pool *pool, const int *posture,
-                         const mukca_dataset *d, const double *q)
+void mukca_postures_move(double *move, mukca_pool *pool, const int *posture, const mukca_dataset *d,
+                         const double *q)
 {
     const int rows = d->n_rows, n = d->n_joints;
     double *mean = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)n);

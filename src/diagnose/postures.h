@@ -9,8 +9,8 @@
  * one.  Scratch comes from `pool`; check pool->failed. */
 int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *data);
 
-/* move[n_rows][n_joints] := mean angles q[n_rows][n_joints] of a row's posture minus those of the posture before it:
- * readings of one posture are no moves.  Starts at 0 in each file. */
+/* move[n_rows][n_joints] := mean angles q[n_rows][n_joints] of a row's posture minus those of the
+ * posture before it: readings of one posture are no moves.  Starts at 0 in each file. */
 void mukca_postures_move(double *move, mukca_pool *pool, const int *posture,
                          const mukca_dataset *data, const double *q);
 

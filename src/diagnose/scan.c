@@ -1,8 +1,8 @@
 /* Scores of all candidate causes against the present model.
  *
- * With the model's whitened columns X (prior sigmas D) and 1 + D X'X D = L L', a candidate E has the
- * projected normal equations G = E'E - T'T and g = E'y - T'z, T = L^-1 D X'E, z = L^-1 D X'y (block
- * elimination; Golub and Van Loan, Matrix Computations, section 4.2). */
+ * With the model's whitened columns X (prior sigmas D) and 1 + D X'X D = L L', a candidate E has
+ * the projected normal equations G = E'E - T'T and g = E'y - T'z, T = L^-1 D X'E, z = L^-1 D X'y
+ * (block elimination; Golub and Van Loan, Matrix Computations, section 4.2). */
 #include "diagnose/scan.h"
 
 #include <math.h>
@@ -14,7 +14,10 @@
 #include "math/dense.h"
 #include "math/four.h"
 
-enum { LD = MUKCA_SCAN_WIDTH };
+enum {
+    LD = MUKCA_SCAN_WIDTH,
+    NEAR = 3 /* columns of most blocks */
+};
 
 bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, mukca_candidates *all)
 {
@@ -31,12 +34,13 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
         .inverse = MUKCA_TAKE(pool, double, pairs),
         .distance = MUKCA_TAKE(pool, double, pairs *n),
         .E = MUKCA_TAKE(pool, double, rows *LD),
-        .W = MUKCA_TAKE(pool, double, rows *LD),
+        .W = MUKCA_TAKE(pool, double, rows *LD + NEAR), /* read beyond the last column */
         .mean = MUKCA_TAKE(pool, double, (r->data->n_sockets + 2) * r->dim * LD),
-        .along = MUKCA_TAKE(pool, double, pairs *LD),
+        .along = MUKCA_TAKE(pool, double, pairs *LD + NEAR),
         .C = MUKCA_TAKE(pool, double, n *LD),
-        .T = MUKCA_TAKE(pool, double, n *LD),
+        .T = MUKCA_TAKE(pool, double, n *LD + NEAR),
         .g = MUKCA_TAKE(pool, double, LD),
+        .near = MUKCA_TAKE(pool, double, NEAR *LD),
         .rows = MUKCA_TAKE(pool, double, (rows + 8) * n),
         .u = MUKCA_TAKE(pool, double, rows),
         .value = MUKCA_TAKE(pool, double, all->capacity),
@@ -61,8 +65,7 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     s->dof = normal->whitening.dof + normal->n_pairs;
     s->precision = 1 / (sigma * sigma);
     s->residual = fmax(evidence->quadratic, 1e-9);
-    s->evidence =
-        value + 0.5 * s->residual - 0.5 * s->dof * (log(s->residual / s->dof) + 1);
+    s->evidence = value + 0.5 * s->residual - 0.5 * s->dof * (log(s->residual / s->dof) + 1);
     memcpy(s->z, evidence->work, sizeof *s->z * (size_t)n);
     memcpy(s->prior, evidence->prior, sizeof *s->prior * (size_t)n);
     for (int p = 0; p < normal->n_pairs; p++) {
@@ -78,6 +81,32 @@ bool mukca_scan_aim(mukca_scan *s, int family)
 typedef struct {
     int n, width, index[LD], at[LD];
 } batch;
+
+/* near[d][c] += sign * sum of x[r][c] x[r][c + d] over the rows, for blocks of NEAR columns. */
+MUKCA_CLONES static void add_near(double *near, const double *x, int rows, int width, double by)
+{
+    for (int k = 0; k < width; k += 4) {
+        four sum[NEAR] = {{0}};
+        const double *row = x + k;
+        for (int r = 0; r < rows; r++, row += LD) {
+            const four own = LOAD4(row);
+            for (int d = 0; d < NEAR; d++) sum[d] += own * LOAD4(row + d);
+        }
+        for (int d = 0; d < NEAR; d++)
+            STORE4(near + d * LD + k, LOAD4(near + d * LD + k) + by * sum[d]);
+    }
+}
+
+/* The same for the whole batch, after the projection. */
+static void find_near(mukca_scan *s, int width)
+{
+    const mukca_recording *r = &s->m->recording;
+    memset(s->near, 0, sizeof *s->near * NEAR * LD);
+    add_near(s->near, s->W, r->n_samples * r->dim, width, s->precision);
+    add_near(s->near, s->T, s->n, width, -1);
+    for (int p = 0; p < r->n_pairs; p++)
+        add_near(s->near, s->along + p * LD, 1, width, s->inverse[p]);
+}
 
 /* C := X'E for all stored columns, T and g of the batch. */
 static void project(mukca_scan *s, const batch *b)
@@ -109,29 +138,28 @@ static void project(mukca_scan *s, const batch *b)
     mukca_dense_forward8(s->T, width, LD, s->m->evidence.factor, n);
     for (int t = 0; t < n; t++)
         for (int k = 0; k < width; k++) s->g[k] -= s->T[t * LD + k] * s->z[t];
+    find_near(s, width);
 }
 
 /* G[k][k] of the k columns from `at` on. */
-MUKCA_CLONES static void gram_of(double *G, const mukca_scan *s, int at, int k)
+static void gram_of(double *G, const mukca_scan *s, int at, int k)
 {
     const mukca_recording *r = &s->m->recording;
     const int rows = r->n_samples * r->dim;
+    for (int a = 0; a < k && k <= NEAR; a++)
+        for (int c = 0; c <= a; c++) G[a * k + c] = G[c * k + a] = s->near[(a - c) * LD + at + c];
+    if (k <= NEAR) return;
+    const mukca_columns w = {s->W + at, k, LD}, t = {s->T + at, k, LD};
+    double explained[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
     memset(G, 0, sizeof *G * (size_t)(k * k));
-    for (int i = 0; i < rows; i++) {
-        const double *w = s->W + i * LD + at;
-        for (int a = 0; a < k; a++)
-            for (int c = 0; c < k; c++) G[a * k + c] += w[a] * w[c];
-    }
-    for (int a = 0; a < k * k; a++) G[a] *= s->precision;
-    for (int t = 0; t < s->n; t++) {
-        const double *w = s->T + t * LD + at;
-        for (int a = 0; a < k; a++)
-            for (int c = 0; c < k; c++) G[a * k + c] -= w[a] * w[c];
-    }
+    memset(explained, 0, sizeof *G * (size_t)(k * k));
+    mukca_dense_symmetric(G, w, w, rows);
+    mukca_dense_symmetric(explained, t, t, s->n);
+    for (int a = 0; a < k * k; a++) G[a] = s->precision * G[a] - explained[a];
     for (int p = 0; p < r->n_pairs; p++) {
-        const double *w = s->along + p * LD + at;
+        const double *x = s->along + p * LD + at;
         for (int a = 0; a < k; a++)
-            for (int c = 0; c < k; c++) G[a * k + c] += s->inverse[p] * w[a] * w[c];
+            for (int c = 0; c < k; c++) G[a * k + c] += s->inverse[p] * x[a] * x[c];
     }
 }
 
@@ -148,8 +176,8 @@ static void finish(mukca_scan *s, batch *b)
         for (int t = 0; t < mukca_candidate_own_terms(h); t++)
             most = fmax(most, G[t * h->terms + t]);
         s->information[b->index[e]] = most;
-        s->value[b->index[e]] = mukca_mixture_evidence(NULL, G, s->g + b->at[e], h->terms, &prior,
-                                                       s->residual, s->dof);
+        s->value[b->index[e]] =
+            mukca_mixture_evidence(NULL, G, s->g + b->at[e], h->terms, &prior, s->residual, s->dof);
     }
     b->n = b->width = 0;
 }
@@ -243,13 +271,19 @@ static bool guess_ripple(double *odds, mukca_scan *s, int j, const double *u, do
                            .effect.kind = MUKCA_EFFECT_GEAR_HARMONIC,
                            .unit = (const double[]){MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT},
                            .terms = 2});
+    bool listed[MUKCA_RIPPLE_ORDERS + 1] = {false};
+    for (int i = 0; i < s->all->count; i++) {
+        const mukca_candidate *h = &s->all->list[i];
+        if (h->joint == j && mukca_candidate_class(h) == MUKCA_EFFECT_GEAR_HARMONIC)
+            listed[h->effect.variant.order] = true;
+    }
     mukca_ripple_start(&wave, r, j);
     for (int o = 2; o <= MUKCA_RIPPLE_ORDERS; o++) {
         mukca_ripple_next(&wave);
         const double G[] = {left, 0, 0, left},
                      g[] = {dot4(along, wave.sine, N) / MUKCA_WAVE_UNIT,
                             dot4(along, wave.cosine, N) / MUKCA_WAVE_UNIT};
-        odds[o] = mukca_candidates_have_ripple(s->all, j, o)
+        odds[o] = listed[o]
                       ? -HUGE_VAL
                       : mukca_ripple_log_prior(o) +
                             mukca_mixture_evidence(NULL, G, g, 2, &prior, s->residual, s->dof);
@@ -296,12 +330,15 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
 {
     const mukca_recording *r = &s->m->recording;
     const int rows = r->n_samples * r->dim, pairs = r->n_pairs;
-    int columns = 0, width = 0;
+    int columns = 0, width = 0, squares = 0, at = 0;
     for (int i = 0; i < n; i++) columns += s->all->list[index[i]].terms;
     const int stride = (columns + 7) & ~7, all = rows + pairs + s->n;
     mukca_item *item = MUKCA_TAKE(pool, mukca_item, n + 1);
+    for (int i = 0; i < n; i++)
+        squares += s->all->list[index[i]].terms * s->all->list[index[i]].terms;
     double *E = MUKCA_TAKE(pool, double, (size_t)all *(size_t)stride + 1),
-           *g = MUKCA_TAKE(pool, double, stride + 1);
+           *g = MUKCA_TAKE(pool, double, stride + 1),
+           *block = MUKCA_TAKE(pool, double, squares + 1);
     if (pool->failed) return false;
     batch b = {0};
     for (int i = 0; i < n; i++) {
@@ -317,12 +354,16 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
         project(s, &b);
         const double root = sqrt(s->precision);
         for (int k = 0; k < b.width; k++) g[width + k] = s->g[k];
+        for (int e = 0; e < b.n;
+             at += item[i - b.n + 1 + e].terms * item[i - b.n + 1 + e].terms, e++)
+            gram_of(item[i - b.n + 1 + e].block = block + at, s, b.at[e],
+                    s->all->list[b.index[e]].terms);
         for (int row = 0; row < all; row++) {
             double *out = E + (size_t)row * (size_t)stride + width;
             const double *in = row < rows           ? s->W + row * LD
                                : row < rows + pairs ? s->along + (row - rows) * LD
                                                     : s->T + (row - rows - pairs) * LD,
-                         by = row < rows ? root
+                         by = row < rows           ? root
                               : row < rows + pairs ? sqrt(s->inverse[row - rows])
                                                    : 1;
             for (int k = 0; k < b.width; k++) out[k] = by * in[k];

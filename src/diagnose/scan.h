@@ -20,11 +20,11 @@ typedef struct {
     const double *white; /* its whitened columns */
     int n, dof;
     double precision, residual; /* 1 / sigma^2; squared residual in units of the noise */
-    double evidence; /* log evidence, with the scale of the noise at its maximum */
+    double evidence;            /* log evidence, with the scale of the noise at its maximum */
     double *z, *prior, *inverse, *distance; /* [n], [n], [n_pairs], [n_pairs][n + 1] */
     /* scratch of MUKCA_SCAN_WIDTH columns */
-    double *E, *W, *mean, *along, *C, *T, *g;
-    double *rows, *u; /* [n][dim * n_samples + 8], [dim * n_samples]: for faults */
+    double *E, *W, *mean, *along, *C, *T, *g, *near;
+    double *rows, *u;            /* [n][dim * n_samples + 8], [dim * n_samples]: for faults */
     double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
     int capacity;
 } mukca_scan;

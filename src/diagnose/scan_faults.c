@@ -50,8 +50,9 @@ static void fill(fault_sums *f)
     }
     mukca_dense_forward8(f->Z, ld, ld, s->m->evidence.factor, n);
     for (int t = 0; t < n; t++)
-        for (int i = d; i < count * d; i++) f->Z[(size_t)t * (size_t)ld + (size_t)i] +=
-            f->Z[(size_t)t * (size_t)ld + (size_t)(i - d)];
+        for (int i = d; i < count * d; i++)
+            f->Z[(size_t)t * (size_t)ld + (size_t)i] +=
+                f->Z[(size_t)t * (size_t)ld + (size_t)(i - d)];
 }
 
 /* Samples [from, to) of the group that a fault displaces. */
@@ -107,11 +108,9 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     }
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
-            G[3 * a + b] =
-                (a == b ? s->precision * square : 0) - dot4(T + a * n, T + b * n, n);
+            G[3 * a + b] = (a == b ? s->precision * square : 0) - dot4(T + a * n, T + b * n, n);
     for (int p = 0; p < r->n_pairs; p++) {
-        const double *direction = s->m->linear.direction[p],
-                     w = s->inverse[p] * mean * mean;
+        const double *direction = s->m->linear.direction[p], w = s->inverse[p] * mean * mean;
         if (r->pairs[p].a != f->group && r->pairs[p].b != f->group) continue;
         for (int a = 0; a < 3; a++)
             for (int b = 0; b < 3; b++) G[3 * a + b] += w * direction[a] * direction[b];

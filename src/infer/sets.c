@@ -8,11 +8,11 @@
 
 #include "base/clones.h"
 #include "math/dense.h"
+#include "math/four.h"
 
 /* Log odds behind the best set beyond which a set is not expanded (20,000 to 1), and behind the
  * best addition beyond which one is not kept. */
-#define WINDOW 10.0
-#define NARROW 3.0 /* within it one item is replaced by two, too */
+#define WINDOW 6.0
 
 enum {
     TABLE = 4 * MUKCA_MOST_SETS,
@@ -21,7 +21,9 @@ enum {
     SWAPPED = 20,
     PAIRED = 10,
     FROM = 3, /* best swaps that are extended by a second item */
-    SWEEPS = 3
+    SWEEPS = 3,
+    NEAR = 3, /* columns of most blocks */
+    FEW = 8   /* single blocks of an item before its row of the Gram matrix is computed */
 };
 
 static double *gram_of(mukca_sets *s, int item)
@@ -31,7 +33,7 @@ static double *gram_of(mukca_sets *s, int item)
     const size_t size = (size_t)(h->terms * q->stride);
     const int rows = q->n_rows - q->n_projected;
     if (s->gram[item]) return s->gram[item];
-    double *G = MUKCA_TAKE(s->pool, double, size), *P = s->with.B;
+    double *G = MUKCA_TAKE(s->pool, double, size), *P = s->row;
     if (!G) return NULL;
     mukca_dense_xty(G, (mukca_columns){q->E + h->at, h->terms, q->stride},
                     (mukca_columns){q->E, q->stride, q->stride}, rows);
@@ -43,75 +45,91 @@ static double *gram_of(mukca_sets *s, int item)
     return s->gram[item] = G;
 }
 
-/* Diagonal block of an item. */
-MUKCA_CLONES static void fill_block(double *G, const mukca_question *q, const mukca_item *h)
-{
-    const int k = h->terms;
-    memset(G, 0, sizeof *G * (size_t)(k * k));
-    for (int r = 0; r < q->n_rows; r++) {
-        const double *e = q->E + (size_t)r * (size_t)q->stride + h->at,
-                     sign = r < q->n_rows - q->n_projected ? 1 : -1;
-        for (int a = 0; a < k; a++)
-            for (int b = 0; b < k; b++) G[a * k + b] += sign * e[a] * e[b];
-    }
-}
-
 bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
 {
-    int entries = 0;
-    *s = (mukca_sets){.question = q,
-                      .pool = pool,
-                      .gram = MUKCA_TAKE(pool, double *, q->n_items + 1),
-                      .block_at = MUKCA_TAKE(pool, int, q->n_items + 1),
-                      .set = MUKCA_TAKE(pool, mukca_set, MUKCA_MOST_SETS),
-                      .table = MUKCA_TAKE(pool, int, TABLE),
-                      .value = MUKCA_TAKE(pool, double, q->n_items + 1),
-                      .order = MUKCA_TAKE(pool, int, q->n_items + 1),
-                      .with = {.L = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
-                               .v = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
-                               .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1))}};
-    for (int i = 0; i < q->n_items; i++) entries += q->item[i].terms * q->item[i].terms;
-    s->block = MUKCA_TAKE(pool, double, entries + 1);
+    int squares = 0;
+    for (int i = 0; i < q->n_items; i++) squares += q->item[i].terms * q->item[i].terms;
+    *s = (mukca_sets){
+        .question = q,
+        .pool = pool,
+        .gram = MUKCA_TAKE(pool, double *, q->n_items + 1),
+        .set = MUKCA_TAKE(pool, mukca_set, MUKCA_MOST_SETS),
+        .table = MUKCA_TAKE(pool, int, TABLE),
+        .value = MUKCA_TAKE(pool, double, q->n_items + 1),
+        .likeliest = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
+        .near = MUKCA_TAKE(pool, double, NEAR *(q->stride + 1)),
+        .g = MUKCA_TAKE(pool, double, q->stride + 1),
+        .given = MUKCA_TAKE(pool, double, squares + 1),
+        .row = MUKCA_TAKE(pool, double, MUKCA_MOST_TERMS *(q->stride + 1)),
+        .crossed = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
+        .with = {.V = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+                 .inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+                 .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
+                 .L = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+                 .v = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
+                 .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1) + NEAR)}};
     if (pool->failed) return false;
-    for (int i = 0, at = 0; i < q->n_items; at += q->item[i].terms * q->item[i].terms, i++)
-        fill_block(s->block + (s->block_at[i] = at), q, &q->item[i]);
     memset(s->table, -1, sizeof *s->table * TABLE);
     mukca_sets_insert(s, NULL, 0);
     return true;
 }
 
-/* Integrate out a set, except its member `without` (-1: none): the residual and the factors for
- * further items. */
-static bool integrate(mukca_sets *s, const mukca_set *set, int without, double *log_det)
+/* Gram block G[a.terms][b.terms] of two items. */
+static void cross(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_question *q = s->question;
+    const mukca_item *x = &q->item[a], *y = &q->item[b];
+    const int rows = q->n_rows - q->n_projected;
+    double P[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
+    if (!s->gram[a] && !s->gram[b] && s->crossed[a]++ == FEW) gram_of(s, a);
+    if (s->gram[a] || s->gram[b]) {
+        for (int i = 0; i < x->terms; i++)
+            for (int k = 0; k < y->terms; k++)
+                G[i * y->terms + k] = s->gram[a] ? s->gram[a][i * q->stride + y->at + k]
+                                                 : s->gram[b][k * q->stride + x->at + i];
+        return;
+    }
+    const double *E = q->E + (size_t)rows * (size_t)q->stride;
+    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
+    memset(P, 0, sizeof *P * (size_t)(x->terms * y->terms));
+    mukca_dense_xty(G, (mukca_columns){q->E + x->at, x->terms, q->stride},
+                    (mukca_columns){q->E + y->at, y->terms, q->stride}, rows);
+    mukca_dense_xty(P, (mukca_columns){E + x->at, x->terms, q->stride},
+                    (mukca_columns){E + y->at, y->terms, q->stride}, q->n_projected);
+    for (int i = 0; i < x->terms * y->terms; i++) G[i] -= P[i];
+}
+
+/* Integrate out a set: 1 + D G D = L L', v = L^-1 D g, and the residual.  False: not positive. */
+static bool integrate(mukca_sets *s, const mukca_set *set, double *log_det)
+{
+    const mukca_question *q = s->question;
+    double *L = s->with.L, G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], explained = 0;
     int n = 0;
     *log_det = 0;
-    s->with.rest = q->residual;
     for (int m = 0; m < set->n; m++) {
         const mukca_item *h = &q->item[set->item[m]];
-        if (m == without) continue;
-        for (int t = 0; t < h->terms; t++, n++)
-            s->with.column[n] = h->at + t, s->with.size[n] = h->prior.size[set->size[m]];
-    }
-    s->with.n = n;
-    double *L = s->with.L;
-    int row = 0;
-    for (int m = 0; m < set->n; m++) {
-        if (m == without) continue;
-        const double *G = gram_of(s, set->item[m]);
-        if (!G) return false;
-        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride) {
-            const double size = s->with.size[row];
-            for (int c = 0; c <= row; c++)
-                L[row * n + c] = size * G[s->with.column[c]] * s->with.size[c];
-            L[row * n + row] += 1;
-            s->with.v[row] = size * q->g[s->with.column[row]];
+        s->with.at[m] = n;
+        for (int t = 0; t < h->terms; t++, n++) {
+            s->with.size[n] = h->prior.size[set->size[m]];
+            s->with.v[n] = s->with.size[n] * q->g[h->at + t];
         }
     }
+    s->with.n = n;
+    for (int m = 0; m < set->n; m++)
+        for (int o = 0; o <= m; o++) {
+            const mukca_item *h = &q->item[set->item[m]];
+            const int terms = q->item[set->item[o]].terms, row = s->with.at[m],
+                      column = s->with.at[o];
+            const double *block = o == m ? h->block : G;
+            if (o < m) cross(G, s, set->item[m], set->item[o]);
+            for (int t = 0; t < h->terms; t++)
+                for (int c = 0; c < terms; c++)
+                    L[(row + t) * n + column + c] =
+                        s->with.size[row + t] * block[t * terms + c] * s->with.size[column + c];
+        }
+    for (int i = 0; i < n; i++) L[i * n + i] += 1;
     if (mukca_dense_cholesky(L, n)) return false;
     mukca_dense_forward(s->with.v, 1, L, n);
-    double explained = 0;
     for (int i = 0; i < n; i++) {
         explained += s->with.v[i] * s->with.v[i];
         *log_det += log(L[i * n + i]);
@@ -120,45 +138,135 @@ static bool integrate(mukca_sets *s, const mukca_set *set, int without, double *
     return true;
 }
 
-/* Columns [at, at + count) of L^-1 D G for the set integrated out, with the row stride ld. */
-static void condition(mukca_sets *s, const mukca_set *set, int without, int at, int count, int ld)
+/* V := (1 + D G D)^-1 and x := V D g of the set integrated out. */
+MUKCA_CLONES static void invert(mukca_sets *s)
+{
+    const int n = s->with.n;
+    double *T = s->with.inverse;
+    memset(T, 0, sizeof *T * (size_t)(n * n));
+    for (int i = 0; i < n; i++) T[i * n + i] = 1;
+    mukca_dense_forward(T, n, s->with.L, n);
+    memset(s->with.V, 0, sizeof *T * (size_t)(n * n));
+    mukca_dense_syrk(s->with.V, n, T, n, n);
+    memcpy(s->with.x, s->with.v, sizeof *T * (size_t)n);
+    mukca_dense_backward(s->with.x, 1, s->with.L, n);
+}
+
+/* With a member left out of the set, its block of V^-1 is that of 1 + D G' D with the others
+ * integrated out.  M M' := the block of V, w := M^-1 x.  False: not positive. */
+static bool leave_out(double *M, double *w, const mukca_sets *s, int member, int terms)
+{
+    const int n = s->with.n, at = s->with.at[member];
+    for (int i = 0; i < terms; i++)
+        memcpy(M + i * terms, s->with.V + (at + i) * n + at, sizeof *M * (size_t)terms);
+    if (mukca_dense_cholesky(M, terms)) return false;
+    memcpy(w, s->with.x + at, sizeof *w * (size_t)terms);
+    mukca_dense_forward(w, 1, M, terms);
+    return true;
+}
+
+static double square_of(const double *x, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += x[i] * x[i];
+    return sum;
+}
+
+/* Evidence of a member given the others; by_size as in mukca_mixture_evidence(). */
+static double score_member(double *by_size, const mukca_sets *s, const mukca_set *set, int member)
+{
+    const mukca_item *h = &s->question->item[set->item[member]];
+    const int k = h->terms;
+    double M[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
+        I[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS] = {0}, w[MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
+    const double size = h->prior.size[set->size[member]];
+    if (!leave_out(M, w, s, member, k)) return -HUGE_VAL;
+    for (int i = 0; i < k; i++) I[i * k + i] = 1;
+    mukca_dense_forward(I, k, M, k);
+    memset(G, 0, sizeof *G * (size_t)(k * k));
+    mukca_dense_syrk(G, k, I, k, k);
+    memcpy(g, w, sizeof *g * (size_t)k);
+    mukca_dense_backward(g, 1, M, k);
+    for (int i = 0; i < k; i++) {
+        G[i * k + i] -= 1;
+        g[i] /= size;
+    }
+    for (int i = 0; i < k * k; i++) G[i] /= size * size;
+    return mukca_mixture_evidence(by_size, G, g, k, &h->prior,
+                                  fmin(s->with.rest + square_of(w, k), s->question->residual),
+                                  s->question->dof);
+}
+
+/* B := L^-1 D G for the set integrated out and one item. */
+static void condition_item(mukca_sets *s, const mukca_set *set, int item)
 {
     const mukca_question *q = s->question;
+    const int terms = q->item[item].terms;
     for (int m = 0, row = 0; m < set->n; m++) {
-        if (m == without) continue;
-        const double *G = s->gram[set->item[m]] + at;
-        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
-            for (int k = 0; k < count; k++) s->with.B[row * ld + k] = s->with.size[row] * G[k];
+        double *B = s->with.B + row * terms;
+        cross(B, s, set->item[m], item);
+        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++)
+            for (int k = 0; k < terms; k++) *B++ *= s->with.size[row];
     }
-    if (count % 8)
-        mukca_dense_forward(s->with.B, count, s->with.L, s->with.n);
-    else
-        mukca_dense_forward8(s->with.B, count, ld, s->with.L, s->with.n);
+    mukca_dense_forward(s->with.B, terms, s->with.L, s->with.n);
 }
 
-/* G[k][k] and g[k] of an item given the set integrated out, whose B has the item at column `at`. */
-MUKCA_CLONES static void project(double *G, double *g, const mukca_sets *s, int item, int at,
+/* The same for all items.  False: no memory. */
+static bool condition_all(mukca_sets *s, const mukca_set *set)
+{
+    const mukca_question *q = s->question;
+    for (int m = 0; m < set->n; m++)
+        if (!gram_of(s, set->item[m])) return false;
+    for (int m = 0, row = 0; m < set->n; m++) {
+        const double *G = s->gram[set->item[m]];
+        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
+            for (int k = 0; k < q->stride; k++)
+                s->with.B[row * q->stride + k] = s->with.size[row] * G[k];
+    }
+    mukca_dense_forward8(s->with.B, q->stride, q->stride, s->with.L, s->with.n);
+    return true;
+}
+
+/* near[d][c]: products of columns c and c + d of B, and g[c] := g - B'v, for blocks of NEAR
+ * columns.
+ */
+MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets *s, int width)
+{
+    for (int k = 0; k < width; k += 4) {
+        four sum[NEAR] = {{0}}, explained = {0};
+        const double *row = s->with.B + k;
+        for (int i = 0; i < s->with.n; i++, row += width) {
+            const four own = LOAD4(row);
+            explained += s->with.v[i] * own;
+            for (int d = 0; d < NEAR; d++) sum[d] += own * LOAD4(row + d);
+        }
+        STORE4(g + k, LOAD4(s->question->g + k) - explained);
+        for (int d = 0; d < NEAR; d++) STORE4(near + d * width + k, sum[d]);
+    }
+}
+
+/* G[k][k] of an item given the set integrated out, whose B has the item at column `at`. */
+MUKCA_CLONES static void project(double *G, const mukca_sets *s, const mukca_item *h, int at,
                                  int ld)
 {
-    const mukca_item *h = &s->question->item[item];
     const int k = h->terms;
-    memcpy(G, s->block + s->block_at[item], sizeof *G * (size_t)(k * k));
-    memcpy(g, s->question->g + h->at, sizeof *g * (size_t)k);
+    memcpy(G, h->block, sizeof *G * (size_t)(k * k));
     for (int i = 0; i < s->with.n; i++) {
-        const double *b = s->with.B + (size_t)i * (size_t)ld + at, v = s->with.v[i];
-        for (int a = 0; a < k; a++) {
-            const double x = b[a];
-            g[a] -= x * v;
-            for (int c = 0; c < k; c++) G[a * k + c] -= x * b[c];
-        }
+        const double *b = s->with.B + (size_t)i * (size_t)ld + at;
+        for (int a = 0; a < k; a++)
+            for (int c = 0; c < k; c++) G[a * k + c] -= b[a] * b[c];
     }
 }
 
-static double score(double *by_size, const mukca_sets *s, int item, int at, int ld)
+/* Evidence of an item whose columns alone are in B. */
+static double score(double *by_size, const mukca_sets *s, int item)
 {
     const mukca_item *h = &s->question->item[item];
     double G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
-    project(G, g, s, item, at, ld);
+    project(G, s, h, 0, h->terms);
+    memcpy(g, s->question->g + h->at, sizeof *g * (size_t)h->terms);
+    for (int i = 0; i < s->with.n; i++)
+        for (int a = 0; a < h->terms; a++) g[a] -= s->with.v[i] * s->with.B[i * h->terms + a];
     return mukca_mixture_evidence(by_size, G, g, h->terms, &h->prior, s->with.rest,
                                   s->question->dof);
 }
@@ -194,33 +302,32 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
 {
     const mukca_question *q = s->question;
     mukca_set *set = &s->set[index];
-    double integral = 0, log_det;
+    double integral = 0, log_det = 0;
+    bool changed = true, ok = true;
     if (set->exact) return;
     set->exact = true;
-    for (int sweep = 0, changed = 1; sweep < SWEEPS && changed; sweep++) {
-        integral = 0, changed = 0;
-        for (int m = 0; m < set->n; m++) {
+    for (int sweep = 0; sweep < SWEEPS && changed && ok; sweep++) {
+        integral = 0, changed = false;
+        ok = integrate(s, set, &log_det);
+        invert(s);
+        for (int m = 0; m < set->n && ok; m++) {
             const mukca_item *h = &q->item[set->item[m]];
             double by_size[MUKCA_MOST_SIZES];
-            if (!integrate(s, set, m, &log_det)) break;
-            condition(s, set, m, h->at, h->terms, h->terms);
-            const double sum = score(by_size, s, set->item[m], 0, h->terms);
-            const int best = largest(by_size, h->prior.n_sizes);
-            changed |= best != set->size[m];
-            set->size[m] = (unsigned char)best;
+            const double sum = score_member(by_size, s, set, m);
+            const int best = sum > -HUGE_VAL ? largest(by_size, h->prior.n_sizes) : set->size[m];
             integral += sum - by_size[best] + h->prior.log_weight[best];
+            if (best == set->size[m]) continue;
+            changed = true;
+            set->size[m] = (unsigned char)best;
+            ok = integrate(s, set, &log_det);
+            invert(s);
         }
     }
-    set->value = -HUGE_VAL;
-    if (integrate(s, set, -1, &log_det)) {
-        set->value = integral - log_det - 0.5 * q->dof * log(s->with.rest / q->residual) +
-                     weigh_signs(s, set);
-        for (int m = 0; m < set->n; m++) set->value += q->item[set->item[m]].log_prior;
-    }
-    if (!(set->value > s->set[s->best].value) && index != s->best) return;
-    for (int i = 0; i < s->n_sets; i++)
-        if (s->set[i].exact && s->set[i].value > s->set[s->best].value) s->best = i;
-    if (s->set[index].value >= s->set[s->best].value) s->best = index;
+    set->value =
+        integral - log_det - 0.5 * q->dof * log(s->with.rest / q->residual) + weigh_signs(s, set);
+    for (int m = 0; m < set->n; m++) set->value += q->item[set->item[m]].log_prior;
+    if (!ok || isnan(set->value)) set->value = -HUGE_VAL;
+    if (set->value > s->set[s->best].value) s->best = index;
 }
 
 /* FNV-1a (Fowler, Noll, Vo). */
@@ -263,7 +370,7 @@ static bool extended(mukca_set *out, const mukca_sets *s, const mukca_set *set, 
     memmove(out->size + at + 1, set->size + at, sizeof *out->size * (size_t)(set->n - at));
     out->item[at] = (unsigned short)item;
     out->size[at] = (unsigned char)size;
-    out->exact = out->expanded = false;
+    out->exact = out->expanded = out->swapped = false;
     return columns <= MUKCA_SET_COLUMNS;
 }
 
@@ -271,11 +378,9 @@ static mukca_set reduced(const mukca_set *set, int member)
 {
     mukca_set out = *set;
     out.n--;
-    memmove(out.item + member, set->item + member + 1,
-            sizeof *out.item * (size_t)(out.n - member));
-    memmove(out.size + member, set->size + member + 1,
-            sizeof *out.size * (size_t)(out.n - member));
-    out.exact = out.expanded = false;
+    memmove(out.item + member, set->item + member + 1, sizeof *out.item * (size_t)(out.n - member));
+    memmove(out.size + member, set->size + member + 1, sizeof *out.size * (size_t)(out.n - member));
+    out.exact = out.expanded = out.swapped = false;
     return out;
 }
 
@@ -292,36 +397,82 @@ int mukca_sets_insert(mukca_sets *s, const int *item, int n)
     return index;
 }
 
-/* Keep the best extensions of a set, at most `most`, estimated by their conditional evidence;
- * child[] receives the best `wanted`.  Returns their number. */
-static int extend(mukca_sets *s, int index, int most, int *child, int wanted)
+/* Keep the best of all extensions of a set by their odds s->value[] and sizes s->likeliest[], at
+ * most `most`; child[] receives the best `wanted`.  Returns their number. */
+static int keep(mukca_sets *s, const mukca_set *set, int most, int *child, int wanted)
 {
     const mukca_question *q = s->question;
-    mukca_set set = s->set[index], next;
-    double log_det, by_size[MUKCA_MOST_SIZES];
-    unsigned char *size = (unsigned char *)s->order; /* scratch */
-    int n = 0;
-    if (!integrate(s, &set, -1, &log_det)) return 0;
-    condition(s, &set, -1, 0, q->stride, q->stride);
-    for (int i = 0; i < q->n_items; i++) {
-        s->value[i] = score(by_size, s, i, q->item[i].at, q->stride) + q->item[i].log_prior;
-        size[i] = (unsigned char)largest(by_size, q->item[i].prior.n_sizes);
-    }
     double best = -HUGE_VAL;
+    mukca_set next;
+    int n = 0;
     for (int taken = 0; taken < most;) {
         const int i = largest(s->value, q->n_items);
         const double gain = s->value[i];
-        if (taken && !(gain > best - WINDOW)) break;
-        if (!isfinite(gain)) break;
+        if (!isfinite(gain) || (taken && !(gain > best - WINDOW))) break;
         s->value[i] = -HUGE_VAL;
-        if (!extended(&next, s, &set, i, size[i])) continue;
+        if (!extended(&next, s, set, i, s->likeliest[i])) continue;
         best = fmax(best, gain);
-        next.value = set.value + gain;
+        next.value = set->value + gain;
         const int at = find(s, &next);
         taken++;
         if (at >= 0 && n < wanted) child[n++] = at;
     }
     return n;
+}
+
+/* Normal equations of all items given a set: s->given, s->g.  False: no memory, or not positive. */
+static bool condition(mukca_sets *s, const mukca_set *set)
+{
+    const mukca_question *q = s->question;
+    double log_det, *G = s->given;
+    if (!integrate(s, set, &log_det) || !condition_all(s, set)) return false;
+    project_near(s->near, s->g, s, q->stride);
+    for (int i = 0; i < q->n_items; i++) {
+        const mukca_item *h = &q->item[i];
+        const int k = h->terms;
+        if (k > NEAR) project(G, s, h, h->at, q->stride);
+        for (int a = 0; a < k && k <= NEAR; a++)
+            for (int c = 0; c <= a; c++)
+                G[a * k + c] = G[c * k + a] =
+                    h->block[a * k + c] - s->near[(a - c) * q->stride + h->at + c];
+        G += k * k;
+    }
+    return true;
+}
+
+/* Score all items given the conditioned set, or that without a member, whose k rows of M^-1 V D G
+ * are in W, and w = M^-1 x. */
+MUKCA_CLONES static void score_all(mukca_sets *s, const double *W, const double *w, int k)
+{
+    const mukca_question *q = s->question;
+    double by_size[MUKCA_MOST_SIZES], G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
+    const double *given = s->given, rest = fmin(s->with.rest + square_of(w, k), q->residual);
+    for (int i = 0; i < q->n_items; i++) {
+        const mukca_item *h = &q->item[i];
+        const int terms = h->terms;
+        memcpy(G, given, sizeof *G * (size_t)(terms * terms));
+        memcpy(g, s->g + h->at, sizeof *g * (size_t)terms);
+        given += terms * terms;
+        for (int r = 0; r < k; r++) {
+            const double *row = W + r * q->stride + h->at;
+            for (int a = 0; a < terms; a++) {
+                g[a] += row[a] * w[r];
+                for (int c = 0; c < terms; c++) G[a * terms + c] += row[a] * row[c];
+            }
+        }
+        s->value[i] =
+            h->log_prior + mukca_mixture_evidence(by_size, G, g, terms, &h->prior, rest, q->dof);
+        s->likeliest[i] = (unsigned char)largest(by_size, h->prior.n_sizes);
+    }
+}
+
+/* Extend a set by one item. */
+static void extend(mukca_sets *s, int index, int most)
+{
+    const mukca_set set = s->set[index];
+    if (!condition(s, &set)) return;
+    score_all(s, NULL, NULL, 0);
+    keep(s, &set, most, NULL, 0);
 }
 
 /* Number of expanded sets with the same keys. */
@@ -343,34 +494,44 @@ static int variants(const mukca_sets *s, const mukca_set *set)
     return count;
 }
 
-/* The most probable set that is not expanded; -1: none in the window. */
+/* The most probable set that is not expanded and swapped; -1: none in the window. */
 static int next_open(const mukca_sets *s)
 {
     int open = -1;
     for (int i = 0; i < s->n_sets; i++)
-        if (!s->set[i].expanded && s->set[i].value > s->set[s->best].value - WINDOW &&
+        if (!(s->set[i].expanded && s->set[i].swapped) &&
+            s->set[i].value > s->set[s->best].value - WINDOW &&
             (open < 0 || s->set[i].value > s->set[open].value))
             open = i;
     return open;
 }
 
-/* Drop or replace each member of a set. */
+/* Drop or replace each member of a set; the best replacements of the best set are extended, too:
+ * one item by two. */
 static void swap(mukca_sets *s, int index)
 {
+    const mukca_question *q = s->question;
     const mukca_set set = s->set[index];
+    const bool pairs = index == s->best;
+    int child[MUKCA_SET_ITEMS * FROM], n = 0;
+    double by_size[MUKCA_MOST_SIZES], M[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], w[MUKCA_MOST_TERMS];
+    if (!set.n || !condition(s, &set)) return;
+    invert(s);
+    mukca_dense_backward(s->with.B, q->stride, s->with.L, s->with.n); /* V D G */
     for (int m = 0; m < set.n; m++) {
-        const mukca_set less = reduced(&set, m);
-        int child[FROM];
-        const int smaller = find(s, &less);
-        if (smaller < 0) continue;
-        mukca_sets_evaluate(s, smaller);
-        if (s->set[smaller].expanded) continue;
-        const int n = extend(s, smaller, SWAPPED, child, FROM);
-        for (int c = 0; c < n && set.value > s->set[s->best].value - NARROW; c++) {
-            if (child[c] == index) continue;
-            mukca_sets_evaluate(s, child[c]);
-            if (!s->set[child[c]].expanded) extend(s, child[c], PAIRED, NULL, 0);
-        }
+        const mukca_item *h = &q->item[set.item[m]];
+        double *W = s->with.B + (size_t)s->with.at[m] * (size_t)q->stride;
+        mukca_set less = reduced(&set, m);
+        if (!leave_out(M, w, s, m, h->terms)) continue;
+        less.value = set.value - score_member(by_size, s, &set, m) - h->log_prior;
+        if (find(s, &less) < 0) return;
+        mukca_dense_forward(W, q->stride, M, h->terms);
+        score_all(s, W, w, h->terms);
+        n += keep(s, &less, SWAPPED, child + n, FROM);
+    }
+    for (int c = 0; c < n && pairs; c++) {
+        mukca_sets_evaluate(s, child[c]);
+        if (!s->set[child[c]].expanded) extend(s, child[c], PAIRED);
     }
 }
 
@@ -379,40 +540,43 @@ void mukca_sets_explore(mukca_sets *s, int budget)
     while (budget > 0 && !s->pool->failed) {
         const int i = next_open(s);
         if (i < 0) return;
-        if (!s->set[i].exact) {
+        mukca_set *set = &s->set[i];
+        if (!set->exact) {
             mukca_sets_evaluate(s, i);
-            continue;
+        } else if (!set->expanded) {
+            const bool many = variants(s, set) >= VARIANTS;
+            set->expanded = true;
+            set->swapped = many;
+            if (many) continue;
+            budget--;
+            extend(s, i, ADDED);
+        } else {
+            set->swapped = true;
+            swap(s, i);
         }
-        const bool many = variants(s, &s->set[i]) >= VARIANTS;
-        s->set[i].expanded = true;
-        if (many) continue;
-        budget--;
-        extend(s, i, ADDED, NULL, 0);
-        swap(s, i);
     }
 }
 
 double mukca_sets_gain(mukca_sets *s, const mukca_set *set, int item)
 {
-    const mukca_item *h = &s->question->item[item];
     double log_det;
-    if (!integrate(s, set, -1, &log_det)) return -HUGE_VAL;
-    condition(s, set, -1, h->at, h->terms, h->terms);
-    return score(NULL, s, item, 0, h->terms);
+    if (!integrate(s, set, &log_det)) return -HUGE_VAL;
+    condition_item(s, set, item);
+    return score(NULL, s, item);
 }
 
 void mukca_sets_gram(double *G, mukca_sets *s, const mukca_set *set, int a, int b)
 {
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
     double log_det, left[MUKCA_SET_COLUMNS * MUKCA_MOST_TERMS];
-    const double *row = gram_of(s, a);
-    for (int i = 0; i < x->terms && row; i++)
-        for (int k = 0; k < y->terms; k++)
-            G[i * y->terms + k] = row[i * s->question->stride + y->at + k];
-    if (!row || !integrate(s, set, -1, &log_det)) return;
-    condition(s, set, -1, x->at, x->terms, x->terms);
+    if (a == b)
+        memcpy(G, x->block, sizeof *G * (size_t)(x->terms * x->terms));
+    else
+        cross(G, s, a, b);
+    if (!integrate(s, set, &log_det)) return;
+    condition_item(s, set, a);
     memcpy(left, s->with.B, sizeof *left * (size_t)(s->with.n * x->terms));
-    condition(s, set, -1, y->at, y->terms, y->terms);
+    condition_item(s, set, b);
     for (int r = 0; r < s->with.n; r++)
         for (int i = 0; i < x->terms; i++)
             for (int k = 0; k < y->terms; k++)

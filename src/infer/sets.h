@@ -19,7 +19,8 @@ typedef struct {
     int at, terms; /* columns */
     mukca_mixture prior;
     double log_prior;
-    int key; /* a set has at most one item of a key: variants of one cause */
+    double *block; /* [terms][terms] its block of the Gram matrix */
+    int key;       /* a set has at most one item of a key: variants of one cause */
 } mukca_item;
 
 /* Columns E[n_rows][stride], whitened, in units of the noise; the products of the last n_projected
@@ -38,27 +39,31 @@ typedef struct {
     unsigned short item[MUKCA_SET_ITEMS]; /* ascending */
     unsigned char size[MUKCA_SET_ITEMS];  /* most probable one of each item's mixture */
     double value;                         /* log posterior against the empty set */
-    bool exact, expanded; /* exact: its sizes are at their maximum, and integrated */
+    /* exact: its sizes are at their maximum, and integrated; extended; members replaced */
+    bool exact, expanded, swapped;
 } mukca_set;
 
 typedef struct {
     const mukca_question *question;
     mukca_pool *pool;
     double **gram; /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
-    double *block; /* diagonal blocks of all items */
-    int *block_at; /* [n_items] */
     int n_sets, best;
     mukca_set *set; /* [MUKCA_MOST_SETS] */
     int *table;     /* hash table of sets */
     struct {
         int n;
-        int column[MUKCA_SET_COLUMNS];
+        int at[MUKCA_SET_ITEMS]; /* first column of each member */
         double size[MUKCA_SET_COLUMNS];
-        double *L, *v, *B; /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
-        double rest;       /* residual */
-    } with; /* the set integrated out last */
-    double *value;                                 /* [n_items] scratch */
-    int *order;
+        double *L, *v, *B;    /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
+        double *V, *x;        /* (1 + D G D)^-1, V D g */
+        double *inverse;      /* L^-1 */
+        double rest;          /* residual */
+    } with;                   /* the set integrated out last */
+    double *row;              /* scratch of one */
+    unsigned char *crossed;   /* [n_items] blocks computed without it */
+    double *given;            /* blocks of all items given that set */
+    double *value, *near, *g; /* scratch: [n_items], [NEAR][stride], [stride] */
+    unsigned char *likeliest; /* [n_items] sizes */
 } mukca_sets;
 
 /* Start with the empty set.  Memory comes from `pool`.  False: no memory. */
