@@ -20,7 +20,7 @@ bool mukca_whitening_create(mukca_whitening *w, mukca_pool *pool, int samples, i
  * of V along 1. */
 static double common_factor(double shared, int m)
 {
-    return m > 1 && shared > 0 ? (1 - sqrt((1 - shared) / (1 - shared + shared * m))) / m : 0;
+    return m > 0 && shared > 0 ? (1 - sqrt((1 - shared) / (1 - shared + shared * m))) / m : 0;
 }
 
 void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise_family family,
@@ -110,12 +110,10 @@ MUKCA_CLONES void mukca_whitening_apply(const mukca_whitened *x, const mukca_whi
             for (int start = 0; start < x->n; start += CHUNK) {
                 const int count = x->n - start < CHUNK ? x->n - start : CHUNK;
                 const size_t at = (size_t)c * ld + (size_t)start;
-                if (w->family.shared > 0)
-                    subtract_common(x->white + at, step, count, w, s, block);
+                if (w->family.shared > 0) subtract_common(x->white + at, step, count, w, s, block);
                 if (block->free_mean)
-                    centre(x->white + at,
-                           x->mean ? x->mean + (size_t)b * step + at : NULL, step, count, w, block,
-                           b);
+                    centre(x->white + at, x->mean ? x->mean + (size_t)b * step + at : NULL, step,
+                           count, w, block, b);
             }
     }
 }
