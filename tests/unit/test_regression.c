@@ -1,0 +1,485 @@
+/* The mathematics under the diagnosis: columns against differences of predictions, scores of
+ * candidates against evidence with their columns really added. */
+#include <stdlib.h>
+
+#include "diagnose/folds.h"
+#include "diagnose/noise.h"
+#include "diagnose/ripple.h"
+#include "diagnose/scales.h"
+#include "diagnose/scan.h"
+#include "diagnose/screening.h"
+#include "math/stats.h"
+#include "scene.h"
+
+typedef struct {
+    scene s;
+    mukca_dataset data;
+    mukca_regression m;
+    mukca_candidates all;
+    mukca_pool pool;
+    mukca_scan scan;
+} fixture;
+
+static void create(fixture *f)
+{
+    mukca_error error = {0};
+    const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    assert_int_equal(mukca_regression_create(&f->m, &f->s.chain, &f->data, &options, &error),
+                     MUKCA_OK);
+    mukca_regression_fit(&f->m, 5, MUKCA_FIT_ALL);
+    mukca_regression_freeze(&f->m);
+    assert_int_equal(
+        mukca_candidates_list(&f->all, &f->m.pool, &f->m.recording, &f->m.unknowns, NULL, &error),
+        MUKCA_OK);
+    assert_true(mukca_scan_create(&f->scan, &f->pool, &f->m, &f->all));
+}
+
+static int set_up(void **state)
+{
+    fixture *f = calloc(1, sizeof *f);
+    assert_non_null(f);
+    set_scene(&f->s, "joint_compliance:joint_2=1e-4", 7);
+    f->s.how.noise = 1e-4;
+    record(&f->data, &f->s);
+    create(f);
+    *state = f;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    fixture *f = *state;
+    mukca_regression_free(&f->m);
+    mukca_dataset_free(&f->data);
+    mukca_pool_free(&f->pool);
+    free(f);
+    return 0;
+}
+
+/* First candidate of that effect and joint. */
+static const mukca_candidate *find(const fixture *f, int effect, int joint)
+{
+    for (int i = 0; i < f->all.count; i++) {
+        const mukca_candidate *h = &f->all.list[i];
+        if (h->kind == MUKCA_CANDIDATE_EFFECT && h->joint == joint && (int)h->effect.kind == effect)
+            return h;
+    }
+    fail_msg("no such candidate");
+    return NULL;
+}
+
+/* Columns of every effect that acts on the arm against differences of the forward model. */
+static void effect_columns(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    int checked = 0;
+    for (int i = 0; i < f->all.first_unlisted; i += 7) {
+        const mukca_candidate *h = &f->all.list[i];
+        if (!h->basis || h->kind == MUKCA_CANDIDATE_STRETCH) continue;
+        double *E = calloc((size_t)(3 * m->recording.n_samples * h->terms), sizeof *E);
+        assert_non_null(E);
+        mukca_linearisation_columns(E, h->terms, &m->linear, &m->recording, h);
+        assert_true(mukca_unknowns_add(&m->unknowns, h));
+        mukca_accepted *cause = &m->unknowns.cause[m->unknowns.n_causes - 1];
+        for (int t = 0; t < h->terms; t++)
+            for (int row = 0; row < m->recording.n_samples; row += 61) {
+                double up[3], down[3];
+                const double step = 1e-6 * h->unit[t];
+                cause->coefficient[t] = step;
+                mukca_unknowns_predict(up, &m->unknowns, &m->recording, m->recording.order[row]);
+                cause->coefficient[t] = -step;
+                mukca_unknowns_predict(down, &m->unknowns, &m->recording, m->recording.order[row]);
+                cause->coefficient[t] = 0;
+                for (int c = 0; c < 3; c++) {
+                    const double slope = (up[c] - down[c]) / (2 * step);
+                    assert_close(E[(3 * row + c) * h->terms + t], slope, 8e-3 * (1 + fabs(slope)));
+                }
+            }
+        mukca_unknowns_drop(&m->unknowns, m->unknowns.n_causes - 1);
+        free(E);
+        checked++;
+    }
+    assert_true(checked > 50);
+}
+
+/* Log evidence of the present causes on the frozen columns, with the scale of the noise at its
+ * maximum; mean[]: of the columns. */
+static double evidence(mukca_regression *m, int family, double *mean, double *noise)
+{
+    mukca_regression_return(m);
+    const mukca_normal_equations *normal = mukca_regression_collect(m, family);
+    const int dof = normal->whitening.dof + normal->n_pairs;
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    const double value = mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, mean);
+    assert_true(isfinite(value));
+    *noise = m->evidence.quadratic / dof;
+    return value + 0.5 * m->evidence.quadratic - 0.5 * dof * (log(*noise) + 1);
+}
+
+/* Log Bayes factor of a candidate whose columns are really added, averaged over its sizes. */
+static double added(mukca_regression *m, int family, const mukca_candidate *h, double *mean)
+{
+    const mukca_mixture prior = mukca_candidate_mixture(h);
+    const double one = 1;
+    double value[MUKCA_MOST_SIZES], noise;
+    const double without = evidence(m, family, mean, &noise);
+    assert_true(mukca_unknowns_add(&m->unknowns, h));
+    const int last = m->unknowns.n_causes - 1, column = mukca_unknowns_column(&m->unknowns, last);
+    for (int s = 0; s < prior.n_sizes; s++) {
+        m->unknowns.cause[last].scale = prior.size[s];
+        value[s] = prior.log_weight[s] + evidence(m, family, mean, &noise) - without;
+        if (!prior.nonnegative) continue;
+        const double error = mukca_regression_standard_error(m, column, &one, 1);
+        value[s] += log(2) + mukca_stats_log_normal_cdf(mean[column] / (error * sqrt(noise)));
+    }
+    mukca_unknowns_drop(&m->unknowns, last);
+    return mukca_stats_log_sum_exp(value, prior.n_sizes);
+}
+
+/* Scores of the scan, of all kinds of candidates, and of the same as sets of one. */
+static void check_scan(fixture *f, int family, const mukca_candidate *cause)
+{
+    enum { MOST = 120 };
+    mukca_regression *m = &f->m;
+    mukca_pool pool = {0};
+    mukca_question question;
+    mukca_sets sets;
+    mukca_error error;
+    int pick[MOST], n = 0, seen[MUKCA_CANDIDATE_KINDS] = {0};
+    double mean[4096];
+    assert_true(mukca_unknowns_capacity(&m->unknowns) < 4096);
+    if (cause) {
+        assert_true(mukca_unknowns_add(&m->unknowns, cause));
+        m->unknowns.cause[0].scale = 1e-3;
+    }
+    assert_true(mukca_scan_aim(&f->scan, family));
+    assert_int_equal(mukca_scan_run(&f->scan, !cause, &error), MUKCA_OK);
+    for (int i = 0; i < f->all.count && n < MOST; i++) {
+        const mukca_candidate *h = &f->all.list[i];
+        if (seen[h->kind]++ % (h->kind == MUKCA_CANDIDATE_EFFECT ? 29 : 97)) continue;
+        if (!cause || !mukca_candidate_same(h, cause)) pick[n++] = i;
+    }
+    assert_in_range(n, 30, MOST - 1);
+    for (int kind = 0; kind < MUKCA_CANDIDATE_KINDS; kind++)
+        assert_true(seen[kind] || kind == MUKCA_CANDIDATE_TIME || kind == MUKCA_CANDIDATE_STRETCH);
+    assert_true(mukca_scan_question(&question, &f->scan, &pool, pick, n));
+    assert_true(mukca_sets_create(&sets, &pool, &question));
+    for (int i = 0; i < n; i++) {
+        const mukca_candidate *h = &f->all.list[pick[i]];
+        const double value = f->scan.value[pick[i]];
+        const int at = mukca_sets_insert(&sets, &i, 1);
+        assert_true(at >= 0);
+        /* rounding of differences of log evidences of some thousand */
+        assert_close(sets.set[at].value, value + h->log_prior - MUKCA_SET_RATE,
+                     1e-6 * (1 + fabs(value)));
+        assert_close(value, added(m, family, h, mean), 1e-6 * (1 + fabs(value)));
+    }
+    m->unknowns.n_causes = 0;
+    mukca_pool_free(&pool);
+}
+
+static void scores(void **state)
+{
+    fixture *f = *state;
+    for (int family = 0; family < f->m.evidence.n_noises; family++)
+        check_scan(f, family, family % 2 ? find(f, MUKCA_EFFECT_JOINT_COMPLIANCE, 1) : NULL);
+}
+
+/* Rows in pairs of nearly the same angles: also noise that readings of a posture share. */
+static void repeated(void **state)
+{
+    fixture *f = calloc(1, sizeof *f);
+    (void)state;
+    assert_non_null(f);
+    set_scene(&f->s, "joint_compliance:joint_2=1e-4", 7);
+    f->s.how.noise = 1e-4;
+    record(&f->data, &f->s);
+    for (int row = 1; row < f->data.n_rows; row += 2)
+        for (int j = 0; j < f->data.n_joints; j++)
+            f->data.q[row * f->data.n_joints + j] =
+                f->data.q[(row - 1) * f->data.n_joints + j] + 1e-5 * (row % 3 - 1);
+    create(f);
+    assert_true(f->m.recording.repeats);
+    for (int family = 0; family < f->m.evidence.n_noises; family += 3) check_scan(f, family, NULL);
+    tear_down((void **)&f);
+}
+
+/* Three sockets as a pose log, which has no free mean. */
+static void poses(void **state)
+{
+    const fixture *arm = *state;
+    fixture *f = calloc(1, sizeof *f);
+    assert_non_null(f);
+    f->s = arm->s;
+    record(&f->data, &f->s);
+    f->data.position = malloc(3 * sizeof *f->data.position * (size_t)f->data.n_rows);
+    assert_non_null(f->data.position);
+    for (int i = 0; i < 3 * f->data.n_rows; i++) f->data.position[i] = NAN;
+    for (int row = 0; row < f->data.n_rows; row++) {
+        if (f->data.socket[row] > 2) continue;
+        f->data.socket[row] = -1;
+        mukca_unknowns_predict(f->data.position + 3 * row, &arm->m.unknowns, &arm->m.recording,
+                               row);
+        f->data.position[3 * row + row % 3] += 1e-4 * (row % 5 - 2);
+    }
+    create(f);
+    for (int family = 0; family < f->m.evidence.n_noises; family++) check_scan(f, family, NULL);
+    tear_down((void **)&f);
+}
+
+/* Scores of all orders of ripple of a joint. */
+static void orders(void **state)
+{
+    fixture *f = *state;
+    double value[MUKCA_RIPPLE_ORDERS + 1], mean[4096];
+    for (int joint = 1; joint < 7; joint += 2) {
+        mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
+                             .joint = joint,
+                             .placement = -1,
+                             .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
+                                        .joint = joint,
+                                        .placement = -1,
+                                        .variant.order = 2}};
+        assert_true(mukca_candidate_prepare(&h, &f->m.pool, &f->m.recording));
+        assert_true(mukca_scan_aim(&f->scan, 1));
+        assert_true(mukca_scan_orders(value, &f->scan, joint));
+        for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order += 57) {
+            h.effect.variant.order = order;
+            mukca_candidate_fill(&h, &f->m.recording);
+            mukca_regression_freeze(&f->m); /* other columns of the same candidate */
+            assert_close(value[order], added(&f->m, 1, &h, mean), 1e-6 * (1 + fabs(value[order])));
+        }
+    }
+}
+
+/* The evidence at the chosen noise is that of a factorisation, and no other noise has more. */
+static void noise(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    for (int r = 0; r < m->evidence.n_noises; r++) {
+        double value, again;
+        mukca_normal_equations *normal = mukca_regression_collect(m, r);
+        const double sigma =
+            mukca_noise_choose(&m->evidence, normal, NULL, m->unknowns.sigma, &value);
+        assert_true(normal->reduced);
+        assert_close(mukca_evidence_evaluate(&m->evidence, normal, sigma, NULL), value,
+                     1e-8 * fabs(value));
+        for (int i = -1; i < 2; i += 2)
+            assert_true(mukca_evidence_evaluate(&m->evidence, normal, sigma * (1 + 0.02 * i),
+                                                NULL) < value);
+        /* what was kept is not of other priors */
+        for (int i = 0; i < normal->n; i++) m->evidence.prior[i] *= 0.5;
+        mukca_noise_choose(&m->evidence, normal, NULL, m->unknowns.sigma, &again);
+        for (int i = 0; i < normal->n; i++) m->evidence.prior[i] *= 2;
+        assert_true(fabs(again - value) > 1e-3);
+        /* far from the guess: by factorisations */
+        assert_close(mukca_noise_choose(&m->evidence, normal, NULL, 50 * sigma, NULL), sigma,
+                     0.01 * sigma);
+    }
+}
+
+/* A cause that is fitted to frozen columns comes out as it does by Gauss-Newton steps. */
+static void frozen_fit(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    const mukca_candidate *h = find(f, MUKCA_EFFECT_JOINT_COMPLIANCE, 1);
+    double coefficient[2], sigma[2], score[2], error[2];
+    mukca_regression_freeze(m);
+    assert_true(mukca_unknowns_add(&m->unknowns, h));
+    for (int full = 0; full < 2; full++) {
+        if (full)
+            mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
+        else
+            mukca_regression_refit(m);
+        coefficient[full] = m->unknowns.cause[0].coefficient[0];
+        sigma[full] = m->unknowns.sigma;
+        score[full] = mukca_regression_score(m);
+        error[full] = mukca_linearisation_error(&m->linear, &m->recording, &m->unknowns);
+    }
+    assert_close(coefficient[0], coefficient[1], 1e-2 * fabs(coefficient[1]));
+    assert_close(sigma[0], sigma[1], 2e-3 * sigma[1]);
+    assert_close(score[0], score[1], 1);
+    assert_true(error[0] < 0.1 * sigma[0]);
+    assert_true(error[1] < 1e-3 * sigma[0]);
+    /* far from where y was taken the columns do not hold, until it is taken there */
+    for (int k = 0; k < 20; k++) m->unknowns.theta[k] += 5e-3;
+    mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
+    assert_true(mukca_linearisation_error(&m->linear, &m->recording, &m->unknowns) > sigma[0]);
+    mukca_unknowns_drop(&m->unknowns, 0);
+    for (int k = 0; k < 20; k++) m->unknowns.theta[k] -= 5e-3;
+    mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
+}
+
+/* Without one of two causes the columns that are there give what Gauss-Newton steps give; columns
+ * of another place do not hold. */
+static void revised_fit(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    double coefficient[2];
+    for (int joint = 1; joint <= 2; joint++)
+        assert_true(
+            mukca_unknowns_add(&m->unknowns, find(f, MUKCA_EFFECT_JOINT_COMPLIANCE, joint)));
+    mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
+    const unsigned version = m->linear.version;
+    mukca_unknowns_drop(&m->unknowns, 1);
+    for (int full = 0; full < 2; full++) {
+        if (full)
+            mukca_regression_fit(m, 5, MUKCA_FIT_UNKNOWNS);
+        else
+            mukca_regression_revise(m);
+        coefficient[full] = m->unknowns.cause[0].coefficient[0];
+        assert_true(full || m->linear.version == version);
+    }
+    assert_close(coefficient[0], coefficient[1], 1e-4 * fabs(coefficient[1]));
+    for (int k = 0; k < 20; k++) m->unknowns.theta[k] += 5e-3;
+    mukca_regression_linearise(m);
+    const unsigned elsewhere = m->linear.version;
+    mukca_regression_revise(m);
+    assert_true(m->linear.version != elsewhere);
+    assert_close(m->unknowns.cause[0].coefficient[0], coefficient[1], 1e-4 * fabs(coefficient[1]));
+    mukca_unknowns_drop(&m->unknowns, 0);
+    mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
+}
+
+/* As many causes as there is room for: their columns stay within it. */
+static void full_columns(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    const int most = mukca_unknowns_capacity(&m->unknowns) + 1;
+    int at = 0;
+    while (at < f->all.first_unlisted && (!f->all.list[at].basis || f->all.list[at].terms < 4 ||
+                                          mukca_unknowns_add(&m->unknowns, &f->all.list[at])))
+        at++;
+    mukca_regression_freeze(m);
+    assert_true(m->linear.n_columns + 1 > most - 32);
+    assert_true(m->linear.stride >= m->linear.n_columns + 1 && m->linear.stride <= most);
+    assert_true(mukca_regression_solve(m));
+    m->unknowns.n_causes = 0;
+    mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
+}
+
+/* The prior odds of all listed candidates and all orders sum to one. */
+static void priors(void **state)
+{
+    const fixture *f = *state;
+    double orders = 0, sum = 0;
+    for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
+        orders += exp(mukca_ripple_log_prior(order));
+    assert_close(orders, 1, 1e-12);
+    for (int i = 0; i < f->all.first_unlisted; i++)
+        if (mukca_candidate_class(&f->all.list[i]) != MUKCA_EFFECT_GEAR_HARMONIC)
+            sum += exp(f->all.list[i].log_prior);
+    assert_close(sum + 1.0 / f->all.classes, 1, 1e-9); /* few orders of ripple are listed */
+    sum = 0;
+    for (int i = f->all.first_unlisted; i < f->all.count; i++)
+        if (mukca_candidate_is_unlisted(&f->all.list[i])) sum += exp(f->all.list[i].log_prior);
+    assert_close(sum, 1.0 / f->all.classes, 1e-9);
+}
+
+/* A row cut as an outlier comes back when it fits; that it repeats the one before is told still. */
+static void reinstated(void **state)
+{
+    fixture *f = *state;
+    enum { ROW = 5 };
+    mukca_faults *d = calloc(1, sizeof *d);
+    assert_non_null(d);
+    mukca_screening_add(d, &f->m.recording, MUKCA_FAULT_DUPLICATE, ROW, 0);
+    mukca_screening_add(d, &f->m.recording, MUKCA_FAULT_OUTLIER, ROW, 0.1);
+    f->m.recording.keep[ROW] = 0;
+    mukca_recording_regroup(&f->m.recording);
+    mukca_regression_fit(&f->m, 1, MUKCA_FIT_UNKNOWNS);
+    assert_int_equal(mukca_screening_reinstate(d, &f->m), 1);
+    assert_true(f->m.recording.keep[ROW]);
+    assert_int_equal(d->count, 1);
+    assert_int_equal(d->list[0].kind, MUKCA_FAULT_DUPLICATE);
+    free(d);
+}
+
+/* Two poses beside sockets are too few for folds of their own: they are always fitted, and so no
+ * error of theirs is a left-out one. */
+static void never_left_out(void **state)
+{
+    enum { POSES = 2 };
+    const fixture *f = *state;
+    const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    mukca_dataset data;
+    mukca_error error = {0};
+    mukca_regression m;
+    record(&data, &f->s);
+    data.position = malloc(3 * sizeof *data.position * (size_t)data.n_rows);
+    assert_non_null(data.position);
+    for (int i = 0; i < 3 * data.n_rows; i++) data.position[i] = NAN;
+    for (int row = 0; row < POSES; row++) {
+        data.socket[row] = -1;
+        mukca_unknowns_predict(data.position + 3 * row, &f->m.unknowns, &f->m.recording, row);
+    }
+    assert_int_equal(mukca_regression_create(&m, &f->s.chain, &data, &options, &error), MUKCA_OK);
+    mukca_regression_fit(&m, 3, MUKCA_FIT_ALL);
+    mukca_folds b = {.m = &m};
+    mukca_folds_create(&b);
+    assert_false(m.pool.failed);
+    for (int i = 0; i < 3 * data.n_rows; i++) b.position[i] = 1; /* what came before */
+    mukca_folds_run(b.error, &b, false);
+    for (int row = 0; row < data.n_rows; row++)
+        assert_int_equal(isfinite(b.error[row]) != 0, row >= POSES);
+    mukca_regression_free(&m);
+    mukca_dataset_free(&data);
+}
+
+/* The scales that are chosen by Schur complements have the largest evidence of all. */
+static void scales(void **state)
+{
+    fixture *f = *state;
+    mukca_regression *m = &f->m;
+    mukca_unknowns *u = &m->unknowns;
+    const mukca_candidate *h = find(f, MUKCA_EFFECT_JOINT_COMPLIANCE, 1);
+    double scale[MUKCA_MOST_SIZES], weight[MUKCA_MOST_SIZES], worst = HUGE_VAL;
+    const int n = mukca_candidate_scales(scale, weight, h);
+    assert_true(mukca_unknowns_add(u, h));
+    mukca_regression_fit(m, 2, MUKCA_FIT_NOISE);
+    const mukca_normal_equations *normal = mukca_regression_collect_own(m);
+    mukca_scales_choose(u, &m->evidence, &m->recording, normal);
+    const double before = u->cause[0].scale;
+    mukca_scales_choose(u, &m->evidence, &m->recording, normal);
+    const double best = mukca_regression_score(m), chosen = u->cause[0].scale,
+                 length = u->sigma_length, angle = u->sigma_angle;
+    for (int i = 0; i < n; i++) {
+        u->cause[0].scale = scale[i];
+        assert_true(mukca_regression_score(m) <= best + 1e-9);
+    }
+    u->cause[0].scale = chosen;
+    assert_true(chosen == before); /* so the geometry's were chosen with it */
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++) {
+            static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
+            u->sigma_length = 0.5e-3 * (1 << i), u->sigma_angle = angles[k];
+            mukca_unknowns_set_geometry_prior(u, &m->recording);
+            const double value = mukca_regression_score(m);
+            assert_true(value <= best + 1e-9);
+            worst = fmin(worst, value);
+        }
+    assert_true(worst < best - 0.1); /* the grid makes a difference */
+    u->sigma_length = length, u->sigma_angle = angle;
+    mukca_unknowns_set_geometry_prior(u, &m->recording);
+    mukca_unknowns_drop(u, 0);
+    mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(effect_columns), cmocka_unit_test(scores),
+        cmocka_unit_test(repeated),       cmocka_unit_test(poses),
+        cmocka_unit_test(orders),         cmocka_unit_test(noise),
+        cmocka_unit_test(scales),         cmocka_unit_test(frozen_fit),
+        cmocka_unit_test(revised_fit),    cmocka_unit_test(priors),
+        cmocka_unit_test(full_columns),   cmocka_unit_test(reinstated),
+        cmocka_unit_test(never_left_out)};
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
