@@ -351,7 +351,7 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
         case MUKCA_CANDIDATE_OWN_ANGLE:
             mukca_recording_range(range, recording, recording->q, recording->chain->n_joints,
                                   h->joint);
-            h->terms = (int)ceil((range[1] - range[0]) / h->width) + 1;
+            h->terms = (int)fmin(ceil((range[1] - range[0]) / h->width) + 1, MUKCA_MAX_COLUMNS);
             break;
         case MUKCA_CANDIDATE_OTHER_ANGLE:
             h->terms = POWERS;

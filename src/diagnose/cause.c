@@ -228,7 +228,7 @@ void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukc
         .effect = fitted_effect(recording, cause),
         .socket = -1,
         .log_bayes_factor = own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own),
-        .probability = id->probability[name],
+        .probability = fmin(id->probability[name], 1), /* rounding */
         .held_out = MUKCA_SHRINK_NONE};
     add_ties(out, id, best, member, &rest, own);
     if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC) find_orders(out, id, name);

@@ -321,6 +321,7 @@ static mukca_status add_ripple(mukca_scan *s, mukca_error *error)
 mukca_status mukca_scan_run(mukca_scan *s, bool ripple, mukca_error *error)
 {
     score_from(s, 0);
+    mukca_scan_residual(s->u, s);
     mukca_scan_faults(s);
     return ripple ? add_ripple(s, error) : MUKCA_OK;
 }

@@ -124,7 +124,6 @@ void mukca_scan_faults(mukca_scan *s)
 {
     const mukca_recording *r = &s->m->recording;
     double *u = s->u;
-    mukca_scan_residual(u, s);
     for (int g = 0; g < r->n_groups; g++) {
         const mukca_group *group = &r->groups[g];
         const int d = r->dim;

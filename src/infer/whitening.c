@@ -20,7 +20,7 @@ bool mukca_whitening_create(mukca_whitening *w, mukca_pool *pool, int samples, i
  * of V along 1. */
 static double common_factor(double shared, int m)
 {
-    return m > 1 && shared > 0 ? (1 - sqrt((1 - shared) / (1 - shared + shared * m))) / m : 0;
+    return m > 0 && shared > 0 ? (1 - sqrt((1 - shared) / (1 - shared + shared * m))) / m : 0;
 }
 
 void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise_family family,

@@ -43,7 +43,8 @@ typedef struct {
 /* Memory for at most so many samples and blocks comes from `pool`.  False: no memory. */
 bool mukca_whitening_create(mukca_whitening *whitening, mukca_pool *pool, int samples, int blocks);
 
-/* Factor V for these samples; weight[n_samples] (NULL: none) multiplies whitened rows. */
+/* Factor V for these samples; weight[n_samples] (NULL: none) multiplies the rows of
+ * independent samples. */
 void mukca_whitening_set(mukca_whitening *whitening, const mukca_samples *samples,
                          mukca_noise_family family, const double *weight);
 

@@ -138,12 +138,13 @@ static void check_fit(const scene *s)
     mukca_pool_free(&pool);
 }
 
-/* Pose of a row in the frame of the measurement. */
-static void predict(mukca_frame *pose, mukca_unknowns *u, const mukca_recording *r, int row)
+/* Pose of a row at the angles q, in the frame of the measurement. */
+static void predict(mukca_frame *pose, mukca_unknowns *u, const mukca_recording *r, int row,
+                    const double *q)
 {
     mukca_unknowns_fold_frames(u);
     mukca_unknowns_set_geometry(u, r->chain);
-    mukca_fk_pose(pose, &u->geometry, r->data->q + row * r->chain->n_joints, NULL);
+    mukca_fk_pose(pose, &u->geometry, q, NULL);
     mukca_frame_multiply(pose, pose, &u->log.shift[r->log[row]]);
     if (u->free_base) mukca_frame_multiply(pose, &u->log.tracker[r->log[row]], pose);
 }
@@ -183,7 +184,7 @@ static void check_diagnosis(const scene *s, mukca_random *random, double offset)
             for (int up = 0; up < 2; up++) {
                 mukca_unknowns_assign(&moved, u);
                 moved.theta[k] += up ? h : -h;
-                predict(&side[up], &moved, &m.recording, row);
+                predict(&side[up], &moved, &m.recording, row, m.linear.seated + i * chain.n_joints);
             }
             difference(slope, side, h);
             memcpy(in_base, slope, sizeof slope);

@@ -1,0 +1,504 @@
+/* Inference against dense algebra in long double: whitening, evidence, sets of causes. */
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/pool.h"
+#include "close.h"
+#include "infer/sets.h"
+#include "infer/whitening.h"
+
+typedef long double real;
+
+enum { MOST = 80 };
+
+static double draw(uint64_t *state) /* uniform in [-1, 1] */
+{
+    *state = *state * 6364136223846793005U + 1442695040888963407U;
+    return (double)(*state >> 33) / 1073741824.0 - 1;
+}
+
+/* A := its lower Cholesky factor; returns log |A|. */
+static real factor(real *A, int n)
+{
+    real log_det = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++) {
+            real sum = A[i * n + j];
+            for (int k = 0; k < j; k++) sum -= A[i * n + k] * A[j * n + k];
+            if (i == j) assert_true(sum > 0);
+            A[i * n + j] = i == j ? sqrtl(sum) : sum / A[j * n + j];
+            if (i == j) log_det += logl(sum);
+        }
+    return log_det;
+}
+
+/* x' A^-1 y, with the factor of A. */
+static real product(const real *L, const double *x, const double *y, int n)
+{
+    real a[MOST], b[MOST], sum = 0;
+    for (int i = 0; i < n; i++) {
+        a[i] = x[i], b[i] = y[i];
+        for (int k = 0; k < i; k++) a[i] -= L[i * n + k] * a[k], b[i] -= L[i * n + k] * b[k];
+        a[i] /= L[i * n + i], b[i] /= L[i * n + i];
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
+/* ---- whitening ---- */
+
+enum { SAMPLES = 36, DIM = 2, COLUMNS = SAMPLES * DIM, BLOCKS = 3 };
+
+typedef struct {
+    mukca_block block[BLOCKS];
+    int posture[SAMPLES], next[SAMPLES], readings[SAMPLES];
+    mukca_samples samples;
+} layout;
+
+/* Rounds: five, four and eight postures a block, read in turn; the last one has no free mean. */
+static void lay_out(layout *l)
+{
+    static const mukca_block blocks[BLOCKS] = {{0, 15, true}, {15, 13, true}, {28, 8, false}};
+    static const int postures[BLOCKS] = {5, 4, 8};
+    memcpy(l->block, blocks, sizeof blocks);
+    for (int b = 0; b < BLOCKS; b++) {
+        const int end = blocks[b].start + blocks[b].count;
+        for (int i = blocks[b].start; i < end; i++) {
+            const int of = (i - blocks[b].start) % postures[b];
+            l->posture[i] = 100 * b + of;
+            l->next[i] = i + postures[b] < end ? i + postures[b] : -1;
+            l->readings[i] = 0;
+            for (int k = i; k < end && i - blocks[b].start == of; k += postures[b])
+                l->readings[i]++;
+        }
+    }
+    l->samples = (mukca_samples){SAMPLES, BLOCKS, DIM, l->block, l->next, l->readings};
+}
+
+/* Inverse covariance of a block [count][count], and 1'V^-1 1; returns log |V|. */
+static real dense_block(real *inverse, real *total, const layout *l, int b,
+                        mukca_noise_family family, const double *weight)
+{
+    const mukca_block *block = &l->block[b];
+    const int n = block->count;
+    real V[SAMPLES * SAMPLES];
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) {
+            const int a = block->start + i, c = block->start + k;
+            real v = a == c ? 1 : l->posture[a] == l->posture[c] ? (real)family.shared : 0;
+            if (family.rho != 0) v = powl(family.rho, abs(a - c));
+            V[i * n + k] = v / (weight ? (real)weight[a] * weight[c] : 1);
+        }
+    const real log_det = factor(V, n);
+    *total = 0;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) {
+            double x[SAMPLES] = {0}, y[SAMPLES] = {0};
+            x[i] = y[k] = 1;
+            *total += inverse[i * n + k] = product(V, x, y, n);
+        }
+    return log_det;
+}
+
+/* V^-1, without the components along free means, and the factors for the means. */
+static void check_block(const layout *l, int b, const mukca_whitening *w, const double *weight,
+                        double (*A)[COLUMNS], const double *mean, real *log_det)
+{
+    const mukca_block *block = &l->block[b];
+    const int n = block->count;
+    real inverse[SAMPLES * SAMPLES], row[SAMPLES] = {0}, total;
+    *log_det += dense_block(inverse, &total, l, b, w->family, weight);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) row[i] += inverse[i * n + k];
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) {
+            real expected = inverse[i * n + k], sum = 0;
+            if (block->free_mean) expected -= row[i] * row[k] / total;
+            for (int s = 0; s < COLUMNS; s++)
+                sum += (real)A[s][(block->start + i) * DIM] * A[s][(block->start + k) * DIM];
+            assert_close((double)sum, (double)expected, 1e-10 * (double)(1 + fabsl(inverse[0])));
+        }
+    if (!block->free_mean) return;
+    *log_det += logl(total);
+    for (int i = 0; i < n; i++)
+        assert_close(mean[b * DIM * COLUMNS + (block->start + i) * DIM], (double)(row[i] / total),
+                     1e-10);
+}
+
+static void check_family(mukca_noise_family family, const double *weight)
+{
+    static double unit[COLUMNS][COLUMNS], A[COLUMNS][COLUMNS];
+    double mean[BLOCKS * DIM * COLUMNS] = {0}, x[COLUMNS], y[COLUMNS], white[COLUMNS],
+                               other[COLUMNS], turned[COLUMNS], direct = 0, adjoint = 0;
+    layout l;
+    mukca_pool pool = {0};
+    mukca_whitening w;
+    real log_det = 0;
+    uint64_t seed = 5;
+    lay_out(&l);
+    assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS));
+    mukca_whitening_set(&w, &l.samples, family, weight);
+    for (int i = 0; i < COLUMNS; i++) unit[i][i] = 1;
+    mukca_whitening_apply(&(mukca_whitened){COLUMNS, COLUMNS, unit[0], A[0], mean}, &w, &l.samples);
+    for (int b = 0; b < BLOCKS; b++) check_block(&l, b, &w, weight, A, mean, &log_det);
+    for (int i = 0; i < COLUMNS; i++)
+        for (int k = i % DIM ? 0 : 1; k < COLUMNS; k += DIM) /* coordinates are independent */
+            assert_true(A[i][k] == 0);
+    assert_int_equal(w.dof, DIM * (SAMPLES - 2));
+    if (!weight) assert_close(w.log_det, (double)(-0.5L * DIM * log_det), 1e-9);
+
+    for (int i = 0; i < COLUMNS; i++) x[i] = draw(&seed), y[i] = draw(&seed);
+    mukca_whitening_apply(&(mukca_whitened){1, 1, x, white, NULL}, &w, &l.samples);
+    mukca_whitening_apply(&(mukca_whitened){1, 1, y, other, NULL}, &w, &l.samples);
+    mukca_whitening_transpose(turned, other, 1, 1, &w, &l.samples);
+    for (int i = 0; i < COLUMNS; i++) direct += white[i] * other[i], adjoint += x[i] * turned[i];
+    assert_close(adjoint, direct, 1e-10 * (1 + fabs(direct)));
+    mukca_pool_free(&pool);
+}
+
+static void whitening(void **state)
+{
+    static const mukca_noise_family families[] = {{0, 0},   {0.25, 0}, {0.75, 0},
+                                                  {0, 0.5}, {0, 0.75}, {0, 0.999}};
+    double weight[SAMPLES];
+    uint64_t seed = 9;
+    (void)state;
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++) check_family(families[f], NULL);
+    for (int i = 0; i < SAMPLES; i++) weight[i] = 0.6 + 0.4 * draw(&seed);
+    check_family(families[0], weight); /* robust weights imply independent samples */
+}
+
+/* ---- evidence and sets ---- */
+
+enum { ROWS = 40, MODEL = 3, WIDTH = 24, ITEMS = 9, PROJECTED = ROWS + MODEL };
+
+/* A model X that is projected out, items, and y. */
+typedef struct {
+    double X[MODEL][ROWS], E[WIDTH][ROWS], y[ROWS];
+    mukca_item item[ITEMS];
+    double columns[PROJECTED][WIDTH], g[WIDTH];
+    mukca_question question;
+} problem;
+
+/* V + size^2 x x' */
+static void add_column(real *V, const double *x, double size)
+{
+    for (int i = 0; i < ROWS; i++)
+        for (int k = 0; k < ROWS; k++) V[i * ROWS + k] += (real)size * size * x[i] * x[k];
+}
+
+static void model_covariance(real *V, const problem *p)
+{
+    for (int i = 0; i < ROWS * ROWS; i++) V[i] = i % (ROWS + 1) == 0;
+    for (int t = 0; t < MODEL; t++) add_column(V, p->X[t], 1);
+}
+
+static void add_item(real *V, const problem *p, int item, int size)
+{
+    const mukca_item *h = &p->item[item];
+    for (int t = 0; t < h->terms; t++) add_column(V, p->E[h->at + t], h->prior.size[size]);
+}
+
+/* Log evidence of y with the covariance sigma^2 V, at the best sigma; V := its factor. */
+static real dense_evidence(real *V, const double *y, real *squares)
+{
+    const real log_det = factor(V, ROWS);
+    *squares = product(V, y, y, ROWS);
+    return -log_det / 2 - ROWS / 2.0L * logl(*squares);
+}
+
+/* Log evidence of the model and items, each with its size, less that of the model. */
+static real dense_value(const problem *p, const int *item, const int *size, int n)
+{
+    real V[ROWS * ROWS], without, squares;
+    model_covariance(V, p);
+    without = dense_evidence(V, p->y, &squares);
+    model_covariance(V, p);
+    for (int i = 0; i < n; i++) add_item(V, p, item[i], size[i]);
+    return dense_evidence(V, p->y, &squares) - without;
+}
+
+/* Log of twice the probability that the first coefficient of item[0] is positive, by Simpson's rule
+ * over it; the noise has the sigma of maximal evidence of all items. */
+static real dense_sign(const problem *p, const int *item, const int *size, int n)
+{
+    enum { STEPS = 4000 };
+    real V[ROWS * ROWS], squares, sum[2] = {0};
+    const mukca_item *first = &p->item[item[0]];
+    const double s = first->prior.size[size[0]];
+    double rest[ROWS];
+    model_covariance(V, p);
+    for (int i = 0; i < n; i++) add_item(V, p, item[i], size[i]);
+    dense_evidence(V, p->y, &squares);
+    const real variance = squares / ROWS;
+    model_covariance(V, p);
+    for (int i = 1; i < n; i++) add_item(V, p, item[i], size[i]);
+    for (int t = 1; t < first->terms; t++) add_column(V, p->E[first->at + t], s);
+    factor(V, ROWS);
+    const double most = fmin(8 * s * sqrt((double)variance), 10); /* beyond: no density */
+    for (int k = -STEPS; k <= STEPS; k++) {
+        const double b = most * k / STEPS;
+        for (int i = 0; i < ROWS; i++) rest[i] = p->y[i] - b * p->E[first->at][i];
+        real density = product(V, rest, rest, ROWS) + (real)b * b / (s * s);
+        density = expl((squares - density) / variance / 2) * (abs(k) == STEPS || k == 0 ? 1
+                                                              : k % 2                   ? 4
+                                                                                        : 2);
+        if (k >= 0) sum[1] += density;
+        if (k <= 0) sum[0] += density;
+    }
+    return logl(2 * sum[1] / (sum[0] + sum[1]));
+}
+
+/* Normal equations of the items with the model projected out, by definition. */
+static void project(problem *p)
+{
+    real A[MODEL * MODEL], V[ROWS * ROWS], squares;
+    for (int i = 0; i < MODEL * MODEL; i++) {
+        A[i] = i % (MODEL + 1) == 0;
+        for (int r = 0; r < ROWS; r++) A[i] += (real)p->X[i / MODEL][r] * p->X[i % MODEL][r];
+    }
+    factor(A, MODEL);
+    for (int c = 0; c <= WIDTH; c++) { /* the last one is y */
+        const double *x = c < WIDTH ? p->E[c] : p->y;
+        real T[MODEL] = {0};
+        static real z[MODEL];
+        for (int t = 0; t < MODEL; t++) {
+            for (int r = 0; r < ROWS; r++) T[t] += (real)p->X[t][r] * x[r];
+            for (int k = 0; k < t; k++) T[t] -= A[t * MODEL + k] * T[k];
+            T[t] /= A[t * MODEL + t];
+            if (c < WIDTH) p->columns[ROWS + t][c] = (double)T[t];
+        }
+        for (int r = 0; r < ROWS && c < WIDTH; r++) p->columns[r][c] = x[r];
+        memcpy(z, T, sizeof z);
+        for (int k = 0; k < WIDTH && c == WIDTH; k++) {
+            real sum = 0;
+            for (int r = 0; r < ROWS; r++) sum += (real)p->E[k][r] * p->y[r];
+            for (int t = 0; t < MODEL; t++) sum -= z[t] * p->columns[ROWS + t][k];
+            p->g[k] = (double)sum;
+        }
+    }
+    model_covariance(V, p);
+    dense_evidence(V, p->y, &squares);
+    p->question = (mukca_question){.n_items = ITEMS,
+                                   .n_columns = WIDTH,
+                                   .stride = WIDTH,
+                                   .n_rows = PROJECTED,
+                                   .n_projected = MODEL,
+                                   .dof = ROWS,
+                                   .item = p->item,
+                                   .E = p->columns[0],
+                                   .g = p->g,
+                                   .residual = (double)squares};
+}
+
+/* Items of one to four columns, with so many sizes each; 1 and 4 are in y. */
+static void pose(problem *p, int sizes)
+{
+    static const int terms[ITEMS] = {1, 2, 3, 1, 4, 2, 1, 3, 2};
+    uint64_t seed = 3;
+    int at = 0;
+    memset(p, 0, sizeof *p);
+    for (int i = 0; i < ITEMS; at += terms[i++]) {
+        p->item[i] = (mukca_item){.at = at, .terms = terms[i], .log_prior = -4 - 0.1 * i, .key = i};
+        p->item[i].prior.n_sizes = sizes;
+        for (int s = 0; s < sizes; s++) {
+            p->item[i].prior.size[s] = (sizes == 1 ? 2 : 0.3) * pow(2.5, s);
+            p->item[i].prior.log_weight[s] = log((1.0 + s) / (sizes * (sizes + 1) / 2.0));
+        }
+    }
+    for (int r = 0; r < ROWS; r++) {
+        for (int t = 0; t < MODEL; t++) p->X[t][r] = draw(&seed);
+        for (int c = 0; c < at; c++) p->E[c][r] = draw(&seed) + 0.4 * p->X[c % MODEL][r];
+        p->y[r] = 1.2 * p->X[0][r] + 1.5 * p->E[1][r] + 1.1 * p->E[8][r] - 0.9 * p->E[9][r];
+        for (int k = 0; k < 4; k++) p->y[r] += 0.4 * draw(&seed);
+    }
+    project(p);
+}
+
+/* Average over the sizes of one block, and its sign. */
+static void mixtures(void **state)
+{
+    problem p;
+    (void)state;
+    for (int sizes = 1; sizes <= MUKCA_MOST_SIZES; sizes += 2) {
+        pose(&p, sizes);
+        for (int i = 0; i < ITEMS; i++)
+            for (int positive = 0; positive < 2; positive++) {
+                mukca_item *h = &p.item[i];
+                const int k = h->terms;
+                double G[MODEL + ROWS], by_size[MUKCA_MOST_SIZES];
+                real sum = 0;
+                for (int a = 0; a < k * k; a++) {
+                    const int b = h->at + a / k, c = h->at + a % k;
+                    G[a] = 0;
+                    for (int r = 0; r < PROJECTED; r++)
+                        G[a] += (r < ROWS ? 1 : -1) * p.columns[r][b] * p.columns[r][c];
+                }
+                h->prior.nonnegative = positive;
+                const double value = mukca_mixture_evidence(by_size, G, p.g + h->at, k, &h->prior,
+                                                            p.question.residual, ROWS);
+                for (int s = 0; s < sizes; s++) {
+                    real expected = dense_value(&p, &i, &s, 1) + h->prior.log_weight[s];
+                    if (positive) expected += dense_sign(&p, &i, &s, 1);
+                    assert_close(by_size[s], (double)expected, 1e-6); /* of Simpson's rule */
+                    sum += expl(expected);
+                }
+                assert_close(value, (double)logl(sum), 1e-6);
+            }
+    }
+}
+
+static double insert(mukca_sets *sets, const int *item, int n)
+{
+    const int at = mukca_sets_insert(sets, item, n);
+    assert_true(at >= 0 && sets->set[at].exact && sets->set[at].n == n);
+    return sets->set[at].value;
+}
+
+/* Evidence of sets, with the columns of their items really added. */
+static void values(void **state)
+{
+    static const int members[][3] = {{4}, {7}, {1, 4}, {0, 8}, {1, 4, 6}, {2, 5, 7}};
+    static const int numbers[] = {1, 1, 2, 2, 3, 3}, one[3] = {0};
+    problem p;
+    (void)state;
+    pose(&p, 1);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        for (int positive = 0; positive < 2; positive++) {
+            const int n = numbers[i], *member = members[i];
+            mukca_pool pool = {0};
+            mukca_sets sets;
+            double prior = 0, rest = 0, G[16];
+            p.item[member[0]].prior.nonnegative = positive;
+            assert_true(mukca_sets_create(&sets, &pool, &p.question));
+            real expected = dense_value(&p, member, one, n);
+            if (positive) expected += dense_sign(&p, member, one, n);
+            for (int k = 0; k < n; k++) prior += p.item[member[k]].log_prior;
+            const double value = insert(&sets, member, n);
+            assert_close(value, (double)expected + prior, 1e-6); /* of Simpson's rule */
+            p.item[member[0]].prior.nonnegative = false;
+            if (!positive) { /* one item more */
+                const int last = member[n - 1];
+                rest = insert(&sets, member, n - 1);
+                const mukca_set set = sets.set[mukca_sets_insert(&sets, member, n - 1)];
+                assert_close(mukca_sets_gain(&sets, &set, last) + p.item[last].log_prior,
+                             value - rest, 1e-9);
+                real V[ROWS * ROWS];
+                model_covariance(V, &p);
+                for (int k = 0; k < n - 1; k++) add_item(V, &p, member[k], 0);
+                factor(V, ROWS);
+                mukca_sets_gram(G, &sets, &set, last, 3);
+                for (int t = 0; t < p.item[last].terms; t++)
+                    assert_close(
+                        G[t], (double)product(V, p.E[p.item[last].at + t], p.E[p.item[3].at], ROWS),
+                        1e-10 * ROWS);
+            }
+            mukca_pool_free(&pool);
+        }
+}
+
+/* Sizes of several items: each is averaged with the others at their maximum. */
+static void averages(void **state)
+{
+    static const int pair[2] = {1, 4};
+    problem p;
+    mukca_pool pool = {0};
+    mukca_sets sets;
+    real sum = 0;
+    (void)state;
+    pose(&p, 5);
+    assert_true(mukca_sets_create(&sets, &pool, &p.question));
+    for (int a = 0; a < 5; a++)
+        for (int b = 0; b < 5; b++) {
+            const int size[2] = {a, b};
+            sum += expl(dense_value(&p, pair, size, 2) + p.item[1].prior.log_weight[a] +
+                        p.item[4].prior.log_weight[b]);
+        }
+    assert_close(insert(&sets, pair, 2),
+                 (double)logl(sum) + p.item[1].log_prior + p.item[4].log_prior,
+                 0.05); /* of the product of two averages: 5 % of a probability */
+    mukca_pool_free(&pool);
+}
+
+/* Probability of each item, as the share of the sets with it. */
+static void search(double *probability, const mukca_question *question)
+{
+    mukca_pool pool = {0};
+    mukca_sets sets;
+    double total = 0;
+    assert_true(mukca_sets_create(&sets, &pool, question));
+    mukca_sets_explore(&sets, 30);
+    assert_false(pool.failed);
+    for (int i = 0; i < sets.n_sets; i++) mukca_sets_evaluate(&sets, i);
+    memset(probability, 0, sizeof *probability * ITEMS);
+    for (int i = 0; i < sets.n_sets; i++) {
+        const double weight = exp(sets.set[i].value - sets.set[sets.best].value);
+        total += weight;
+        for (int k = 0; k < sets.set[i].n; k++) probability[sets.set[i].item[k]] += weight;
+    }
+    for (int i = 0; i < ITEMS; i++) probability[i] /= total;
+    mukca_pool_free(&pool);
+}
+
+/* The same items in another order. */
+static void permute(problem *p, const problem *from, const int *order)
+{
+    *p = *from;
+    for (int i = 0, at = 0; i < ITEMS; at += p->item[i++].terms) {
+        const mukca_item *h = &from->item[order[i]];
+        memcpy(p->E[at], from->E[h->at], sizeof *p->E * (size_t)h->terms);
+        p->item[i] = *h;
+        p->item[i].at = at;
+    }
+    project(p);
+}
+
+static void searches(void **state)
+{
+    static const int order[ITEMS] = {6, 4, 8, 0, 2, 7, 1, 5, 3};
+    double probability[ITEMS], again[ITEMS];
+    problem p, other;
+    (void)state;
+    for (int sizes = 1; sizes <= 5; sizes += 4) {
+        pose(&p, sizes);
+        search(probability, &p.question);
+        for (int i = 0; i < ITEMS; i++)
+            if (i == 1 || i == 4)
+                assert_true(probability[i] > 0.99);
+            else
+                assert_true(probability[i] < 0.1);
+        permute(&other, &p, order);
+        search(again, &other.question);
+        for (int i = 0; i < ITEMS; i++)
+            assert_close(again[i], probability[order[i]], 1e-9); /* rounding */
+    }
+}
+
+/* Columns that are there twice: both explain the data as well. */
+static void duplicates(void **state)
+{
+    double probability[ITEMS];
+    problem p;
+    (void)state;
+    pose(&p, 5);
+    memcpy(p.E[p.item[8].at], p.E[p.item[1].at], sizeof *p.E * 2);
+    p.item[8].log_prior = p.item[1].log_prior;
+    project(&p);
+    search(probability, &p.question);
+    assert_close(probability[1], probability[8], 1e-9); /* rounding */
+    assert_true(probability[1] > 0.49 && probability[1] < 0.55);
+    assert_true(probability[4] > 0.99);
+    p.item[8].key = p.item[1].key; /* variants of one cause: never together */
+    search(probability, &p.question);
+    assert_close(probability[1], 0.5, 1e-3); /* of the sets without it */
+    assert_close(probability[8], 0.5, 1e-3);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(whitening), cmocka_unit_test(mixtures),
+                                       cmocka_unit_test(values),    cmocka_unit_test(averages),
+                                       cmocka_unit_test(searches),  cmocka_unit_test(duplicates)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
