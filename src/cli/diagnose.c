@@ -235,6 +235,7 @@ static mukca_status run(cli_call *call)
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &result);
+    if (answer && call->common->verbose) cli_diagnosis_print_sets(answer, &result);
     if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)
         cli_print_mismatch(call, &s->data, o->free_base, o->free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);

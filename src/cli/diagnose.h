@@ -11,6 +11,9 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *result);
 /* Print one screen of 80 columns, causes first. */
 void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result);
 
+/* Print the most probable sets of causes. */
+void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *result);
+
 /* Fitted frames of measured poses. */
 typedef struct {
     bool base, tool;

@@ -34,6 +34,34 @@ static json_t *shrink_object(const mukca_shrink *s)
                      "folds", s->folds);
 }
 
+static json_t *sets_array(const mukca_diagnosed *r)
+{
+    json_t *sets = json_array();
+    for (const mukca_cause_set *s = r->diagnosis->sets;
+         s < r->diagnosis->sets + r->diagnosis->n_sets; s++) {
+        json_t *causes = json_array();
+        for (int i = 0; i < s->n; i++) {
+            const mukca_effect *e = &s->member[i].effect;
+            const bool listed = e->kind < MUKCA_EFFECT_COUNT;
+            json_array_append_new(
+                causes,
+                json_pack("{s:o, s:o, s:o, s:o, s:b, s:o}", "effect",
+                          cli_json_text(listed                 ? mukca_effect_table[e->kind]->name
+                                        : s->member[i].unknown ? NULL
+                                                               : "outlier"),
+                          "joint", joint_name(r->chain, e->joint), "order",
+                          e->kind == MUKCA_EFFECT_GEAR_HARMONIC ? json_integer(e->variant.order)
+                                                                : json_null(),
+                          "placement", placement_name(r->data, listed ? e->placement : -1),
+                          "unknown", s->member[i].unknown, "row",
+                          s->member[i].row > 0 ? json_integer(s->member[i].row) : json_null()));
+        }
+        json_array_append_new(sets, json_pack("{s:o, s:o}", "probability",
+                                              cli_json_real(s->probability), "causes", causes));
+    }
+    return sets;
+}
+
 static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
                             const mukca_dataset *data)
 {
@@ -48,13 +76,16 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
     }
     const mukca_effect_info *info = mukca_effect_table[c->effect.kind];
     return json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:o, s:o, s:b, s:o}", "effect",
-        info->name, "joint", joint_name(chain, c->effect.joint), "placement",
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:o, s:o, s:b, s:o}",
+        "effect", info->name, "joint", joint_name(chain, c->effect.joint), "placement",
         placement_name(data, c->effect.placement), "socket", socket_label(data, c->socket), "row",
         c->row > 0 ? json_integer(c->row) : json_null(), "order",
         info->site == MUKCA_SITE_ANGLE && c->effect.variant.order
             ? json_integer(c->effect.variant.order)
             : json_null(),
+        "order_interval",
+        c->order_range[0] > 0 ? json_pack("[i, i]", c->order_range[0], c->order_range[1])
+                              : json_null(),
         "motion",
         info->site == MUKCA_SITE_SOCKET ? json_string(c->creep ? "creep" : "step") : json_null(),
         "amplitude", cli_json_real(c->amplitude), "unit", mukca_effect_unit(&c->effect, chain),
@@ -212,6 +243,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     mukca_wording_verdict(words, r);
     json_object_set_new(root, "sentence", cli_json_text(words));
     json_object_set_new(root, "suspected", suspected);
+    json_object_set_new(root, "sets", sets_array(r));
     json_object_set_new(root, "unnamed_m", cli_json_real(d->explained_m - d->structure_m));
     json_object_set_new(root, "gravity",
                         d->gravity[0] != 0 || d->gravity[1] != 0 || d->gravity[2] != 0

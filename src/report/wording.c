@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/file.h"
+
 /* Append to a text of MUKCA_WORDING characters; longer text is truncated. */
 __attribute__((format(printf, 2, 3))) static void put(char *text, const char *format, ...)
 {
@@ -15,6 +17,9 @@ __attribute__((format(printf, 2, 3))) static void put(char *text, const char *fo
     vsnprintf(text + used, MUKCA_WORDING - used, format, args);
     va_end(args);
 }
+
+/* Half width of an interval of orders that is printed with ±. */
+enum { NARROW = 3 };
 
 bool mukca_wording_slides(const mukca_chain *chain, int joint)
 {
@@ -45,7 +50,14 @@ void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
     const mukca_effect *e = &cause->effect;
     mukca_wording_effect(text, e->kind, mukca_chain_joint_name(r->chain, e->joint));
     char *end = text + strlen(text);
-    mukca_effect_describe(end, (size_t)(text + MUKCA_WORDING - end), e, r->chain);
+    const int order = e->variant.order, low = cause->order_range[0], high = cause->order_range[1];
+    const int half = order - low > high - order ? order - low : high - order;
+    if (low == high)
+        mukca_effect_describe(end, (size_t)(text + MUKCA_WORDING - end), e, r->chain);
+    else if (half <= NARROW)
+        put(text, " (%d ± %d per turn)", order, half);
+    else
+        put(text, " (between %d and %d per turn)", low, high);
     const int placement = e->placement;
     if (placement >= 0) put(text, " in placement %s", r->data->placements[placement].name);
     if (placement >= 0 && cause->socket >= 0)
@@ -65,6 +77,28 @@ void mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
         put(text, "%s%s", last ? " or " : ", ", rival);
     }
     if (cause->or_unknown) put(text, " or an effect outside the catalogue");
+}
+
+void mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *set,
+                       const mukca_diagnosed *r)
+{
+    snprintf(text, MUKCA_WORDING, "%s", set->n ? "" : "no cause");
+    for (int i = 0; i < set->n; i++) {
+        const mukca_effect *e = &set->member[i].effect;
+        const bool listed = e->kind < MUKCA_EFFECT_COUNT;
+        const char *joint = mukca_chain_joint_name(r->chain, e->joint);
+        char variant[MUKCA_WORDING] = "";
+        if (listed) mukca_effect_describe(variant, sizeof variant, e, r->chain);
+        put(text, "%s%s%s%s%s", i ? " + " : "",
+            listed                    ? mukca_effect_table[e->kind]->name
+            : !set->member[i].unknown ? "outlier"
+            : joint                   ? "unknown function at"
+                                      : "unknown function",
+            joint ? " " : "", joint ? joint : "", variant);
+        if (set->member[i].row > 0 && r->data->files)
+            put(text, " at %s:%d", mukca_file_name(r->data->files[set->member[i].file]),
+                set->member[i].row);
+    }
 }
 
 void mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,

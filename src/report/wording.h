@@ -25,13 +25,17 @@ bool mukca_wording_on_arm(const mukca_cause *cause);
  * compliance". */
 void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind, const char *joint);
 
-/* The same with the cause's variant: "transmission ripple at joint_2 (240 per turn)". */
+/* The same with the cause's variant: "transmission ripple at joint_2 (240 ± 1 per turn)". */
 void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
                          const mukca_diagnosed *diagnosed);
 
 /* The same with all indistinguishable rivals: "A, B or C". */
 void mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
                           const mukca_diagnosed *diagnosed);
+
+/* A set of causes: "joint_compliance joint_4 + outlier at session.tsv:14". */
+void mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *set,
+                       const mukca_diagnosed *diagnosed);
 
 /* Amplitude with its 95 % interval: "49.2 urad/(N·m) [44.6, 53.7]". */
 void mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,

@@ -11,6 +11,9 @@ run $d good.tsv -q --json result.json -o offsets.tsv --test test.tsv
 expect "it says nothing with -q" test "$code $(cat "$scratch/err")" = "0 "
 expect "the JSON names the cause" grep -q '"effect": "joint_compliance"' result.json
 expect "and what it does to other rows" grep -q '"test_placements\|"test": {' result.json
+expect "and the sets that were weighed" grep -q '"sets": \[' result.json
+run $d good.tsv -v
+expect "with -v also on the screen" grep -q "^  .* %  joint_compliance joint_2" "$scratch/out"
 run $d good.tsv -q --json -
 expect "JSON to standard output" sh -c "head -n 1 '$scratch/out' | grep -qx '{'"
 run $d good.tsv --expect gear_harmonic
@@ -150,6 +153,8 @@ ripple() { "$MUKCA" simulate -q --urdf arm.urdf --seed 9 --noise 1e-4 --perturb 
 ripple --effect gear_harmonic:joint_3@12=5e-4 --test rippled.tsv -o ripple.tsv
 ripple --test smooth.tsv -o smooth_train.tsv
 answer "transmission ripple at joint_3 .12 per turn.: gear" $d ripple.tsv --test rippled.tsv
+run $d ripple.tsv -q --json ripple.json
+expect "the order with its interval" sh -c "tr -d ' \n' <ripple.json | grep -q '\"order_interval\":\[12,12\]'"
 answer "or an effect outside the" $d ripple.tsv --test smooth.tsv
 expect "worse test data are said, and what to do" \
     sh -c "grep -q 'with causes .*worse: uncertain' '$scratch/out' && grep -q 'use the geometry alone' '$scratch/out'"
