@@ -159,9 +159,15 @@ static void test_broken_arm(void **state)
     }
 }
 
-/* Log Bayes factor of an order in one joint of the first arms, a penalty in the others. */
+/* Log Bayes factor of an order in one joint of the first arms, a penalty in the others, and of the
+ * other orders that are not yet set. */
 static void set_order(mukca_fleet *f, int joint, int order, int arms, double evidence)
 {
+    for (int s = 0; s < f->n_sessions; s++)
+        for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
+            int16_t *quanta = &f->session[s].ripple[joint * MUKCA_FLEET_ORDERS + o];
+            if (!*quanta) *quanta = (int16_t)(-2 / MUKCA_FLEET_QUANTUM);
+        }
     for (int s = 0; s < f->n_sessions; s++)
         f->session[s].ripple[joint * MUKCA_FLEET_ORDERS + order - 2] =
             (int16_t)((s < arms ? evidence : -2) / MUKCA_FLEET_QUANTUM);
@@ -176,12 +182,20 @@ static void test_orders(void **state)
     set_order(&f, 0, 160, ARMS, 3);  /* too faint for any one arm */
     set_order(&f, 1, 137, 1, 60);    /* one arm's own fault */
     set_order(&f, 2, 100, ARMS, -1); /* nothing */
+    set_order(&f, 3, 239, 1, 60);    /* one arm reads a neighbour, */
+    set_order(&f, 3, 240, ARMS, 10);
+    set_order(&f, 4, 120, 1, 60); /* or half the order, far better */
+    set_order(&f, 4, 240, ARMS, 10);
     mukca_orders_pool(order, &f);
     assert_int_equal(order[0].order, 160);
     assert_true(order[0].probability > 0.99);
     assert_close(order[0].log_bayes_factor, 36, 1e-9);
     assert_true(order[1].probability < 0.01);
     assert_true(order[2].probability < 0.5);
+    for (int j = 3; j < 5; j++) {
+        assert_int_equal(order[j].order, 240);
+        assert_true(order[j].probability > 0.99);
+    }
     mukca_fleet_free(&f);
 }
 
