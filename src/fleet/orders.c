@@ -33,7 +33,7 @@ static double add_arm(double *gear, const double *value)
  * some arms.  The last keeps the fault of one arm from being attributed to the fleet.  Even odds
  * that no joint has ripple, whatever the number of joints (as in departures.c); equal odds of the
  * other two. */
-static void pool_joint(mukca_shared_order *shared, const mukca_fleet *f, int joint)
+static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
 {
     double gear[ORDERS] = {0}, sum[ORDERS] = {0}, value[ORDERS], each = 0;
     int best = 0;
@@ -48,7 +48,13 @@ static void pool_joint(mukca_shared_order *shared, const mukca_fleet *f, int joi
         const double own[] = {log(1 - FAULTY), log(FAULTY) + add_arm(gear, value)};
         each += mukca_stats_log_sum_exp(own, 2);
     }
-    *shared = (mukca_shared_order){.joint = joint};
+    *shared = (mukca_trait){
+        .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = joint, .placement = -1, .terms = 2},
+        .error = NAN,
+        .spread = NAN,
+        .value = NAN,
+        .low = NAN,
+        .high = NAN};
     if (!scanned) return;
     for (int o = 0; o < ORDERS; o++) {
         gear[o] += mukca_ripple_log_prior(o + 2);
@@ -56,14 +62,14 @@ static void pool_joint(mukca_shared_order *shared, const mukca_fleet *f, int joi
     }
     const double none = pow(0.5, 1.0 / f->model.n_joints),
                  all[] = {log(2 * none / (1 - none)), each, mukca_stats_log_sum_exp(gear, ORDERS)};
-    shared->order = best + 2;
+    shared->effect.variant.order = best + 2;
     shared->log_bayes_factor = sum[best];
     shared->probability = exp(gear[best] - mukca_stats_log_sum_exp(all, 3));
     for (int a = 0; a < f->n_arms; a++)
         shared->arms += !f->arm[a].departs && mukca_fleet_ripple(f, a, joint, best + 2) > 0;
 }
 
-void mukca_orders_pool(mukca_shared_order *shared, const mukca_fleet *f)
+void mukca_orders_pool(mukca_trait *order, const mukca_fleet *f)
 {
-    for (int j = 0; j < f->model.n_joints; j++) pool_joint(&shared[j], f, j);
+    for (int j = 0; j < f->model.n_joints; j++) pool_joint(&order[j], f, j);
 }

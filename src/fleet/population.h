@@ -50,19 +50,4 @@ void mukca_population_fit(mukca_population *population, const mukca_fleet *fleet
  * for linear regression models, J. Am. Stat. Assoc. 92, 1997). */
 void mukca_population_average(mukca_population *population);
 
-/* Description of a coefficient of the population. */
-typedef struct {
-    mukca_effect effect;
-    double mean, error;      /* with all coefficients present; its standard error, rad/(N m) */
-    double value, low, high; /* given that it is not 0, averaged over sets of the others; 95 % */
-    double spread;
-    int arms;
-    double log_bayes_factor; /* of a mean above 0, given the other shared coefficients */
-    double probability;      /* that it is above 0 */
-} mukca_shared;
-
-/* shared[population->n]: all coefficients of a fitted population. */
-void mukca_population_describe(mukca_shared *shared, const mukca_population *population,
-                               const mukca_fleet *fleet);
-
 #endif

@@ -149,19 +149,3 @@ void mukca_population_average(mukca_population *p)
                 (a.square[i * n + j] - a.mean[i] * a.mean[j] / a.total) / a.total;
     }
 }
-
-void mukca_population_describe(mukca_shared *shared, const mukca_population *p,
-                               const mukca_fleet *f)
-{
-    for (int k = 0; k < p->n; k++)
-        shared[k] = (mukca_shared){.effect = mukca_fleet_term(p->term[k], f->model.n_joints),
-                                   .mean = p->mean[k],
-                                   .error = sqrt(p->covariance[k * p->n + k]),
-                                   .value = p->value[k],
-                                   .low = p->low[k],
-                                   .high = p->high[k],
-                                   .spread = p->spread[k],
-                                   .arms = p->arms[k],
-                                   .log_bayes_factor = p->log_bayes_factor[k],
-                                   .probability = p->probability[k]};
-}
