@@ -41,13 +41,13 @@ bool mukca_population_scatter(mukca_arm_evidence *out, const mukca_arm_evidence 
                               const double *V, int n);
 
 /* Fit the population to all arms but those that depart and `without` (-1: none), starting from the
- * present mean and spread if `warm`. */
-void mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
+ * present mean and spread if `warm`.  False: no memory. */
+bool mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
                           bool warm);
 
 /* Compute averages, values and probabilities from information and vector by model averaging over
  * the sets of nonzero coefficients (A. Raftery, D. Madigan, J. Hoeting, Bayesian model averaging
- * for linear regression models, J. Am. Stat. Assoc. 92, 1997). */
-void mukca_population_average(mukca_population *population);
+ * for linear regression models, J. Am. Stat. Assoc. 92, 1997).  False: no memory. */
+bool mukca_population_average(mukca_population *population);
 
 #endif

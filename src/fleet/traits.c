@@ -30,20 +30,18 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
                           "%s: the only arm ('%s'); a fleet needs two arms or more (label the "
                           "sessions with diagnose --arm)",
                           f->session[0].path, f->arm[0].name);
-    mukca_population_fit(&r->population, f, -1, false);
+    bool ok = mukca_population_fit(&r->population, f, -1, false), any = false;
     const int n = r->population.n;
     r->departure = MUKCA_TAKE(&r->pool, mukca_departure, f->n_arms);
     r->estimate = MUKCA_TAKE(&r->pool, mukca_departure, (size_t)f->n_arms * (size_t)(n + 1));
-    if (r->pool.failed)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
-    mukca_departures_find(r->departure, r->estimate, &r->population, f);
-    bool any = false;
-    for (int a = 0; a < f->n_arms; a++)
+    ok = ok && !r->pool.failed &&
+         mukca_departures_find(r->departure, r->estimate, &r->population, f);
+    for (int a = 0; a < f->n_arms && ok; a++)
         any |= f->arm[a].departs = r->departure[a].probability >= MUKCA_DEPARTS;
-    if (any) { /* a broken arm has no information on its sisters */
-        mukca_population_fit(&r->population, f, -1, true);
-        mukca_departures_find(r->departure, r->estimate, &r->population, f);
-    }
+    if (any) /* a broken arm has no information on its sisters */
+        ok = mukca_population_fit(&r->population, f, -1, true) &&
+             mukca_departures_find(r->departure, r->estimate, &r->population, f);
+    if (!ok) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
     mukca_orders_pool(r->order, f);
     mukca_traits *t = &r->traits;
     t->model = f->model;
