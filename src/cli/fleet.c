@@ -131,13 +131,13 @@ static json_t *result_json(const cli_fleet *w)
     for (int i = 0; i < r->traits.n; i++)
         json_array_append_new(effects, trait_object(&r->traits.list[i], f));
     for (int j = 0; j < f->model.n_joints; j++)
-        if (r->order[j].order)
+        if (r->order[j].effect.variant.order)
             json_array_append_new(
                 orders,
                 json_pack("{s:o, s:i, s:o, s:o, s:i}", "joint", joint_name(f, j), "order",
-                          r->order[j].order, "probability", cli_json_real(r->order[j].probability),
-                          "log_bayes_factor", cli_json_real(r->order[j].log_bayes_factor), "arms",
-                          r->order[j].arms));
+                          r->order[j].effect.variant.order, "probability",
+                          cli_json_real(r->order[j].probability), "log_bayes_factor",
+                          cli_json_real(r->order[j].log_bayes_factor), "arms", r->order[j].arms));
     for (int a = 0; a < f->n_arms; a++) {
         if (r->departure[a].probability >= MUKCA_DEPARTS)
             json_array_append_new(departures, departure_object(&r->departure[a], f));
@@ -152,23 +152,21 @@ static json_t *result_json(const cli_fleet *w)
 
 static void print_shared(cli_call *call, const cli_fleet *w)
 {
-    const mukca_fleet_result *r = &w->result;
-    char words[MUKCA_WORDING];
-    int shown = 0;
-    for (int k = 0; k < r->population.n; k++) {
-        if (r->shared[k].probability < MUKCA_COEFFICIENT_SHARED) continue;
-        mukca_wording_fleet_shared(words, &r->shared[k], &w->fleet);
-        cli_answer_keyed(call, shown++ ? "" : "Shared", "%s", words);
+    const mukca_traits *t = &w->result.traits;
+    for (int ripple = 0; ripple < 2; ripple++) {
+        const char *key = ripple ? "Ripple" : "Shared";
+        int shown = 0;
+        for (int i = 0; i < t->n; i++) {
+            char words[MUKCA_WORDING];
+            if (t->list[i].probability < MUKCA_SHARED ||
+                (t->list[i].effect.variant.order > 0) != ripple)
+                continue;
+            mukca_wording_fleet_trait(words, &t->list[i], &w->fleet);
+            cli_answer_keyed(call, shown++ ? "" : key, "%s", words);
+        }
+        if (!shown)
+            cli_answer_keyed(call, key, ripple ? "no shared order" : "no elastic coefficient");
     }
-    if (!shown) cli_answer_keyed(call, "Shared", "no elastic coefficient");
-    shown = 0;
-    for (int j = 0; j < w->fleet.model.n_joints; j++) {
-        const mukca_shared_order *o = &r->order[j];
-        if (!o->order || o->probability < MUKCA_ORDER_SHARED) continue;
-        mukca_wording_fleet_order(words, o, &w->fleet);
-        cli_answer_keyed(call, shown++ ? "" : "Ripple", "%s", words);
-    }
-    if (!shown) cli_answer_keyed(call, "Ripple", "no shared order");
 }
 
 static void print_departures(cli_call *call, const cli_fleet *w)

@@ -95,7 +95,7 @@ static void downdate(mukca_population *p, const mukca_fleet *f, int arm)
     for (int i = 0; i < n; i++) p->mean[i] = fmax(b[i], 0);
 }
 
-void mukca_departures_find(mukca_departure *departure, mukca_departure *estimates,
+bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimates,
                            const mukca_population *all, const mukca_fleet *f)
 {
     const int n = all->n;
@@ -109,10 +109,8 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         int top = 0;
         departure[a] = (mukca_departure){.arm = a, .k = -1};
         if (f->n_arms < 3) continue; /* of two arms, either may depart */
-        if (f->n_arms <= REFITS)
-            mukca_population_fit(&sisters, f, a, true);
-        else if (!f->arm[a].departs)
-            downdate(&sisters, f, a);
+        if (f->n_arms <= REFITS && !mukca_population_fit(&sisters, f, a, true)) return false;
+        if (f->n_arms > REFITS && !f->arm[a].departs) downdate(&sisters, f, a);
         if (!sisters.n || !compare(&c, &sisters, f, a, false)) continue;
         for (int k = 0; k < n; k++) {
             odds[k] = departs(&c, k, &size[k]) + each;
@@ -136,4 +134,5 @@ void mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
             estimate(e, &own, k, exp(odds[k] - total) > 0.5 ? size[k] : 0);
         }
     }
+    return true;
 }

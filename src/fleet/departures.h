@@ -17,8 +17,8 @@ typedef struct {
 
 /* departure[n_arms]: the most deviant coefficient of each arm, by the posterior predictive of all
  * others; `estimates` (NULL: not wanted) [n_arms][population->n] gets each arm's own coefficients
- * (value, low, high) with its sisters as prior. */
-void mukca_departures_find(mukca_departure *departure, mukca_departure *estimates,
+ * (value, low, high) with its sisters as prior.  False: no memory. */
+bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimates,
                            const mukca_population *population, const mukca_fleet *fleet);
 
 /* Least probability for an arm to be called departing. */

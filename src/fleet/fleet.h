@@ -23,6 +23,24 @@ typedef struct {
     const double *information, *vector; /* [packed], [terms] */
 } mukca_fleet_arm;
 
+/* A coefficient or (gear_harmonic) an order of ripple that arms share, whose phase differs between
+ * them. */
+typedef struct {
+    mukca_effect effect;
+    /* rad/(N m).  With all coefficients present, the prior of one more arm: mean of the arms, its
+     * standard error, standard deviation between arms.  Given that it is not 0, averaged over sets
+     * of the others: value and 95 % interval.  Of an order the mean 0, the rest NaN. */
+    double mean, error, spread, value, low, high;
+    int arms; /* that have information on it, or whose data favour the order */
+    /* Of a coefficient above 0, given the other shared ones; of an order, the sum over the arms
+     * that do not depart. */
+    double log_bayes_factor;
+    double probability; /* that the arms share it: against 0; other, individual or no orders */
+} mukca_trait;
+
+/* Least probability for it to be called shared. */
+#define MUKCA_SHARED 0.5
+
 typedef struct {
     mukca_fleet_model model; /* of the first summary */
     int n_terms, n_sessions, n_arms, capacity;

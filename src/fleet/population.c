@@ -172,7 +172,7 @@ static double step_spread(mukca_population *p, const double *square, const doubl
     return most;
 }
 
-void mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without, bool warm)
+bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without, bool warm)
 {
     double square[T], diagonal[T], A[T * T];
     if (!warm) {
@@ -189,5 +189,5 @@ void mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without
     solve_mean(p);
     memcpy(A, p->information, sizeof *A * (size_t)(p->n * p->n));
     if (!invert(p->covariance, A, p->n)) p->n = 0;
-    mukca_population_average(p);
+    return mukca_population_average(p);
 }

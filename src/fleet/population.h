@@ -41,28 +41,13 @@ bool mukca_population_scatter(mukca_arm_evidence *out, const mukca_arm_evidence 
                               const double *V, int n);
 
 /* Fit the population to all arms but those that depart and `without` (-1: none), starting from the
- * present mean and spread if `warm`. */
-void mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
+ * present mean and spread if `warm`.  False: no memory. */
+bool mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
                           bool warm);
 
 /* Compute averages, values and probabilities from information and vector by model averaging over
  * the sets of nonzero coefficients (A. Raftery, D. Madigan, J. Hoeting, Bayesian model averaging
- * for linear regression models, J. Am. Stat. Assoc. 92, 1997). */
-void mukca_population_average(mukca_population *population);
-
-/* Description of a coefficient of the population. */
-typedef struct {
-    mukca_effect effect;
-    double mean, error;      /* with all coefficients present; its standard error, rad/(N m) */
-    double value, low, high; /* given that it is not 0, averaged over sets of the others; 95 % */
-    double spread;
-    int arms;
-    double log_bayes_factor; /* of a mean above 0, given the other shared coefficients */
-    double probability;      /* that it is above 0 */
-} mukca_shared;
-
-/* shared[population->n]: all coefficients of a fitted population. */
-void mukca_population_describe(mukca_shared *shared, const mukca_population *population,
-                               const mukca_fleet *fleet);
+ * for linear regression models, J. Am. Stat. Assoc. 92, 1997).  False: no memory. */
+bool mukca_population_average(mukca_population *population);
 
 #endif

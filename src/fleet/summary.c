@@ -2,9 +2,11 @@
 #include "fleet/summary.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "diagnose/scan.h"
+#include "math/stats.h"
 
 /* FNV-1a, 64 bits (Fowler, Noll, Vo). */
 static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t n)
@@ -87,6 +89,26 @@ static bool has_ripple(const mukca_unknowns *u, int joint)
     return false;
 }
 
+/* Share of recordings that show a gear's order at a neighbour. */
+#define STRAYS 0.1
+
+/* Orders that this recording cannot tell apart: a wave that its mounting modulates is read at a
+ * neighbour less than one period away over the travel.  A neighbour's weight is the share of the
+ * wave that it explains on evenly spread angles, sinc^2 of half the phase between their ends. */
+static double pool_neighbours(const double *value, int order, double travel)
+{
+    double log_odds[MUKCA_RIPPLE_ORDERS + 1] = {value[order] + log(1 - STRAYS)}, total = 0;
+    int n = 1;
+    for (int o = 2; o <= MUKCA_RIPPLE_ORDERS; o++) {
+        const double half = 0.5 * abs(o - order) * travel;
+        if (o == order || half >= acos(-1)) continue;
+        total += pow(sin(half) / half, 2);
+        log_odds[n++] = value[o] + 2 * log(sin(half) / half) + log(STRAYS);
+    }
+    for (int i = 1; i < n; i++) log_odds[i] -= log(total);
+    return n > 1 ? mukca_stats_log_sum_exp(log_odds, n) : value[order];
+}
+
 /* Log Bayes factors of all orders of one joint against the present model (-1: of all joints without
  * a gear harmonic in it). */
 static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
@@ -105,7 +127,8 @@ static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
         if (!mukca_joint_turns((int)type) || travel[1] - travel[0] < MUKCA_LEAST_RANGE) continue;
         if (!mukca_scan_orders(value, &scan, j)) return false;
         for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
-            const double quanta = round(value[o + 2] / MUKCA_FLEET_QUANTUM);
+            const double pooled = pool_neighbours(value, o + 2, travel[1] - travel[0]),
+                         quanta = round(pooled / MUKCA_FLEET_QUANTUM);
             s->ripple[j][o] = (int16_t)fmin(fmax(quanta, -INT16_MAX), INT16_MAX);
         }
     }

@@ -4,38 +4,22 @@
 #include <math.h>
 #include <string.h>
 
-static void add_rows(mukca_traits *t, const mukca_fleet_result *r)
+static void list_traits(mukca_traits *t, const mukca_fleet_result *r)
 {
-    for (int k = 0; k < r->population.n; k++) {
-        const mukca_shared *s = &r->shared[k];
-        t->list[t->n++] = (mukca_trait){.effect = s->effect,
-                                        .mean = s->mean,
-                                        .spread = s->spread,
-                                        .error = s->error,
-                                        .value = s->value,
-                                        .low = s->low,
-                                        .high = s->high,
-                                        .arms = s->arms,
-                                        .log_bayes_factor = s->log_bayes_factor,
-                                        .probability = s->probability};
-    }
-    for (int j = 0; j < t->model.n_joints; j++) {
-        const mukca_shared_order *o = &r->order[j];
-        if (!o->order || !(o->probability >= MUKCA_ORDER_SHARED)) continue;
-        t->list[t->n++] = (mukca_trait){.effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                                   .joint = j,
-                                                   .placement = -1,
-                                                   .terms = 2,
-                                                   .variant.order = o->order},
-                                        .spread = NAN,
-                                        .error = NAN,
-                                        .value = NAN,
-                                        .low = NAN,
-                                        .high = NAN,
-                                        .arms = o->arms,
-                                        .log_bayes_factor = o->log_bayes_factor,
-                                        .probability = o->probability};
-    }
+    const mukca_population *p = &r->population;
+    for (int k = 0; k < p->n; k++)
+        t->list[t->n++] = (mukca_trait){.effect = mukca_fleet_term(p->term[k], t->model.n_joints),
+                                        .mean = p->mean[k],
+                                        .error = sqrt(p->covariance[k * p->n + k]),
+                                        .spread = p->spread[k],
+                                        .value = p->value[k],
+                                        .low = p->low[k],
+                                        .high = p->high[k],
+                                        .arms = p->arms[k],
+                                        .log_bayes_factor = p->log_bayes_factor[k],
+                                        .probability = p->probability[k]};
+    for (int j = 0; j < t->model.n_joints; j++)
+        if (r->order[j].probability >= MUKCA_SHARED) t->list[t->n++] = r->order[j];
 }
 
 mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error *error)
@@ -46,27 +30,24 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
                           "%s: the only arm ('%s'); a fleet needs two arms or more (label the "
                           "sessions with diagnose --arm)",
                           f->session[0].path, f->arm[0].name);
-    mukca_population_fit(&r->population, f, -1, false);
+    bool ok = mukca_population_fit(&r->population, f, -1, false), any = false;
     const int n = r->population.n;
     r->departure = MUKCA_TAKE(&r->pool, mukca_departure, f->n_arms);
     r->estimate = MUKCA_TAKE(&r->pool, mukca_departure, (size_t)f->n_arms * (size_t)(n + 1));
-    if (r->pool.failed)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
-    mukca_departures_find(r->departure, r->estimate, &r->population, f);
-    bool any = false;
-    for (int a = 0; a < f->n_arms; a++)
+    ok = ok && !r->pool.failed &&
+         mukca_departures_find(r->departure, r->estimate, &r->population, f);
+    for (int a = 0; a < f->n_arms && ok; a++)
         any |= f->arm[a].departs = r->departure[a].probability >= MUKCA_DEPARTS;
-    if (any) { /* a broken arm has no information on its sisters */
-        mukca_population_fit(&r->population, f, -1, true);
-        mukca_departures_find(r->departure, r->estimate, &r->population, f);
-    }
+    if (any) /* a broken arm has no information on its sisters */
+        ok = mukca_population_fit(&r->population, f, -1, true) &&
+             mukca_departures_find(r->departure, r->estimate, &r->population, f);
+    if (!ok) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
     mukca_orders_pool(r->order, f);
-    mukca_population_describe(r->shared, &r->population, f);
     mukca_traits *t = &r->traits;
     t->model = f->model;
     t->n_arms = f->n_arms, t->n_sessions = f->n_sessions;
     for (int a = 0; a < f->n_arms; a++) t->n_samples += f->arm[a].samples;
-    add_rows(t, r);
+    list_traits(t, r);
     return MUKCA_OK;
 }
 

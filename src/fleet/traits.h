@@ -7,35 +7,18 @@
 
 enum { MUKCA_MAX_TRAITS = MUKCA_FLEET_TERMS + MUKCA_MAX_JOINTS };
 
-/* A coefficient or (gear_harmonic) an order of ripple, with mean 0 because the phase differs
- * between arms. */
-typedef struct {
-    mukca_effect effect;
-    /* rad/(N m): mean of the arms and its standard error with all coefficients present, the prior
-     * of one more arm; value and 95 % interval as in mukca_shared.  Of an order only the mean,
-     * others NaN. */
-    double mean, spread, error, value, low, high;
-    int arms;
-    double log_bayes_factor, probability;
-} mukca_trait;
-
 typedef struct {
     mukca_fleet_model model;
     int n, n_arms, n_sessions, n_samples;
     mukca_trait list[MUKCA_MAX_TRAITS];
 } mukca_traits;
 
-/* Least probabilities for a coefficient to be called shared and for an order to be a trait. */
-#define MUKCA_COEFFICIENT_SHARED 0.5
-#define MUKCA_ORDER_SHARED 0.5
-
 /* Results of a fleet. */
 typedef struct {
     mukca_population population;
-    mukca_shared shared[MUKCA_FLEET_TERMS];     /* [population.n] */
-    mukca_shared_order order[MUKCA_MAX_JOINTS]; /* [n_joints] */
-    mukca_departure *departure, *estimate;      /* [n_arms], [n_arms][population.n] */
-    mukca_traits traits;
+    mukca_trait order[MUKCA_MAX_JOINTS];   /* [n_joints]: the most probable; 0: none was scanned */
+    mukca_departure *departure, *estimate; /* [n_arms], [n_arms][population.n] */
+    mukca_traits traits;                   /* [population.n] coefficients, then the shared orders */
     mukca_pool pool;
 } mukca_fleet_result;
 

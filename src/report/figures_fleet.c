@@ -48,7 +48,7 @@ bool mukca_fleet_draw_coefficient(mukca_plot *plot, const mukca_fleet_page *p, i
     const mukca_fleet_result *r = p->result;
     if (index >= r->population.n) return false;
     const int k = p->panels[index], n = p->fleet->n_arms, shown = n < MOST_ARMS ? n : MOST_ARMS;
-    const mukca_shared *c = &r->shared[k];
+    const mukca_trait *c = &r->traits.list[k];
     char words[MUKCA_WORDING], id[64], title[160];
     FILE *s = plot->script;
     mukca_wording_fleet_effect(words, &c->effect, p->fleet);
@@ -86,13 +86,14 @@ bool mukca_fleet_draw_coefficient(mukca_plot *plot, const mukca_fleet_page *p, i
 
 bool mukca_fleet_draw_orders(mukca_plot *plot, const mukca_fleet_page *p, int index)
 {
-    const mukca_shared_order *order = p->result->order;
+    const mukca_trait *order = p->result->order;
     int joint = 0;
     for (int seen = -1; joint < p->fleet->model.n_joints; joint++)
-        if (order[joint].order && ++seen == index) break;
+        if (order[joint].effect.variant.order && ++seen == index) break;
     if (joint == p->fleet->model.n_joints) return false;
-    const mukca_shared_order *best = &order[joint];
-    const bool shared = best->probability >= MUKCA_ORDER_SHARED;
+    const mukca_trait *best = &order[joint];
+    const int number = best->effect.variant.order;
+    const bool shared = best->probability >= MUKCA_SHARED;
     const char *name = p->fleet->model.joint[joint];
     char id[64], title[160], probability[MUKCA_WORDING];
     int favoured = 0;
@@ -106,7 +107,7 @@ bool mukca_fleet_draw_orders(mukca_plot *plot, const mukca_fleet_page *p, int in
         double pooled = 0;
         for (int a = 0; a < p->fleet->n_arms; a++)
             pooled += mukca_fleet_ripple(p->fleet, a, joint, o);
-        fprintf(s, "%d %.6g %d\n", o, pooled, shared && o == best->order);
+        fprintf(s, "%d %.6g %d\n", o, pooled, shared && o == number);
         favoured += pooled > 0;
         most = fmax(most, pooled);
     }
@@ -117,7 +118,7 @@ bool mukca_fleet_draw_orders(mukca_plot *plot, const mukca_fleet_page *p, int in
             "set ylabel 'log Bayes factor'\n",
             MUKCA_FLEET_ORDERS + 5, -0.4 * top, top);
     if (best->log_bayes_factor > 0)
-        fprintf(s, "set label '%d' at %d, %.6g center offset 0, 0.6\n", best->order, best->order,
+        fprintf(s, "set label '%d' at %d, %.6g center offset 0, 0.6\n", number, number,
                 best->log_bayes_factor);
     fputs("plot $d using 1:2 with impulses lc rgb " PLOT_AFTER
           " lw 1.5 notitle, $d using 1:($3 > 0 ? $2 : NaN) with impulses lc rgb " PLOT_BEFORE
@@ -128,7 +129,7 @@ bool mukca_fleet_draw_orders(mukca_plot *plot, const mukca_fleet_page *p, int in
         fprintf(plot->description,
                 "Sum of the log Bayes factors of all arms; %d of %d orders are favoured. Most "
                 "probable: order %d, log Bayes factor %.3g, %s.",
-                favoured, MUKCA_FLEET_ORDERS, best->order, best->log_bayes_factor,
+                favoured, MUKCA_FLEET_ORDERS, number, best->log_bayes_factor,
                 shared ? probability : "not shared");
     else
         fprintf(plot->description,

@@ -38,9 +38,7 @@ mukca_status mukca_fleet_page_prepare(mukca_fleet_page *p, mukca_error *error)
     int next = 0;
     for (int rank = 0; rank < 3; rank++)
         for (int k = 0; k < r->population.n; k++)
-            if (rank == (departs[k]                                             ? 0
-                         : r->shared[k].probability >= MUKCA_COEFFICIENT_SHARED ? 1
-                                                                                : 2))
+            if (rank == (departs[k] ? 0 : r->traits.list[k].probability >= MUKCA_SHARED ? 1 : 2))
                 p->panels[next++] = k;
     return MUKCA_OK;
 }
@@ -91,19 +89,13 @@ static void put_verdict(FILE *out, const mukca_fleet_page *p)
 /* List the shared coefficients and orders. */
 static void put_shared(FILE *out, const mukca_fleet_page *p)
 {
-    const mukca_fleet_result *r = p->result;
-    char words[MUKCA_WORDING];
+    const mukca_traits *t = &p->result->traits;
     int n = 0;
     fputs("<h2 id=\"shared\">What the arms share</h2>\n<ul>\n", out);
-    for (int k = 0; k < r->population.n; k++) {
-        if (r->shared[k].probability < MUKCA_COEFFICIENT_SHARED) continue;
-        mukca_wording_fleet_shared(words, &r->shared[k], p->fleet);
-        mukca_html_element(out, "li", words);
-        n++;
-    }
-    for (int j = 0; j < p->fleet->model.n_joints; j++) {
-        if (!r->order[j].order || r->order[j].probability < MUKCA_ORDER_SHARED) continue;
-        mukca_wording_fleet_order(words, &r->order[j], p->fleet);
+    for (int i = 0; i < t->n; i++) {
+        char words[MUKCA_WORDING];
+        if (t->list[i].probability < MUKCA_SHARED) continue;
+        mukca_wording_fleet_trait(words, &t->list[i], p->fleet);
         mukca_html_element(out, "li", words);
         n++;
     }
@@ -181,7 +173,7 @@ static void put_coefficients(FILE *out, const mukca_fleet_page *p)
         .columns =
             "coefficient|#mean|#from|#to|#spread|#arms|#log Bayes factor|#probability shared"};
     for (int i = 0; i < r->population.n; i++) {
-        const mukca_shared *s = &r->shared[p->panels[i]];
+        const mukca_trait *s = &r->traits.list[p->panels[i]];
         mukca_wording_fleet_effect(words, &s->effect, p->fleet);
         mukca_html_row(&table, "%s\t%.3g\t%.3g\t%.3g\t%.3g\t%d\t%.1f\t%.3f", words, per * s->value,
                        per * s->low, per * s->high, per * s->spread, s->arms, s->log_bayes_factor,
@@ -199,10 +191,10 @@ static void put_orders(FILE *out, const mukca_fleet_page *p)
             "joint|#order, per turn|#arms that favour it|#log Bayes factor|#probability "
             "shared"};
     for (int j = 0; j < p->fleet->model.n_joints; j++) {
-        const mukca_shared_order *o = &p->result->order[j];
-        if (!o->order) continue;
-        mukca_html_row(&table, "%s\t%d\t%d\t%.1f\t%.3f", p->fleet->model.joint[j], o->order,
-                       o->arms, o->log_bayes_factor, o->probability);
+        const mukca_trait *o = &p->result->order[j];
+        if (!o->effect.variant.order) continue;
+        mukca_html_row(&table, "%s\t%d\t%d\t%.1f\t%.3f", p->fleet->model.joint[j],
+                       o->effect.variant.order, o->arms, o->log_bayes_factor, o->probability);
     }
     mukca_html_table_end(&table);
 }

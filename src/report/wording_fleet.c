@@ -12,27 +12,20 @@ void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *e,
     mukca_wording_effect(text, e->kind, e->joint < 0 ? NULL : f->model.joint[e->joint]);
 }
 
-void mukca_wording_fleet_shared(char text[MUKCA_WORDING], const mukca_shared *s,
-                                const mukca_fleet *f)
+void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *t, const mukca_fleet *f)
 {
     char effect[MUKCA_WORDING], probability[MUKCA_WORDING];
-    mukca_wording_fleet_effect(effect, &s->effect, f);
-    mukca_wording_probability(probability, s->probability);
-    snprintf(text, MUKCA_WORDING,
-             "%.200s, %.3g " MUKCA_WORDING_SPRING
-             " [%.3g, %.3g], arms differ by %.2g (%.0f %%), %.60s",
-             effect, per * s->value, per * s->low, per * s->high, per * s->spread,
-             100 * s->spread / s->value, probability);
-}
-
-void mukca_wording_fleet_order(char text[MUKCA_WORDING], const mukca_shared_order *o,
-                               const mukca_fleet *f)
-{
-    char probability[MUKCA_WORDING];
-    mukca_wording_probability(probability, o->probability);
-    snprintf(text, MUKCA_WORDING,
-             "transmission ripple at %s, %d per turn, seen in %d of %d arms, %.60s",
-             f->model.joint[o->joint], o->order, o->arms, f->n_arms, probability);
+    mukca_wording_fleet_effect(effect, &t->effect, f);
+    mukca_wording_probability(probability, t->probability);
+    if (t->effect.variant.order)
+        snprintf(text, MUKCA_WORDING, "%.200s, %d per turn, seen in %d of %d arms, %.60s", effect,
+                 t->effect.variant.order, t->arms, f->n_arms, probability);
+    else
+        snprintf(text, MUKCA_WORDING,
+                 "%.200s, %.3g " MUKCA_WORDING_SPRING
+                 " [%.3g, %.3g], arms differ by %.2g (%.0f %%), %.60s",
+                 effect, per * t->value, per * t->low, per * t->high, per * t->spread,
+                 100 * t->spread / t->value, probability);
 }
 
 void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *d,

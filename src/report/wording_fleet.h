@@ -13,12 +13,8 @@
 void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *effect,
                                 const mukca_fleet *fleet);
 
-/* A shared coefficient with interval, spread and probability; no full stop in any of these. */
-void mukca_wording_fleet_shared(char text[MUKCA_WORDING], const mukca_shared *shared,
-                                const mukca_fleet *fleet);
-
-/* A shared order of ripple. */
-void mukca_wording_fleet_order(char text[MUKCA_WORDING], const mukca_shared_order *order,
+/* A shared coefficient with interval, spread and probability, or a shared order; no full stop. */
+void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *trait,
                                const mukca_fleet *fleet);
 
 /* "joint compliance at joint_4 6.4 times softer than 7 sisters, ...", without the arm's name. */

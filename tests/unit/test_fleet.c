@@ -67,11 +67,11 @@ static void test_shared_is_found(void **state)
         make_fleet(&f, TRUE_MEAN, 0, seed);
         pool(&r, &f);
         assert_int_equal(r.population.n, TERMS);
-        assert_true(r.shared[SOFT].probability > 0.95);
-        assert_close(r.shared[SOFT].mean, TRUE_MEAN, 30e-6);
-        inside += r.shared[SOFT].low < TRUE_MEAN && TRUE_MEAN < r.shared[SOFT].high;
+        assert_true(r.traits.list[SOFT].probability > 0.95);
+        assert_close(r.traits.list[SOFT].mean, TRUE_MEAN, 30e-6);
+        inside += r.traits.list[SOFT].low < TRUE_MEAN && TRUE_MEAN < r.traits.list[SOFT].high;
         for (int k = 0; k < TERMS; k++)
-            if (k != SOFT) assert_true(r.shared[k].probability < 0.5);
+            if (k != SOFT) assert_true(r.traits.list[k].probability < 0.5);
         for (int a = 0; a < ARMS; a++) assert_true(r.departure[a].probability < MUKCA_DEPARTS);
         mukca_fleet_result_free(&r);
         mukca_fleet_free(&f);
@@ -108,7 +108,7 @@ static void test_interval_is_not_too_wide(void **state)
         }
         assert_int_equal(mukca_fleet_gather(&f, NULL), MUKCA_OK);
         pool(&r, &f);
-        const mukca_shared *soft = &r.shared[SOFT];
+        const mukca_trait *soft = &r.traits.list[SOFT];
         if (soft->probability > 0.5) {
             named++;
             inside += soft->low < TRUE_MEAN && TRUE_MEAN < soft->high;
@@ -116,9 +116,11 @@ static void test_interval_is_not_too_wide(void **state)
             dense += 2 * 1.96 * soft->error;
         }
         for (int k = 0; k < TERMS; k++)
-            assert_true(r.shared[k].low <= r.shared[k].value &&
-                        r.shared[k].value <= r.shared[k].high && r.shared[k].high < 1e-3);
-        assert_true(r.shared[SOFT + 1].probability < 0.1 && r.shared[SOFT + 1].value == 0);
+            assert_true(r.traits.list[k].low <= r.traits.list[k].value &&
+                        r.traits.list[k].value <= r.traits.list[k].high &&
+                        r.traits.list[k].high < 1e-3);
+        assert_true(r.traits.list[SOFT + 1].probability < 0.1 &&
+                    r.traits.list[SOFT + 1].value == 0);
         mukca_fleet_result_free(&r);
         mukca_fleet_free(&f);
     }
@@ -135,8 +137,8 @@ static void test_null_fleet(void **state)
         mukca_fleet_result r;
         make_fleet(&f, 0, 0, seed);
         pool(&r, &f);
-        for (int k = 0; k < TERMS; k++) assert_true(r.shared[k].probability < 0.95);
-        for (int j = 0; j < JOINTS; j++) assert_int_equal(r.order[j].order, 0);
+        for (int k = 0; k < TERMS; k++) assert_true(r.traits.list[k].probability < 0.95);
+        for (int j = 0; j < JOINTS; j++) assert_int_equal(r.order[j].effect.variant.order, 0);
         mukca_fleet_result_free(&r);
         mukca_fleet_free(&f);
     }
@@ -159,9 +161,15 @@ static void test_broken_arm(void **state)
     }
 }
 
-/* Log Bayes factor of an order in one joint of the first arms, a penalty in the others. */
+/* Log Bayes factor of an order in one joint of the first arms, a penalty in the others, and of the
+ * other orders that are not yet set. */
 static void set_order(mukca_fleet *f, int joint, int order, int arms, double evidence)
 {
+    for (int s = 0; s < f->n_sessions; s++)
+        for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
+            int16_t *quanta = &f->session[s].ripple[joint * MUKCA_FLEET_ORDERS + o];
+            if (!*quanta) *quanta = (int16_t)(-2 / MUKCA_FLEET_QUANTUM);
+        }
     for (int s = 0; s < f->n_sessions; s++)
         f->session[s].ripple[joint * MUKCA_FLEET_ORDERS + order - 2] =
             (int16_t)((s < arms ? evidence : -2) / MUKCA_FLEET_QUANTUM);
@@ -171,17 +179,25 @@ static void test_orders(void **state)
 {
     (void)state;
     mukca_fleet f;
-    mukca_shared_order order[MUKCA_MAX_JOINTS];
+    mukca_trait order[MUKCA_MAX_JOINTS];
     make_fleet(&f, 0, 0, 1);
     set_order(&f, 0, 160, ARMS, 3);  /* too faint for any one arm */
     set_order(&f, 1, 137, 1, 60);    /* one arm's own fault */
     set_order(&f, 2, 100, ARMS, -1); /* nothing */
+    set_order(&f, 3, 239, 1, 60);    /* one arm reads a neighbour, */
+    set_order(&f, 3, 240, ARMS, 10);
+    set_order(&f, 4, 120, 1, 60); /* or half the order, far better */
+    set_order(&f, 4, 240, ARMS, 10);
     mukca_orders_pool(order, &f);
-    assert_int_equal(order[0].order, 160);
+    assert_int_equal(order[0].effect.variant.order, 160);
     assert_true(order[0].probability > 0.99);
     assert_close(order[0].log_bayes_factor, 36, 1e-9);
     assert_true(order[1].probability < 0.01);
     assert_true(order[2].probability < 0.5);
+    for (int j = 3; j < 5; j++) {
+        assert_int_equal(order[j].effect.variant.order, 240);
+        assert_true(order[j].probability > 0.99);
+    }
     mukca_fleet_free(&f);
 }
 
@@ -207,7 +223,7 @@ static void test_sessions_add_up(void **state)
         assert_int_equal(r[turn].traits.n_samples, 600);
         mukca_fleet_free(&f);
     }
-    assert_memory_equal(r[0].shared, r[1].shared, sizeof *r[0].shared * TERMS);
+    assert_memory_equal(r[0].traits.list, r[1].traits.list, sizeof *r[0].traits.list * TERMS);
     for (int turn = 0; turn < 2; turn++) mukca_fleet_result_free(&r[turn]);
 }
 
