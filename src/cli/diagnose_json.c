@@ -244,6 +244,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_object_set_new(root, "sentence", cli_json_text(words));
     json_object_set_new(root, "suspected", suspected);
     json_object_set_new(root, "sets", sets_array(r));
+    json_object_set_new(root, "unexplained_log_bayes_factor",
+                        cli_json_real(d->structure > -HUGE_VAL ? d->structure : (double)NAN));
     json_object_set_new(root, "unnamed_m", cli_json_real(d->explained_m - d->structure_m));
     json_object_set_new(root, "gravity",
                         d->gravity[0] != 0 || d->gravity[1] != 0 || d->gravity[2] != 0

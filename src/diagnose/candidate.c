@@ -324,6 +324,10 @@ static void set_units(double *unit, const mukca_candidate *h, const mukca_record
         if (is_elastic(h) && t > 0)
             unit[t] = unit[0] / mukca_recording_mass_spread(recording, t - 1);
     }
+    /* components of one argument have one size: one that hardly varies is noise */
+    for (int t = 0; t < h->terms && mukca_candidate_is_unlisted(h); t++)
+        unit[0] = fmax(unit[0], unit[t]);
+    for (int t = 1; t < h->terms && mukca_candidate_is_unlisted(h); t++) unit[t] = unit[0];
 }
 
 /* Number of terms of a candidate, and components of a term. */

@@ -155,6 +155,13 @@ static mukca_set set_without(mukca_identification *id, const mukca_causes *set, 
     return id->sets.set[at < 0 ? 0 : at];
 }
 
+double mukca_cause_gain(mukca_identification *id, const mukca_causes *set, int member)
+{
+    const mukca_set rest = set_without(id, set, member);
+    const int own = mukca_identify_item(id, &id->all.list[set->candidate[member]]);
+    return own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own);
+}
+
 /* Rivals: what replaces the cause in the sets that lack it, and is not in the best set. */
 static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_causes *best,
                      int member, const mukca_set *rest, int own)

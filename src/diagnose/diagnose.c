@@ -134,6 +134,7 @@ static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *
     d->verdict = s->findings.verdict;
     d->why = s->why;
     d->unexplained = s->findings.unexplained;
+    d->structure = s->findings.structure;
     d->n_where = s->findings.n_where;
     d->n_faults = s->faults.count;
     d->n_tested = s->tested.count;

@@ -172,6 +172,7 @@ typedef struct {
     mukca_verdict verdict;
     const char *why; /* reason if `untestable`, else NULL */
     bool unexplained;
+    double structure; /* largest log Bayes factor of an unknown function; -HUGE_VAL: none */
     int n_causes, n_suspected, n_faults, n_tested, n_where;
     mukca_cause causes[MUKCA_MAX_CAUSES];
     mukca_cause suspected[MUKCA_MAX_CAUSES]; /* less probable than not */

@@ -160,6 +160,10 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_i
     memset(findings, 0, sizeof *findings);
     if (best != &id->set[0]) mukca_identify_fit(id, best);
     mukca_regression_factor(m); /* intervals are those of the full model */
+    findings->structure = -HUGE_VAL;
+    for (int c = 0; c < best->n; c++)
+        if (mukca_candidate_class(&id->all.list[best->candidate[c]]) == MUKCA_CLASS_UNKNOWN)
+            findings->structure = fmax(findings->structure, mukca_cause_gain(id, best, c));
     for (int c = 0; c < u->n_causes; c++) {
         const mukca_candidate *h = &u->cause[c].candidate;
         mukca_cause *cause = &findings->causes[findings->n_causes];

@@ -7,6 +7,7 @@
 typedef struct {
     mukca_verdict verdict;
     bool unexplained;
+    double structure; /* largest log Bayes factor of an unknown function; -HUGE_VAL: none */
     int n_causes, n_where;
     mukca_cause causes[MUKCA_MAX_CAUSES]; /* by descending evidence; also suspected ones */
     mukca_where where[MUKCA_MAX_JOINTS];  /* by descending share */
