@@ -144,6 +144,32 @@ static void tie_untested_flexibility(mukca_cause *out, const mukca_recording *r)
             .correlation = NAN};
 }
 
+/* If the only two sockets of a placement are recorded one after the other, a moved tool or a zero
+ * jump between them has exactly the effect of another distance: a tie. */
+static void tie_moved_tool(mukca_cause *out, const mukca_recording *r)
+{
+    const mukca_socket_pair *pair = NULL;
+    const int placement = out->effect.placement;
+    int pairs = 0;
+    if (out->effect.kind != MUKCA_EFFECT_SOCKET_DISTANCE || placement < 0) return;
+    for (int p = 0; p < r->n_pairs; p++)
+        if (r->groups[r->pairs[p].a].placement == placement) pair = &r->pairs[p], pairs++;
+    if (pairs != 1) return;
+    const mukca_group *a = &r->groups[pair->a], *b = &r->groups[pair->b];
+    const int *row = r->order;
+    if (row[a->start] < row[b->start + b->count - 1] &&
+        row[b->start] < row[a->start + a->count - 1])
+        return;
+    out->probability *= 0.5;
+    if (out->n_ties < MUKCA_MAX_TIES)
+        out->ties[out->n_ties++] = (mukca_tie){
+            .effect = MUKCA_EFFECT_TOOL_MOTION,
+            .joint = -1,
+            .log_bayes_factor = out->log_bayes_factor,
+            .correlation = 1,
+            .rival = {.kind = MUKCA_EFFECT_TOOL_MOTION, .joint = -1, .placement = placement}};
+}
+
 /* A set of the last search with these candidates, but one. */
 static mukca_set set_without(mukca_identification *id, const mukca_causes *set, int without)
 {
@@ -196,6 +222,7 @@ static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_cau
             .rival = rival_effect(h, &out->effect, cause->unit[0])};
     }
     tie_untested_flexibility(out, &id->m->recording);
+    tie_moved_tool(out, &id->m->recording);
 }
 
 /* 95 % interval of the order of ripple. */
