@@ -247,18 +247,27 @@ static double ripple_prior(const mukca_candidates *all, int order)
     return mukca_ripple_log_prior(order) - log(all->survey.n_joints) - log(all->classes);
 }
 
+/* Does the tool move before the first sample of a socket? */
+static bool is_between(const mukca_candidate *h, const mukca_recording *r)
+{
+    return h->kind == MUKCA_CANDIDATE_STEP &&
+           h->fault.first == r->order[r->groups[h->fault.group].start];
+}
+
 /* Prior odds: equal per class, then per joint, then per variant; a quarter of tool motions creep,
+ * another quarter happens between two sockets,
  * half of the outliers are bursts, half of the unknown functions have another argument than the
  * joint's own angle alone.  Unlisted causes are a class of their own, all equal. */
-static void set_priors(mukca_candidates *all)
+static void set_priors(mukca_candidates *all, const mukca_recording *r)
 {
     int variants[MUKCA_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
-    int joints[MUKCA_CLASSES] = {0}, kinds[MUKCA_CANDIDATE_KINDS] = {0}, single = 0;
+    int joints[MUKCA_CLASSES] = {0}, kinds[MUKCA_CANDIDATE_KINDS] = {0}, single = 0, between = 0;
     for (int i = 0; i < all->first_unlisted; i++) {
         const mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
         const bool cross = class == MUKCA_CLASS_UNKNOWN && h->kind != MUKCA_CANDIDATE_OWN_ANGLE;
         if (class == MUKCA_EFFECT_GEAR_HARMONIC) continue; /* by order: ripple.c */
+        between += is_between(h, r);
         single += h->kind == MUKCA_CANDIDATE_OUTLIER && h->fault.last == h->fault.first;
         all->enabled[class] = true;
         kinds[h->kind]++;
@@ -280,9 +289,14 @@ static void set_priors(mukca_candidates *all)
             const bool burst = h->fault.last != h->fault.first;
             share = 0.5 / (burst ? kinds[h->kind] - single : single);
         } else if (mukca_candidate_is_fault(h)) {
-            share = 1.0 / kinds[h->kind];
-            if (kinds[MUKCA_CANDIDATE_CREEP])
-                share *= h->kind == MUKCA_CANDIDATE_CREEP ? 0.25 : 0.75;
+            const bool moved = is_between(h, r);
+            const int creeps = kinds[MUKCA_CANDIDATE_CREEP];
+            share = 1.0 / (moved                              ? between
+                           : h->kind == MUKCA_CANDIDATE_CREEP ? creeps
+                                                              : kinds[h->kind] - between);
+            share *= moved || h->kind == MUKCA_CANDIDATE_CREEP
+                         ? 0.25
+                         : 1 - 0.25 * (creeps > 0) - 0.25 * (between > 0);
         } else if (class == MUKCA_CLASS_UNKNOWN && crossed[slot] && variants[class][slot]) {
             share *= 0.5 /
                      (h->kind == MUKCA_CANDIDATE_OWN_ANGLE ? variants[class][slot] : crossed[slot]);
@@ -392,7 +406,7 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
     list_unlisted(&l);
     if (!l.ok) return no_memory(recording, error);
     all->harmonics = !(disabled && disabled[MUKCA_EFFECT_GEAR_HARMONIC]);
-    set_priors(all);
+    set_priors(all, recording);
     const int most = all->count + MUKCA_RIPPLE_MOST * recording->chain->n_joints;
     mukca_candidate *list = MUKCA_TAKE(pool, mukca_candidate, most);
     if (!list) return no_memory(recording, error);

@@ -15,7 +15,8 @@
  * projected out; NaN: undefined. */
 double mukca_cause_correlation(mukca_identification *id, const mukca_set *set, int a, int b);
 
-/* Log Bayes factor of a member of a set given its other members; -HUGE_VAL: not in the last search. */
+/* Log Bayes factor of a member of a set given its other members; -HUGE_VAL: not in the last search.
+ */
 double mukca_cause_gain(mukca_identification *id, const mukca_causes *set, int member);
 
 /* Describe a member of the set to which the regression is fitted; needs its factor. */

@@ -1,4 +1,4 @@
-/* Condensing of recordings with several rows per posture, or with too many rows for a diagnosis. */
+/* Condensing of recordings with too many rows for a diagnosis. */
 #ifndef MUKCA_DIAGNOSE_CONDENSE_H
 #define MUKCA_DIAGNOSE_CONDENSE_H
 
@@ -13,10 +13,9 @@ typedef struct {
     int samples;        /* remaining samples */
 } mukca_condensed;
 
-/* If samples of sockets repeat postures, or the data have more than `most` rows, the rows of each
- * posture are replaced by their mean; of more than `most` postures, evenly spaced blocks of
- * successive ones are kept.  Each sample has the row number of its first row.  Errors:
- * MUKCA_MEMORY. */
+/* If the data have more than `most` rows, successive rows of one posture are replaced by their
+ * mean; of more than `most` postures, evenly spaced blocks of successive ones are kept.  Each
+ * sample has the row number of its first row.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_condense(mukca_condensed *how, mukca_dataset *data, int most,
                             mukca_error *error);
 

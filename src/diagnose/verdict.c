@@ -169,14 +169,16 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_i
         mukca_cause *cause = &findings->causes[findings->n_causes];
         const int class = mukca_candidate_class(h);
         if (class == MUKCA_CLASS_OUTLIER) add_outlier(faults, m, &u->cause[c]);
+        /* with its indistinguishable rivals */
+        const double probability = id->probability[id->name[best->candidate[c]]];
         if (class >= MUKCA_EFFECT_COUNT || findings->n_causes == MUKCA_MAX_CAUSES ||
-            id->probability[id->name[best->candidate[c]]] < MUKCA_SUSPECTED)
+            probability < MUKCA_SUSPECTED)
             continue;
         mukca_cause_describe(cause, id, best, c);
         /* other causes may turn a sign that physics excludes */
         if (mukca_effect_table[class]->nonnegative && !(cause->amplitude > 0)) continue;
         findings->n_causes++;
-        cause->suspected = cause->probability < MUKCA_LISTED;
+        cause->suspected = probability < MUKCA_LISTED;
         if (cause->suspected) continue;
         const bool moved = mukca_effect_table[class]->site == MUKCA_SITE_SOCKET;
         if (moved)
