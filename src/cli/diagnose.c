@@ -160,24 +160,15 @@ static mukca_status write_summary(cli_call *call)
     return mukca_output_finish(&output, status, &call->error);
 }
 
-/* Swap the errors of the fit without traits and those of the fit with traits. */
-static void exchange(mukca_diagnosis *d, mukca_adoption *a)
-{
-    const double explained = d->explained_m, test = d->test_explained_m;
-    d->explained_m = a->explained_m, d->test_explained_m = a->test_explained_m;
-    a->explained_m = explained, a->test_explained_m = test;
-}
-
-/* Write summary, offsets table and JSON; the last two with the results of the fit with traits. */
+/* Write summary, offsets table and JSON; the last two with the errors of the fit with traits, if it
+ * was adopted. */
 static mukca_status write_results(cli_call *call, const mukca_diagnosed *r)
 {
     diagnose_work *w = call->work;
     json_t *traits = json_null();
     mukca_status status = write_summary(call);
-    if (w->adoption.traits) {
-        if (call->common->json) traits = cli_adoption_json(&w->adoption, r->chain);
-        exchange(&w->diagnosis, &w->adoption);
-    }
+    if (w->adoption.traits && call->common->json)
+        traits = cli_adoption_json(&w->adoption, r->chain);
     if (status == MUKCA_OK) status = write_offsets(call, r);
     if (status == MUKCA_OK && call->common->json) {
         json_t *json = cli_diagnosis_json(r);
@@ -187,7 +178,6 @@ static mukca_status write_results(cli_call *call, const mukca_diagnosed *r)
         status = cli_write_json(call, json);
     }
     json_decref(traits);
-    if (w->adoption.traits) exchange(&w->diagnosis, &w->adoption);
     return status;
 }
 
@@ -234,6 +224,9 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = write_results(call, &result);
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
+    if (w->adoption.traits) /* the screen lists the fleet's part after that of the arm's own data */
+        d->explained_m = w->adoption.own_explained_m,
+        d->test_explained_m = w->adoption.own_test_explained_m;
     if (answer) cli_diagnosis_print(answer, &result);
     if (answer && call->common->verbose) cli_diagnosis_print_sets(answer, &result);
     if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)

@@ -40,42 +40,13 @@ static bool put_orders(task *t)
     return true;
 }
 
-/* Remove orders identified from the arm's own data if the fleet's orders make them unnecessary. */
-static double prune_orders(task *t, double score)
-{
-    mukca_regression *m = t->m;
-    mukca_unknowns *u = &m->unknowns;
-    for (int c = u->n_causes - 1; c >= 0; c--) {
-        const mukca_candidate h = u->cause[c].candidate;
-        bool other = false, known = false;
-        for (int i = 0; i < t->options->traits->n && !t->options->only; i++) {
-            const mukca_effect *e = &t->options->traits->list[i].effect;
-            if (mukca_candidate_class(&h) != (int)e->kind || e->joint != h.joint) continue;
-            known |= mukca_effect_same(e, &h.effect);
-            other |= e->kind == MUKCA_EFFECT_GEAR_HARMONIC;
-        }
-        if (known || !other) continue;
-        mukca_unknowns_assign(&t->kept, u);
-        mukca_unknowns_drop(u, c);
-        mukca_regression_fit(m, 3, MUKCA_FIT_ALL);
-        const double without = mukca_regression_score(m);
-        if (without > score) {
-            score = without;
-            continue;
-        }
-        mukca_unknowns_assign(u, &t->kept);
-        mukca_regression_linearise(m);
-    }
-    return score;
-}
-
 /* Fit with a prior of the coefficients; returns the log posterior up to a common constant. */
 static double fit(task *t, const mukca_fleet_prior *prior)
 {
     mukca_unknowns_assign(&t->m->unknowns, &t->base);
     if (!mukca_fleet_add(t->m, prior)) return -HUGE_VAL;
     mukca_regression_fit(t->m, 6, MUKCA_FIT_ALL);
-    return prune_orders(t, mukca_regression_score(t->m));
+    return mukca_regression_score(t->m);
 }
 
 /* Prior of the coefficients: scatter of the arms and uncertainty of the mean combined. */
@@ -157,12 +128,12 @@ static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
     mukca_status status = MUKCA_OK;
     d->geometry = m->unknowns.geometry;
     if (t->options->folds && d->folds > 1)
-        t->adoption->explained_m = held_out(t, d->placement_mae_m);
+        t->adoption->explained_m = d->explained_m = held_out(t, d->placement_mae_m);
     if (t->options->test) {
         mukca_test_errors errors;
         const mukca_arm_state arm = mukca_unknowns_arm(&m->unknowns);
         status = mukca_test_data_measure(&errors, &d->pool, m, &arm, t->options->test, error);
-        t->adoption->test_explained_m = errors.explained_m;
+        t->adoption->test_explained_m = d->test_explained_m = errors.explained_m;
         d->test_placement_mae_m = errors.placement_m;
     }
     if (t->options->applied) {
