@@ -44,14 +44,3 @@ MUKCA_CLONES void mukca_ripple_next(mukca_ripple *wave)
     }
     wave->order++;
 }
-
-void mukca_ripple_fill(double *F, mukca_ripple *wave, const int *order, int count)
-{
-    for (int o = 0; o < count; o++) {
-        while (wave->order < order[o]) mukca_ripple_next(wave);
-        for (int i = 0; i < wave->n; i++) {
-            F[2 * (i * count + o)] = wave->sine[i];
-            F[2 * (i * count + o) + 1] = wave->cosine[i];
-        }
-    }
-}

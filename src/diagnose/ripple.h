@@ -22,7 +22,4 @@ void mukca_ripple_start(mukca_ripple *wave, const mukca_recording *recording, in
 /* Go to the next order. */
 void mukca_ripple_next(mukca_ripple *wave);
 
-/* F[n][2 * count]: sine and cosine of the given orders, ascending and beyond the present one. */
-void mukca_ripple_fill(double *F, mukca_ripple *wave, const int *order, int count);
-
 #endif
