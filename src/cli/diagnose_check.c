@@ -197,43 +197,24 @@ static const char *find_obstacle(const mukca_diagnosis *d, const mukca_dataset *
     return NULL;
 }
 
-mukca_status cli_diagnosis_check(cli_call *call, mukca_check *check, mukca_diagnosed *r,
-                                 const mukca_diagnose_options *options)
+/* The arm, its noise and its moved tools, as fitted; false: no memory. */
+static bool prepare(check_task *task, mukca_pool *pool)
 {
+    const mukca_diagnosed *r = task->result;
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_applied *a = &d->applied;
-    const char *obstacle = find_obstacle(d, r->data);
-    if (obstacle) {
-        char text[120];
-        snprintf(text, sizeof text, "--check was left out: %s", obstacle);
-        cli_note(call, text);
-        return MUKCA_OK;
-    }
-    mukca_pool pool = {0};
-    const int rows = r->data->n_rows;
-    check_task *task = MUKCA_TAKE(&pool, check_task, 1);
-    mukca_diagnosis *scratch = MUKCA_TAKE(&pool, mukca_diagnosis, 1);
-    int *posture = MUKCA_TAKE(&pool, int, rows);
-    double *move = MUKCA_TAKE(&pool, double, rows * r->data->n_joints);
-    mukca_status status = MUKCA_MEMORY;
-    if (pool.failed) goto out;
-    mukca_postures_find(posture, &pool, r->data);
-    if (!pool.failed) mukca_postures_move(move, &pool, posture, r->data, r->data->q);
-    if (pool.failed) goto out;
-    check->cause = main_cause(d);
-    task->check = check;
-    task->result = r;
-    task->options = (mukca_diagnose_options){.disabled = options->disabled,
-                                             .free_base = options->free_base,
-                                             .free_tool = options->free_tool,
-                                             .mass_spread = options->mass_spread,
-                                             .no_folds = true,
-                                             .progress = go_on};
+    int *posture = MUKCA_TAKE(pool, int, r->data->n_rows);
+    double *move = MUKCA_TAKE(pool, double, r->data->n_rows * r->data->n_joints);
+    if (!pool->failed) mukca_postures_find(posture, pool, r->data);
+    if (!pool->failed) mukca_postures_move(move, pool, posture, r->data, r->data->q);
     task->arm.chain = *d->chain;
     task->arm.geometry = a->geometry;
-    for (int e = 0; e < a->n_effects; e++) task->arm.effects[task->arm.n_effects++] = a->effects[e];
-    for (int k = 0; k < task->arm.chain.n_elements; k++) /* the recorded angles can be outside */
-        task->arm.chain.element[k].lower = -HUGE_VAL, task->arm.chain.element[k].upper = HUGE_VAL;
+    task->arm.n_effects = a->n_effects;
+    memcpy(task->arm.effects, a->effects, sizeof *a->effects * (size_t)a->n_effects);
+    for (int k = 0; k < task->arm.chain.n_elements; k++) { /* recorded angles can be outside */
+        task->arm.chain.element[k].lower = -HUGE_VAL;
+        task->arm.chain.element[k].upper = HUGE_VAL;
+    }
     task->replicate = (mukca_replicate_task){.arm = &task->arm,
                                              .data = r->data,
                                              .posture = posture,
@@ -245,10 +226,37 @@ mukca_status cli_diagnosis_check(cli_call *call, mukca_check *check, mukca_diagn
                                              .shared = d->shared,
                                              .motions = task->motions};
     find_motions(task);
-    status = run_all(call, check, task, scratch);
+    return !pool->failed;
+}
+
+mukca_status cli_diagnosis_check(cli_call *call, mukca_check *check, mukca_diagnosed *r,
+                                 const mukca_diagnose_options *options)
+{
+    const char *obstacle = find_obstacle(r->diagnosis, r->data);
+    if (obstacle) {
+        char text[120];
+        snprintf(text, sizeof text, "--check was left out: %s", obstacle);
+        cli_note(call, text);
+        return MUKCA_OK;
+    }
+    mukca_pool pool = {0};
+    mukca_status status;
+    check_task *task = MUKCA_TAKE(&pool, check_task, 1);
+    mukca_diagnosis *scratch = MUKCA_TAKE(&pool, mukca_diagnosis, 1);
+    check->cause = main_cause(r->diagnosis);
+    if (task && scratch) {
+        *task = (check_task){.check = check, .result = r, .options = *options};
+        task->options.test = NULL;
+        task->options.no_folds = true;
+        task->options.applied = task->options.confounding = false;
+        task->options.go_on = NULL;
+        task->options.progress = go_on;
+    }
+    if (task && scratch && prepare(task, &pool))
+        status = run_all(call, check, task, scratch);
+    else
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for --check");
     if (status == MUKCA_OK) r->check = check;
-out:
-    if (pool.failed) status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for --check");
     mukca_pool_free(&pool);
     return status;
 }
