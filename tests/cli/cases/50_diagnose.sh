@@ -105,6 +105,8 @@ expect "without a cause only false alarms are counted" sh -c \
     "sed -n '/^Check/,/^\$/p' '$scratch/out' | tr -s ' \n' ' ' | grep -q 'noise: without causes nothing was found in [34] of 4'"
 simulate --poses 100 --seed 5 --effect joint_scale:joint_2=2e-3 -o poses.tsv
 answer "again in [34] of 4" $d poses.tsv --check 4
+run report --urdf arm.urdf good.tsv -q --check 2 -o check.html
+expect "and in the report" grep -q "Check: Simulated with .* of 2 recordings; without causes" check.html
 refuse 2 "check 0: must be a whole number, 1 to 100000" $d good.tsv --check 0
 "$MUKCA" $d good.tsv -q --check 10000 -o never.tsv 2>err &
 process=$!
