@@ -14,6 +14,7 @@ typedef struct {
     cli_common common;
     const char *without, *expect, *summary, *arm, *traits;
     bool free_base, free_tool, traits_only;
+    mukca_check check;
 } diagnose_options;
 
 static const cli_option options[] = {
@@ -34,6 +35,7 @@ static const cli_option options[] = {
     CLI_TRAITS_OPTION(diagnose_options, traits),
     CLI_OPTION(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
                "elastic coefficients: the means of --traits, nothing of this arm"),
+    CLI_CHECK_OPTION(diagnose_options),
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
     CLI_PAYLOAD_OPTION,
@@ -206,21 +208,23 @@ static mukca_status run(cli_call *call)
                                           .disabled = disabled,
                                           .free_base = o->free_base,
                                           .free_tool = o->free_tool,
-                                          .applied = call->common->output != NULL,
+                                          .applied = call->common->output || o->check.runs,
                                           .go_on = go_on,
                                           .go_on_context = call,
                                           .progress = cli_show_progress,
                                           .progress_context = call};
-    const mukca_diagnosed result = {.diagnosis = d,
-                                    .chain = &s->model.chain,
-                                    .data = &s->data,
-                                    .test = test,
-                                    .next = &w->next,
-                                    .saved = call->common->output != NULL};
+    mukca_diagnosed result = {.diagnosis = d,
+                              .chain = &s->model.chain,
+                              .data = &s->data,
+                              .test = test,
+                              .next = &w->next,
+                              .saved = call->common->output != NULL};
     status = mukca_diagnose(d, &s->model.chain, &s->data, &w->options, &call->error);
     if (status == MUKCA_OK)
         status =
             mukca_next_poses_choose(&w->next, d, &s->model.chain, &s->data, cli_stop, &call->error);
+    if (status == MUKCA_OK && o->check.runs)
+        status = cli_diagnosis_check(call, &o->check, &result, &w->options);
     if (status == MUKCA_OK) status = write_results(call, &result);
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
@@ -259,6 +263,10 @@ const cli_command cli_command_diagnose = {
         "calibrated geometry, the geometry without faulty samples, and the geometry with the "
         "causes. The noise floor is the error of a perfect model. Intervals are 95 %. For tied "
         "causes, prints how many more postures would distinguish them (mukca plan --settle).\n\n"
+        "--check N simulates N recordings with these postures, this noise and the causes found, "
+        "and N without causes, diagnoses each, and counts how often the main cause is found again "
+        "and how often something is found without it. -v prints the most probable sets of "
+        "causes.\n\n"
         "Readings of one posture share a part of the noise, which is estimated. Of more than 5000 "
         "rows, those of one still posture (0.2 mrad) are averaged; of more postures than that, "
         "blocks of successive ones are used, evenly spread.\n\n"

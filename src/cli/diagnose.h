@@ -14,6 +14,18 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result);
 /* Print the most probable sets of causes. */
 void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *result);
 
+/* Diagnose simulated recordings with the postures, the noise and the causes of a diagnosis (with
+ * `applied`), and without causes: check->runs of each, in parallel processes.  Without testable
+ * causes, or if they cannot be simulated, a note says so and result->check stays NULL.  Errors:
+ * MUKCA_MEMORY, MUKCA_INTERRUPTED. */
+mukca_status cli_diagnosis_check(cli_call *call, mukca_check *check, mukca_diagnosed *result,
+                                 const mukca_diagnose_options *options);
+
+#define CLI_CHECK_OPTION(type)                                                                  \
+    CLI_RANGE_OPTION(type, check.runs, "check", CLI_INTEGER, "N", 1, 100000,                    \
+                     "diagnose N simulated recordings with these postures, this noise and the " \
+                     "causes found, and N without causes")
+
 /* Fitted frames of measured poses. */
 typedef struct {
     bool base, tool;

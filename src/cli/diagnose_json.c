@@ -189,6 +189,16 @@ static json_t *test_object(const mukca_diagnosis *d, const mukca_dataset *test)
     return object;
 }
 
+static json_t *check_object(const mukca_check *c)
+{
+    if (!c) return json_null();
+    return c->cause ? json_pack("{s:i, s:i, s:i, s:i, s:i, s:i}", "runs", c->runs, "found",
+                                c->found, "tied", c->tied, "other", c->other, "none", c->none,
+                                "false_without", c->false_without)
+                    : json_pack("{s:i, s:n, s:n, s:n, s:n, s:i}", "runs", c->runs, "found", "tied",
+                                "other", "none", "false_without", c->false_without);
+}
+
 json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -234,7 +244,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
                                   "axes", cli_json_reals(d->axis_rms_m, 3)));
     json_object_set_new(root, "tested", tested);
     json_object_set_new(root, "noise",
-                        cli_json_numbers("sigma_m", d->sigma_m, "lag_one_correlation", d->rho));
+                        cli_json_numbers("sigma_m", d->sigma_m, "lag_one_correlation", d->rho,
+                                         "shared_by_posture", d->shared));
     json_t *names = json_array();
     for (int j = 0; j < chain->n_joints; j++) json_array_append_new(names, joint_name(chain, j));
     json_object_set_new(root, "joints", names);
@@ -254,6 +265,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_object_set_new(root, "efforts_correlation", cli_json_real(d->efforts_correlation));
     json_object_set_new(root, "streams", streams_object(&d->streams, r));
     json_object_set_new(root, "logs", logs_object(&d->logs));
+    json_object_set_new(root, "check", check_object(r->check));
     json_object_set_new(root, "next_poses", next_poses_array(r));
     json_object_set_new(root, "elapsed_s", cli_json_real(d->elapsed_s));
     return root;

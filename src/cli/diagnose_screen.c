@@ -203,6 +203,11 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
     cli_screen_streams(stream, r);
     cli_screen_recording(stream, r);
     print_errors(stream, r);
+    if (r->check) {
+        mukca_wording_check(words, r);
+        fputc('\n', stream);
+        cli_print_keyed(stream, "Check", words);
+    }
     cli_screen_limits(stream, r, caveat);
     mukca_wording_next(words, r);
     if (*words) cli_print_keyed(stream, "Next", words);

@@ -25,6 +25,7 @@ typedef struct {
     int format;
     double repeatability;
     bool free_base, free_tool, fleet;
+    mukca_check check;
 } report_options;
 
 static const report_options defaults = {.repeatability = 1e-4};
@@ -49,6 +50,7 @@ static const cli_option options[] = {
                "pose logs: fit the frame of the tracker"),
     CLI_OPTION(report_options, free_tool, "free-tool", CLI_FLAG, NULL,
                "pose logs: fit the offset of the target"),
+    CLI_CHECK_OPTION(report_options),
     CLI_OFFSETS_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
@@ -142,7 +144,7 @@ static mukca_status calibrate(cli_call *call)
 
 static mukca_status diagnose(cli_call *call)
 {
-    const report_options *o = call->options;
+    report_options *o = call->options;
     const cli_session *s = call->session;
     report_work *w = call->work;
     const mukca_dataset *test = s->test.n_rows > 0 ? &s->test : NULL;
@@ -155,7 +157,7 @@ static mukca_status diagnose(cli_call *call)
                                                .go_on_context = &diagnose_options,
                                                .progress = cli_show_progress,
                                                .progress_context = call};
-    const mukca_status status =
+    mukca_status status =
         mukca_diagnose(&w->diagnosis, &s->model.chain, &s->data, &diagnose_options, &call->error);
     if (status != MUKCA_OK) return status;
     w->page.diagnosed = (mukca_diagnosed){.diagnosis = &w->diagnosis,
@@ -164,8 +166,11 @@ static mukca_status diagnose(cli_call *call)
                                           .test = test,
                                           .next = &w->next,
                                           .saved = true};
-    return mukca_next_poses_choose(&w->next, &w->diagnosis, &s->model.chain, &s->data, cli_stop,
-                                   &call->error);
+    status = mukca_next_poses_choose(&w->next, &w->diagnosis, &s->model.chain, &s->data, cli_stop,
+                                     &call->error);
+    if (status == MUKCA_OK && o->check.runs)
+        status = cli_diagnosis_check(call, &o->check, &w->page.diagnosed, &diagnose_options);
+    return status;
 }
 
 /* Note the command line that reproduces this page, and the time. */
@@ -247,7 +252,7 @@ static mukca_status check(cli_call *call)
     const report_options *o = call->options;
     const cli_common *c = call->common;
     if (o->fleet && (c->urdf || c->kinematics || c->inertials || c->offsets || c->distances ||
-                     c->payload || c->test.n || o->free_base || o->free_tool))
+                     c->payload || c->test.n || o->free_base || o->free_tool || o->check.runs))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--fleet reads summaries, which hold their model and data; only "
                           "-o, --plots, --format and --force go with it");

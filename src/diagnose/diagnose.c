@@ -44,8 +44,8 @@ typedef struct {
     mukca_validation validation;
     mukca_test_errors test;
     mukca_confounding confounding;
-    double sigma_m, rho; /* noise with all accepted candidates */
-    double score;        /* of all accepted candidates */
+    double sigma_m, rho, shared, sigma_rotation_rad; /* noise with all accepted candidates */
+    double score;                                    /* of all accepted candidates */
     double structure_m;
     const char *why; /* reason why nothing can be tested, or NULL */
 } steps;
@@ -96,6 +96,8 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
     s->score = mukca_regression_score(m);
     s->sigma_m = m->unknowns.sigma;
     s->rho = m->evidence.normal[m->unknowns.family].whitening.family.rho;
+    s->shared = m->evidence.normal[m->unknowns.family].whitening.family.shared;
+    s->sigma_rotation_rad = s->sigma_m / m->unknowns.rotation_weight;
     if (status == MUKCA_OK && s->sigma_m < MUKCA_MOST_SIGMA) {
         mukca_verdict_reach(&s->findings, &s->faults, id);
         mukca_untested_list(&s->tested, id);
@@ -157,6 +159,8 @@ static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *
     d->structure_m = s->structure_m;
     d->sigma_m = s->sigma_m;
     d->rho = s->rho;
+    d->shared = s->shared;
+    d->sigma_rotation_rad = s->sigma_rotation_rad;
     d->noise_floor_m = v->placement_m ? MUKCA_MEAN_NORM3 * d->sigma_m : (double)NAN;
     d->surprise = v->surprise;
     d->surprise_sigmas = v->surprise_sigmas;

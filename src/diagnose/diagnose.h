@@ -197,6 +197,8 @@ typedef struct {
     double *test_placement_mae_m; /* [n_test_placements] of test_explained_m, in the pool */
     int n_test_placements;
     double sigma_m, rho;
+    double shared; /* share of the variance that the readings of a posture have in common */
+    double sigma_rotation_rad;  /* of measured orientations */
     double score;               /* log posterior of the most probable causes, up to a constant */
     double gravity[3];          /* a direction with far higher evidence, m/s^2; 0: none */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */

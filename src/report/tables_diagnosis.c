@@ -102,6 +102,12 @@ void mukca_report_put_verdict(FILE *out, const mukca_report *r)
     fputs(".</p>\n", out);
     mukca_wording_caveat(text, d);
     if (*text) mukca_html_element(out, "p", text);
+    if (d->check) {
+        mukca_wording_check(text, d);
+        fputs("<p>Check: ", out);
+        mukca_html_sentence(out, text);
+        fputs(".</p>\n", out);
+    }
     fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
     put_remedies(out, d);
     put_next(out, d);

@@ -243,6 +243,23 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put(text, "; unexplained structure remains");
 }
 
+void mukca_wording_check(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const mukca_check *c = r->check;
+    char cause[MUKCA_WORDING];
+    text[0] = '\0';
+    put(text, "simulated with these postures and this noise: ");
+    if (c->cause) {
+        mukca_wording_cause(cause, c->cause, r);
+        put(text, "%s was found again in %d of %d recordings", cause, c->found, c->runs);
+        if (c->tied) put(text, ", tied in %d", c->tied);
+        if (c->other) put(text, ", another cause in %d", c->other);
+        if (c->none) put(text, ", nothing in %d", c->none);
+        put(text, "; ");
+    }
+    put(text, "without causes nothing was found in %d of %d", c->runs - c->false_without, c->runs);
+}
+
 /* Append the gravity vector that explains the data better than that of the model. */
 static void put_gravity(char *text, const double g[3], const double given[3])
 {

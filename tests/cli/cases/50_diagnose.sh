@@ -93,6 +93,32 @@ run $d effort.tsv
 expect "good efforts need no word" sh -c "! grep -qi 'measured efforts' '$scratch/out'"
 answer "measured efforts oppose the torques" $d turned.tsv
 
+# the diagnosis of simulated recordings like this one
+answer "joint_2 was found again in [34] of 4" $d good.tsv --check 4 --json check.json
+expect "the check in the JSON" sh -c "tr -d ' \n' <check.json | grep -q '\"check\":{\"runs\":4,\"found\":[34],'"
+cp "$scratch/out" first.txt
+run $d good.tsv --check 4
+expect "the same counts again" cmp -s first.txt "$scratch/out"
+simulate --seed 5 --placements 3 --rows 15 -o quiet.tsv
+run $d quiet.tsv --check 4
+expect "without a cause only false alarms are counted" sh -c \
+    "sed -n '/^Check/,/^\$/p' '$scratch/out' | tr -s ' \n' ' ' | grep -q 'noise: without causes nothing was found in [34] of 4'"
+simulate --poses 100 --seed 5 --effect joint_scale:joint_2=2e-3 -o poses.tsv
+answer "again in [34] of 4" $d poses.tsv --check 4
+run report --urdf arm.urdf good.tsv -q --check 2 -o check.html
+expect "and in the report" grep -q "Check: Simulated with .* of 2 recordings; without causes" check.html
+refuse 2 "check 0: must be a whole number, 1 to 100000" $d good.tsv --check 0
+"$MUKCA" $d good.tsv -q --check 10000 -o never.tsv 2>err &
+process=$!
+sleep 3
+workers=$(cat /proc/$process/task/*/children)
+kill -s INT $process
+wait $process
+code=$?
+expect "a check interrupted: exit 130, one line, no file" test "$code $(cat err) $(find . -name '*never*')" = \
+    "130 mukca diagnose: interrupted; nothing was written "
+for worker in $workers; do expect "no process stays" sh -c "! kill -0 $worker 2>/dev/null"; done
+
 # interrupted in the middle: exit 130, one line, no file
 simulate --poses 3000 --effect joint_scale:joint_2=1e-3 -o log.tsv
 "$MUKCA" $d log.tsv -q -o never.tsv 2>err &

@@ -1,0 +1,262 @@
+/* diagnose --check: the diagnosis of simulated recordings with its own postures, noise and causes.
+ *
+ * Each process diagnoses every n-th recording and writes one outcome after the other to a pipe;
+ * outcomes are shorter than PIPE_BUF, and therefore not mixed. */
+#include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli/diagnose.h"
+#include "diagnose/cause.h"
+#include "diagnose/postures.h"
+#include "simulate/replicate.h"
+
+enum { MOST_PROCESSES = 64, POLL_MS = 100 };
+
+typedef enum { FOUND, TIED, OTHER, NONE, OUTCOMES } outcome;
+
+typedef struct {
+    bool with; /* the causes */
+    outcome outcome;
+    mukca_status status;
+    mukca_error error;
+} answer;
+
+typedef struct {
+    const mukca_check *check;
+    const mukca_diagnosed *result;
+    mukca_diagnose_options options;
+    mukca_replicate_task replicate;
+    mukca_true_arm arm;
+    mukca_replicate_motion motions[MUKCA_MAX_CAUSES];
+} check_task;
+
+/* The main cause: the first one on the arm, else the first. */
+static const mukca_cause *main_cause(const mukca_diagnosis *d)
+{
+    for (int i = 0; i < d->n_causes; i++)
+        if (mukca_wording_on_arm(&d->causes[i])) return &d->causes[i];
+    return d->n_causes ? &d->causes[0] : NULL;
+}
+
+static outcome judge(const mukca_diagnosis *d, const mukca_cause *main)
+{
+    bool tied = false;
+    for (int i = 0; i < d->n_causes && main; i++) {
+        const mukca_cause *c = &d->causes[i];
+        const bool sure = c->probability >= 1 - MUKCA_DOUBT && !c->n_ties && !c->or_unknown;
+        if (c->effect.kind == main->effect.kind && c->effect.joint == main->effect.joint &&
+            c->effect.placement == main->effect.placement && c->socket == main->socket)
+            return sure ? FOUND : TIED;
+        for (int t = 0; t < c->n_ties; t++)
+            tied |=
+                c->ties[t].effect == main->effect.kind && c->ties[t].joint == main->effect.joint;
+    }
+    return tied ? TIED : d->n_causes > 0 || d->verdict != MUKCA_VERDICT_NONE ? OTHER : NONE;
+}
+
+static bool go_on(void *context, double share, const char *doing)
+{
+    (void)context, (void)share, (void)doing;
+    return !cli_interrupted();
+}
+
+/* Simulate and diagnose recording `index`: odd ones without the causes. */
+static void run_one(answer *out, check_task *task, mukca_diagnosis *d, int index)
+{
+    const int effects = task->arm.n_effects, motions = task->replicate.n_motions;
+    mukca_dataset data;
+    *out = (answer){.with = index % 2 == 0};
+    if (!out->with) task->arm.n_effects = task->replicate.n_motions = 0;
+    out->status =
+        mukca_simulate_replicate(&data, &task->replicate, (uint64_t)index / 2 + 1, &out->error);
+    task->arm.n_effects = effects, task->replicate.n_motions = motions;
+    if (out->status != MUKCA_OK) return;
+    out->status = mukca_diagnose(d, task->result->chain, &data, &task->options, &out->error);
+    if (out->status == MUKCA_OK) out->outcome = judge(d, out->with ? task->check->cause : NULL);
+    mukca_diagnosis_free(d);
+    mukca_dataset_free(&data);
+}
+
+/* Recordings first, first + step, ...; without a cause, only those without. */
+static void run_share(check_task *task, mukca_diagnosis *d, int pipe_end, int first, int step)
+{
+    const int by = task->check->cause ? 1 : 2;
+    for (int i = first; i < 2 * task->check->runs / by; i += step) {
+        answer out;
+        run_one(&out, task, d, i * by + by - 1);
+        if (write(pipe_end, &out, sizeof out) != sizeof out || out.status != MUKCA_OK) break;
+    }
+}
+
+/* Was one of the processes killed? */
+static bool any_killed(const pid_t *child, int n)
+{
+    for (int k = 0; k < n; k++) {
+        siginfo_t ended = {0};
+        if (waitid(P_PID, (id_t)child[k], &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+            ended.si_pid != 0 && ended.si_code != CLD_EXITED)
+            return true;
+    }
+    return false;
+}
+
+/* Count the outcomes until all recordings are diagnosed. */
+static mukca_status collect(cli_call *call, mukca_check *check, int pipe_end, const pid_t *child,
+                            int n)
+{
+    const int total = check->cause ? 2 * check->runs : check->runs;
+    int *const count[OUTCOMES] = {&check->found, &check->tied, &check->other, &check->none};
+    struct pollfd waiting = {.fd = pipe_end, .events = POLLIN};
+    for (int done = 0; done < total;) {
+        answer got;
+        cli_progress(call, "diagnosing simulations", done, total);
+        const int ready = poll(&waiting, 1, POLL_MS);
+        if (cli_interrupted()) return MUKCA_INTERRUPTED;
+        const bool killed = any_killed(child, n);
+        if (!killed && (ready == 0 || (ready < 0 && errno == EINTR))) continue;
+        if (killed || ready < 0 || read(pipe_end, &got, sizeof got) != sizeof got)
+            return mukca_fail(&call->error, MUKCA_MEMORY,
+                              "--check: a process ended early, after %d of %d recordings", done,
+                              total);
+        if (got.status != MUKCA_OK) {
+            call->error = got.error;
+            return got.status;
+        }
+        if (got.with)
+            ++*count[got.outcome];
+        else
+            check->false_without += got.outcome != NONE;
+        done++;
+    }
+    return MUKCA_OK;
+}
+
+static mukca_status run_all(cli_call *call, mukca_check *check, check_task *task,
+                            mukca_diagnosis *scratch)
+{
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const int n = processors < 1                ? 1
+                  : processors > MOST_PROCESSES ? MOST_PROCESSES
+                                                : (int)processors;
+    pid_t child[MOST_PROCESSES];
+    int ends[2], started = 0;
+    mukca_status status = MUKCA_OK;
+    if (pipe(ends) != 0)
+        return mukca_fail(&call->error, MUKCA_MEMORY, "--check: %s", strerror(errno));
+    for (int k = 0; k < n && status == MUKCA_OK; k++) {
+        child[k] = fork();
+        if (child[k] == 0) {
+            close(ends[0]);
+            run_share(task, scratch, ends[1], k, n);
+            _exit(0);
+        }
+        if (child[k] < 0)
+            status = mukca_fail(&call->error, MUKCA_MEMORY, "--check: %s", strerror(errno));
+        else
+            started++;
+    }
+    close(ends[1]); /* reading then ends with the last process */
+    if (status == MUKCA_OK) status = collect(call, check, ends[0], child, started);
+    close(ends[0]);
+    for (int k = 0; k < started; k++) {
+        if (status != MUKCA_OK) kill(child[k], SIGKILL);
+        while (waitpid(child[k], NULL, 0) < 0 && errno == EINTR) continue;
+    }
+    return status;
+}
+
+/* Moved tools among the causes. */
+static void find_motions(check_task *task)
+{
+    const mukca_diagnosis *d = task->result->diagnosis;
+    for (int i = 0; i < d->n_causes; i++) {
+        const mukca_cause *c = &d->causes[i];
+        if (mukca_wording_on_arm(c)) continue;
+        mukca_replicate_motion *m = &task->motions[task->replicate.n_motions++];
+        *m = (mukca_replicate_motion){
+            .socket = c->socket, .row = c->creep ? 0 : c->row, .file = c->file};
+        memcpy(m->shift, c->effect.coefficient, sizeof m->shift);
+    }
+}
+
+/* Reason why the recording cannot be simulated, or NULL. */
+static const char *find_obstacle(const mukca_diagnosis *d, const mukca_dataset *data)
+{
+    if (d->verdict == MUKCA_VERDICT_UNTESTABLE || !d->applied.fitted) return "nothing was fitted";
+    if (d->logs.base_per_log || d->logs.tool_per_log || data->n_targets > 1)
+        return "logs with frames or targets of their own are not simulated";
+    for (int e = 0; e < d->applied.n_effects; e++)
+        if (mukca_effect_table[d->applied.effects[e].kind]->needs & MUKCA_NEEDS_MASSES &&
+            d->chain->n_masses == 0)
+            return "the causes need link masses (--inertials FILE)";
+    return NULL;
+}
+
+/* The arm, its noise and its moved tools, as fitted; false: no memory. */
+static bool prepare(check_task *task, mukca_pool *pool)
+{
+    const mukca_diagnosed *r = task->result;
+    const mukca_diagnosis *d = r->diagnosis;
+    const mukca_applied *a = &d->applied;
+    int *posture = MUKCA_TAKE(pool, int, r->data->n_rows);
+    double *move = MUKCA_TAKE(pool, double, r->data->n_rows * r->data->n_joints);
+    if (!pool->failed) mukca_postures_find(posture, pool, r->data);
+    if (!pool->failed) mukca_postures_move(move, pool, posture, r->data, r->data->q);
+    task->arm.chain = *d->chain;
+    task->arm.geometry = a->geometry;
+    task->arm.n_effects = a->n_effects;
+    memcpy(task->arm.effects, a->effects, sizeof *a->effects * (size_t)a->n_effects);
+    for (int k = 0; k < task->arm.chain.n_elements; k++) { /* recorded angles can be outside */
+        task->arm.chain.element[k].lower = -HUGE_VAL;
+        task->arm.chain.element[k].upper = HUGE_VAL;
+    }
+    task->replicate = (mukca_replicate_task){.arm = &task->arm,
+                                             .data = r->data,
+                                             .posture = posture,
+                                             .move = move,
+                                             .tracker = a->tracker,
+                                             .noise = d->sigma_m,
+                                             .rotation = d->sigma_rotation_rad,
+                                             .correlation = d->rho,
+                                             .shared = d->shared,
+                                             .motions = task->motions};
+    find_motions(task);
+    return !pool->failed;
+}
+
+mukca_status cli_diagnosis_check(cli_call *call, mukca_check *check, mukca_diagnosed *r,
+                                 const mukca_diagnose_options *options)
+{
+    const char *obstacle = find_obstacle(r->diagnosis, r->data);
+    if (obstacle) {
+        char text[120];
+        snprintf(text, sizeof text, "--check was left out: %s", obstacle);
+        cli_note(call, text);
+        return MUKCA_OK;
+    }
+    mukca_pool pool = {0};
+    mukca_status status;
+    check_task *task = MUKCA_TAKE(&pool, check_task, 1);
+    mukca_diagnosis *scratch = MUKCA_TAKE(&pool, mukca_diagnosis, 1);
+    check->cause = main_cause(r->diagnosis);
+    if (task && scratch) {
+        *task = (check_task){.check = check, .result = r, .options = *options};
+        task->options.test = NULL;
+        task->options.no_folds = true;
+        task->options.applied = task->options.confounding = false;
+        task->options.go_on = NULL;
+        task->options.progress = go_on;
+    }
+    if (task && scratch && prepare(task, &pool))
+        status = run_all(call, check, task, scratch);
+    else
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for --check");
+    if (status == MUKCA_OK) r->check = check;
+    mukca_pool_free(&pool);
+    return status;
+}
