@@ -15,21 +15,6 @@
 extern "C" {
 #endif
 
-/* The names below depend on the capacities: a program compiled with other capacities than the
- * library does not link. */
-#if MUKCA_MAX_ELEMENTS != 48 || MUKCA_MAX_JOINTS != 16 || MUKCA_MAX_MASSES != 96 || \
-    MUKCA_MAX_EFFECTS != 48
-#define MUKCA_SIZED_NAME(name, e, j, m, f) name##_##e##_##j##_##m##_##f
-#define MUKCA_SIZED(name, e, j, m, f) MUKCA_SIZED_NAME(name, e, j, m, f)
-#define MUKCA_NAME(name) \
-    MUKCA_SIZED(name, MUKCA_MAX_ELEMENTS, MUKCA_MAX_JOINTS, MUKCA_MAX_MASSES, MUKCA_MAX_EFFECTS)
-#define mukca_corrected_parse MUKCA_NAME(mukca_corrected_parse)
-#define mukca_corrected_parse_any MUKCA_NAME(mukca_corrected_parse_any)
-#define mukca_corrected_position MUKCA_NAME(mukca_corrected_position)
-#define mukca_corrected_pose MUKCA_NAME(mukca_corrected_pose)
-#define mukca_corrected_jacobian MUKCA_NAME(mukca_corrected_jacobian)
-#endif
-
 /* Some 30 kB of the caller's memory. */
 typedef struct {
     mukca_chain chain;

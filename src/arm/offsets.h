@@ -5,9 +5,9 @@
 #include <stdbool.h>
 
 #include "arm/acceptance.h"
+#include "model/dataset.h"
 #include "mukca/chain.h"
 #include "mukca/corrected.h"
-#include "mukca/dataset.h"
 #include "mukca/effect.h"
 
 enum {

@@ -17,8 +17,8 @@
 #include "io/offsets.h"
 #include "io/output.h"
 #include "io/rows.h"
+#include "model/dataset.h"
 #include "mukca/chain.h"
-#include "mukca/dataset.h"
 #include "mukca/effect.h"
 #include "mukca/status.h"
 
