@@ -12,41 +12,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "mukca/capacities.h"
 #include "mukca/rotation.h"
 #include "mukca/status.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Capacities.  A controller with little memory may use smaller ones; compile the library and the
- * program with the same values: -DMUKCA_MAX_ELEMENTS=12 (docs/realtime.md). */
-#ifndef MUKCA_MAX_ELEMENTS
-#define MUKCA_MAX_ELEMENTS 48
-#endif
-#ifndef MUKCA_MAX_JOINTS
-#define MUKCA_MAX_JOINTS 16
-#endif
-#ifndef MUKCA_MAX_MASSES
-#define MUKCA_MAX_MASSES 96
-#endif
-#ifndef MUKCA_MAX_EFFECTS
-#define MUKCA_MAX_EFFECTS 48
-#endif
-
-/* Every file that includes this one refers to a constant of the library whose name contains the
- * capacities: with others than the library's the program does not link. */
-#define MUKCA_CAPACITIES_JOINED(e, j, m, f) mukca_capacities_##e##_##j##_##m##_##f
-#define MUKCA_CAPACITIES(e, j, m, f) MUKCA_CAPACITIES_JOINED(e, j, m, f)
-#define MUKCA_CAPACITIES_NAME \
-    MUKCA_CAPACITIES(MUKCA_MAX_ELEMENTS, MUKCA_MAX_JOINTS, MUKCA_MAX_MASSES, MUKCA_MAX_EFFECTS)
-extern const char MUKCA_CAPACITIES_NAME;
-#ifdef __has_attribute
-#if __has_attribute(retain) /* also with --gc-sections */
-__attribute__((retain))
-#endif
-#endif
-__attribute__((used)) static const char *const mukca_capacities = &MUKCA_CAPACITIES_NAME;
 
 enum {
     MUKCA_NAME_SIZE = 64,

@@ -1,11 +1,9 @@
-/* Look-ups in a chain, its parameter vectors; version and capacities of the library. */
+/* Look-ups in a chain, its parameter vectors; the version of the library. */
 #include "mukca/chain.h"
 
 #include <string.h>
 
 #include "mukca/version.h"
-
-const char MUKCA_CAPACITIES_NAME = 0;
 
 const char *mukca_version(void)
 {

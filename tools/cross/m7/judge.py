@@ -41,7 +41,7 @@ print(f"code and constants {code} bytes, the C library's part and the test inclu
 print(f"static RAM {ram} bytes, of it the arm {int(figures['model'][0])}; with {STACK} of stack {ram + STACK} (budget {RAM})")
 print(f"deepest stack {stack} bytes by the call graph (budget {STACK}); with the test {whole}, overwritten {painted}")
 for size, name, way in stacks:
-    print(f"    {size:5d} {name}: {way}")
+    print(f"    {size:5d} {name.split('_10_7')[0]}: {way}")
 print(f"instructions: reading the table {figures['parse'][0]:.0f}")
 for i, name in enumerate(("position", "pose", "jacobian")):
     print(f"    {name}: mean {figures['mean'][i]:.0f}, most {figures['most'][i]:.0f}")
