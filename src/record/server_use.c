@@ -39,9 +39,9 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
     mukca_acceptance *a = &offsets->acceptance;
     mukca_status status = mukca_offsets_parse(offsets, &origin, s->recorder.chain, text, error);
     if (status != MUKCA_OK) return status;
-    if (!a->given)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s has no verdict: calibrate again, then use the result", name);
+    if (!a->given || !a->intact)
+        return mukca_fail(error, MUKCA_INPUT, "%s has no %s: calibrate again, then use the result",
+                          name, a->given ? "digest" : "verdict");
     mukca_tip_change_judge(offsets,
                            &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
     mukca_acceptance_judge(a, NULL);
@@ -69,7 +69,7 @@ mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
 mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error)
 {
     mukca_server_state *state = &s->state;
-    const mukca_offsets_options options = {.accept_failed = true};
+    const mukca_offsets_options options = {.accept = MUKCA_ACCEPT_FAILED};
     mukca_status status =
         mukca_offsets_read(&s->candidate, s->recorder.chain, s->job.offsets, &options, error);
     if (status != MUKCA_OK) return status;
