@@ -202,7 +202,7 @@ static mukca_status read_header(reader *r)
             if (r->column[i] >= 0) return fail_cell(r, i, "comes twice");
             r->column[i] = c;
         }
-        if (r->column[i] < 0 && i < UNIT)
+        if (i < UNIT && r->column[i] < 0)
             return fail(r, "the header has no column '%s'", column_name[i]);
     }
     return MUKCA_OK;

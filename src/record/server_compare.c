@@ -41,7 +41,7 @@ static mukca_status find_difference(mukca_server_difference *d, mukca_server *s,
                                     const mukca_dataset *data, mukca_error *error)
 {
     const int n = data->n_rows;
-    double *errors = malloc(2 * ((size_t)n + 1) * sizeof *errors), squares = 0;
+    double *errors = calloc(2 * ((size_t)n + 1), sizeof *errors), squares = 0;
     if (!errors || !find_errors(errors, s->recorder.chain, &s->pose.offsets, data) ||
         !find_errors(errors + n, s->recorder.chain, &s->candidate, data)) {
         free(errors);
