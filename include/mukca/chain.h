@@ -12,23 +12,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "mukca/capacities.h"
 #include "mukca/rotation.h"
 #include "mukca/status.h"
 
 #ifdef __cplusplus
 extern "C" {
-#endif
-
-/* Capacities.  A controller with little memory may use smaller ones; compile the library and the
- * program with the same values: -DMUKCA_MAX_ELEMENTS=12 (docs/realtime.md). */
-#ifndef MUKCA_MAX_ELEMENTS
-#define MUKCA_MAX_ELEMENTS 48
-#endif
-#ifndef MUKCA_MAX_JOINTS
-#define MUKCA_MAX_JOINTS 16
-#endif
-#ifndef MUKCA_MAX_MASSES
-#define MUKCA_MAX_MASSES 96
 #endif
 
 enum {

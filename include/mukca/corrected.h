@@ -15,21 +15,6 @@
 extern "C" {
 #endif
 
-/* The names below depend on the capacities: a program compiled with other capacities than the
- * library does not link. */
-#if MUKCA_MAX_ELEMENTS != 48 || MUKCA_MAX_JOINTS != 16 || MUKCA_MAX_MASSES != 96 || \
-    MUKCA_MAX_EFFECTS != 48
-#define MUKCA_SIZED_NAME(name, e, j, m, f) name##_##e##_##j##_##m##_##f
-#define MUKCA_SIZED(name, e, j, m, f) MUKCA_SIZED_NAME(name, e, j, m, f)
-#define MUKCA_NAME(name) \
-    MUKCA_SIZED(name, MUKCA_MAX_ELEMENTS, MUKCA_MAX_JOINTS, MUKCA_MAX_MASSES, MUKCA_MAX_EFFECTS)
-#define mukca_corrected_parse MUKCA_NAME(mukca_corrected_parse)
-#define mukca_corrected_parse_any MUKCA_NAME(mukca_corrected_parse_any)
-#define mukca_corrected_position MUKCA_NAME(mukca_corrected_position)
-#define mukca_corrected_pose MUKCA_NAME(mukca_corrected_pose)
-#define mukca_corrected_jacobian MUKCA_NAME(mukca_corrected_jacobian)
-#endif
-
 /* Some 30 kB of the caller's memory. */
 typedef struct {
     mukca_chain chain;
@@ -37,23 +22,30 @@ typedef struct {
     int n_effects;
     mukca_effect effects[MUKCA_MAX_EFFECTS];
     bool judged, accepted; /* the table has a verdict; its calibration was accepted */
+    bool intact;           /* the table matches its digest */
 } mukca_corrected;
 
 /* Fill `model` from the `size` bytes of an offsets table in memory (as `mukca calibrate -o` writes
- * it).  A table whose calibration was not accepted (`judged`, not `accepted`) is an error; a table
- * without a verdict, from an older release or written by hand, is loaded.  Errors: MUKCA_INPUT,
- * with the line. */
+ * it).  A table whose calibration was not accepted (`judged`, not `accepted`) is an error, and so
+ * is one that was edited or cut after it was written.  A table without a verdict (not `judged`) or
+ * without a digest (not `intact`), from an older release or written by hand, is loaded.  Errors:
+ * MUKCA_INPUT, with the line. */
 mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, size_t size,
                                    mukca_error *error);
 
 /* The same from a file (libmukca_core).  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error);
 
-/* The same; with `accept_failed` a table whose calibration was not accepted is loaded, too.  Not
- * for the control of an arm. */
+/* Bits of `accept`: tables that are loaded, too.  Not for the control of an arm. */
+enum {
+    MUKCA_ACCEPT_FAILED = 1, /* the calibration was not accepted */
+    MUKCA_ACCEPT_EDITED = 2  /* the table was edited or cut: judged, and not accepted */
+};
+
+/* The same for more tables. */
 mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, size_t size,
-                                       bool accept_failed, mukca_error *error);
-mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, bool accept_failed,
+                                       int accept, mukca_error *error);
+mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, int accept,
                                       mukca_error *error);
 
 /* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state`: further inputs of

@@ -102,11 +102,6 @@ static inline bool mukca_effect_of_sockets(mukca_effect_kind kind)
 /* Duration of a sample without recorded time, s: recording by hand takes some 8 s per sample. */
 #define MUKCA_SECONDS_PER_ROW 8.0
 
-/* A capacity, as in chain.h. */
-#ifndef MUKCA_MAX_EFFECTS
-#define MUKCA_MAX_EFFECTS 48
-#endif
-
 enum { MUKCA_MAX_TERMS = 4, MUKCA_EFFECT_TEXT = 48, MUKCA_LAST_ORDER = 400 };
 
 /* The frame in which an axis wobbles. */

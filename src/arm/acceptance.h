@@ -27,6 +27,7 @@ enum { MUKCA_ACCEPTANCE_TEXT = 160, MUKCA_ACCEPTANCE_SENTENCE = 256 };
 typedef struct {
     bool given; /* false: there is no verdict */
     bool accepted, converged;
+    bool intact;                        /* the table that was read matches its digest */
     char reason[MUKCA_ACCEPTANCE_TEXT]; /* reason of the refusal and remedy; empty if accepted */
     char error_of[64];                  /* samples of the error: "cross-validation, 3 folds" */
 #define MUKCA_ACCEPTANCE_MEMBER(key) double key;

@@ -5,52 +5,39 @@
 
 #include "arm/corrected_jacobian.h"
 #include "arm/offsets.h"
-#include "base/print.h"
 
-mukca_status mukca_corrected_parse_from(mukca_corrected *model, mukca_bytes table,
-                                        const mukca_offsets_origin *from, mukca_error *error)
+mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes table,
+                                         const char *name, int accept, mukca_error *error)
 {
     double theta[MUKCA_MAX_THETA];
     unsigned char listed[MUKCA_MAX_THETA] = {0};
     mukca_acceptance acceptance;
-    mukca_offsets_origin origin = *from;
+    mukca_offsets_origin origin = {.name = name, .accept = accept, .own = &model->chain};
     const mukca_offsets_target into = {.theta = theta,
                                        .listed = listed,
                                        .n_effects = &model->n_effects,
                                        .effects = model->effects,
                                        .acceptance = &acceptance};
     memset(model, 0, sizeof *model);
-    mukca_status status = mukca_chain_parse(&model->chain, table, origin.name, error);
-    if (status != MUKCA_OK) return status;
-    mukca_chain_theta(theta, &model->chain);
-    mukca_acceptance_init(&acceptance);
-    status = mukca_offsets_parse_into(&into, &origin, &model->chain, table, error);
+    const mukca_status status = mukca_offsets_parse_into(&into, &origin, NULL, table, error);
     model->judged = acceptance.given;
     model->accepted = acceptance.accepted;
-    if (status != MUKCA_OK) return status;
-    if (origin.ignored > 0) {
-        if (error) {
-            error->status = MUKCA_INPUT;
-            mukca_print(error->text, sizeof error->text,
-                        "%s: has rows of joints that its chain lacks", origin.name);
-        }
-        return MUKCA_INPUT;
-    }
-    mukca_geometry_set(&model->geometry, &model->chain, theta);
-    return MUKCA_OK;
+    model->intact = acceptance.intact;
+    if (status == MUKCA_OK) mukca_geometry_set(&model->geometry, &model->chain, theta);
+    return status;
 }
 
 mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, size_t size,
-                                       bool accept_failed, mukca_error *error)
+                                       int accept, mukca_error *error)
 {
-    const mukca_offsets_origin memory = {.name = "offsets table", .accept_failed = accept_failed};
-    return mukca_corrected_parse_from(model, (mukca_bytes){text, size}, &memory, error);
+    return mukca_corrected_parse_named(model, (mukca_bytes){text, size}, "offsets table", accept,
+                                       error);
 }
 
 mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, size_t size,
                                    mukca_error *error)
 {
-    return mukca_corrected_parse_any(model, text, size, false, error);
+    return mukca_corrected_parse_any(model, text, size, 0, error);
 }
 
 /* Static equilibrium at the encoder angles q. */

@@ -1,6 +1,7 @@
 /* Offsets tables in memory: their rows, and the placements of their effects. */
 #include "arm/offsets.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 void mukca_offsets_init(mukca_offsets *offsets, const mukca_chain *chain)
@@ -70,6 +71,46 @@ void mukca_offsets_place_effects(mukca_effect *effects, const mukca_offsets *off
     }
 }
 
+/* Check the factory file, whose hash identifies the robot of UR. */
+static mukca_status check_kinematics(const mukca_offsets_origin *o, const mukca_chain *chain,
+                                     mukca_error *error)
+{
+    const bool with = o->own->kinematics_sha256[0], known = chain->kinematics_hash[0];
+    if (!known || !o->own->kinematics_hash[0])
+        return mukca_fail(
+            error, MUKCA_INPUT, "%s: was made %s: its offsets are added to other origins; give %s",
+            o->name, with ? "with a factory file (--kinematics)" : "without --kinematics",
+            with ? "the same --kinematics FILE" : "no --kinematics");
+    if (strcmp(o->own->kinematics_hash, chain->kinematics_hash) != 0)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s: is of the robot %.40s, the factory file of %.40s: another robot, or "
+                          "one calibrated anew; give the file of the table (--force takes any)",
+                          o->name, o->own->kinematics_hash, chain->kinematics_hash);
+    return mukca_fail(
+        error, MUKCA_INPUT,
+        "%s: the factory file has the table's hash, %.40s, but was edited or exported "
+        "from a fit; give the file of the table (--force takes any)",
+        o->name, chain->kinematics_hash);
+}
+
+static mukca_status check_origin(mukca_offsets_origin *o, const mukca_chain *chain,
+                                 mukca_error *error)
+{
+    const char *sha = o->own->urdf_sha256;
+    if (!sha[0])
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s: no offsets table: the line `# urdf_sha256:` is missing", o->name);
+    o->other = strcmp(sha, chain->urdf_sha256) != 0;
+    o->other_file = strcmp(o->own->kinematics_sha256, chain->kinematics_sha256) != 0;
+    if (o->force) return MUKCA_OK;
+    if (o->other)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s: was made for another URDF (robot '%.40s', SHA-256 %.12s..., not "
+                          "%.12s...); --force applies its offsets nevertheless",
+                          o->name, o->own->robot, sha, chain->urdf_sha256);
+    return o->other_file ? check_kinematics(o, chain, error) : MUKCA_OK;
+}
+
 mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *origin,
                                  const mukca_chain *chain, const char *text, mukca_error *error)
 {
@@ -78,7 +119,15 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
                                        .n_effects = &offsets->n_effects,
                                        .effects = offsets->effects,
                                        .acceptance = &offsets->acceptance,
-                                       .rest = offsets};
-    mukca_offsets_init(offsets, chain);
-    return mukca_offsets_parse_into(&into, origin, chain, (mukca_bytes){text, strlen(text)}, error);
+                                       .rest = offsets,
+                                       .check = origin->own ? NULL : check_origin};
+    const mukca_bytes table = {text, strlen(text)};
+    memset(offsets, 0, sizeof *offsets);
+    if (origin->own) return mukca_offsets_parse_into(&into, origin, NULL, table, error);
+    origin->own = malloc(sizeof *origin->own);
+    if (!origin->own) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const mukca_status status = mukca_offsets_parse_into(&into, origin, chain, table, error);
+    free(origin->own);
+    origin->own = NULL;
+    return status;
 }

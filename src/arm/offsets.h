@@ -5,9 +5,9 @@
 #include <stdbool.h>
 
 #include "arm/acceptance.h"
+#include "model/dataset.h"
 #include "mukca/chain.h"
 #include "mukca/corrected.h"
-#include "mukca/dataset.h"
 #include "mukca/effect.h"
 
 enum {
@@ -59,10 +59,11 @@ void mukca_offsets_place_effects(mukca_effect *effects, const mukca_offsets *off
 /* Origin of a table. */
 typedef struct {
     const char *name; /* in: name of the table in messages */
-    bool force; /* in: apply the offsets (not the calibrated values) of another URDF's table */
-    bool accept_failed; /* in: accept a table that was not accepted as a calibration */
-    bool other;         /* out: made for another URDF, by SHA-256 */
+    bool force;  /* in: apply the offsets (not the calibrated values) of another URDF's table */
+    int accept;  /* in: MUKCA_ACCEPT_* */
     int ignored; /* out: number of rows of joints that are not in the chain (of another --tip) */
+    bool other, other_file; /* out: made for another URDF or factory file, by SHA-256 */
+    mukca_chain *own;       /* out: the chain in the table's comments */
 } mukca_offsets_origin;
 
 /* A text of `size` bytes, not necessarily NUL-terminated. */
@@ -73,29 +74,29 @@ typedef struct {
 
 /* Destination of a table. */
 typedef struct {
-    double *theta;                /* [6 * n_elements], initialised as nominal */
-    unsigned char *listed;        /* [6 * n_elements], initialised as 0 */
-    int *n_effects;               /* initialised as 0 */
-    mukca_effect *effects;        /* [MUKCA_MAX_EFFECTS] */
-    mukca_acceptance *acceptance; /* initialised */
-    mukca_offsets *rest;          /* for standard deviations and placement names; NULL: discard */
+    double *theta;         /* [6 * n_elements] */
+    unsigned char *listed; /* [6 * n_elements], initialised as 0 */
+    int *n_effects;
+    mukca_effect *effects; /* [MUKCA_MAX_EFFECTS] */
+    mukca_acceptance *acceptance;
+    mukca_offsets *rest; /* for standard deviations and placement names; NULL: discard */
+    /* called after the comments: is the table of `chain`?  NULL: not checked */
+    mukca_status (*check)(mukca_offsets_origin *, const mukca_chain *chain, mukca_error *);
 } mukca_offsets_target;
 
+/* Parse a table for the chain (NULL: origin->own). */
 mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
                                       mukca_offsets_origin *origin, const mukca_chain *chain,
                                       mukca_bytes table, mukca_error *error);
 
-/* Parse a table for the chain.  Errors: MUKCA_INPUT ("name:line: column ..."; a table that was not
- * accepted, with its verdict in offsets->acceptance). */
+/* Parse a table for the chain; if origin->own is given, for the chain in the table instead. Errors:
+ * MUKCA_INPUT ("name:line: column ..."; a table that was not accepted, with its verdict in
+ * offsets->acceptance; one that was edited or cut), MUKCA_MEMORY. */
 mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *origin,
                                  const mukca_chain *chain, const char *text, mukca_error *error);
 
-/* Parse the chain in the comment lines of a table.  Errors: MUKCA_INPUT. */
-mukca_status mukca_chain_parse(mukca_chain *chain, mukca_bytes table, const char *name,
-                               mukca_error *error);
-
-/* As mukca_corrected_parse_any, for a table with that origin. */
-mukca_status mukca_corrected_parse_from(mukca_corrected *model, mukca_bytes table,
-                                        const mukca_offsets_origin *from, mukca_error *error);
+/* As mukca_corrected_parse_any, with the table's name in messages. */
+mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes table,
+                                         const char *name, int accept, mukca_error *error);
 
 #endif

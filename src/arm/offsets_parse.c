@@ -1,25 +1,25 @@
-/* Parser of offsets tables and of the chain in their comments. */
+/* Parser of offsets tables, with the chain and the verdict in their comments. */
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
 #include "arm/offsets.h"
 #include "base/cells.h"
+#include "base/hash.h"
 #include "base/number.h"
 #include "base/print.h"
 
-enum { JOINT, PARAMETER, NOMINAL, CALIBRATED, OFFSET, SIGMA, IDENTIFIABLE, TERM, COLUMNS };
+enum { JOINT, PARAMETER, NOMINAL, CALIBRATED, OFFSET, SIGMA, IDENTIFIABLE, UNIT, TERM, COLUMNS };
 enum { MOST_CELLS = 32 };
 
-static const char *const column_name[COLUMNS] = {
-    "joint", "parameter", "nominal", "calibrated", "offset", "sigma", "identifiable", "term"};
+static const char *const column_name[COLUMNS] = {"joint",        "parameter", "nominal",
+                                                 "calibrated",   "offset",    "sigma",
+                                                 "identifiable", "unit",      "term"};
 
 typedef struct {
     const mukca_offsets_target *into;
     mukca_offsets_origin *origin;
     const mukca_chain *chain;
-    mukca_chain *new_chain; /* under construction in mukca_chain_parse */
-    const char *name;       /* name of the table in messages */
     mukca_error *error;
     mukca_lines lines;
     char delimiter;
@@ -27,7 +27,11 @@ typedef struct {
     char *cell[MOST_CELLS];
     int n_placements;
     int column[COLUMNS]; /* index of each column, -1: absent */
-    char robot[MUKCA_NAME_SIZE], sha[72], kinematics[72];
+    uint64_t digest;     /* of the lines so far */
+    char stated[24];     /* digest in the comments; empty: none */
+    /* of the rows against the largest offset in the comments, m and rad: one is equal, one is
+     * larger (the first and last element may be frames of the measurement, which do not count) */
+    bool equal[2], larger;
 } reader;
 
 static mukca_status fail(const reader *r, const char *format, ...)
@@ -40,9 +44,9 @@ static mukca_status fail(const reader *r, const char *format, ...)
     if (!error) return MUKCA_INPUT;
     error->status = MUKCA_INPUT;
     if (r->lines.number > 0) /* else the error concerns the whole table */
-        mukca_print(error->text, sizeof error->text, "%s:%d: ", r->name, r->lines.number);
+        mukca_print(error->text, sizeof error->text, "%s:%d: ", r->origin->name, r->lines.number);
     else
-        mukca_print(error->text, sizeof error->text, "%s: ", r->name);
+        mukca_print(error->text, sizeof error->text, "%s: ", r->origin->name);
     const size_t used = strlen(error->text);
     va_start(args, format);
     mukca_print_list(error->text + used, sizeof error->text - used, format, args);
@@ -72,45 +76,115 @@ static bool comment(char *value, size_t size, const char *line, const char *key)
     return true;
 }
 
-static void read_comment(reader *r)
+static mukca_status read_element(const reader *r, mukca_chain *c, int n)
 {
-    const mukca_offsets_target *into = r->into;
-    char placement[MUKCA_NAME_SIZE];
-    comment(r->robot, sizeof r->robot, r->lines.line, "# robot: ");
-    comment(r->sha, sizeof r->sha, r->lines.line, "# urdf_sha256: ");
-    comment(r->kinematics, sizeof r->kinematics, r->lines.line, "# kinematics_sha256: ");
-    mukca_acceptance_read(into->acceptance, r->lines.line);
-    if (r->n_placements == MUKCA_MAX_PLACEMENTS ||
-        !comment(placement, sizeof placement, r->lines.line, "# placement: "))
-        return;
-    if (into->rest) memcpy(into->rest->placements[r->n_placements], placement, sizeof placement);
-    r->n_placements++;
+    double limits[2] = {-HUGE_VAL, HUGE_VAL};
+    if (c->n_elements == MUKCA_MAX_ELEMENTS) return fail(r, "too many elements");
+    mukca_element *e = &c->element[c->n_elements];
+    int type = 0;
+    if (n != 8) return fail(r, "an element needs 7 fields");
+    while (type < 4 && strcmp(mukca_joint_type_name[type], r->cell[3]) != 0) type++;
+    const bool limited = strcmp(r->cell[7], "-inf inf") != 0;
+    if (type == 4 || !mukca_number_parse_list(e->axis, 3, r->cell[4]) ||
+        !mukca_number_parse_list(e->xyz, 3, r->cell[5]) ||
+        !mukca_number_parse_list(e->rpy, 3, r->cell[6]) ||
+        (limited && !mukca_number_parse_list(limits, 2, r->cell[7])))
+        return fail(r, "the element's numbers or its type cannot be read");
+    mukca_print(e->name, sizeof e->name, "%s", r->cell[1]);
+    mukca_print(e->child, sizeof e->child, "%s", r->cell[2]);
+    e->type = (mukca_joint_type)type;
+    e->lower = limits[0];
+    e->upper = limits[1];
+    e->joint = -1;
+    if (e->type != MUKCA_FIXED) {
+        if (c->n_joints == MUKCA_MAX_JOINTS) return fail(r, "too many joints");
+        if (!(fabs(mukca_dot3(e->axis, e->axis) - 1) < 1e-6))
+            return fail(r, "the joint's axis is no unit vector");
+        e->joint = c->n_joints;
+        c->joint_element[c->n_joints++] = c->n_elements;
+    }
+    c->n_elements++;
+    return MUKCA_OK;
 }
 
-/* Check the origin.  The error concerns the whole table and has no line number. */
-static mukca_status check_origin(reader *r)
+static mukca_status read_mass(const reader *r, mukca_chain *c, int n)
 {
-    const int number = r->lines.number;
-    const mukca_acceptance *a = r->into->acceptance;
-    r->lines.number = 0;
-    if (strcmp(r->sha, "?") == 0)
-        return fail(r, "no offsets table: the line `# urdf_sha256:` is missing");
-    r->origin->other = strcmp(r->sha, r->chain->urdf_sha256) != 0;
-    if (r->origin->other && !r->origin->force)
-        return fail(r,
-                    "was made for another URDF (robot '%.40s', SHA-256 %.12s..., not %.12s...); "
-                    "--force applies its offsets nevertheless",
-                    r->robot, r->sha, r->chain->urdf_sha256);
-    if (strcmp(r->kinematics, r->chain->kinematics_sha256) != 0 && !r->origin->force)
+    double element;
+    if (c->n_masses == MUKCA_MAX_MASSES) return fail(r, "too many masses");
+    mukca_mass *m = &c->mass[c->n_masses++];
+    if (n != 4 || !mukca_number_parse(&element, r->cell[1]) ||
+        !mukca_number_parse(&m->kg, r->cell[2]) ||
+        !mukca_number_parse_list(m->com, 3, r->cell[3]) ||
+        !(element >= -1 && element < MUKCA_MAX_ELEMENTS))
+        return fail(r, "the mass cannot be read");
+    m->element = (int)element;
+    return MUKCA_OK;
+}
+
+/* Parse "# key: value", or "# key:" and cells. */
+static mukca_status read_comment(reader *r)
+{
+    const mukca_offsets_target *into = r->into;
+    mukca_chain *c = r->origin->own;
+    char *line = r->lines.line, placement[MUKCA_NAME_SIZE];
+    comment(c->robot, sizeof c->robot, line, "# robot: ");
+    comment(c->base, sizeof c->base, line, "# base: ");
+    comment(c->tip, sizeof c->tip, line, "# tip: ");
+    comment(c->urdf_sha256, sizeof c->urdf_sha256, line, "# urdf_sha256: ");
+    comment(c->kinematics_sha256, sizeof c->kinematics_sha256, line, "# kinematics_sha256: ");
+    comment(c->kinematics_hash, sizeof c->kinematics_hash, line, "# kinematics_hash: ");
+    mukca_acceptance_read(into->acceptance, line);
+    if (r->n_placements < MUKCA_MAX_PLACEMENTS &&
+        comment(placement, sizeof placement, line, "# placement: ")) {
+        if (into->rest)
+            memcpy(into->rest->placements[r->n_placements], placement, sizeof placement);
+        r->n_placements++;
+    }
+    const int n = mukca_cells_count(line, '\t');
+    if (n > MOST_CELLS || !mukca_cells_split(r->cell, n, line, '\t')) return MUKCA_OK;
+    if (strcmp(r->cell[0], "# element:") == 0) return read_element(r, c, n);
+    if (strcmp(r->cell[0], "# mass:") == 0) return read_mass(r, c, n);
+    if (strcmp(r->cell[0], "# gravity:") == 0 &&
+        (n != 2 || !mukca_number_parse_list(c->gravity, 3, r->cell[1])))
+        return fail(r, "gravity cannot be read");
+    return MUKCA_OK;
+}
+
+/* Check the comments.  The errors concern the whole table and have no line number. */
+static mukca_status check_comments(reader *r)
+{
+    const mukca_offsets_target *into = r->into;
+    const mukca_acceptance *a = into->acceptance;
+    if (r->chain->n_elements == 0)
         return fail(
-            r, "was made %s: its offsets are added to other origins; give %s",
-            r->kinematics[0] ? "with a factory file (--kinematics)" : "without --kinematics",
-            r->kinematics[0] ? "the same --kinematics FILE" : "no --kinematics");
-    if (a->given && !a->accepted && !r->origin->accept_failed)
+            r, "no offsets table, or one of an older version: it lacks the `# element:` lines");
+    const mukca_status status = into->check ? into->check(r->origin, r->chain, r->error) : MUKCA_OK;
+    if (status == MUKCA_OK && a->given && !a->accepted &&
+        !(r->origin->accept & MUKCA_ACCEPT_FAILED))
         return fail(r,
                     "this calibration did not pass: %.150s (--accept-failed uses it nevertheless)",
                     a->reason);
-    r->lines.number = number;
+    return status;
+}
+
+/* Compare all lines with the digest among them.  A table of an older version has none: its largest
+ * offsets are then compared with those of its verdict. */
+static mukca_status check_digest(const reader *r)
+{
+    mukca_acceptance *a = r->into->acceptance;
+    char digest[17] = "";
+    for (int i = 0; i < 16; i++) digest[i] = "0123456789abcdef"[r->digest >> (60 - 4 * i) & 15];
+    a->intact = strcmp(r->stated, digest) == 0;
+    const bool contradicts =
+        r->larger || (r->origin->ignored == 0 && ((a->largest_offset_m > 0 && !r->equal[0]) ||
+                                                  (a->largest_offset_rad > 0 && !r->equal[1])));
+    if (a->intact || !(r->stated[0] || contradicts)) return MUKCA_OK;
+    if (!(r->origin->accept & MUKCA_ACCEPT_EDITED))
+        return fail(r,
+                    "was edited or cut after it was written: the %s differs; calibrate again "
+                    "(--accept-edited uses it nevertheless)",
+                    r->stated[0] ? "digest" : "largest offset");
+    mukca_acceptance_read(a, "# accepted: no; the table was edited or cut after it was written");
     return MUKCA_OK;
 }
 
@@ -128,7 +202,7 @@ static mukca_status read_header(reader *r)
             if (r->column[i] >= 0) return fail_cell(r, i, "comes twice");
             r->column[i] = c;
         }
-        if (r->column[i] < 0 && i != TERM)
+        if (i < UNIT && r->column[i] < 0)
             return fail(r, "the header has no column '%s'", column_name[i]);
     }
     return MUKCA_OK;
@@ -159,10 +233,20 @@ static mukca_status read_values(double value[OFFSET + 1], const reader *r)
     return MUKCA_OK;
 }
 
+static mukca_status check_unit(const reader *r, const char *unit)
+{
+    const char *found = r->column[UNIT] < 0 ? unit : r->cell[r->column[UNIT]];
+    if (strcmp(found, unit) == 0) return MUKCA_OK;
+    return fail(r, "column 'unit': is '%.20s'; convert the row to %s", found, unit);
+}
+
 static mukca_status read_parameter(reader *r, int parameter)
 {
     const mukca_offsets_target *into = r->into;
+    const mukca_acceptance *a = into->acceptance;
     const int element = mukca_chain_find_element(r->chain, r->cell[r->column[JOINT]]);
+    if (element < 0 && r->chain == r->origin->own)
+        return fail_cell(r, JOINT, "no such joint in its chain");
     if (element < 0) {
         r->origin->ignored++;
         return MUKCA_OK;
@@ -170,8 +254,13 @@ static mukca_status read_parameter(reader *r, int parameter)
     const int i = MUKCA_PARAMETERS * element + parameter;
     double value[OFFSET + 1];
     if (into->listed[i]) return fail_cell(r, PARAMETER, "this parameter comes twice");
-    mukca_status status = read_values(value, r);
+    mukca_status status = check_unit(r, parameter < 3 ? "m" : "rad");
+    if (status == MUKCA_OK) status = read_values(value, r);
     if (status != MUKCA_OK) return status;
+    const double ratio =
+        fabs(value[OFFSET]) / (parameter < 3 ? a->largest_offset_m : a->largest_offset_rad);
+    if (fabs(ratio - 1) <= 1e-5) r->equal[parameter / 3] = true; /* it has six digits */
+    if (ratio > 1 + 1e-5 && element > 0 && element + 1 < r->chain->n_elements) r->larger = true;
     /* here theta still has the chain's nominal value */
     into->theta[i] =
         value[NOMINAL] == into->theta[i] ? value[CALIBRATED] : into->theta[i] + value[OFFSET];
@@ -210,7 +299,8 @@ static mukca_status read_effect(reader *r, int kind)
     mukca_effect *effect = find_effect(into, &wanted);
     if (!effect) return fail_cell(r, PARAMETER, "too many effects");
     if (effect->coefficient[term] != 0) return fail_cell(r, PARAMETER, "comes twice");
-    mukca_status status = read_values(value, r);
+    mukca_status status = check_unit(r, mukca_effect_table[kind]->unit);
+    if (status == MUKCA_OK) status = read_values(value, r);
     if (status != MUKCA_OK) return status;
     effect->coefficient[term] = value[CALIBRATED];
     if (!into->rest) return MUKCA_OK;
@@ -227,11 +317,17 @@ static mukca_status read_row(reader *r)
     return read_effect(r, kind);
 }
 
+/* Read the header or a row.  Errors of the whole table have no line number. */
 static mukca_status read_content(reader *r)
 {
     if (r->n_cells == 0) {
-        const mukca_status status = check_origin(r);
-        return status == MUKCA_OK ? read_header(r) : status;
+        const int number = r->lines.number;
+        r->lines.number = 0;
+        const mukca_status status = check_comments(r);
+        if (status != MUKCA_OK) return status;
+        r->lines.number = number;
+        mukca_chain_theta(r->into->theta, r->chain);
+        return read_header(r);
     }
     const int found = mukca_cells_count(r->lines.line, r->delimiter);
     if (!mukca_cells_split(r->cell, r->n_cells, r->lines.line, r->delimiter))
@@ -240,117 +336,44 @@ static mukca_status read_content(reader *r)
     return read_row(r);
 }
 
+/* Add the line to the digest, unless it is the digest. */
+static void digest_line(reader *r)
+{
+    if (r->n_cells == 0 && comment(r->stated, sizeof r->stated, r->lines.line, "# digest: "))
+        return;
+    r->digest = mukca_hash(r->digest, r->lines.line, strlen(r->lines.line));
+    if (r->lines.text[-1] == '\n') r->digest = mukca_hash(r->digest, "\n", 1);
+}
+
 mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
                                       mukca_offsets_origin *origin, const mukca_chain *chain,
                                       mukca_bytes table, mukca_error *error)
 {
     reader r = {.into = into,
                 .origin = origin,
-                .chain = chain,
-                .name = origin->name,
+                .chain = chain ? chain : origin->own,
                 .lines = {.text = table.text, .left = table.size},
-                .robot = "?",
-                .sha = "?",
+                .digest = MUKCA_HASH_START,
                 .error = error};
-    origin->other = false;
+    memset(origin->own, 0, sizeof *origin->own);
+    *into->n_effects = 0;
+    mukca_acceptance_init(into->acceptance);
     origin->ignored = 0;
     while (mukca_lines_next(&r.lines)) {
         const char *first = r.lines.line + strspn(r.lines.line, " \t");
-        if (*first == '#' && r.n_cells == 0) read_comment(&r);
-        if (*first == '#' || !*first) continue;
-        if (!r.lines.whole) return fail(&r, "the line is longer than a table's may be");
-        const mukca_status status = read_content(&r);
+        const bool is_comment = *first == '#';
+        mukca_status status = MUKCA_OK;
+        digest_line(&r);
+        if (!*first || (is_comment && r.n_cells > 0)) continue;
+        if (is_comment)
+            status = read_comment(&r);
+        else if (!r.lines.whole)
+            status = fail(&r, "the line is longer than a table's may be");
+        else
+            status = read_content(&r);
         if (status != MUKCA_OK) return status;
     }
     if (into->rest) into->rest->n_placements = r.n_placements;
-    if (r.n_cells > 0) return MUKCA_OK;
     r.lines.number = 0;
-    return fail(&r, "is empty; expected a header and rows");
-}
-
-static mukca_status read_element(reader *r)
-{
-    mukca_chain *c = r->new_chain;
-    double limits[2] = {-HUGE_VAL, HUGE_VAL};
-    if (c->n_elements == MUKCA_MAX_ELEMENTS) return fail(r, "too many elements");
-    mukca_element *e = &c->element[c->n_elements];
-    int type = 0;
-    if (r->n_cells != 8) return fail(r, "an element needs 7 fields");
-    while (type < 4 && strcmp(mukca_joint_type_name[type], r->cell[3]) != 0) type++;
-    const bool limited = strcmp(r->cell[7], "-inf inf") != 0;
-    if (type == 4 || !mukca_number_parse_list(e->axis, 3, r->cell[4]) ||
-        !mukca_number_parse_list(e->xyz, 3, r->cell[5]) ||
-        !mukca_number_parse_list(e->rpy, 3, r->cell[6]) ||
-        (limited && !mukca_number_parse_list(limits, 2, r->cell[7])))
-        return fail(r, "the element's numbers or its type cannot be read");
-    mukca_print(e->name, sizeof e->name, "%s", r->cell[1]);
-    mukca_print(e->child, sizeof e->child, "%s", r->cell[2]);
-    e->type = (mukca_joint_type)type;
-    e->lower = limits[0];
-    e->upper = limits[1];
-    e->joint = -1;
-    if (e->type != MUKCA_FIXED) {
-        if (c->n_joints == MUKCA_MAX_JOINTS) return fail(r, "too many joints");
-        if (!(fabs(mukca_dot3(e->axis, e->axis) - 1) < 1e-6))
-            return fail(r, "the joint's axis is no unit vector");
-        e->joint = c->n_joints;
-        c->joint_element[c->n_joints++] = c->n_elements;
-    }
-    c->n_elements++;
-    return MUKCA_OK;
-}
-
-static mukca_status read_mass(reader *r)
-{
-    mukca_chain *c = r->new_chain;
-    double element;
-    if (c->n_masses == MUKCA_MAX_MASSES) return fail(r, "too many masses");
-    mukca_mass *m = &c->mass[c->n_masses++];
-    if (r->n_cells != 4 || !mukca_number_parse(&element, r->cell[1]) ||
-        !mukca_number_parse(&m->kg, r->cell[2]) ||
-        !mukca_number_parse_list(m->com, 3, r->cell[3]) ||
-        !(element >= -1 && element < MUKCA_MAX_ELEMENTS))
-        return fail(r, "the mass cannot be read");
-    m->element = (int)element;
-    return MUKCA_OK;
-}
-
-/* Parse a comment line of the chain: "# key: value", or "# key:" and cells. */
-static mukca_status read_chain_line(reader *r)
-{
-    mukca_chain *c = r->new_chain;
-    char *line = r->lines.line;
-    comment(c->robot, sizeof c->robot, line, "# robot: ");
-    comment(c->base, sizeof c->base, line, "# base: ");
-    comment(c->tip, sizeof c->tip, line, "# tip: ");
-    comment(c->urdf_sha256, sizeof c->urdf_sha256, line, "# urdf_sha256: ");
-    comment(c->kinematics_sha256, sizeof c->kinematics_sha256, line, "# kinematics_sha256: ");
-    comment(c->kinematics_hash, sizeof c->kinematics_hash, line, "# kinematics_hash: ");
-    r->n_cells = mukca_cells_count(line, '\t');
-    if (r->n_cells > MOST_CELLS || !mukca_cells_split(r->cell, r->n_cells, line, '\t'))
-        return MUKCA_OK;
-    if (strcmp(r->cell[0], "# element:") == 0) return read_element(r);
-    if (strcmp(r->cell[0], "# mass:") == 0) return read_mass(r);
-    if (strcmp(r->cell[0], "# gravity:") == 0 &&
-        (r->n_cells != 2 || !mukca_number_parse_list(c->gravity, 3, r->cell[1])))
-        return fail(r, "gravity cannot be read");
-    return MUKCA_OK;
-}
-
-mukca_status mukca_chain_parse(mukca_chain *chain, mukca_bytes table, const char *name,
-                               mukca_error *error)
-{
-    reader r = {.new_chain = chain,
-                .name = name,
-                .lines = {.text = table.text, .left = table.size},
-                .error = error};
-    *chain = (mukca_chain){0};
-    while (mukca_lines_next(&r.lines)) {
-        if (r.lines.line[0] != '#') continue;
-        const mukca_status status = read_chain_line(&r);
-        if (status != MUKCA_OK) return status;
-    }
-    if (chain->n_elements > 0) return MUKCA_OK;
-    return fail(&r,
-                "no offsets table, or one of an older version: it lacks the `# element:` lines");
+    return r.n_cells > 0 ? check_digest(&r) : fail(&r, "is empty; expected a header and rows");
 }

@@ -6,8 +6,8 @@
 #include <stdbool.h>
 
 #include "fit/posterior.h"
+#include "model/dataset.h"
 #include "mukca/chain.h"
-#include "mukca/dataset.h"
 #include "mukca/status.h"
 
 enum {

@@ -17,8 +17,8 @@
 #include "io/offsets.h"
 #include "io/output.h"
 #include "io/rows.h"
+#include "model/dataset.h"
 #include "mukca/chain.h"
-#include "mukca/dataset.h"
 #include "mukca/effect.h"
 #include "mukca/status.h"
 
@@ -92,7 +92,7 @@ typedef struct {
     int map;           /* index into cli_maps */
     double distance;   /* m */
     double gravity[3]; /* m/s^2; all 0: upright base */
-    bool inverse_poses, force, accept_failed, quiet, verbose;
+    bool inverse_poses, force, accept_failed, accept_edited, quiet, verbose;
 } cli_common;
 
 /* Rows of option tables for the common options.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION:
@@ -119,9 +119,11 @@ typedef struct {
 #define CLI_OFFSETS_OPTION                   \
     CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", \
                "apply this offsets table; it must belong to the URDF (or --force)")
-#define CLI_ACCEPT_OPTION                                                  \
-    CLI_OPTION(cli_common, accept_failed, "accept-failed", CLI_FLAG, NULL, \
-               "use the offsets table even though its calibration did not pass")
+#define CLI_ACCEPT_OPTION                                                         \
+    CLI_OPTION(cli_common, accept_failed, "accept-failed", CLI_FLAG, NULL,        \
+               "use the offsets table even though its calibration did not pass"), \
+        CLI_OPTION(cli_common, accept_edited, "accept-edited", CLI_FLAG, NULL,    \
+                   "use the offsets table even though it was edited or cut after it was written")
 #define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */
 #define CLI_DISTANCE_OPTION \
     CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)")
@@ -337,10 +339,14 @@ mukca_status cli_load_model(cli_call *call, cli_model *model);
  * its geometry. */
 void cli_suggest_inertials(cli_call *call, const mukca_chain *chain);
 
-/* Read an offsets table, subject to --force and --accept-failed.  Errors: MUKCA_INPUT,
+/* A comment line in an output if the table of --offsets was not accepted. */
+void cli_print_verdict(const cli_call *call, FILE *stream);
+
+/* Read an offsets table, subject to --force, --accept-failed and --accept-edited.  `own` (may be
+ * NULL) receives the chain in its comments, for which it is then read.  Errors: MUKCA_INPUT,
  * MUKCA_MEMORY. */
-mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukca_chain *chain,
-                              const char *path);
+mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
+                              const mukca_chain *chain, const char *path);
 
 /* Format of input tables from --units, --map and --inverse-poses.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);

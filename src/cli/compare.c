@@ -73,11 +73,12 @@ static mukca_status load(cli_call *call, int side)
         status = xml ? load_urdf(call, &arm->chain, path) : load_factory(call, &arm->chain, path);
         mukca_offsets_init(&w->offsets, &arm->chain);
     } else {
-        const mukca_bytes table = {text, strlen(text)};
-        status = mukca_chain_parse(&arm->chain, table, mukca_file_shown(path), &call->error);
-        if (status != MUKCA_OK && call->common->urdf)
+        status = cli_read_offsets(call, &w->offsets, &arm->chain, NULL, path);
+        if (status != MUKCA_OK && arm->chain.n_elements == 0 && call->common->urdf) {
             status = load_urdf(call, &arm->chain, call->common->urdf);
-        if (status == MUKCA_OK) status = cli_read_offsets(call, &w->offsets, &arm->chain, path);
+            if (status == MUKCA_OK)
+                status = cli_read_offsets(call, &w->offsets, NULL, &arm->chain, path);
+        }
     }
     free(text);
     if (status != MUKCA_OK) return status;
@@ -273,7 +274,8 @@ static mukca_status run(cli_call *call)
 {
     const compare_options *o = call->options;
     compare_work *w = call->work;
-    call->common->accept_failed = true; /* also compare a table that was not accepted */
+    call->common->accept_failed = call->common->accept_edited =
+        true; /* also compare a table that was not accepted */
     if (call->common->kinematics)
         return mukca_fail(&call->error, MUKCA_USAGE, "--kinematics: give the file as A or as B");
     mukca_status status = cli_keep_inputs(call, call->common->json);

@@ -16,6 +16,7 @@ void compensate_print_header(compensate_job *b, bool timed)
     const mukca_chain *chain = &b->arm->chain;
     if (b->to || b->headed) return;
     b->headed = true;
+    cli_print_verdict(b->call, b->stream);
     if (timed) fputs("time_s\t", b->stream);
     for (int j = 0; j < chain->n_joints; j++)
         fprintf(b->stream, "%s\t", mukca_chain_joint_name(chain, j));

@@ -174,7 +174,7 @@ static mukca_status load_model(cli_call *call, cli_model *model)
     if (status != MUKCA_OK || !offsets) return status;
     mukca_chain *chain = &model->chain;
     status = mukca_chain_with_frames(chain, chain, true, true, &call->error);
-    if (status == MUKCA_OK) status = cli_read_offsets(call, &model->offsets, chain, offsets);
+    if (status == MUKCA_OK) status = cli_read_offsets(call, &model->offsets, NULL, chain, offsets);
     if (status != MUKCA_OK) return status;
     mukca_rotation_from_rpy(turn, model->offsets.theta + 3); /* base in the tracker's frame */
     memcpy(gravity, chain->gravity, sizeof gravity);
@@ -199,7 +199,8 @@ static mukca_status run(cli_call *call)
     if (o->matrix && call->common->offsets)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--matrix trains from the nominal model: omit --offsets");
-    call->common->accept_failed = true; /* also evaluate a table that was not accepted */
+    call->common->accept_failed = call->common->accept_edited =
+        true; /* also evaluate a table that was not accepted */
     mukca_status status = cli_check_outputs(call);
     w->read_by_eye = isatty(STDOUT_FILENO) && !o->matrix && !call->common->output &&
                      !call->common->json && !call->common->quiet;

@@ -58,6 +58,7 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
         status = mukca_rows_open(&rows, path, &model->chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
     mukca_row_state_start(&states, model->chain.n_joints);
+    if (first) cli_print_verdict(call, stream);
     if (first) fputs(o->pose ? "x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n" : "x_m\ty_m\tz_m\n", stream);
     while (!ferror(stream)) {
         bool more;

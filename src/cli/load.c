@@ -18,11 +18,14 @@
 /* Larger values are in mm/s^2 or wrong: no arm works at 100 g. */
 static const double most_gravity = 1e3; /* m/s^2 */
 
-mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, const mukca_chain *chain,
-                              const char *path)
+mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
+                              const mukca_chain *chain, const char *path)
 {
-    const mukca_offsets_options options = {.force = call->common->force,
-                                           .accept_failed = call->common->accept_failed,
+    const cli_common *c = call->common;
+    const mukca_offsets_options options = {.force = c->force,
+                                           .accept = (c->accept_failed ? MUKCA_ACCEPT_FAILED : 0) |
+                                                     (c->accept_edited ? MUKCA_ACCEPT_EDITED : 0),
+                                           .own = own,
                                            .note = cli_note,
                                            .context = call};
     return mukca_offsets_read(offsets, chain, path, &options, &call->error);
@@ -66,7 +69,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     if (c->kinematics) status = read_kinematics(call, model);
     if (status != MUKCA_OK) return status;
     if (c->offsets)
-        status = cli_read_offsets(call, &model->offsets, &model->chain, c->offsets);
+        status = cli_read_offsets(call, &model->offsets, NULL, &model->chain, c->offsets);
     else
         mukca_offsets_init(&model->offsets, &model->chain);
     mukca_geometry_set(&model->geometry, &model->chain, model->offsets.theta);

@@ -58,6 +58,13 @@ mukca_status cli_check_outputs(cli_call *call)
     return MUKCA_OK;
 }
 
+void cli_print_verdict(const cli_call *call, FILE *stream)
+{
+    const mukca_acceptance *a = &call->session->model.offsets.acceptance;
+    if (a->given && !a->accepted)
+        fprintf(stream, "# the offsets table was not accepted: %s\n", a->reason);
+}
+
 mukca_status cli_output_open(cli_call *call, mukca_output *output)
 {
     const cli_common *c = call->common;

@@ -285,7 +285,8 @@ static mukca_status prepare_arm(cli_call *call)
     report_options *o = call->options;
     const cli_session *s = call->session;
     report_work *w = call->work;
-    call->common->accept_failed = true; /* also report on a table that was not accepted */
+    call->common->accept_failed = call->common->accept_edited =
+        true; /* also report on a table that was not accepted */
     w->page = (mukca_report){.chain = &s->model.chain,
                              .offsets = &w->offsets,
                              .train = &s->data,

@@ -109,8 +109,10 @@ const cli_command cli_command_serve = {
         "\nWith --publish-pose each joint state is answered by the pose of the tip, computed with "
         "the table in use, for controllers that cannot load a URDF. Joint drift is not included. A "
         "calibration or diagnosis does not change the table in use: the command use does, if the "
-        "result is accepted (see calibrate), its held-out error is at most twice that of the table "
-        "in use, and the tip moves by at most --most-change. The table in use is kept across "
+        "result is accepted (see calibrate), its error on the samples of its session and of that "
+        "of "
+        "the table in use is not larger than that table's, and the tip moves by at most "
+        "--most-change. The table in use is kept across "
         "restarts.",
     .example =
         "mukca serve --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "

@@ -153,7 +153,7 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
         if (status == MUKCA_OK)
             status = mukca_output_check(files[i], call->common->force, &call->error);
     }
-    call->common->accept_failed = true; /* the true arm may be any */
+    call->common->accept_failed = call->common->accept_edited = true; /* the true arm may be any */
     if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
     if (status) return status;
     s->recording = (mukca_simulate_options){.rows = o->rows,

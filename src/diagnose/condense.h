@@ -2,7 +2,7 @@
 #ifndef MUKCA_DIAGNOSE_CONDENSE_H
 #define MUKCA_DIAGNOSE_CONDENSE_H
 
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* Largest number of samples of a diagnosis: some 400 MB and ten seconds.  It determines the noise
  * to 1 % and detects amplitudes of a tenth of the noise. */

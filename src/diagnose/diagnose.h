@@ -7,7 +7,7 @@
 #include <stdbool.h>
 
 #include "base/pool.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 #include "mukca/effect.h"
 
 /* verdict, name in JSON */

@@ -3,7 +3,7 @@
 #define MUKCA_DIAGNOSE_POSTURES_H
 
 #include "base/pool.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* posture[n_rows] := the first row of each row's posture.  Returns the number of rows that repeat
  * one.  Scratch comes from `pool`; check pool->failed. */

@@ -5,7 +5,7 @@
 #define MUKCA_DIAGNOSE_RECORDING_H
 
 #include "infer/whitening.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 #include "mukca/effect.h"
 
 enum { MUKCA_MAX_LOGS = 16 };

@@ -2,7 +2,7 @@
 #ifndef MUKCA_FIT_COINCIDE_H
 #define MUKCA_FIT_COINCIDE_H
 
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* apart[n_distances]: distance between the centres of two sockets, m, if both labels appear to have
  * been recorded in one socket, else NaN.  Criterion: the distance is below the rms error of the

@@ -3,7 +3,7 @@
 #define MUKCA_FIT_COLUMNS_H
 
 #include "base/note.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* Note the joints that did not move, and the columns that repeat another one. */
 void mukca_columns_note(mukca_note_fn *note, void *context, const mukca_chain *chain,

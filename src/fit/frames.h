@@ -3,7 +3,7 @@
 #define MUKCA_FIT_FRAMES_H
 
 #include "fit/parameters.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* Copy of `chain` with a fixed element in front (from the tracker's frame to the arm's base) and,
  * if the chain does not end in a fixed joint, one at the end (target on the flange).  Errors:

@@ -10,7 +10,7 @@
 
 #include "fit/parameters.h"
 #include "fit/sweep.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* Weight of orientations against positions: good trackers measure to 0.1 mm and 1 mrad, which are
  * equivalent at the end of a tool of 0.1 m. */

@@ -2,7 +2,7 @@
 #ifndef MUKCA_FIT_PART_H
 #define MUKCA_FIT_PART_H
 
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* Set keep[n_rows] to 1 for at most some `most` samples: an equal share of `most` for each
  * placement and for the measured poses, or all of its samples if fewer.  Of a longer placement

@@ -5,58 +5,30 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "diagnose/scan.h"
 #include "math/stats.h"
-
-/* FNV-1a, 64 bits (Fowler, Noll, Vo). */
-static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t n)
-{
-    const unsigned char *b = bytes;
-    for (size_t i = 0; i < n; i++) hash = (hash ^ b[i]) * UINT64_C(1099511628211);
-    return hash;
-}
-
-#define HASH_START UINT64_C(14695981039346656037)
-
-/* Hash numbers rounded to multiples of `unit`: equal files from other tools differ in the last
- * digit. */
-static uint64_t hash_numbers(uint64_t hash, const double *x, int n, double unit)
-{
-    for (int i = 0; i < n; i++) {
-        const int64_t rounded = (int64_t)round(fmin(fmax(x[i] / unit, -1e15), 1e15));
-        hash = hash_bytes(hash, &rounded, sizeof rounded);
-    }
-    return hash;
-}
+#include "model/chain_hash.h"
 
 void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain)
 {
-    *model = (mukca_fleet_model){
-        .n_joints = chain->n_joints, .geometry = HASH_START, .masses = HASH_START};
+    *model = (mukca_fleet_model){.n_joints = chain->n_joints, .masses = MUKCA_HASH_START};
     memcpy(model->robot, chain->robot, sizeof model->robot);
     memcpy(model->base, chain->base, sizeof model->base);
     memcpy(model->tip, chain->tip, sizeof model->tip);
     for (int j = 0; j < chain->n_joints; j++)
         memcpy(model->joint[j], mukca_chain_joint_name(chain, j), sizeof *model->joint);
-    mukca_geometry nominal;
-    mukca_geometry_set(&nominal, chain, NULL);
     const int last = chain->joint_element[chain->n_joints - 1];
-    for (int k = 0; k <= last; k++) {
-        const mukca_element *e = &chain->element[k];
-        model->geometry = hash_numbers(model->geometry, nominal.origin[k].R, 9, 1e-6);
-        model->geometry = hash_numbers(model->geometry, nominal.origin[k].p, 3, 1e-6);
-        if (e->joint >= 0) model->geometry = hash_numbers(model->geometry, e->axis, 3, 1e-6);
-    }
     for (int i = 0; i < chain->n_masses; i++) {
         if (chain->mass[i].element >= last) continue; /* the last link carries the tool */
         const double element = chain->mass[i].element;
-        model->masses = hash_numbers(model->masses, &element, 1, 1);
-        model->masses = hash_numbers(model->masses, &chain->mass[i].kg, 1, 1e-3);
-        model->masses = hash_numbers(model->masses, chain->mass[i].com, 3, 1e-6);
+        model->masses = mukca_hash_numbers(model->masses, &element, 1, 1);
+        model->masses = mukca_hash_numbers(model->masses, &chain->mass[i].kg, 1, 1e-3);
+        model->masses = mukca_hash_numbers(model->masses, chain->mass[i].com, 3, 1e-6);
     }
-    model->masses = hash_numbers(model->masses, chain->gravity, 3, 1e-3);
+    model->masses = mukca_hash_numbers(model->masses, chain->gravity, 3, 1e-3);
     /* factory files differ between arms of one model */
-    if (chain->urdf_geometry) model->geometry = chain->urdf_geometry;
+    model->geometry = chain->urdf_geometry ? chain->urdf_geometry : mukca_chain_hash(chain);
 }
 
 const char *mukca_fleet_model_differs(const mukca_fleet_model *a, const mukca_fleet_model *b)
@@ -72,9 +44,10 @@ const char *mukca_fleet_model_differs(const mukca_fleet_model *a, const mukca_fl
 uint64_t mukca_summary_hash(const mukca_dataset *data)
 {
     const size_t rows = (size_t)data->n_rows;
-    uint64_t hash = hash_bytes(HASH_START, data->q, rows * (size_t)data->n_joints * sizeof(double));
-    hash = hash_bytes(hash, data->socket, rows * sizeof *data->socket);
-    if (data->position) hash = hash_bytes(hash, data->position, 3 * rows * sizeof(double));
+    uint64_t hash =
+        mukca_hash(MUKCA_HASH_START, data->q, rows * (size_t)data->n_joints * sizeof(double));
+    hash = mukca_hash(hash, data->socket, rows * sizeof *data->socket);
+    if (data->position) hash = mukca_hash(hash, data->position, 3 * rows * sizeof(double));
     return hash;
 }
 

@@ -3,7 +3,7 @@
 #define MUKCA_IO_DATASET_BUILD_H
 
 #include "io/rows.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 typedef struct {
     mukca_dataset *data;

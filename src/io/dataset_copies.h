@@ -3,7 +3,7 @@
 #define MUKCA_IO_DATASET_COPIES_H
 
 #include "base/note.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* Remove the samples of `data` that repeat a sample of `of`, or if `of` is NULL an earlier sample
  * of `data`; then sockets and placements without samples.  One note per file.  Samples are

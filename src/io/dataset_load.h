@@ -3,7 +3,7 @@
 #define MUKCA_IO_DATASET_LOAD_H
 
 #include "io/rows.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 typedef struct {
     double distance;       /* between any two sockets of a placement, m; 0: 0.05 */

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* Separator of a new file: a comma if its name ends in .csv, else a tab. */
 char mukca_dataset_separator(const char *path);

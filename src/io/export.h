@@ -86,6 +86,10 @@ mukca_status mukca_export_check(mukca_export_difference *difference, const char 
 /* Print three lines of provenance, each preceded by `prefix`. */
 void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_export_input *input);
 
+/* Print a comment if the table was not accepted; not in a format without comments. */
+void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter,
+                          const mukca_acceptance *acceptance);
+
 /* Print a text in double quotes, escaped as C, JSON and YAML require. */
 void mukca_export_quoted(FILE *stream, const char *text);
 

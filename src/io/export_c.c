@@ -212,8 +212,9 @@ static void print_applied(FILE *stream, const mukca_offsets *o)
         print_list(stream, "},\n         .coefficient = {", e->coefficient, e->terms);
         fputs("},", stream);
     }
-    fprintf(stream, "%s},\n    .judged = %d, .accepted = %d,\n", o->n_effects ? "\n    " : "{0}",
-            o->acceptance.given, o->acceptance.accepted);
+    fprintf(stream, "%s},\n    .judged = %d, .accepted = %d, .intact = %d,\n",
+            o->n_effects ? "\n    " : "{0}", o->acceptance.given, o->acceptance.accepted,
+            o->acceptance.intact);
 }
 
 /* Print the arm as mukca_corrected_parse would construct it, for read-only memory. */

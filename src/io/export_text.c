@@ -65,6 +65,16 @@ void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_expor
     fprintf(stream, ".\n%sSHA-256 of the URDF: %s\n", prefix, input->chain->urdf_sha256);
 }
 
+void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter, const mukca_acceptance *a)
+{
+    const char *const xml[2] = {"<!--", "-->"};
+    const char *const *comment = exporter->format->comment[0] ? exporter->format->comment : xml;
+    if (!a->given || a->accepted || exporter->format->zeros_only) return;
+    fprintf(stream, "%s The offsets table was not accepted: ", comment[0]);
+    print_plain(stream, a->reason);
+    fprintf(stream, " %s\n", comment[1]);
+}
+
 void mukca_export_numbers(FILE *stream, const double *values, int n, const char *separator)
 {
     char text[MUKCA_NUMBER_SIZE];

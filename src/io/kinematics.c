@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/note.h"
 #include "base/number.h"
-#include "fleet/summary.h"
+#include "model/chain_hash.h"
 
 /* A robot's file has some 60 lines; a larger one is of another kind. */
 enum { LARGEST_FILE = 1 << 20, DEEPEST = 4 };
@@ -236,8 +236,7 @@ mukca_status mukca_kinematics_apply(mukca_chain *chain, const mukca_kinematics *
 {
     bool set[MUKCA_MAX_ELEMENTS] = {false};
     int ignored = 0;
-    mukca_fleet_model model;
-    mukca_fleet_model_of(&model, chain);
+    const uint64_t urdf_geometry = mukca_chain_hash(chain);
     for (int i = 0; i < kinematics->n; i++) {
         const mukca_kinematics_entry *entry = &kinematics->entry[i];
         const int k = mukca_kinematics_find(chain, entry->name);
@@ -268,6 +267,6 @@ mukca_status mukca_kinematics_apply(mukca_chain *chain, const mukca_kinematics *
                           mukca_file_shown(path), ignored, chain->base, chain->tip);
     memcpy(chain->kinematics_sha256, kinematics->sha256, sizeof chain->kinematics_sha256);
     memcpy(chain->kinematics_hash, kinematics->hash, sizeof chain->kinematics_hash);
-    chain->urdf_geometry = model.geometry;
+    chain->urdf_geometry = urdf_geometry;
     return MUKCA_OK;
 }

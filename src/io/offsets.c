@@ -1,12 +1,14 @@
 /* Offsets tables as files. */
 #include "io/offsets.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/note.h"
 #include "mukca/version.h"
 
@@ -82,15 +84,12 @@ static void write_acceptance(FILE *stream, const mukca_acceptance *a)
     }
 }
 
-mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
-                                 const mukca_chain *chain, const mukca_dataset *data,
-                                 const char *comments, mukca_error *error)
+/* Write all lines but that of the digest; rows[MUKCA_MAX_OFFSET_ROWS] is scratch. */
+static void write_lines(FILE *stream, mukca_offset_row *rows, const mukca_offsets *offsets,
+                        const mukca_chain *chain, const mukca_dataset *data, const char *comments)
 {
     char when[32];
-    mukca_offset_row *rows = calloc(MUKCA_MAX_OFFSET_ROWS, sizeof *rows);
-    if (!rows) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_offsets_time(when);
-    fputs("# mukca " MUKCA_VERSION " offsets table\n", stream);
     print_line(stream, "robot: ", chain->robot);
     print_line(stream, "urdf_sha256: ", chain->urdf_sha256);
     if (chain->kinematics_sha256[0])
@@ -120,47 +119,27 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
         fprintf(stream, "%s\t%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%d\t%s\n", rows[i].joint,
                 rows[i].parameter, rows[i].unit, rows[i].nominal, rows[i].calibrated,
                 rows[i].offset, rows[i].sigma, rows[i].identifiable, rows[i].term);
+}
+
+mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
+                                 const mukca_chain *chain, const mukca_dataset *data,
+                                 const char *comments, mukca_error *error)
+{
+    static const char title[] = "# mukca " MUKCA_VERSION " offsets table\n";
+    char *text = NULL;
+    size_t size = 0;
+    mukca_offset_row *rows = calloc(MUKCA_MAX_OFFSET_ROWS, sizeof *rows);
+    FILE *memory = rows ? open_memstream(&text, &size) : NULL;
+    if (memory) write_lines(memory, rows, offsets, chain, data, comments);
+    const bool whole = memory && mukca_file_close(memory, &text);
+    if (whole) {
+        const uint64_t start = mukca_hash(MUKCA_HASH_START, title, sizeof title - 1);
+        fprintf(stream, "%s# digest: %016" PRIx64 "\n%s", title, mukca_hash(start, text, size),
+                text);
+    }
+    free(text);
     free(rows);
-    return MUKCA_OK;
-}
-
-/* Copy the value of the comment "# key: value" to value[MUKCA_NAME_SIZE]; empty: no such
- * comment. */
-static void find_comment(char *value, const char *text, const char *key)
-{
-    const char *at = strstr(text, key);
-    if (at) at += strlen(key);
-    snprintf(value, MUKCA_NAME_SIZE, "%.*s", at ? (int)strcspn(at, "\r\n") : 0, at ? at : "");
-}
-
-/* Check that table and chain are from the same UR factory file, whose hash identifies the robot.
- * With `force`, a difference is only noted. */
-static mukca_status check_robot(const char *text, const mukca_offsets_origin *origin,
-                                const mukca_chain *chain, const mukca_offsets_options *options,
-                                mukca_error *error)
-{
-    char hash[MUKCA_NAME_SIZE], sha256[MUKCA_NAME_SIZE], fault[192];
-    find_comment(hash, text, "\n# kinematics_hash: ");
-    find_comment(sha256, text, "\n# kinematics_sha256: ");
-    if (!hash[0] || !chain->kinematics_hash[0]) return MUKCA_OK;
-    if (strcmp(hash, chain->kinematics_hash) != 0)
-        snprintf(fault, sizeof fault,
-                 "is of the robot %.40s, the factory file of %.40s: another robot, or one "
-                 "calibrated anew",
-                 hash, chain->kinematics_hash);
-    else if (strncmp(sha256, chain->kinematics_sha256, sizeof sha256 - 1) != 0)
-        snprintf(fault, sizeof fault,
-                 "the factory file has the table's hash, %.40s, but was edited or exported from a "
-                 "fit",
-                 hash);
-    else
-        return MUKCA_OK;
-    if (!options->force)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s: %s; give the file of the table (--force takes any)", origin->name,
-                          fault);
-    mukca_note_format(options->note, options->context, "%s: %s", origin->name, fault);
-    return MUKCA_OK;
+    return whole ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
 mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain, const char *path,
@@ -169,18 +148,18 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
     char *text;
     mukca_offsets_origin origin = {.name = mukca_file_shown(path),
                                    .force = options->force,
-                                   .accept_failed = options->accept_failed};
+                                   .accept = options->accept,
+                                   .own = options->own};
     mukca_note_fn *note = options->note;
     void *context = options->context;
     mukca_status status = mukca_file_read(&text, path, error);
     if (status != MUKCA_OK) return status;
-    status = check_robot(text, &origin, chain, options, error);
-    if (status == MUKCA_OK) status = mukca_offsets_parse(offsets, &origin, chain, text, error);
+    status = mukca_offsets_parse(offsets, &origin, chain, text, error);
     free(text);
     if (status != MUKCA_OK) return status;
-    if (origin.other)
-        mukca_note_format(note, context, "%s: made for another URDF; its offsets are added to this",
-                          origin.name);
+    if (origin.other || origin.other_file)
+        mukca_note_format(note, context, "%s: made for another %s; its offsets are added to this",
+                          origin.name, origin.other ? "URDF" : "factory file");
     if (origin.ignored)
         mukca_note_format(note, context,
                           "%s: %d rows of joints that are not between '%s' and '%s' ignored",
@@ -193,5 +172,9 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
     else if (!offsets->acceptance.accepted)
         mukca_note_format(note, context, "%s: this calibration did not pass: %s", origin.name,
                           offsets->acceptance.reason);
+    else if (!offsets->acceptance.intact)
+        mukca_note_format(note, context,
+                          "%s: has no digest (older, or edited); check it with mukca evaluate",
+                          origin.name);
     return MUKCA_OK;
 }

@@ -14,15 +14,16 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
 
 /* Zeroed: the table must be of this arm and accepted; no notes. */
 typedef struct {
-    bool force;         /* accept a table of another URDF */
-    bool accept_failed; /* accept a table that was not accepted as a calibration */
+    bool force;       /* accept a table of another URDF */
+    int accept;       /* MUKCA_ACCEPT_* */
+    mukca_chain *own; /* out: the chain in the table's comments, for which it is then read */
     mukca_note_fn *note;
     void *context; /* of `note` */
 } mukca_offsets_options;
 
 /* Read the table at `path` (mukca_offsets_parse).  Notes: made for another URDF, rows of joints
- * that are not in the chain, no verdict, not accepted.  Errors: MUKCA_INPUT (file, line, column;
- * not accepted), MUKCA_MEMORY. */
+ * that are not in the chain, no verdict, not accepted, no digest.  Errors: MUKCA_INPUT (file, line,
+ * column; not accepted), MUKCA_MEMORY. */
 mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain, const char *path,
                                 const mukca_offsets_options *options, mukca_error *error);
 

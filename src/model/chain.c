@@ -1,7 +1,14 @@
-/* Look-ups in a chain, and its parameter vectors. */
+/* Look-ups in a chain, its parameter vectors; the version of the library. */
 #include "mukca/chain.h"
 
 #include <string.h>
+
+#include "mukca/version.h"
+
+const char *mukca_version(void)
+{
+    return MUKCA_VERSION;
+}
 
 const char *const mukca_joint_type_name[4] = {"fixed", "revolute", "continuous", "prismatic"};
 

@@ -1,5 +1,5 @@
 /* Datasets: allocation, freeing, subsets. */
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -10,7 +10,7 @@
 
 #include <stdint.h>
 
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 #include "mukca/effect.h"
 
 /* Log Bayes factor above which a diagnosis names one of two causes even if they are strongly

@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
+#include "model/dataset.h"
 #include "mukca/chain.h"
-#include "mukca/dataset.h"
 
 /* One row; values not recorded are NaN. */
 typedef struct {

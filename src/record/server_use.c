@@ -10,10 +10,6 @@
 #include "io/output.h"
 #include "record/server.h"
 
-/* Largest ratio of the held-out error to that of the table in use.  The mean error of some 40
- * samples varies by a tenth by chance, and placements differ; neither explains a factor of two. */
-static const double most_error_ratio = 2;
-
 static void path_in_use(char path[MUKCA_SERVER_PATH], const mukca_server *s)
 {
     snprintf(path, MUKCA_SERVER_PATH, "%.800s/in_use.tsv", s->options->folder);
@@ -40,9 +36,9 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
     mukca_acceptance *a = &offsets->acceptance;
     mukca_status status = mukca_offsets_parse(offsets, &origin, s->recorder.chain, text, error);
     if (status != MUKCA_OK) return status;
-    if (!a->given)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s has no verdict: calibrate again, then use the result", name);
+    if (!a->given || !a->intact)
+        return mukca_fail(error, MUKCA_INPUT, "%s has no %s: calibrate again, then use the result",
+                          name, a->given ? "digest" : "verdict");
     mukca_tip_change_judge(offsets,
                            &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
     mukca_acceptance_judge(a, NULL, (double)NAN);
@@ -70,7 +66,7 @@ mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
 mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error)
 {
     mukca_server_state *state = &s->state;
-    const mukca_offsets_options options = {.accept_failed = true};
+    const mukca_offsets_options options = {.accept = MUKCA_ACCEPT_FAILED};
     mukca_status status =
         mukca_offsets_read(&s->candidate, s->recorder.chain, s->job.offsets, &options, error);
     if (status != MUKCA_OK) return status;
@@ -80,25 +76,35 @@ mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error)
     return mukca_server_save_state(s, error);
 }
 
-/* Conditions relative to the table in use. */
-static mukca_status check_change(const mukca_server *s, mukca_error *error)
+/* Conditions relative to the table in use, on the samples of both sessions.  The new session counts
+ * twice, as it shows the arm as it is: a change of the arm makes the two differences equal and
+ * opposite.  --most-change does not protect a table in use that is worse on the new session and no
+ * better on its own. */
+static mukca_status check_change(mukca_server *s, mukca_error *error)
 {
-    const mukca_offsets *now = &s->pose.offsets, *next = &s->candidate;
+    mukca_server_difference new, old;
     const double most = s->options->most_change;
     if (!s->pose.ready) return MUKCA_OK;
-    if (next->acceptance.error_m > most_error_ratio * now->acceptance.error_m)
-        return mukca_fail(error, MUKCA_NEGATIVE,
-                          "%s: held-out error %.3f mm, that of the table in use %.3f mm; record "
-                          "more samples",
-                          s->state.candidate, 1e3 * next->acceptance.error_m,
-                          1e3 * now->acceptance.error_m);
+    mukca_status status = mukca_server_compare(&new, s, s->state.candidate, error);
+    if (status == MUKCA_OK) status = mukca_server_compare(&old, s, s->state.model, error);
+    if (status != MUKCA_OK) return status;
+    const double difference = 2 * new.mean + old.mean, sigma = hypot(2 * new.sigma, old.sigma);
     const double change = mukca_tip_change(
-        NULL, &(mukca_tip_change_task){.chain = s->recorder.chain, .from = now, .to = next});
-    if (change <= most) return MUKCA_OK;
+        NULL, &(mukca_tip_change_task){
+                  .chain = s->recorder.chain, .from = &s->pose.offsets, .to = &s->candidate});
+    const bool worse = new.mean < -2 * new.sigma &&old.postures &&old.mean <= 2 * old.sigma;
+    if (!(change <= most) && !worse)
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "%s: moves the tip by %.1f mm against the table in use, at most %.1f mm "
+                          "(--most-change)",
+                          s->state.candidate, 1e3 * change, 1e3 * most);
+    if (difference <= 2 * sigma) return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
-                      "%s: moves the tip by %.1f mm against the table in use, at most %.1f mm "
-                      "(--most-change)",
-                      s->state.candidate, 1e3 * change, 1e3 * most);
+                      "%s: error %+.3f mm (standard error %.3f mm) against the table in use on its "
+                      "own session, %+.3f mm (%.3f mm) on that of the table in use; record more "
+                      "samples",
+                      s->state.candidate, 1e3 * new.mean, 1e3 * new.sigma, 1e3 * old.mean,
+                      1e3 * old.sigma);
 }
 
 static mukca_status write_in_use(const mukca_server *s, const char *text, mukca_error *error)

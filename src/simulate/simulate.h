@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 #include "math/random.h"
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 /* Purposes of random numbers. */
 typedef enum {

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "mukca/dataset.h"
+#include "model/dataset.h"
 
 static inline void dataset_check(const mukca_dataset *data)
 {

@@ -16,9 +16,8 @@ static void check_round(const mukca_offsets *offsets)
     if (mukca_offsets_write(stream, offsets, &chain, NULL, NULL, &error) != MUKCA_OK) abort();
     fclose(stream);
     const char *path = memory_file((const uint8_t *)text, length);
-    if (mukca_offsets_read(&again, &chain, path, &(mukca_offsets_options){.accept_failed = true},
-                           &error) != MUKCA_OK)
-        abort();
+    const mukca_offsets_options options = {.accept = MUKCA_ACCEPT_FAILED};
+    if (mukca_offsets_read(&again, &chain, path, &options, &error) != MUKCA_OK) abort();
     if (again.n_effects != offsets->n_effects ||
         again.acceptance.given != offsets->acceptance.given ||
         again.acceptance.accepted != offsets->acceptance.accepted ||
@@ -42,7 +41,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     }
     const char *path = memory_file(bytes, size);
     mukca_status status = mukca_offsets_read(
-        &offsets, &chain, path, &(mukca_offsets_options){.force = size % 2, .accept_failed = true},
+        &offsets, &chain, path,
+        &(mukca_offsets_options){.force = size % 2,
+                                 .accept = MUKCA_ACCEPT_FAILED | MUKCA_ACCEPT_EDITED},
         &error);
     if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
     if (status == MUKCA_OK) check_round(&offsets);

@@ -32,7 +32,8 @@ def write_table(path, effects):
         for joint, parameter, nominal in GEOMETRY:
             f.write(f"{joint}\t{parameter}\tm\t{nominal}\t{nominal + 2e-3}\t0.002\t0\t1\t-\n")
         for joint, effect, value, term in effects:
-            f.write(f"{joint}\t{effect}\tSI\t0\t{value}\t{value}\t0\t1\t{term}\n")
+            unit = "rad" if effect == "backlash" else "rad/(N*m)"
+            f.write(f"{joint}\t{effect}\t{unit}\t0\t{value}\t{value}\t0\t1\t{term}\n")
 
 
 def run(*arguments, text=None):

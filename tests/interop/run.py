@@ -96,11 +96,11 @@ def write_offsets(path, urdf, joints):
     sha = hashlib.sha256(open(urdf, "rb").read()).hexdigest()
     with open(path, "w") as f:
         f.write("# urdf_sha256: %s\n" % sha)
-        f.write("joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\n")
+        f.write("joint\tparameter\tnominal\tcalibrated\toffset\tsigma\tidentifiable\n")
         for name, _, _, _, origin in joints:
             for p, nominal in zip("x y z roll pitch yaw".split(), origin):
                 value = nominal + random.gauss(0, 3e-3)
-                f.write("%s\t%s\t-\t%.17g\t%.17g\t%.17g\t0\t1\n" % (name, p, nominal, value, value - nominal))
+                f.write("%s\t%s\t%.17g\t%.17g\t%.17g\t0\t1\n" % (name, p, nominal, value, value - nominal))
 
 
 def run(*args):
@@ -184,10 +184,10 @@ def check_npy(urdf, tip, moving, rows, table):
     sha = hashlib.sha256(open(urdf, "rb").read()).hexdigest()
     with open(offsets, "w") as f:
         f.write("# urdf_sha256: %s\n" % sha)
-        f.write("joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\n")
+        f.write("joint\tparameter\tnominal\tcalibrated\toffset\tsigma\tidentifiable\n")
         for name, new, old in turned:
             for p, value, nominal in zip("x y z roll pitch yaw".split(), new, old):
-                f.write("%s\t%s\t-\t%.17g\t%.17g\t%.17g\t0\t1\n" % (name, p, nominal, value, value - nominal))
+                f.write("%s\t%s\t%.17g\t%.17g\t%.17g\t0\t1\n" % (name, p, nominal, value, value - nominal))
     array = os.path.join(WORK, "joint_pos_offset.npy")
     run("export", "--urdf", urdf, "--tip", tip, "--offsets", offsets, "-o", array, "--force")
     added = np.load(array)

@@ -31,6 +31,22 @@ def moved(a, b):
     return 1e3 * sum((x - y) ** 2 for x, y in zip(a, b)) ** 0.5 if a and b else float("nan")
 
 
+def turned(path, offset, forged=True):
+    """The table at `path` with joint_2 turned by `offset`, and the digest of these lines if `forged`."""
+    lines = open(path).read().split("\n")
+    for i, line in enumerate(lines):
+        cells = line.split("\t")
+        if cells[:2] == ["joint_2", "roll"]:
+            cells[4:6] = ["%.17g" % (float(x) + offset) for x in cells[4:6]]
+            lines[i] = "\t".join(cells)
+    value = 14695981039346656037  # FNV-1a
+    for byte in "\n".join(lines[:1] + lines[2:]).encode():
+        value = (value ^ byte) * 1099511628211 % 2**64
+    if forged:
+        lines[1] = "# digest: %016x" % value
+    return "\n".join(lines)
+
+
 def session(client, arm, name, rows):
     client.command("start", name)
     taken = len(take(client, arm, rows))
@@ -42,6 +58,7 @@ def session(client, arm, name, rows):
 def main():
     random.seed(3)
     client, state = Client(), fresh("use")
+    good_table = os.path.join(state, "results", "good.offsets.tsv")
     good = [ROWS[i * len(ROWS) // 40] for i in range(40)]
     evil = [("x%d" % random.randrange(2), random.choice("01"), q) for _, _, q in good[:24]]
     still = [("a", "01"[i % 2], [x + 1e-5 * i for x in HOME]) for i in range(12)]
@@ -61,6 +78,19 @@ def main():
         first = pose(client, arm)
         check("poses follow", first is not None)
 
+        # a bad table in use does not keep the good one out
+        stop(p)
+        bad = turned(good_table, 0.03)
+        with open(os.path.join(state, "in_use.tsv"), "w") as f:
+            f.write(bad)
+        p = serve(state)
+        client.wait_stream()
+        distance = moved(first, pose(client, arm))
+        check("bad table: its pose", distance > 3, (distance, p.said))
+        answer = client.command("use")
+        check("bad table: the good one is taken", answer.code == 0 and "good.offsets.tsv" in answer.text, answer.text)
+        check("bad table: poses follow", moved(first, pose(client, arm)) < 0.01)
+
         for name, rows in (("evil", evil), ("still", still)):
             result, used = session(client, arm, name, rows)
             check(name + ": calibrate does not pass", result.code == 1 and "not accepted" in result.text,
@@ -71,16 +101,13 @@ def main():
             check(name + ": the table in use stays", "good.offsets" in client.command("result").text)
         # a table that says of itself that it passed, and moves the tip: judged anew
         path = os.path.join(state, "results", "still.offsets.tsv")
-        lines = open(os.path.join(state, "results", "good.offsets.tsv")).read().split("\n")
-        for offset, text, code in ((2.0, "standard deviations of its prior", 3),
-                                   (0.03, "against the table in use, at most 10.0 mm", 1)):
+        for offset, forged, text, code in ((0.03, False, "was edited or cut", 3),
+                                           (2.0, True, "standard deviations of its prior", 3),
+                                           (0.03, True, "against the table in use, at most 10.0 mm", 1),
+                                           (0.004, True, "against the table in use on its own session", 1)):
+            table = turned(good_table, offset, forged)
             with open(path, "w") as f:
-                for line in lines:
-                    cells = line.split("\t")
-                    if cells[:2] == ["joint_2", "roll"]:
-                        cells[4] = "%.17g" % (float(cells[4]) + offset)
-                        cells[5] = "%.17g" % (float(cells[5]) + offset)
-                    f.write("\t".join(cells) + "\n")
+                f.write(table)
             answer = client.command("use")
             check("a change of %g rad is refused" % offset, answer.code == code and text in answer.text,
                   (answer.code, answer.text))
@@ -96,7 +123,7 @@ def main():
         answer = client.command("use")
         check("use must be named in --accept", answer.code == 1 and "naming use" in answer.text, answer.text)
         stop(p)
-        lines = [line for line in open(os.path.join(state, "in_use.tsv")) if not line.startswith("# accepted")]
+        lines = [line for line in open(os.path.join(state, "in_use.tsv")) if not line.startswith(("# accepted", "# digest"))]
         with open(os.path.join(state, "in_use.tsv"), "w") as f:
             f.writelines(lines)
         p = serve(state)

@@ -7,6 +7,7 @@
 #include "mukca/chain.h"
 #include "mukca/effect.h"
 #include "mukca/gravity.h"
+#include "mukca/version.h"
 
 #define PI 3.14159265358979323846
 
@@ -315,10 +316,21 @@ static void catalogue(void **state)
     }
 }
 
+static void version(void **state)
+{
+    (void)state;
+    char text[32];
+    snprintf(text, sizeof text, "%d.%d.%d", MUKCA_VERSION_MAJOR, MUKCA_VERSION_MINOR,
+             MUKCA_VERSION_PATCH);
+    assert_string_equal(text, MUKCA_VERSION);
+    assert_string_equal(text, mukca_version());
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(rotations), cmocka_unit_test(kinematics),
                                        cmocka_unit_test(moments),   cmocka_unit_test(effect_terms),
-                                       cmocka_unit_test(old_terms), cmocka_unit_test(catalogue)};
+                                       cmocka_unit_test(old_terms), cmocka_unit_test(catalogue),
+                                       cmocka_unit_test(version)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -297,8 +297,8 @@ static void check_table(const char *effects, bool effort, double mass_error)
     FILE *file = fopen(path, "w");
     assert_int_equal(mukca_offsets_write(file, written, &chain, &data, NULL, &error), MUKCA_OK);
     fclose(file);
-    if (mukca_offsets_read(back, &s.chain, path, &(mukca_offsets_options){.accept_failed = true},
-                           &error))
+    if (mukca_offsets_read(back, &s.chain, path,
+                           &(mukca_offsets_options){.accept = MUKCA_ACCEPT_FAILED}, &error))
         fail_msg("%s", error.text);
 
     mukca_geometry geometry;

@@ -371,9 +371,9 @@ static void columns_may_stand_in_any_order(void **state)
                 (size_t)snprintf(reversed + to, sizeof reversed - to, "%.*s\n", (int)length, line);
         line += length + (line[length] == '\n');
     }
-    if (mukca_corrected_parse(&other, reversed, strlen(reversed), &error))
+    if (mukca_corrected_parse_any(&other, reversed, strlen(reversed), MUKCA_ACCEPT_EDITED, &error))
         fail_msg("%s", error.text);
-    assert_memory_equal(&other, &model, sizeof model);
+    assert_memory_equal(&other, &model, offsetof(mukca_corrected, judged));
 }
 
 static void a_million_calls_allocate_nothing(void **state)

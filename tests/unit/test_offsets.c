@@ -176,14 +176,45 @@ static void controllers_get_no_failed_table(void **state)
     assert_int_equal(mukca_corrected_load(model, write_table(), &error), MUKCA_INPUT);
     assert_non_null(strstr(error.text, "did not pass: moves the tip by 551 mm"));
     assert_true(model->judged && !model->accepted);
-    assert_int_equal(mukca_corrected_load_any(model, path, true, &error), MUKCA_OK);
+    assert_int_equal(mukca_corrected_load_any(model, path, MUKCA_ACCEPT_FAILED, &error), MUKCA_OK);
     assert_true(model->judged && !model->accepted);
     assert_int_equal(read_table(path, false), MUKCA_INPUT);
     offsets.acceptance.accepted = true;
     offsets.acceptance.reason[0] = '\0';
     assert_int_equal(mukca_corrected_load(model, write_table(), &error), MUKCA_OK);
-    assert_true(model->judged && model->accepted);
+    assert_true(model->judged && model->accepted && model->intact);
     free(model);
+}
+
+/* A table that is cut anywhere, or with any byte changed, is refused; both as bytes and as a file.
+ */
+static void edited_tables_are_refused(void **state)
+{
+    (void)state;
+    mukca_corrected *model = calloc(1, sizeof *model);
+    add_effects();
+    offsets.acceptance = good_verdict();
+    mukca_acceptance_judge(&offsets.acceptance, NULL);
+    char *text = scratch_read(write_table());
+    const size_t size = strlen(text);
+    assert_int_equal(mukca_corrected_parse(model, text, size, &error), MUKCA_OK);
+    for (size_t n = 0; n < size; n++)
+        assert_int_equal(mukca_corrected_parse(model, text, n, &error), MUKCA_INPUT);
+    for (char *at = strstr(text, "# digest: ") + 10; *at; at++) {
+        *at ^= 1;
+        assert_int_equal(mukca_corrected_parse(model, text, size, &error), MUKCA_INPUT);
+        *at ^= 1;
+    }
+    char *digest = strstr(text, "# digest: ") + 10;
+    *digest = *digest == '0' ? '1' : '0';
+    assert_int_equal(mukca_corrected_parse_any(model, text, size, MUKCA_ACCEPT_EDITED, &error),
+                     MUKCA_OK);
+    assert_true(model->judged && !model->accepted && !model->intact);
+    const char *path = scratch_file("edited.tsv", text);
+    assert_error(read_table(path, false), MUKCA_INPUT, error, "was edited or cut");
+    assert_error(read_table(path, true), MUKCA_INPUT, error, "was edited or cut"); /* --force */
+    free(model);
+    free(text);
 }
 
 /* One joint about z turned by 10 mrad moves a tip at a radius r by 10e-3 r. */
@@ -220,6 +251,7 @@ static void tables_tell_where_they_come_from(void **state)
     unsetenv("SOURCE_DATE_EPOCH");
     static const char *const parts[] = {
         "# mukca ",
+        "# digest: ",
         " offsets table\n",
         "# robot: odd & arm\n",
         "# urdf_sha256: ",
@@ -244,6 +276,7 @@ static void another_arms_table_is_refused(void **state)
     const char *path = write_table();
     char *text = scratch_read(path);
     strstr(text, "# urdf_sha256: ")[20] ^= 1;
+    memcpy(strstr(text, "# digest"), "# d     ", 8); /* as if made by hand */
     path = scratch_file("other.tsv", text);
     free(text);
     assert_error(read_table(path, false), MUKCA_INPUT, error, "was made for another URDF");
@@ -269,6 +302,8 @@ static void broken_tables_get_one_clear_line(void **state)
         {"a\tx\tm\t0\tnan\t1\t0\t1\t-", "'nan' is not a finite number"},
         {"a\tx\tm\t0\t1\t1\tbig\t1\t-", "column 'sigma': 'big'"},
         {"a\tx\tm\t0.1\t1.1\t1\t0\t1\t-\na\tx\tm\t0.1\t1.1\t1\t0\t1\t-", "comes twice"},
+        {"a\tx\tmm\t0\t1\t1\t0\t1\t-", "column 'unit': is 'mm'; convert the row to m"},
+        {"a\tyaw\tdeg\t0\t1\t1\t0\t1\t-", "column 'unit': is 'deg'; convert the row to rad"},
         {"a\twidth\tm\t0\t1\t1\t0\t1\t-", "neither a parameter nor an effect"},
         {"q\tbacklash\trad\t0\t1\t1\t0\t1\ttorque_scale=300mNm", "no such joint"},
         {"a\tbacklash\trad\t0\t1\t1\t0\t1\tplacement=0", "column 'term': does not fit"},
@@ -299,6 +334,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(tables_come_back_to_the_last_bit),
                                        cmocka_unit_test(each_gate_refuses),
                                        cmocka_unit_test(controllers_get_no_failed_table),
+                                       cmocka_unit_test(edited_tables_are_refused),
                                        cmocka_unit_test(the_tip_change_is_measured),
                                        cmocka_unit_test(tables_tell_where_they_come_from),
                                        cmocka_unit_test(another_arms_table_is_refused),

@@ -11,7 +11,7 @@ run fk $a --offsets ok.tsv good/hole_0.csv
 expect "an accepted table is used without a word" test "$code" = 0 -a ! -s "$scratch/err"
 
 # every command that carries the table on refuses it, and says how to use it nevertheless
-sed 's/^# accepted: yes/# accepted: no; moves the tip by 551 mm/' ok.tsv >failed.tsv
+sed -e '/^# digest/d' -e 's/^# accepted: yes/# accepted: no; moves the tip by 551 mm/' ok.tsv >failed.tsv
 refused() {
     refuse 3 'failed.tsv: this calibration did not pass: moves the tip by 551 mm (--accept-failed' "$@"
 }
@@ -22,14 +22,32 @@ for command in "fk good/hole_0.csv" "compensate good/hole_0.csv" "export -o new.
 done
 accept 'note: failed.tsv: this calibration did not pass' fk $a --offsets failed.tsv --accept-failed good/hole_0.csv
 accept 'note: failed.tsv: this calibration did not pass' export $a --offsets failed.tsv --accept-failed
+expect 'the export says so' grep -q '^<!-- The offsets table was not accepted: moves the tip by 551 mm -->$' "$scratch/out"
 answer 'Table not accepted: moves the tip by 551 mm' evaluate $a --offsets failed.tsv sim.tsv -o scores.tsv
 answer 'Table accepted: held-out error' evaluate $a --offsets ok.tsv sim.tsv -o scores.tsv --force
-sed '/^# accepted/d' ok.tsv >old.tsv
+sed '/^# digest/d' ok.tsv >old.tsv
+accept 'note: old.tsv: has no digest' fk $a --offsets old.tsv good/hole_0.csv
+sed -e '/^# accepted/d' -e '/^# digest/d' ok.tsv >old.tsv
 accept 'note: old.tsv: has no verdict' fk $a --offsets old.tsv good/hole_0.csv
 sed 's/^# accepted: yes/&\n# accepted: no; twice/' ok.tsv >failed.tsv
 refuse 3 'did not pass: twice' fk $a --offsets failed.tsv good/hole_0.csv
 sed 's/^# accepted: yes/# NOT CONVERGED/' ok.tsv >failed.tsv
 refuse 3 'did not pass: NOT CONVERGED' fk $a --offsets failed.tsv good/hole_0.csv
+
+# a table that was edited or cut says so, and so does what is made from it
+awk -F '\t' -v OFS='\t' '$1 == "j2" && $2 == "x" { $5 += 0.1; $6 += 0.1 } 1' ok.tsv >edited.tsv
+head -c -1 ok.tsv >cut.tsv
+for table in edited cut; do
+    refuse 3 "$table.tsv: was edited or cut after it was written: the digest differs" export $a --offsets $table.tsv -o new.urdf
+    accept "note: $table.tsv: this calibration did not pass: the table was edited or cut" fk $a --offsets $table.tsv \
+        --accept-edited good/hole_0.csv
+    expect 'the output says so' grep -q '^# the offsets table was not accepted: the table was edited' "$scratch/out"
+    answer 'Table not accepted: the table was edited or cut' evaluate $a --offsets $table.tsv sim.tsv -o scores.tsv --force
+done
+sed '/^# digest/d' edited.tsv >old.tsv
+refuse 3 'was edited or cut after it was written: the largest offset differs' fk $a --offsets old.tsv good/hole_0.csv
+sed 's/\tm\t/\tmm\t/' ok.tsv >units.tsv
+refuse 3 "column 'unit': is 'mm'; convert the row to m" fk $a --offsets units.tsv good/hole_0.csv
 
 # samples that are nearly alike: whichever solver, the ball stays where it is
 for solver in slsqp lbfgs gauss-newton; do

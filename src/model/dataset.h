@@ -1,17 +1,13 @@
 /* Recorded samples: joint angles with a socket label or a measured tip pose, and optional readings.
  */
-#ifndef MUKCA_DATASET_H
-#define MUKCA_DATASET_H
+#ifndef MUKCA_MODEL_DATASET_H
+#define MUKCA_MODEL_DATASET_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
 #include "mukca/chain.h"
 #include "mukca/row_state.h"
-
-#ifdef __cplusplus
-extern "C" {
-#endif
 
 /* One ball seat of one placement of the tool.  Samples of a socket are in recording order. */
 typedef struct {
@@ -90,7 +86,4 @@ static inline int mukca_dataset_placement(const mukca_dataset *data, int row)
     return data->socket[row] < 0 ? -1 : data->sockets[data->socket[row]].placement;
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif
