@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "cli/capture_view.h"
 #include "cli/live.h"
@@ -38,9 +39,16 @@ static void report(void *context, const char *line)
 {
     session *s = context;
     if (s->call->common->quiet) return;
-    cli_capture_erase(&s->terminal);
-    fprintf(stderr, "%s\n", line);
+    cli_capture_print(&s->terminal, line);
     s->redrawn = 0;
+}
+
+static mukca_status may_trigger(void *context, const mukca_lcm_packet *packet, mukca_error *error)
+{
+    const session *s = context;
+    (void)packet;
+    if (!s->options->rows || s->recorder.session.n_rows < s->options->rows) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_NEGATIVE, "the session has its %d samples", s->options->rows);
 }
 
 static void press(session *s, char key)
@@ -49,7 +57,8 @@ static void press(session *s, char key)
     mukca_error answer;
     switch (key) {
         case 'a':
-            mukca_recorder_sample(r, 0, NULL, NULL, &answer);
+            mukca_recorder_sample(r, &(mukca_recorder_request){.time = mukca_clock_wall()},
+                                  &answer);
             break;
         case 'd':
             mukca_recorder_undo(r, &answer);
@@ -262,7 +271,7 @@ static mukca_status prepare(session *s)
     mukca_recorder *r = &s->recorder;
     cli_model *model = &call->session->model;
     const mukca_recorder_hooks hooks = {
-        .report = report, .interrupted = cli_interrupted, .context = s};
+        .report = report, .trigger = may_trigger, .interrupted = cli_interrupted, .context = s};
     cli_live_complete(&o->live, c);
     mukca_status status = check_usage(s);
     if (status == MUKCA_OK) status = cli_load_model(call, model);
@@ -295,7 +304,9 @@ static mukca_status run(cli_call *call)
     mukca_status status = prepare(s);
     if (status != MUKCA_OK) return status;
     if (s->keys >= 0) cli_capture_enter(&s->terminal, s->keys);
+    cli_relay_open(&s->terminal.relay);
     status = loop(s);
+    cli_relay_close(&s->terminal.relay);
     if (s->view) cli_capture_draw(&s->terminal, &s->recorder);
     cli_capture_leave(&s->terminal);
     if (status == MUKCA_OK || status == MUKCA_INTERRUPTED) {
@@ -356,7 +367,9 @@ const cli_command cli_command_capture = {
         "Listens to the joint states of the robot. A sample is recorded when you press a, on a "
         "message on MUKCA_TRIGGER (--trigger), or when the arm stands still with its ball in a "
         "socket (--still). It is the mean over a window of standing still; a moving arm is "
-        "refused. Each sample is on disk before it is acknowledged.\n\n"
+        "refused. Each sample is on disk before it is acknowledged. A key or message is refused if "
+        "the last joint state is older than a window: after a pause of the program or the stream, "
+        "hold still and try again.\n\n"
         "Put the ball into socket 0 of the first placement and record some 20 postures, as "
         "different as possible. Press s and do the same in the other socket. Then move the tool, "
         "press n, and start again; three or four placements all around the base are enough. The "
@@ -372,7 +385,8 @@ const cli_command cli_command_capture = {
         "in "
         "a session), JSON lines, or what `ros2 topic echo --csv` prints. Names decide, not their "
         "order. A line {\"trigger\": 1, \"placement\": \"front\", \"socket\": \"0\"} records a "
-        "sample; keys come from the terminal; --trigger listens to LCM, too.",
+        "sample; keys come from the terminal; --trigger listens to LCM, too. Times of a wall clock "
+        "are compared with those of keys and messages: lines that a pipe holds back are refused.",
     .example =
         "mukca capture --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
         "--trigger -o build/guided.tsv --force\n"

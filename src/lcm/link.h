@@ -22,9 +22,10 @@ mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mu
 /* End the subscription to all channels; named channels stay subscribed. */
 void mukca_lcm_link_unlisten_all(mukca_lcm_link *link);
 
-/* Deliver one message of a network, or some hundred of a log.  Waits up to `timeout_ms`, or until
- * descriptor `other` (-1: none) is readable, which sets *readable (may be NULL).  A signal ends the
- * wait.  Returns MUKCA_OK, MUKCA_NEGATIVE at the end of a log, MUKCA_TRANSPORT. */
+/* Deliver what has arrived from a network, or some hundred events of a log.  Waits up to
+ * `timeout_ms`, or until descriptor `other` (-1: none) is readable, which sets *readable (may be
+ * NULL).  A signal ends the wait.  Returns MUKCA_OK, MUKCA_NEGATIVE at the end of a log,
+ * MUKCA_TRANSPORT. */
 mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other, bool *readable,
                                  mukca_error *error);
 

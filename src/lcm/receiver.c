@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "lcm/multicast.h"
 
 struct mukca_lcm_receiver {
@@ -174,13 +175,16 @@ int mukca_lcm_receiver_descriptor(const mukca_lcm_receiver *r)
     return lcm_get_fileno(r->lcm); /* the descriptor starts liblcm's receiver; not for UDP */
 }
 
+/* Deliver what had arrived before the call. */
 static void handle_multicast(mukca_lcm_receiver *r)
 {
-    bool named;
-    const mukca_lcm_packet *packet = mukca_lcm_multicast_front(r->multicast, &named);
-    if (!packet) return;
-    if (named || r->listens_to_all) r->receive(r->context, packet, !named);
-    mukca_lcm_multicast_pop(r->multicast);
+    bool named, later = false;
+    const int64_t now = mukca_clock_wall();
+    for (mukca_lcm_queued *e; !later && (e = mukca_lcm_multicast_take(r->multicast, &named));) {
+        later = e->packet.time >= now;
+        if (named || r->listens_to_all) r->receive(r->context, &e->packet, !named);
+        free(e);
+    }
 }
 
 mukca_status mukca_lcm_receiver_handle(mukca_lcm_receiver *r, mukca_error *error)

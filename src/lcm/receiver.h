@@ -37,7 +37,7 @@ void mukca_lcm_receiver_unsubscribe_all(mukca_lcm_receiver *receiver);
 /* Descriptor for poll(2), readable while a message waits. */
 int mukca_lcm_receiver_descriptor(const mukca_lcm_receiver *receiver);
 
-/* Deliver one message.  Errors: MUKCA_TRANSPORT. */
+/* Deliver the messages that have arrived.  Errors: MUKCA_TRANSPORT. */
 mukca_status mukca_lcm_receiver_handle(mukca_lcm_receiver *receiver, mukca_error *error);
 
 /* Send a message.  Errors: MUKCA_TRANSPORT. */

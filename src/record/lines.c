@@ -20,7 +20,9 @@ static void trigger(mukca_recorder *r)
 {
     mukca_error answer;
     mukca_joint_lines *l = r->lines;
-    mukca_recorder_sample(r, l->id, l->placement, l->socket, &answer);
+    const mukca_recorder_request request = {
+        .id = l->id, .placement = l->placement, .socket = l->socket};
+    mukca_recorder_sample(r, &request, &answer);
     mukca_recorder_report(r, "%s", answer.text);
 }
 
@@ -30,7 +32,7 @@ static bool process_line(mukca_recorder *r, const char *line)
 {
     mukca_error error;
     mukca_joint_lines *l = r->lines;
-    const mukca_lcm_packet packet = {.channel = r->channel, .time = mukca_lcm_link_clock(r->link)};
+    mukca_lcm_packet packet = {.channel = r->channel, .time = l->arrived};
     const bool mapped = r->mapped;
     l->number++;
     switch (mukca_joint_lines_parse(&r->joints, l, line, &error)) {
@@ -39,6 +41,7 @@ static bool process_line(mukca_recorder *r, const char *line)
                 refuse(r, "no time stamp; a recorded stream needs one (column time_s)");
                 break;
             }
+            if (l->file) packet.time = r->joints.time;
             r->packet_time = packet.time;
             mukca_recorder_take_joints(r, &packet, 0);
             r->packet_time = 0;

@@ -53,12 +53,17 @@ void mukca_recorder_note(void *context, const char *text)
     mukca_recorder_report(context, "%s", text);
 }
 
+bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind)
+{
+    const int64_t ago = mukca_lcm_link_clock(r->link) - r->reported[kind];
+    return r->reported[kind] && ago >= 0 && ago < repeat_us;
+}
+
 void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text)
 {
-    int64_t now = mukca_lcm_link_clock(r->link);
     r->occurrences[kind]++;
-    if (r->reported[kind] && now - r->reported[kind] < repeat_us && now >= r->reported[kind])
-        return;
+    if (mukca_recorder_reported(r, kind)) return;
+    const int64_t now = mukca_lcm_link_clock(r->link);
     r->reported[kind] = now ? now : 1;
     if (r->occurrences[kind] > 1)
         mukca_recorder_report(r, "%s (%" PRId64 " times so far)", text, r->occurrences[kind]);
@@ -121,9 +126,7 @@ void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t 
 double mukca_recorder_age(const mukca_recorder *r)
 {
     if (!r->last_arrival) return HUGE_VAL;
-    /* the age at the trigger's arrival, for the same decision in a replay */
-    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
-    double age = 1e-6 * (double)(now - r->last_arrival);
+    double age = 1e-6 * (double)(mukca_lcm_link_clock(r->link) - r->last_arrival);
     return age > 0 ? age : 0;
 }
 

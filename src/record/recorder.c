@@ -1,20 +1,23 @@
 /* The recorder and its link: detection of channel, type, mapping and silence. */
 #include "record/recorder.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "lcm/description.h"
 #include "lcm/state.h"
 
-enum {                       /* us, our choice */
-       LISTEN_US = 1000000,  /* silence before listening to all channels */
-       SILENCE_US = 1800000, /* silence before it is reported, within 2 s */
-       SEARCH_US = 500000,   /* wait for other matching streams after the first */
-       PROBLEM_US = 1000000  /* wait for a valid message after an invalid one */
+static const double listen_s = 1, /* our choice: silence before listening to all channels */
+    silence_s = 1.8;              /* and before it is reported, within 2 s */
+
+enum {                      /* us, our choice */
+       SEARCH_US = 500000,  /* wait for other matching streams after the first */
+       PROBLEM_US = 1000000 /* wait for a valid message after an invalid one */
 };
 
 /* Select the channel whose messages fit the arm; more than one is an error. */
@@ -45,6 +48,7 @@ static mukca_status open_link(mukca_recorder *r, mukca_error *error)
     r->arm = 0;
     r->n_heard = 0;
     r->fit_heard = 0;
+    r->quiet = 0;
     memset(r->reported, 0, sizeof r->reported);
     memset(r->occurrences, 0, sizeof r->occurrences);
     const char *channels[] = {r->channel[0] && !r->lines ? r->channel : NULL,
@@ -173,24 +177,27 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
     return mukca_lcm_link_replays(r->link) ? open_link(r, error) : MUKCA_OK;
 }
 
-/* Detect silence on a network; `age` is the time since the last joint state, us. */
-static void watch(mukca_recorder *r, int64_t age)
+/* Detect silence on a network.  It is the time of waiting: a process that was stopped, or is late,
+ * has not heard whether the stream goes on. */
+static void watch(mukca_recorder *r)
 {
-    if (r->mapped && r->listens_to_all && age < LISTEN_US) {
+    if (r->mapped && r->listens_to_all && r->quiet < listen_s) {
         mukca_lcm_link_unlisten_all(r->link);
         r->listens_to_all = false;
-    } else if (!r->lines && !r->listens_to_all && age >= LISTEN_US) {
+    } else if (!r->lines && !r->listens_to_all && r->quiet >= listen_s) {
         mukca_error none; /* retried at the next step */
         r->n_heard = 0;
         r->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
     }
-    if (r->silent || age < SILENCE_US) return;
+    if (r->quiet < silence_s) return;
+    r->silent = true;
+    if (r->silence_reported || mukca_recorder_reported(r, MUKCA_RECORDER_SILENT)) return;
     char line[MUKCA_RECORDER_LINE], since[40];
     mukca_text text = MUKCA_TEXT(line);
-    r->silent = true;
-    snprintf(since, sizeof since, " for %.1f s", 1e-6 * (double)age);
+    r->silence_reported = true;
+    snprintf(since, sizeof since, " for %.1f s", r->quiet);
     mukca_recorder_describe_silence(&text, r, since);
-    mukca_recorder_report(r, "%s", line);
+    mukca_recorder_warn(r, MUKCA_RECORDER_SILENT, line);
 }
 
 static void warn_dropped(mukca_recorder *r)
@@ -206,7 +213,8 @@ static void warn_dropped(mukca_recorder *r)
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                  mukca_error *error)
 {
-    const int64_t last = r->last_arrival;
+    const int64_t received = r->received;
+    const double begun = mukca_clock_seconds();
     mukca_status status = r->lines
                               ? mukca_recorder_wait_lines(r, timeout_ms, other, readable, error)
                               : mukca_lcm_link_wait(r->link, timeout_ms, other, readable, error);
@@ -221,9 +229,9 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
     if (replays || status) return status;
     warn_dropped(r);
     if (r->mapped && r->confirmed) r->connected = true;
-    /* a joint state that waited in the queue of an overloaded machine is not silence */
-    const bool arrived = r->last_arrival != last;
-    watch(r, arrived ? 0 : now - (r->last_arrival ? r->last_arrival : r->opened));
+    r->quiet += fmin(mukca_clock_seconds() - begun, 1e-3 * timeout_ms + 0.1);
+    if (r->received != received) r->quiet = 0;
+    watch(r);
     return MUKCA_OK;
 }
 

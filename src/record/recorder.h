@@ -78,9 +78,18 @@ typedef enum {
     MUKCA_RECORDER_TWO_SENDERS,
     MUKCA_RECORDER_OWN_MESSAGE,
     MUKCA_RECORDER_DROPPED,
+    MUKCA_RECORDER_SILENT,
     MUKCA_RECORDER_RATE,
     MUKCA_RECORDER_TROUBLES
 } mukca_recorder_trouble;
+
+/* A request for a sample; labels NULL or "" mean the current ones. */
+typedef struct {
+    int64_t id;
+    int64_t time; /* us, its arrival; 0: it came in order with the joint states */
+    int64_t sent; /* us, by its sender's clock; 0: unknown */
+    const char *placement, *socket;
+} mukca_recorder_request;
 
 typedef struct {
     const mukca_recorder_options *options;
@@ -102,10 +111,12 @@ typedef struct {
     mukca_lcm_joints joints;               /* of the last message */
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
     int64_t received, refused, last_arrival, opened; /* last_arrival and opened: us */
-    int64_t packet_time;                             /* us, of the packet in process; 0: none */
+    int64_t state_time;  /* us, of the last joint state: its sender's, else its arrival */
+    int64_t packet_time; /* us, of the packet in process; 0: none */
     int64_t rate_since, rate_count;
     double rate, longest_gap; /* Hz; s between two arrivals */
-    bool listens_to_all, silent;
+    bool listens_to_all, silent, silence_reported;
+    double quiet; /* s of waiting without a joint state */
     mukca_recorder_sender sender[MUKCA_RECORDER_MAX_SENDERS];
     mukca_lcm_key key;
     int64_t last_signed;             /* us, time stamp of the last signed request */
@@ -171,11 +182,11 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
                                  mukca_error *error);
 
 /* Requests of the user; answer->text is the reply, also on success.  mukca_recorder_sample returns
- * after the sample is on disk, and sends a sample message in any case; labels NULL or "" mean the
- * current ones.  The others delete the last sample, select a socket, the next socket, or the first
- * socket of a new placement.  Errors: MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
-mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
-                                   const char *socket, mukca_error *answer);
+ * after the sample is on disk, and sends a sample message in any case.  The others delete the last
+ * sample, select a socket, the next socket, or the first socket of a new placement.  Errors:
+ * MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
+mukca_status mukca_recorder_sample(mukca_recorder *r, const mukca_recorder_request *request,
+                                   mukca_error *answer);
 mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer);
 mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, const char *socket,
                                    mukca_error *answer);
@@ -199,6 +210,9 @@ void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
 /* The same as a mukca_note_fn; `r` is the recorder. */
 void mukca_recorder_note(void *r, const char *text);
 
+/* Whether trouble of this kind was reported in the last ten seconds. */
+bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind);
+
 /* Report trouble at a limited rate; mukca_recorder_refuse also counts an unusable message. */
 void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text);
 void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
@@ -209,7 +223,8 @@ const char *mukca_recorder_type(const mukca_recorder *r); /* of the joint states
  * `since` is printed after the channel. */
 void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since);
 
-double mukca_recorder_age(const mukca_recorder *r);         /* s since the last joint state */
+double mukca_recorder_age(
+    const mukca_recorder *r); /* s since the arrival of the last joint state */
 const char *mukca_recorder_stream(const mukca_recorder *r); /* "raw" or "corrected" */
 
 /* ---- steps of the above, shared by the files of this folder ---- */

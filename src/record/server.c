@@ -82,8 +82,11 @@ VERB(start)
 
 VERB(add)
 {
-    return mukca_recorder_sample(&s->recorder, command->id, argument(command, 0),
-                                 argument(command, 1), answer);
+    const mukca_recorder_request request = {.id = command->id,
+                                            .time = s->recorder.packet_time,
+                                            .placement = argument(command, 0),
+                                            .socket = argument(command, 1)};
+    return mukca_recorder_sample(&s->recorder, &request, answer);
 }
 
 VERB(delete)

@@ -228,20 +228,42 @@ void mukca_recorder_refuse_sample(mukca_recorder *r, int64_t id, const char *tex
     mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
 }
 
-mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
-                                   const char *socket, mukca_error *answer)
+/* Age of the last joint state at a request, for mukca_capture_take.  Lines wait in the pipes before
+ * this program: if their times are those of a wall clock, they are compared with the request's.
+ * Errors: MUKCA_NEGATIVE. */
+static mukca_status age_at(double *age, const mukca_recorder *r,
+                           const mukca_recorder_request *request, mukca_error *error)
+{
+    const double longest_lag = 3600; /* s; beyond it the times are not of the same kind of clock */
+    const int64_t sent = request->sent > 0 ? request->sent : request->time;
+    const double lag = 1e-6 * (double)(sent - r->state_time);
+    *age = request->time ? fmax(1e-6 * (double)(request->time - r->last_arrival), 0)
+                         : MUKCA_CAPTURE_IN_ORDER;
+    if (!r->lines || !request->time || !r->state_time || lag < r->capture.settings.window ||
+        lag > longest_lag)
+        return MUKCA_OK;
+    return mukca_fail(error, MUKCA_NEGATIVE,
+                      "the last line is %.2g s older than the request: run the program before it "
+                      "without buffering (stdbuf -oL), or synchronise the clocks",
+                      lag);
+}
+
+mukca_status mukca_recorder_sample(mukca_recorder *r, const mukca_recorder_request *request,
+                                   mukca_error *answer)
 {
     mukca_capture_sample sample = {.time = 0};
     mukca_error error;
     char remark[MUKCA_CAPTURE_TEXT] = "";
+    const char *placement = request->placement, *socket = request->socket;
+    double age;
     mukca_status status = complete_labels(r, &placement, &socket, &error);
     if (!status && mukca_recorder_doubted(r))
         status = mukca_fail(&error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
-    if (status == MUKCA_OK)
-        status = mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &error);
+    if (status == MUKCA_OK) status = age_at(&age, r, request, &error);
+    if (status == MUKCA_OK) status = mukca_capture_take(&sample, &r->capture, age, &error);
     if (status == MUKCA_OK) status = store(r, &sample, placement, socket, remark, &error);
     mukca_message_sample message = {.utime = (int64_t)llround(1e6 * sample.time),
-                                    .id = id,
+                                    .id = request->id,
                                     .accepted = !status,
                                     .text = status ? error.text : remark,
                                     .placement = placement,
@@ -313,9 +335,9 @@ const char *mukca_recorder_state(const mukca_recorder *r)
 {
     mukca_capture_sample sample;
     mukca_error none;
-    if (!r->mapped || mukca_recorder_age(r) > 1) return "no_stream";
-    return mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &none) ? "moving"
-                                                                                  : "still";
+    const double age = mukca_recorder_age(r);
+    if (!r->mapped || age > 1) return "no_stream";
+    return mukca_capture_take(&sample, &r->capture, age, &none) ? "moving" : "still";
 }
 
 void mukca_recorder_publish_status(mukca_recorder *r, const char *state)

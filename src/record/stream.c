@@ -26,9 +26,11 @@ static void count_arrival(mukca_recorder *r, int64_t now)
     if (r->last_arrival) {
         double pause = 1e-6 * (double)(now - r->last_arrival);
         if (pause > r->longest_gap) r->longest_gap = pause;
-        if (r->silent) mukca_recorder_report(r, "%s is back after %.1f s", r->channel, pause);
+        if (r->silence_reported)
+            mukca_recorder_report(r, "%s is back after %.1f s", r->channel, pause);
+        if (r->silent && !r->silence_reported) r->occurrences[MUKCA_RECORDER_SILENT]++;
     }
-    r->silent = false;
+    r->silent = r->silence_reported = false;
     r->last_arrival = now;
     r->received++;
     r->rate_count++;
@@ -44,6 +46,7 @@ static void feed(mukca_recorder *r, int64_t time)
 {
     mukca_capture_reading reading = {
         .time = 1e-6 * (double)time,
+        .arrival = 1e-6 * (double)r->last_arrival,
         .q = r->q,
         .effort = r->joints.has[MUKCA_LCM_ROLE_EFFORT] ? r->effort : NULL,
         .command = r->joints.has[MUKCA_LCM_ROLE_COMMAND] ? r->command : NULL,
@@ -63,7 +66,8 @@ static void feed(mukca_recorder *r, int64_t time)
     mukca_error answer;
     int socket;
     if (mukca_capture_due(&socket, text, &r->capture)) {
-        mukca_recorder_sample(r, 0, NULL, r->capture.rows.sockets[socket].label, &answer);
+        const mukca_recorder_request due = {.socket = r->capture.rows.sockets[socket].label};
+        mukca_recorder_sample(r, &due, &answer);
         mukca_recorder_report(r, "%s", answer.text);
     } else if (text[0]) {
         mukca_recorder_report(r, "%s", text);
@@ -176,7 +180,8 @@ void mukca_recorder_take_joints(mukca_recorder *r, const mukca_lcm_packet *packe
 {
     if (!r->mapped && !map_first(r, type)) return;
     if (!copy_readings(r) || !mukca_recorder_one_sender(r, packet)) return;
-    int64_t time = r->joints.time > 0 ? r->joints.time : packet->time;
+    const int64_t time = r->joints.time > 0 ? r->joints.time : packet->time;
+    r->state_time = time;
     bool use = r->connected && r->confirmed;
     if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, r->q);
     count_arrival(r, packet->time);
@@ -201,7 +206,12 @@ static void on_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
         mukca_recorder_refuse_sample(r, trigger.id, error.text);
         return;
     }
-    mukca_recorder_sample(r, trigger.id, trigger.placement, trigger.socket, &error);
+    const mukca_recorder_request request = {.id = trigger.id,
+                                            .time = packet->time,
+                                            .sent = trigger.utime,
+                                            .placement = trigger.placement,
+                                            .socket = trigger.socket};
+    mukca_recorder_sample(r, &request, &error);
     mukca_recorder_report(r, "%s", error.text);
 }
 

@@ -253,9 +253,9 @@ def lines():
     path = out()
     client = Client()
     p = capture(path, "--stdin", "--trigger", stdin=subprocess.PIPE)
-    start, rows = time.time(), []
+    rows = []
     for i in range(120):  # at 50 Hz: still in two postures
-        us = int(1e6 * (start + 0.02 * i))
+        us = int(1e6 * time.time())
         q = posture(i // 60)
         p.stdin.write("%d,%d,,grip,%s,0.5,%s,,\n" % (us // 1000000, us % 1000000 * 1000, ",".join(names()),
                                                   ",".join(map(repr, q))))
