@@ -22,9 +22,9 @@ def play(name, kind, rate, channel, urdf, rows):
         check(name + ": start", answer and answer.code == 0, serve.said)
         accepted, moving, values = 0, 0, []
         for i, (placement, socket, q) in enumerate(rows):
-            arm.go(q)
+            arm.go(q, 1.0 if i % 20 == 5 else 0.05)
             if i % 20 == 5:  # in mid-motion
-                client.wait(lambda: False, 0.03)
+                client.wait(lambda: False, 0.2)
                 sample = client.trigger(placement, socket)
                 moving += bool(sample and not sample.accepted and "moves" in sample.text)
             for _ in range(50):  # an operator tries again
@@ -38,7 +38,7 @@ def play(name, kind, rate, channel, urdf, rows):
         check(name + ": triggers while moving are refused and say so", moving == 3, moving)
         result = client.command("calibrate")
         sent = arm.sent
-        client.wait(lambda: False, 0.8)
+        client.wait(lambda: client.status.received >= sent, 10)
         received = client.status.received
     check(name + ": serve ends cleanly", stop(serve) == 0, serve.said)
     session = os.path.join(state, "sessions", "guided.tsv")

@@ -16,7 +16,7 @@ def main():
     acknowledged, starts, lost, torn = [], 0, [], 0
     client = Client()
     with Arm("iiwa", [0.1] * 7, 1000, "IIWA_STATUS") as arm:
-        while starts < KILLS:
+        while starts < KILLS or len(acknowledged) <= KILLS and starts < 5 * KILLS:
             p = spawn("capture", "--urdf", URDF, "-o", path, "--channel", "IIWA_STATUS", "--map",
                       "order", "--trigger", "--resume", "--window", "0.02", "--wait", "20")
             starts += 1
@@ -45,7 +45,7 @@ def main():
         good = good and client.trigger().accepted
         stop(p, signal.SIGINT)
     check("%d kills: all of %d acknowledged rows are in the file" % (starts, len(acknowledged)),
-          not lost and not torn and starts == KILLS and len(acknowledged) > KILLS, (len(lost), torn, starts, p.said))
+          not lost and not torn and starts >= KILLS and len(acknowledged) > KILLS, (len(lost), torn, starts, p.said))
     check("and --resume goes on", good, p.said)
     finish()
 
