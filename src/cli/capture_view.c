@@ -82,18 +82,18 @@ static void draw_counts(screen *s, const mukca_capture *c)
 static void draw_accuracy(screen *s, const mukca_recorder *r)
 {
     double rms, last;
-    mukca_capture_spread(&rms, &last, &r->capture, r->capture.socket);
+    mukca_capture_spread(&rms, &last, &r->session.capture, r->session.capture.socket);
     if (isnan(rms))
         draw(s, "this socket  too few samples to judge");
     else
         draw(s, "this socket  consistency error %.2f mm; last sample %.2f mm from the others",
              1e3 * rms, 1e3 * last);
-    if (isnan(r->advice.expected))
+    if (isnan(r->session.advice.expected))
         draw(s, "accuracy     too few samples to predict");
     else
         draw(s, "accuracy     %.2f mm expected, %.2f mm with ten more samples here%s",
-             1e3 * r->advice.expected, 1e3 * r->advice.expected_more,
-             r->advice.more_rows_help ? "" : ": continue elsewhere");
+             1e3 * r->session.advice.expected, 1e3 * r->session.advice.expected_more,
+             r->session.advice.more_rows_help ? "" : ": continue elsewhere");
 }
 
 static void draw_coverage(screen *s, const mukca_recorder *r)
@@ -101,27 +101,27 @@ static void draw_coverage(screen *s, const mukca_recorder *r)
     double coverage[MUKCA_MAX_JOINTS];
     char line[128] = "";
     mukca_text text = MUKCA_TEXT(line);
-    mukca_capture_coverage(coverage, &r->capture);
+    mukca_capture_coverage(coverage, &r->session.capture);
     for (int j = 0; j < r->chain->n_joints; j++) mukca_text_put(&text, "%.0f ", 100 * coverage[j]);
     draw(s, "coverage     %s%% of the joint ranges, base to tip", line);
 }
 
 void cli_capture_draw(cli_capture_view *v, const mukca_recorder *r)
 {
-    const mukca_capture *c = &r->capture;
+    const mukca_capture *c = &r->session.capture;
     struct winsize size = {.ws_col = 80};
     char text[PIPE_BUF];
     if (!cli_relay_idle(&v->relay)) return;
-    double age = mukca_recorder_age(r);
+    double age = mukca_stream_age(r);
     if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) || size.ws_col < 20) size.ws_col = 80;
     screen s = {.text = MUKCA_TEXT(text), .width = size.ws_col};
     erase(&s.text, v);
-    draw(&s, "stream       %s %.0f Hz, age %.3f s, %s: %s%s", r->channel, age > 1 ? 0 : r->rate,
-         age < 1e6 ? age : 0, mukca_recorder_stream(r), mukca_recorder_state(r),
-         c->guided ? ", guided by hand" : "");
+    draw(&s, "stream       %s %.0f Hz, age %.3f s, %s: %s%s", r->stream.channel,
+         age > 1 ? 0 : r->stream.count.rate, age < 1e6 ? age : 0, mukca_recorder_stream(r),
+         mukca_sampling_state(r), c->guided ? ", guided by hand" : "");
     draw(&s, "now          placement %s, socket %s: %d samples here, %d in all",
          mukca_capture_placement(c), mukca_capture_socket(c), mukca_capture_count(c, c->socket),
-         r->session.n_rows);
+         r->session.file.n_rows);
     draw_counts(&s, c);
     draw_accuracy(&s, r);
     draw_coverage(&s, r);

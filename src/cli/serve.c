@@ -37,7 +37,8 @@ static void report(void *context, const char *line)
 static void conclude(cli_call *call, const mukca_server *s)
 {
     cli_log(call, "stopped; %lld joint states received, %lld messages refused\n",
-            (long long)s->recorder.received, (long long)s->recorder.refused);
+            (long long)s->recorder.stream.count.received,
+            (long long)s->recorder.stream.count.refused);
     if (s->pose.sent)
         cli_log(call, "%lld poses sent; from reception to sent: median %.0f us, 99.9 %% %.0f us\n",
                 (long long)s->pose.sent, 1e6 * mukca_server_latency(&s->pose, 0.5),

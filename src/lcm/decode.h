@@ -15,6 +15,10 @@ typedef struct {
     double value[MUKCA_LCM_ROLES][MUKCA_LCM_MAX_JOINTS];
 } mukca_lcm_joints;
 
+/* Index of the type of message data[size] by its fingerprint, -1: unknown.  Later types take
+ * precedence. */
+int mukca_lcm_types_find(const mukca_lcm_types *types, const void *data, size_t size);
+
 /* Decode a message of type `type` from data[size].  Reads within data only, in time linear in
  * `size`, without allocation.  Errors: MUKCA_INPUT (truncated, excess bytes, counts that exceed the
  * message or 64 joints, unequal lengths, positions that are not finite). */

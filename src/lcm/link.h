@@ -1,16 +1,25 @@
-/* Transport of LCM messages: a network (udpm://, memq://) or a log (file://). */
+/* Transport of LCM messages: a network (udpm://) or a log (file://). */
 #ifndef MUKCA_LCM_LINK_H
 #define MUKCA_LCM_LINK_H
 
-#include "lcm/receiver.h"
+#include "lcm/packet.h"
+#include "mukca/status.h"
 
 typedef struct mukca_lcm_link mukca_lcm_link;
 
+/* url NULL: LCM_DEFAULT_URL, else LCM's default.  interface: address of the receiving interface;
+ * NULL: that of the multicast route, local senders only.  from: comma-separated addresses of
+ * accepted senders, instead; may be NULL.  none: neither a network nor a log. */
+typedef struct {
+    const char *url, *interface, *from;
+    bool none;
+} mukca_lcm_network;
+
 typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 
-/* Connect to network->url (NULL: LCM_DEFAULT_URL, else LCM's default); `receive` gets the packets.
- * A log is replayed as fast as possible; `file://LOG?speed=1` in real time.  Errors:
- * MUKCA_TRANSPORT (no multicast route, with the remedy), MUKCA_INPUT (log), MUKCA_MEMORY. */
+/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible;
+ * `file://LOG?speed=1` in real time.  Errors: MUKCA_TRANSPORT (no multicast route, with the
+ * remedy), MUKCA_INPUT (log), MUKCA_MEMORY. */
 mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);
 

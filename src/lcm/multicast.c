@@ -266,19 +266,14 @@ void mukca_lcm_multicast_close(mukca_lcm_multicast *m)
 
 /* ---- for the program ---- */
 
-mukca_status mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel,
-                                        mukca_error *error)
+void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel)
 {
-    mukca_status status = MUKCA_OK;
     pthread_mutex_lock(&m->lock);
     if (!channel)
         m->all = true;
-    else if (m->n_named == MUKCA_LCM_MAX_NAMED || strlen(channel) >= sizeof m->named[0])
-        status = mukca_fail(error, MUKCA_USAGE, "cannot listen to %.70s", channel);
     else
         memcpy(m->named[m->n_named++], channel, strlen(channel) + 1);
     pthread_mutex_unlock(&m->lock);
-    return status;
 }
 
 void mukca_lcm_multicast_unlisten_all(mukca_lcm_multicast *m)
@@ -293,12 +288,11 @@ int mukca_lcm_multicast_descriptor(const mukca_lcm_multicast *m)
     return m->ready[0];
 }
 
-mukca_lcm_queued *mukca_lcm_multicast_take(mukca_lcm_multicast *m, bool *named)
+mukca_lcm_queued *mukca_lcm_multicast_take(mukca_lcm_multicast *m)
 {
     char byte;
     pthread_mutex_lock(&m->lock);
     mukca_lcm_queued *oldest = mukca_lcm_queue_take(&m->queue);
-    *named = oldest && is_named(m, oldest->packet.channel);
     if (m->queue.n == 0 && m->signalled) m->signalled = read(m->ready[0], &byte, 1) != 1;
     pthread_mutex_unlock(&m->lock);
     return oldest;

@@ -98,11 +98,7 @@ mukca_status mukca_lcm_types_link(mukca_lcm_types *types, int first, const char 
 mukca_status mukca_lcm_type_set_role(mukca_lcm_types *types, int type, mukca_lcm_role role,
                                      const char *path, mukca_error *error);
 
-/* Index of the type of message data[size] by its fingerprint, -1: unknown.  Later types take
- * precedence. */
-int mukca_lcm_types_find(const mukca_lcm_types *types, const void *data, size_t size);
-
-/* The same by its name "package.name". */
+/* Index of the type "package.name", -1: unknown.  Later types take precedence. */
 int mukca_lcm_types_find_name(const mukca_lcm_types *types, const char *name);
 
 /* Whether messages of that type contain joint positions. */

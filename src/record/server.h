@@ -128,9 +128,8 @@ double mukca_server_latency(const mukca_server_pose *pose, double p);
 void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *folder,
                        const char *name, const char *ending);
 
-/* Create the folder, lock it until mukca_server_close, remove temporary files of killed writers,
- * and move the files of an earlier version to their places.  Errors: MUKCA_INPUT (also: locked by
- * another server). */
+/* Create the folder, lock it until mukca_server_close, and remove temporary files of killed
+ * writers.  Errors: MUKCA_INPUT (also: locked by another server). */
 mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error);
 
 /* Whether a name is valid for a session: at most 40 letters, digits, _ - and ., the last two not

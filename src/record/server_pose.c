@@ -31,7 +31,9 @@ void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
     /* Without a time: drift is identified within a session and does not extrapolate over days. */
     const mukca_row_reading reading = {
         .q = q,
-        .command = s->recorder.joints.has[MUKCA_LCM_ROLE_COMMAND] ? s->recorder.command : NULL,
+        .command = s->recorder.stream.last.joints.has[MUKCA_LCM_ROLE_COMMAND]
+                       ? s->recorder.stream.last.command
+                       : NULL,
         .time = (double)NAN,
         .placement = -1};
     const mukca_joint_state *state = mukca_row_state_next(&pose->states, &reading);

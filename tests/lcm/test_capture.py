@@ -240,16 +240,18 @@ def lines():
     client = Client()
     p = capture(path, "--stdin", "--trigger", stdin=subprocess.PIPE)
     rows = []
-    for i in range(120):  # at 50 Hz: still in two postures
+    for i in range(1000):  # at 50 Hz: still in two postures, until each is recorded
         us = int(1e6 * time.time())
-        q = posture(i // 60)
+        q = posture(len(rows))
         p.stdin.write("%d,%d,,grip,%s,0.5,%s,,\n" % (us // 1000000, us % 1000000 * 1000, ",".join(names()),
                                                   ",".join(map(repr, q))))
         p.stdin.flush()
         client.wait(lambda: False, 0.02)
-        if i % 60 == 50:
-            sample = client.trigger("front", str(i // 60), seconds=2)
+        if i % 20 == 19:
+            sample = client.trigger("front", str(len(rows)), seconds=2)
             rows += [list(sample.position)] if sample and sample.accepted else []
+            if len(rows) == 2:
+                break
     p.stdin.close()
     p.wait(20)
     p.reader.join()
@@ -281,16 +283,17 @@ def loggers():
     p.reader.join()
     check("loggers: the log of lcm-logger gives the same file",
           p.returncode == 0 and open(from_log).read() == open(live).read(), p.said)
+    got = []
     with Arm("iiwa", HOME, 50, "IDLE"):
-        p = capture(played, *options, "--wait", "20", "--rows", "6")
-        until(lambda: said(p, "heard instead"))
-        subprocess.run(["lcm-logplayer", log], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                       timeout=60)
-        p.wait(20)
-        p.reader.join()
-    got = [[float(x) for x in r[3:10]] for r in table(played)[1]]
-    check("loggers: lcm-logplayer plays the same session", p.returncode == 0 and got == rows,
-          (p.said, got[:1], rows[:1]))
+        for _ in range(5):  # a busy machine does not play it in real time
+            p = capture(played, *options, "--wait", "20", "--force")
+            until(lambda: said(p, "heard instead"))
+            subprocess.run(["lcm-logplayer", log], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
+            stop(p, signal.SIGINT)
+            got = [[float(x) for x in r[3:10]] for r in table(played)[1]]
+            if got == rows:
+                break
+    check("loggers: lcm-logplayer plays the same session", got == rows, (p.said, got[:1], rows[:1]))
 
 
 for test in (usage, silence, unmapped, finds_by_listening, two_candidates, unknown_type, by_itself,
