@@ -40,9 +40,9 @@ static void conclude(cli_call *call, const mukca_server *s)
             (long long)s->recorder.stream.count.received,
             (long long)s->recorder.stream.count.refused);
     if (s->pose.sent)
-        cli_log(call, "%lld poses sent; from reception to sent: median %.0f us, 99.9 %% %.0f us\n",
-                (long long)s->pose.sent, 1e6 * mukca_server_latency(&s->pose, 0.5),
-                1e6 * mukca_server_latency(&s->pose, 0.999));
+        cli_log(call, "%lld poses sent; from reception to sent: mean %.0f us, longest %.0f us\n",
+                (long long)s->pose.sent, 1e6 * s->pose.latency / (double)s->pose.sent,
+                1e6 * s->pose.longest_latency);
 }
 
 static mukca_status run(cli_call *call)

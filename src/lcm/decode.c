@@ -1,5 +1,5 @@
 /* Bounded, table-driven decoder of LCM messages that carry joint states. */
-#include "lcm/decode.h"
+#include "lcm/type.h"
 
 #include <math.h>
 #include <string.h>

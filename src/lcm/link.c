@@ -25,12 +25,8 @@ struct mukca_lcm_link {
     char channel[MAX_CHANNELS][64];
     mukca_lcm_packet_fn *receive;
     void *context;
-    mukca_lcm_log log;     /* replayed */
-    mukca_lcm_event event; /* of the log, read but not delivered */
-    bool pending, started;
-    double speed;              /* of the replay; 0: as fast as possible */
-    int64_t clock;             /* time of the last event delivered, us */
-    int64_t first, first_wall; /* time of the log's first event, and of its replay */
+    mukca_lcm_log log; /* replayed */
+    int64_t clock;     /* time of the last event delivered, us */
     mukca_lcm_log record;
     int64_t flushed;    /* us, last flush of the record */
     mukca_error failed; /* why the record was closed */
@@ -107,28 +103,6 @@ static void deliver(mukca_lcm_link *link, const mukca_lcm_packet *packet)
 }
 
 /* ---- open and close ---- */
-
-static mukca_status open_log(mukca_lcm_link *link, const char *url, mukca_error *error)
-{
-    const char *path = url + strlen("file://");
-    size_t length = strcspn(path, "?");
-    char name[1024];
-    if (length == 0 || length >= sizeof name)
-        return mukca_fail(error, MUKCA_USAGE, "\"%.80s\" names no log: file://PATH", url);
-    memcpy(name, path, length);
-    name[length] = '\0';
-    if (path[length]) {
-        char *end = NULL;
-        if (strncmp(path + length, "?speed=", 7) == 0)
-            link->speed = strtod(path + length + 7, &end);
-        if (!end || *end || !(link->speed >= 0 && link->speed <= 1e6))
-            return mukca_fail(
-                error, MUKCA_USAGE,
-                "\"%.80s\": the only option of a log is speed=NUMBER (0: as fast as possible)",
-                url);
-    }
-    return mukca_lcm_log_open(&link->log, name, error);
-}
 
 /* lcm_create without its long message about a missing route. */
 static lcm_t *create_quietly(const char *url)
@@ -222,9 +196,10 @@ mukca_status mukca_lcm_link_open(mukca_lcm_link **out, const mukca_lcm_network *
     link->receive = receive;
     link->context = context;
     link->replays = !network->none && url && strncmp(url, "file://", 7) == 0;
-    mukca_status status = network->none   ? MUKCA_OK
-                          : link->replays ? open_log(link, url, error)
-                                          : open_network(link, url, network, error);
+    mukca_status status = network->none ? MUKCA_OK
+                          : link->replays
+                              ? mukca_lcm_log_open(&link->log, url + strlen("file://"), error)
+                              : open_network(link, url, network, error);
     if (status != MUKCA_OK)
         mukca_lcm_link_close(link);
     else
@@ -268,45 +243,21 @@ void mukca_lcm_link_unlisten_all(mukca_lcm_link *link)
 
 /* ---- wait ---- */
 
-/* Wait for `other` only. */
-static void wait_other(int other, bool *readable, int timeout_ms)
+static mukca_status replay(mukca_lcm_link *link, int other, bool *readable, mukca_error *error)
 {
-    struct pollfd p = {.fd = other, .events = POLLIN};
-    bool ready = poll(&p, 1, timeout_ms) > 0;
-    if (readable) *readable = ready;
-}
-
-static mukca_status replay(mukca_lcm_link *link, int timeout_ms, int other, bool *readable,
-                           mukca_error *error)
-{
+    mukca_lcm_event event;
     for (int i = 0; i < BURST; i++) {
-        if (!link->pending && !(link->pending = mukca_lcm_log_read(&link->log, &link->event)))
+        if (!mukca_lcm_log_read(&link->log, &event))
             return link->log.exhausted ? mukca_fail(error, MUKCA_MEMORY,
                                                     "LCM log %s: out of memory", link->log.path)
                                        : MUKCA_NEGATIVE;
-        if (!link->started) {
-            link->started = true;
-            link->first = link->event.time;
-            link->first_wall = mukca_clock_wall();
-        }
-        if (link->speed > 0) {
-            double wait = (double)(link->event.time - link->first) / link->speed -
-                          (double)(mukca_clock_wall() - link->first_wall);
-            if (wait > 1000) {
-                wait_other(other, readable,
-                           wait > 1e3 * timeout_ms ? timeout_ms : (int)(wait / 1e3));
-                return MUKCA_OK;
-            }
-        }
-        link->pending = false;
-        link->clock = link->event.time;
-        const mukca_lcm_packet packet = {.channel = link->event.channel,
-                                         .data = link->event.data,
-                                         .size = link->event.size,
-                                         .time = link->event.time};
+        link->clock = event.time;
+        const mukca_lcm_packet packet = {
+            .channel = event.channel, .data = event.data, .size = event.size, .time = event.time};
         deliver(link, &packet);
     }
-    if (other >= 0) wait_other(other, readable, 0);
+    struct pollfd p = {.fd = other, .events = POLLIN};
+    if (readable) *readable = poll(&p, 1, 0) > 0;
     return MUKCA_OK;
 }
 
@@ -325,7 +276,7 @@ mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other
                                  mukca_error *error)
 {
     if (readable) *readable = false;
-    if (link->replays) return replay(link, timeout_ms, other, readable, error);
+    if (link->replays) return replay(link, other, readable, error);
     const int own = link->multicast ? mukca_lcm_multicast_descriptor(link->multicast) : -1;
     struct pollfd p[2] = {{.fd = own, .events = POLLIN}, {.fd = other, .events = POLLIN}};
     int n = poll(p, 2, timeout_ms);

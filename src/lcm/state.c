@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "lcm/description.h"
+#include "lcm/type.h"
 
 typedef struct {
     const char *description;           /* the struct, in the language of .lcm files */

@@ -2,7 +2,7 @@
 #ifndef MUKCA_RECORD_JOINT_LINES_H
 #define MUKCA_RECORD_JOINT_LINES_H
 
-#include "lcm/decode.h"
+#include "lcm/type.h"
 
 enum {
     MUKCA_JOINT_LINES_SIZE = 1 << 16, /* bytes per line; 64 joints need 6 kB */

@@ -10,8 +10,8 @@
 
 #include "base/clock.h"
 #include "base/text.h"
-#include "lcm/description.h"
 #include "lcm/state.h"
+#include "lcm/type.h"
 
 static const double listen_s = 1, /* our choice: silence before listening to all channels */
     silence_s = 1.8;              /* and before it is reported, within 2 s */

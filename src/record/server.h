@@ -9,11 +9,7 @@
 #include "mukca/row_state.h"
 #include "record/recorder.h"
 
-enum {
-    MUKCA_SERVER_PATH = 1024,
-    MUKCA_SERVER_BUCKETS = 512, /* of the latency histogram: each 2 % wide, from 0.1 us */
-    MUKCA_SERVER_ARGUMENTS = 32
-};
+enum { MUKCA_SERVER_PATH = 1024, MUKCA_SERVER_ARGUMENTS = 32 };
 
 /* Commands: verb, usage, largest number of arguments, description */
 #define MUKCA_SERVER_VERB_LIST(X)                                                             \
@@ -72,7 +68,7 @@ typedef struct {
     mukca_geometry geometry;
     mukca_row_state states; /* of the stream */
     int64_t sent;
-    int64_t histogram[MUKCA_SERVER_BUCKETS]; /* of the times from reception to the end of sending */
+    double latency, longest_latency; /* s, from reception to the end of sending: sum, longest */
 } mukca_server_pose;
 
 /* Sessions that may still be started (token bucket), and the time of that count, us. */
@@ -114,9 +110,6 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
  * MUKCA_INPUT. */
 mukca_status mukca_server_run(mukca_server *s, mukca_error *error);
 void mukca_server_close(mukca_server *s);
-
-/* Quantile p of the latency of all poses sent, s; NaN without poses */
-double mukca_server_latency(const mukca_server_pose *pose, double p);
 
 /* ---- parts (server_folder.c, server_state.c, server_use.c, server_pose.c, server_job.c) ---- */
 

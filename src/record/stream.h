@@ -2,8 +2,8 @@
 #ifndef MUKCA_RECORD_STREAM_H
 #define MUKCA_RECORD_STREAM_H
 
-#include "lcm/decode.h"
 #include "lcm/packet.h"
+#include "lcm/type.h"
 #include "record/joint_lines.h"
 
 enum { MUKCA_STREAM_HEARD = 24 };

@@ -251,6 +251,16 @@ class Client:
         return self.wait(lambda: self.status and self.status.state in ("moving", "still"), seconds)
 
 
+def accepted(client, ask):
+    """Ask for a sample until one is accepted: the arm, too, may be late on a busy machine; the sample."""
+    for _ in range(60):
+        client.wait(lambda: False, 0.12)
+        sample = ask()
+        if sample and sample.accepted:
+            return sample
+    return None
+
+
 def robots():
     """[(name, kind, rate, channel, URDF, rows)] to play: the demo arm; in full, real ones, too."""
     found = []
@@ -281,10 +291,6 @@ def take(client, arm, rows):
     kept = []
     for placement, label, q in rows:
         arm.go(q)
-        for _ in range(40):
-            client.wait(lambda: False, 0.12)
-            sample = client.trigger(placement, label, seconds=2)
-            if sample and sample.accepted:
-                kept.append(list(sample.position))
-                break
+        sample = accepted(client, lambda: client.trigger(placement, label, seconds=2))
+        kept += [list(sample.position)] if sample else []
     return kept

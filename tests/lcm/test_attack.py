@@ -13,7 +13,7 @@ import types
 import lcm
 
 import foreign
-from foreign import Arm, Client, MUKCA, ROOT, check, demo_rows, finish, fresh, mukca, said, spawn, stop, until
+from foreign import accepted, Arm, Client, MUKCA, ROOT, check, demo_rows, finish, fresh, mukca, said, spawn, stop, until
 
 URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
 ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
@@ -128,12 +128,7 @@ def memory(p):
 def take(client, arm, row):
     """One sample at a posture; whether it was accepted."""
     arm.go(row[2])
-    for _ in range(60):
-        client.wait(lambda: False, 0.12)
-        sample = client.trigger(row[0], row[1], seconds=2)
-        if sample and sample.accepted:
-            return True
-    return False
+    return accepted(client, lambda: client.trigger(row[0], row[1], seconds=2)) is not None
 
 
 def attack(s, datagrams, p):
@@ -365,8 +360,7 @@ def signatures():
         client.wait(lambda: False, 0.5)
         t = mukca.trigger()
         t.placement, t.socket = "a", "0"
-        sample = request(t, channel="MUKCA_TRIGGER")[1]
-        check("signed: a trigger", sample and sample.accepted, p.said[-3:])
+        check("signed: a trigger", accepted(client, lambda: request(t, channel="MUKCA_TRIGGER")[1]), p.said[-3:])
         send = subprocess.run([MUKCA, "send", "finish", "--key", path], capture_output=True, text=True, timeout=60)
         check("signed: mukca send --key", send.returncode == 0 and "1 samples" in send.stdout, send.stderr)
         send = subprocess.run([MUKCA, "send", "start", "bad"], capture_output=True, text=True, timeout=60)

@@ -7,7 +7,7 @@ import subprocess
 import termios
 import time
 
-from foreign import ROOT, Arm, Client, MUKCA, check, finish, fresh, said, spawn, stop, table, until
+from foreign import ROOT, accepted, Arm, Client, MUKCA, check, finish, fresh, said, spawn, stop, table, until
 
 URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
 JOINTS = subprocess.run([MUKCA, "capture", "--urdf", URDF], capture_output=True, text=True)
@@ -35,12 +35,8 @@ def trigger_some(client, arm, n, first=0):
     rows = []
     for i in range(first, first + n):
         arm.go(posture(i))
-        for _ in range(40):
-            client.wait(lambda: False, 0.17)
-            sample = client.trigger(seconds=2)
-            if sample and sample.accepted:
-                rows.append(list(sample.position))
-                break
+        sample = accepted(client, lambda: client.trigger(seconds=2))
+        rows += [list(sample.position)] if sample else []
     return rows
 
 

@@ -7,7 +7,7 @@ import time
 
 import lcm
 
-from foreign import Arm, Client, ROOT, acme, check, drake, finish, fresh, mukca, said, spawn, stop, table, until
+from foreign import accepted, Arm, Client, ROOT, acme, check, drake, finish, fresh, mukca, said, spawn, stop, table, until
 
 URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
 HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
@@ -27,17 +27,13 @@ class Session:
                        "order", "--trigger", "--window", "0.05", "--wait", "20")
         check(name + ": begins", self.client.wait_stream(), self.p.said)
 
-    def take(self, tries=60):
+    def take(self):
         """One row at a new posture; True when it was accepted."""
         self.turn += 1
         self.arm.go([x + 0.1 * ((self.turn * (j + 2)) % 5 - 2) for j, x in enumerate(HOME)])
-        for _ in range(tries):
-            self.client.wait(lambda: False, 0.12)
-            sample = self.client.trigger("p", str(self.turn % 2), seconds=2)
-            if sample and sample.accepted:
-                self.rows.append(list(sample.position))
-                return True
-        return False
+        sample = accepted(self.client, lambda: self.client.trigger("p", str(self.turn % 2), seconds=2))
+        self.rows += [list(sample.position)] if sample else []
+        return sample is not None
 
     def said(self, words):
         """Number of lines with those words, once there is one."""

@@ -7,7 +7,7 @@ import subprocess
 import threading
 import time
 
-from foreign import Arm, Client, MUKCA, ROOT, check, finish, fresh, mukca, spawn, stop, table
+from foreign import accepted, Arm, Client, MUKCA, ROOT, check, finish, fresh, mukca, spawn, stop, table
 
 URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
 HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
@@ -27,12 +27,9 @@ def is_at(sample, q):
 def stand(client, arm, q, place="front"):
     """Go there, and trigger until a sample is accepted; whether it is of that posture."""
     arm.go(q)
-    for _ in range(60):
-        client.wait(lambda: False, 0.25)
-        sample = client.trigger(place, "0")
-        if sample and sample.accepted:
-            return is_at(sample, q)
-    return False
+    client.wait(lambda: False, 0.2)
+    sample = accepted(client, lambda: client.trigger(place, "0"))
+    return sample is not None and is_at(sample, q)
 
 
 def stopped(verb, rate, buffer):
@@ -174,12 +171,8 @@ def lines():
     check("lines: none that is older than the trigger is recorded",
           all(s and not s.accepted and "older than the request" in s.text for s in samples), [s and s.text for s in samples])
     lag[0] = 0
-    for _ in range(40):
-        client.wait(lambda: False, 0.25)
-        sample = client.trigger("front", "0")
-        if sample and sample.accepted:
-            break
-    check("lines: recorded without the lag", sample and sample.accepted and is_at(sample, q[0]), p.said[-3:])
+    sample = accepted(client, lambda: client.trigger("front", "0"))
+    check("lines: recorded without the lag", sample and is_at(sample, q[0]), p.said[-3:])
     running[0] = False
     thread.join()
     p.stdin.close()

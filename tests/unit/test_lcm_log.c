@@ -157,9 +157,6 @@ static void links_replay_logs(void **state)
                                          hear, &h, &error),
                      MUKCA_INPUT);
     assert_non_null(strstr(error.text, "/nowhere/x"));
-    assert_int_equal(mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = "file://x?mode=w"},
-                                         hear, &h, &error),
-                     MUKCA_USAGE);
     assert_int_equal(
         mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = "tcpq://x"}, hear, &h, &error),
         MUKCA_USAGE);
