@@ -9,25 +9,24 @@
 
 /* ---- labels ---- */
 
-/* Split a comma-separated list into names: pointers into store[512], and their number. */
-static mukca_status split_labels(const char **labels, int *n, char *store, const char *list,
-                                 const char *option, mukca_error *error)
+/* Split a comma-separated list into names. */
+static mukca_status split_labels(mukca_labels *labels, const char *list, const char *option,
+                                 mukca_error *error)
 {
-    *n = 0;
     if (!list) return MUKCA_OK;
-    if (strlen(list) >= sizeof((mukca_labels *)0)->store[0])
+    if (strlen(list) >= sizeof labels->store)
         return mukca_fail(error, MUKCA_USAGE, "%s: the list is too long", option);
-    memcpy(store, list, strlen(list) + 1);
-    for (char *at = store; at;) {
+    memcpy(labels->store, list, strlen(list) + 1);
+    for (char *at = labels->store; at;) {
         char *comma = strchr(at, ',');
         if (comma) *comma = '\0';
-        if (!mukca_session_label_ok(at) || *n == MUKCA_LABELS)
+        if (!mukca_session_label_ok(at) || labels->n == MUKCA_LABELS)
             return mukca_fail(error, MUKCA_USAGE, "%s \"%.60s\": at most %d names, commas between",
                               option, list, MUKCA_LABELS);
-        for (int k = 0; k < *n; k++)
-            if (strcmp(labels[k], at) == 0)
+        for (int k = 0; k < labels->n; k++)
+            if (strcmp(labels->name[k], at) == 0)
                 return mukca_fail(error, MUKCA_USAGE, "%s: '%s' comes twice", option, at);
-        labels[(*n)++] = at;
+        labels->name[labels->n++] = at;
         at = comma ? comma + 1 : NULL;
     }
     return MUKCA_OK;
@@ -51,13 +50,10 @@ static mukca_status read_traits(mukca_recorder *r, mukca_error *error)
 mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukca_error *error)
 {
     const mukca_recorder_options *o = r->options;
-    mukca_status status =
-        split_labels(r->session.labels.placements, &r->session.labels.n_placements,
-                     r->session.labels.store[0], o->placements, "--placement", error);
-    if (status == MUKCA_OK)
-        status = split_labels(r->session.labels.sockets, &r->session.labels.n_sockets,
-                              r->session.labels.store[1], o->sockets, "--sockets", error);
-    if (!status && r->session.labels.n_sockets == 1)
+    mukca_sampling *s = &r->session;
+    mukca_status status = split_labels(&s->placements, o->placements, "--placement", error);
+    if (status == MUKCA_OK) status = split_labels(&s->sockets, o->sockets, "--sockets", error);
+    if (!status && s->sockets.n == 1)
         status = mukca_fail(error, MUKCA_USAGE, "--sockets: a tool has two or more");
     if (status == MUKCA_OK) status = read_traits(r, error);
     if (status != MUKCA_OK) return status;
@@ -66,11 +62,11 @@ mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukc
         .range = o->motion,
         .dwell = o->dwell,
         .distance = o->distance,
-        .n_labels = r->session.labels.n_sockets,
-        .labels = r->session.labels.sockets,
-        .correct = r->session.correction.n_effects ? mukca_correction_apply : NULL,
-        .context = &r->session.correction};
-    return mukca_capture_init(&r->session.capture, r->chain, theta, &settings, error);
+        .n_labels = s->sockets.n,
+        .labels = s->sockets.name,
+        .correct = s->correction.n_effects ? mukca_correction_apply : NULL,
+        .context = &s->correction};
+    return mukca_capture_init(&s->capture, r->chain, theta, &settings, error);
 }
 
 static bool placement_used(const mukca_recorder *r, const char *name)
@@ -84,8 +80,9 @@ static bool placement_used(const mukca_recorder *r, const char *name)
 /* The first name of --placement that is unused, else placement_K. */
 static void new_placement(const mukca_recorder *r, char name[MUKCA_NAME_SIZE])
 {
-    for (int i = 0; i < r->session.labels.n_placements; i++) {
-        snprintf(name, MUKCA_NAME_SIZE, "%s", r->session.labels.placements[i]);
+    const mukca_sampling *s = &r->session;
+    for (int i = 0; i < s->placements.n; i++) {
+        snprintf(name, MUKCA_NAME_SIZE, "%s", s->placements.name[i]);
         if (!placement_used(r, name)) return;
     }
     int k = 0;
@@ -97,9 +94,10 @@ static void new_placement(const mukca_recorder *r, char name[MUKCA_NAME_SIZE])
  * traits, or consistent again. */
 static mukca_status advise(mukca_recorder *r, mukca_error *error)
 {
-    const double before = r->session.capture.share;
-    mukca_status status = mukca_capture_advise(&r->session.advice, &r->session.capture, error);
-    const double share = r->session.capture.share;
+    mukca_sampling *s = &r->session;
+    const double before = s->capture.share;
+    mukca_status status = mukca_capture_advise(&s->advice, &s->capture, error);
+    const double share = s->capture.share;
     if (status == MUKCA_OK && share != before)
         mukca_recorder_report(
             r,
@@ -108,7 +106,7 @@ static mukca_status advise(mukca_recorder *r, mukca_error *error)
                           "expect (log Bayes factor %.1f): it is halved"
                         : "the samples contradict the traits of %d arms (log Bayes factor %.1f): "
                           "they are judged without",
-            r->session.correction.n_arms, r->session.advice.evidence);
+            s->correction.n_arms, s->advice.evidence);
     return status;
 }
 
@@ -116,6 +114,7 @@ static mukca_status advise(mukca_recorder *r, mukca_error *error)
 
 static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *error)
 {
+    mukca_sampling *s = &r->session;
     mukca_dataset data;
     const mukca_dataset_options options = {.distance = r->options->distance,
                                            .partial = true,
@@ -125,12 +124,11 @@ static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *
     mukca_status status = mukca_dataset_load(&data, r->chain, &path, 1, &options, error);
     if (status != MUKCA_OK) return status;
     for (int i = 0; i < data.n_rows && !status; i++) {
-        const mukca_socket *s = &data.sockets[data.socket[i]];
-        status = mukca_capture_select(&r->session.capture, data.placements[s->placement].name,
-                                      s->label, error);
+        const mukca_socket *where = &data.sockets[data.socket[i]];
+        status = mukca_capture_select(&s->capture, data.placements[where->placement].name,
+                                      where->label, error);
         if (status == MUKCA_OK)
-            status =
-                mukca_capture_keep(text, &r->session.capture, data.q + i * data.n_joints, error);
+            status = mukca_capture_keep(text, &s->capture, data.q + i * data.n_joints, error);
     }
     mukca_dataset_free(&data);
     return status;
@@ -139,27 +137,28 @@ static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *
 mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resume, bool force,
                                   mukca_error *error)
 {
-    mukca_stream *s = &r->stream;
+    mukca_sampling *s = &r->session;
+    mukca_stream *stream = &r->stream;
     mukca_session_head head = {.chain = r->chain,
                                .stream = mukca_recorder_stream(r),
-                               .channel = s->channel,
+                               .channel = stream->channel,
                                .type = mukca_stream_type(r),
-                               .has_effort = s->last.joints.has[MUKCA_LCM_ROLE_EFFORT],
-                               .has_command = s->last.joints.has[MUKCA_LCM_ROLE_COMMAND]};
-    mukca_capture_clear(&r->session.capture);
-    mukca_session_close(&r->session.file);
+                               .has_effort = stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT],
+                               .has_command = stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND]};
+    mukca_capture_clear(&s->capture);
+    mukca_session_close(&s->file);
     mukca_status status =
-        resume ? mukca_session_resume(&r->session.file, path, &head, mukca_recorder_note, r, error)
-               : mukca_session_create(&r->session.file, path, force, &head, error);
-    if (!status && r->session.file.n_rows) status = load_rows(r, path, error);
-    if (!status && !r->session.file.n_rows) {
+        resume ? mukca_session_resume(&s->file, path, &head, mukca_recorder_note, r, error)
+               : mukca_session_create(&s->file, path, force, &head, error);
+    if (!status && s->file.n_rows) status = load_rows(r, path, error);
+    if (!status && !s->file.n_rows) {
         char name[MUKCA_NAME_SIZE];
         new_placement(r, name);
-        status = mukca_capture_select(&r->session.capture, name,
-                                      mukca_capture_next_label(&r->session.capture), error);
+        status =
+            mukca_capture_select(&s->capture, name, mukca_capture_next_label(&s->capture), error);
     }
     if (status == MUKCA_OK) status = advise(r, error);
-    if (status) mukca_session_close(&r->session.file);
+    if (status) mukca_session_close(&s->file);
     return status;
 }
 
@@ -185,9 +184,10 @@ static mukca_status no_session(const mukca_recorder *r, mukca_error *error)
 static mukca_status complete_labels(const mukca_recorder *r, const char **placement,
                                     const char **socket, mukca_error *error)
 {
-    if (!*placement || !**placement) *placement = mukca_capture_placement(&r->session.capture);
-    if (!*socket || !**socket) *socket = mukca_capture_socket(&r->session.capture);
-    if (!r->session.file.fd) return no_session(r, error);
+    const mukca_sampling *s = &r->session;
+    if (!*placement || !**placement) *placement = mukca_capture_placement(&s->capture);
+    if (!*socket || !**socket) *socket = mukca_capture_socket(&s->capture);
+    if (!s->file.fd) return no_session(r, error);
     if (mukca_session_label_ok(*placement) && mukca_session_label_ok(*socket)) return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
                       "\"%.40s\" or \"%.40s\" cannot be a name (1 to 63 characters of UTF-8, no "
@@ -197,8 +197,8 @@ static mukca_status complete_labels(const mukca_recorder *r, const char **placem
 
 void mukca_sampling_count_unwritten(mukca_recorder *r, const mukca_error *error)
 {
-    if (error->status == MUKCA_MEMORY && r->session.unwritten++ == 0)
-        r->session.first_unwritten = *error;
+    mukca_sampling *s = &r->session;
+    if (error->status == MUKCA_MEMORY && s->unwritten++ == 0) s->first_unwritten = *error;
 }
 
 /* Add a sample to the file and the capture; `remark` describes anything unusual about it. */
@@ -206,7 +206,8 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
                           const char *placement, const char *socket,
                           char remark[MUKCA_CAPTURE_TEXT], mukca_error *error)
 {
-    mukca_capture *c = &r->session.capture;
+    mukca_sampling *s = &r->session;
+    mukca_capture *c = &s->capture;
     const int socket_before = c->socket;
     const mukca_session_row row = {.placement = placement,
                                    .socket = socket,
@@ -225,7 +226,7 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
     mukca_status status = mukca_capture_select(c, placement, socket, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_session_add(&r->session.file, &row, error);
+    status = mukca_session_add(&s->file, &row, error);
     if (status == MUKCA_OK) return mukca_capture_keep(remark, c, sample->q, error);
     c->socket = socket_before;
     mukca_sampling_count_unwritten(r, error);
@@ -262,6 +263,7 @@ static mukca_status age_at(double *age, const mukca_recorder *r,
 mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
                                    mukca_error *answer)
 {
+    mukca_sampling *s = &r->session;
     mukca_capture_sample sample = {.time = 0};
     mukca_error error;
     char remark[MUKCA_CAPTURE_TEXT] = "";
@@ -271,7 +273,7 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     if (!status && mukca_stream_doubted(r))
         status = mukca_fail(&error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
     if (status == MUKCA_OK) status = age_at(&age, r, request, &error);
-    if (status == MUKCA_OK) status = mukca_capture_take(&sample, &r->session.capture, age, &error);
+    if (status == MUKCA_OK) status = mukca_capture_take(&sample, &s->capture, age, &error);
     if (status == MUKCA_OK) status = store(r, &sample, placement, socket, remark, &error);
     mukca_message_sample message = {.utime = (int64_t)llround(1e6 * sample.time),
                                     .id = request->id,
@@ -279,7 +281,7 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
                                     .text = status ? error.text : remark,
                                     .placement = placement,
                                     .socket = socket,
-                                    .row = status ? 0 : r->session.file.n_rows,
+                                    .row = status ? 0 : s->file.n_rows,
                                     .n = r->chain->n_joints};
     name_joints(r, message.joint);
     memcpy(message.position, sample.q, sizeof message.position);
@@ -292,29 +294,28 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
         mukca_recorder_report(r, "%s", error.text); /* the sample is on disk nevertheless */
         mukca_sampling_count_unwritten(r, &error);
     }
-    if (r->session.advice.twin >= 0)
+    if (s->advice.twin >= 0)
         mukca_recorder_report(
             r, "sockets %s and %s coincide within %.2g mm: is the ball in another socket?",
-            r->session.capture.rows.sockets[r->session.advice.twin].label, socket,
-            1e3 * r->session.advice.apart);
+            s->capture.rows.sockets[s->advice.twin].label, socket, 1e3 * s->advice.apart);
     return MUKCA_OK;
 }
 
 mukca_status mukca_sampling_undo(mukca_recorder *r, mukca_error *answer)
 {
+    mukca_sampling *s = &r->session;
     mukca_error error;
-    const mukca_dataset *rows = &r->session.capture.rows;
-    if (!r->session.file.fd || !rows->n_rows)
-        return mukca_fail(
-            answer, MUKCA_NEGATIVE, "not deleted: %s",
-            r->session.file.fd ? "there is no sample" : "no session is being recorded");
-    const mukca_socket *s = &rows->sockets[rows->socket[rows->n_rows - 1]];
-    const char *placement = rows->placements[s->placement].name;
-    mukca_status status = mukca_session_undo(&r->session.file, placement, s->label, &error);
+    const mukca_dataset *rows = &s->capture.rows;
+    if (!s->file.fd || !rows->n_rows)
+        return mukca_fail(answer, MUKCA_NEGATIVE, "not deleted: %s",
+                          s->file.fd ? "there is no sample" : "no session is being recorded");
+    const mukca_socket *where = &rows->sockets[rows->socket[rows->n_rows - 1]];
+    const char *placement = rows->placements[where->placement].name;
+    mukca_status status = mukca_session_undo(&s->file, placement, where->label, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not deleted: %s", error.text);
     mukca_fail(answer, MUKCA_OK, "row %d deleted (placement %s, socket %s)", rows->n_rows,
-               placement, s->label);
-    (void)mukca_capture_drop(&r->session.capture, &error); /* cannot fail: there is a sample */
+               placement, where->label);
+    (void)mukca_capture_drop(&s->capture, &error); /* cannot fail: there is a sample */
     (void)advise(r, &error);
     return MUKCA_OK;
 }
@@ -322,13 +323,13 @@ mukca_status mukca_sampling_undo(mukca_recorder *r, mukca_error *answer)
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
                                    mukca_error *answer)
 {
+    mukca_sampling *s = &r->session;
     mukca_error error;
     mukca_status status = complete_labels(r, &placement, &socket, &error);
-    if (status == MUKCA_OK)
-        status = mukca_capture_select(&r->session.capture, placement, socket, &error);
+    if (status == MUKCA_OK) status = mukca_capture_select(&s->capture, placement, socket, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not changed: %s", error.text);
     return mukca_fail(answer, MUKCA_OK, "now placement %s, socket %s (%d samples)", placement,
-                      socket, mukca_capture_count(&r->session.capture, r->session.capture.socket));
+                      socket, mukca_capture_count(&s->capture, s->capture.socket));
 }
 
 mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer)
@@ -356,34 +357,35 @@ const char *mukca_sampling_state(const mukca_recorder *r)
 
 void mukca_sampling_publish_status(mukca_recorder *r, const char *state)
 {
-    mukca_stream *s = &r->stream;
-    const mukca_capture *c = &r->session.capture;
-    const char *stream = mukca_sampling_state(r);
+    mukca_sampling *s = &r->session;
+    const mukca_stream *stream = &r->stream;
+    const mukca_capture *c = &s->capture;
+    const char *now = mukca_sampling_state(r);
     const double age = mukca_stream_age(r);
     mukca_message_status m = {
         .utime = mukca_lcm_link_clock(r->link),
-        .state = state ? state : stream,
+        .state = state ? state : now,
         .text = r->reports.last_line,
-        .session = r->session.file.fd ? r->session.file.path : "",
+        .session = s->file.fd ? s->file.path : "",
         .placement = mukca_capture_placement(c),
         .socket = mukca_capture_socket(c),
-        .rows = r->session.file.n_rows,
+        .rows = s->file.n_rows,
         .rows_here = c->socket < 0 ? 0 : mukca_capture_count(c, c->socket),
-        .channel = s->channel,
+        .channel = stream->channel,
         .type = mukca_stream_type(r),
         .stream = mukca_recorder_stream(r),
-        .rate_hz = age > 1 ? 0 : s->count.rate,
+        .rate_hz = age > 1 ? 0 : stream->count.rate,
         .age_s = age,
-        .received = s->count.received,
-        .refused = s->count.refused,
-        .still = strcmp(stream, "still") == 0,
-        .expected_m = r->session.advice.expected,
-        .more_rows_help = r->session.advice.more_rows_help,
+        .received = stream->count.received,
+        .refused = stream->count.refused,
+        .still = strcmp(now, "still") == 0,
+        .expected_m = s->advice.expected,
+        .more_rows_help = s->advice.more_rows_help,
         .n = r->chain->n_joints,
     };
     mukca_capture_spread(&m.spread_m, NULL, c, c->socket);
     name_joints(r, m.joint);
-    memcpy(m.position, s->last.q, sizeof m.position);
+    memcpy(m.position, stream->last.q, sizeof m.position);
     mukca_capture_coverage(m.coverage, c);
     mukca_recorder_publish(r, MUKCA_MESSAGE_STATUS, &m);
 }

@@ -8,11 +8,11 @@
 
 enum { MUKCA_LABELS = 32 };
 
-/* Names of --placement and --sockets. */
+/* Names of --placement or --sockets. */
 typedef struct {
-    char store[2][512];
-    int n_placements, n_sockets;
-    const char *placements[MUKCA_LABELS], *sockets[MUKCA_LABELS];
+    char store[512];
+    int n;
+    const char *name[MUKCA_LABELS];
 } mukca_labels;
 
 typedef struct {
@@ -20,7 +20,7 @@ typedef struct {
     mukca_correction correction; /* from the traits */
     mukca_session file;          /* closed: nothing is recorded */
     mukca_capture_advice advice;
-    mukca_labels labels;
+    mukca_labels placements, sockets;
     int unwritten; /* samples and answers lost for lack of disk space or memory */
     mukca_error first_unwritten;
 } mukca_sampling;
