@@ -25,7 +25,10 @@ def play(name, kind, rate, channel, urdf, rows):
             arm.go(q, 1.0 if i % 20 == 5 else 0.05)
             if i % 20 == 5:  # in mid-motion
                 client.wait(lambda: False, 0.2)
-                sample = client.trigger(placement, socket)
+                for _ in range(10):  # a busy machine may lack joint states at first
+                    sample = client.trigger(placement, socket)
+                    if not sample or sample.accepted or "moves" in sample.text:
+                        break
                 moving += bool(sample and not sample.accepted and "moves" in sample.text)
             for _ in range(50):  # an operator tries again
                 client.wait(lambda: False, 0.17)
