@@ -22,13 +22,14 @@ def play(name, kind, rate, channel, urdf, rows):
         check(name + ": start", answer and answer.code == 0, serve.said)
         accepted, moving, values = 0, 0, []
         for i, (placement, socket, q) in enumerate(rows):
-            arm.go(q, 1.0 if i % 20 == 5 else 0.05)
-            if i % 20 == 5:  # in mid-motion
-                client.wait(lambda: False, 0.2)
-                for _ in range(10):  # a busy machine may lack joint states at first
+            arm.go(q, 5.0 if i % 20 == 5 else 0.05)
+            if i % 20 == 5:  # in mid-motion; a busy machine may lack joint states at first
+                for _ in range(25):
+                    client.wait(lambda: False, 0.15)
                     sample = client.trigger(placement, socket)
                     if not sample or sample.accepted or "moves" in sample.text:
                         break
+                arm.go(q)
                 moving += bool(sample and not sample.accepted and "moves" in sample.text)
             for _ in range(50):  # an operator tries again
                 client.wait(lambda: False, 0.17)
