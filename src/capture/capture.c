@@ -34,7 +34,7 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
     size_t n_free = (size_t)capture->model.parameters.n;
     capture->factor = calloc(n_free * n_free, sizeof *capture->factor);
     size_t n = (size_t)chain->n_joints;
-    capture->time = calloc(MUKCA_CAPTURE_RING, sizeof *capture->time);
+    capture->time = calloc(2 * MUKCA_CAPTURE_RING, sizeof *capture->time);
     capture->readings = calloc(MUKCA_CAPTURE_MAX_ROWS * n, sizeof *capture->readings);
     capture->values = calloc(MUKCA_CAPTURE_RING * 3 * n, sizeof *capture->values);
     status = mukca_dataset_create(&capture->rows, MUKCA_CAPTURE_MAX_ROWS, chain->n_joints,

@@ -36,6 +36,7 @@ typedef struct {
 /* One joint state. */
 typedef struct {
     double time;                        /* s, the sender's clock */
+    double arrival;                     /* s, this machine's clock */
     const double *q, *effort, *command; /* [n_joints]; the last two may be NULL */
     bool guided;                        /* the arm is being guided by hand */
 } mukca_capture_reading;
@@ -46,6 +47,8 @@ enum {
     MUKCA_CAPTURE_PAUSE = 2,      /* no reading for `pause` seconds */
     MUKCA_CAPTURE_TWO_SENDERS = 4 /* readings alternate faster than an arm can move */
 };
+
+#define MUKCA_CAPTURE_IN_ORDER (-1.)
 
 /* Sample: mean over a window of standstill. */
 typedef struct {
@@ -67,7 +70,7 @@ typedef struct {
     double share;                 /* share of the expected elasticity, by evidence: 1, 0.5, 0 */
     /* Stream. */
     int head, count; /* ring buffer: next index to write, number stored */
-    double *time;    /* [RING] */
+    double *time;    /* [RING][2] by the sender's clock, arrival */
     double *values;  /* [RING][3][n_joints] q, effort, command */
     double last_time, pause;
     double last_q[MUKCA_MAX_JOINTS], before_q[MUKCA_MAX_JOINTS]; /* last reading, the one before */
@@ -101,9 +104,11 @@ void mukca_capture_clear(mukca_capture *capture);
  * event. */
 unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading *reading);
 
-/* Sample of the last window if the arm is at standstill.  `age`: time since the last reading
- * arrived, s.  Errors: MUKCA_NEGATIVE with the reason (motion, stale, too few readings, two
- * senders, readings identical to those of the last sample). */
+/* Sample of the last window if the arm is at standstill.  `age`: time from the arrival of the last
+ * reading to the request, s; a window ago at most, and the readings must have arrived over a
+ * window, not at once after a pause.  MUKCA_CAPTURE_IN_ORDER: the request came in order with the
+ * readings. Errors: MUKCA_NEGATIVE with the reason (motion, stale, too few readings, two senders).
+ */
 mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_capture *capture,
                                 double age, mukca_error *error);
 

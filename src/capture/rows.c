@@ -95,7 +95,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     text[0] = '\0';
     if (capture->last_time - capture->checked < 0.02 || capture->socket < 0) return false;
     capture->checked = capture->last_time;
-    if (mukca_capture_take(&sample, capture, 0, &unsaid)) {
+    if (mukca_capture_take(&sample, capture, MUKCA_CAPTURE_IN_ORDER, &unsaid)) {
         capture->standing = false;
         return false;
     }

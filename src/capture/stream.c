@@ -6,6 +6,8 @@
 
 enum { MIN_READINGS = 3 }; /* the minimum for a spread */
 
+#define LEAST_COVERED 0.6 /* of a window; one period less than all of it, with slow streams */
+
 /* ---- readings ---- */
 
 /* Quantity `kind` (0 q, 1 effort, 2 command) of the reading `back` before the last. */
@@ -15,9 +17,11 @@ static double *stored(const mukca_capture *capture, int back, int kind)
     return capture->values + (3 * at + kind) * capture->chain->n_joints;
 }
 
-static double stored_time(const mukca_capture *capture, int back)
+/* Its time: 0 by the sender's clock, 1 arrival. */
+static double stored_time(const mukca_capture *capture, int back, int kind)
 {
-    return capture->time[(capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING];
+    int at = (capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING;
+    return capture->time[2 * at + kind];
 }
 
 /* Two arms on one channel: readings or clocks that jump away and back. */
@@ -61,10 +65,11 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
     capture->guided = reading->guided;
     /* Drop readings of fast streams: a window always fits the ring buffer. */
     if (capture->count &&
-        reading->time - stored_time(capture, 0) < s->window / (0.5 * MUKCA_CAPTURE_RING))
+        reading->time - stored_time(capture, 0, 0) < s->window / (0.5 * MUKCA_CAPTURE_RING))
         return found;
     const double *const kinds[] = {reading->q, reading->effort, reading->command};
-    capture->time[capture->head] = reading->time;
+    capture->time[2 * capture->head] = reading->time;
+    capture->time[2 * capture->head + 1] = reading->arrival;
     for (int k = 0; k < 3; k++) {
         double *to = capture->values + (3 * capture->head + k) * capture->chain->n_joints;
         if (kinds[k])
@@ -83,25 +88,40 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
  * them, s. */
 static int count_window(double *empty, const mukca_capture *capture)
 {
-    const double window = capture->settings.window, end = stored_time(capture, 0);
+    const double window = capture->settings.window, end = stored_time(capture, 0, 0);
     int n = 1; /* half-open, with a margin for rounding: times are whole microseconds */
     *empty = 0;
-    while (n < capture->count && stored_time(capture, n) > end - window + 1e-6) {
-        *empty = fmax(*empty, stored_time(capture, n - 1) - stored_time(capture, n));
+    while (n < capture->count && stored_time(capture, n, 0) > end - window + 1e-6) {
+        *empty = fmax(*empty, stored_time(capture, n - 1, 0) - stored_time(capture, n, 0));
         n++;
     }
     return n;
 }
 
-/* Mean and spread of joint j over the last sample->n readings; returns its range. */
-static double take_joint(mukca_capture_sample *sample, const mukca_capture *capture, int j)
+/* Number of the latest readings that arrived over a window without a pause of a window; 0: none:
+ * they had waited on their way, and may be old. */
+static int count_arrived(const mukca_capture *capture)
+{
+    const double window = capture->settings.window, end = stored_time(capture, 0, 1);
+    for (int n = 1; n <= capture->count; n++) {
+        const double here = stored_time(capture, n - 1, 1);
+        if (end - here >= LEAST_COVERED * window) return n;
+        if (n < capture->count && here - stored_time(capture, n, 1) > window) break;
+    }
+    return 0;
+}
+
+/* Mean and spread of joint j over the last sample->n readings; returns its range over the last n.
+ */
+static double take_joint(mukca_capture_sample *sample, const mukca_capture *capture, int j, int n)
 {
     const double first = stored(capture, 0, 0)[j];
     double low = first, high = first, sum = 0, squares = 0, effort = 0, command = 0;
-    for (int i = 0; i < sample->n; i++) {
+    for (int i = 0; i < n || i < sample->n; i++) {
         const double q = stored(capture, i, 0)[j], d = q - first;
         low = fmin(low, q);
         high = fmax(high, q);
+        if (i >= sample->n) continue;
         sum += d;
         squares += d * d;
         effort += stored(capture, i, 1)[j];
@@ -119,36 +139,40 @@ static double take_joint(mukca_capture_sample *sample, const mukca_capture *capt
 mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_capture *capture,
                                 double age, mukca_error *error)
 {
-    const mukca_capture_settings *s = &capture->settings;
+    const double window = capture->settings.window;
     const mukca_chain *chain = capture->chain;
     if (!capture->count) return mukca_fail(error, MUKCA_NEGATIVE, "no joint state has come yet");
-    if (age > fmax(s->window, 0.3))
-        return mukca_fail(error, MUKCA_NEGATIVE, "the last joint state is %.1f s old", age);
+    if (age > window)
+        return mukca_fail(error, MUKCA_NEGATIVE, "the last joint state is %.2g s old", age);
     if (capture->jumps >= 4)
         return mukca_fail(error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
     double pause, widest = 0;
-    const int n = count_window(&pause, capture);
-    /* With slow streams the first reading may be one period after the start of the window. */
-    const double end = stored_time(capture, 0), covered = end - stored_time(capture, n - 1);
-    if (n < MIN_READINGS || covered < 0.6 * s->window || pause > 0.5 * s->window)
+    const int n = count_window(&pause, capture), arrived = age < 0 ? n : count_arrived(capture);
+    const double end = stored_time(capture, 0, 0), covered = end - stored_time(capture, n - 1, 0);
+    if (n < MIN_READINGS || covered < LEAST_COVERED * window || pause > 0.5 * window)
         return mukca_fail(
             error, MUKCA_NEGATIVE,
             "only %d joint states in the last %g s, %.2g s of it without: hold still a "
             "little longer, or use a longer --window",
-            n, s->window, fmax(s->window - covered, pause));
+            n, window, fmax(window - covered, pause));
+    if (!arrived)
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "the joint states of the last %g s came at once after a pause: hold "
+                          "still a little longer",
+                          window);
     memset(sample, 0, sizeof *sample);
     sample->time = end;
     sample->n = n;
     int worst = 0;
     for (int j = 0; j < chain->n_joints; j++) {
-        const double range = take_joint(sample, capture, j);
+        const double range = take_joint(sample, capture, j, arrived);
         if (range > widest) widest = range, worst = j;
     }
-    if (widest <= s->range) return MUKCA_OK;
+    if (widest <= capture->settings.range) return MUKCA_OK;
     return mukca_fail(
         error, MUKCA_NEGATIVE,
         "the arm moves: %s by %.2g m%s in %g s (%.2g allowed): hold still and trigger again",
         mukca_chain_joint_name(chain, worst), 1e3 * widest,
-        chain->element[chain->joint_element[worst]].type == MUKCA_PRISMATIC ? "m" : "rad",
-        s->window, 1e3 * s->range);
+        chain->element[chain->joint_element[worst]].type == MUKCA_PRISMATIC ? "m" : "rad", window,
+        1e3 * capture->settings.range);
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "cli/capture_view.h"
 #include "cli/live.h"
@@ -38,9 +39,16 @@ static void report(void *context, const char *line)
 {
     session *s = context;
     if (s->call->common->quiet) return;
-    cli_capture_erase(&s->terminal);
-    fprintf(stderr, "%s\n", line);
+    cli_capture_print(&s->terminal, line);
     s->redrawn = 0;
+}
+
+static mukca_status may_trigger(void *context, const mukca_lcm_packet *packet, mukca_error *error)
+{
+    const session *s = context;
+    (void)packet;
+    if (!s->options->rows || s->recorder.session.file.n_rows < s->options->rows) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_NEGATIVE, "the session has its %d samples", s->options->rows);
 }
 
 static void press(session *s, char key)
@@ -49,16 +57,16 @@ static void press(session *s, char key)
     mukca_error answer;
     switch (key) {
         case 'a':
-            mukca_recorder_sample(r, 0, NULL, NULL, &answer);
+            mukca_sampling_sample(r, &(mukca_sample_request){.time = mukca_clock_wall()}, &answer);
             break;
         case 'd':
-            mukca_recorder_undo(r, &answer);
+            mukca_sampling_undo(r, &answer);
             break;
         case 's':
-            mukca_recorder_next_socket(r, &answer);
+            mukca_sampling_next_socket(r, &answer);
             break;
         case 'n':
-            mukca_recorder_next_placement(r, &answer);
+            mukca_sampling_next_placement(r, &answer);
             break;
         case 'q':
             s->finished = true;
@@ -82,19 +90,19 @@ static mukca_status confirm_map(session *s)
 {
     char text[2048], answer[16] = "";
     mukca_recorder *r = &s->recorder;
-    mukca_recorder_describe_map(r, text, sizeof text);
+    mukca_stream_describe_map(r, text, sizeof text);
     cli_log(s->call, "%s", text);
-    if (!mukca_recorder_needs_confirmation(r)) return MUKCA_OK;
+    if (!mukca_stream_needs_confirmation(r)) return MUKCA_OK;
     if (s->keys < 0)
         return mukca_fail(&s->call->error, MUKCA_USAGE,
                           "%s sends no joint names; if the mapping above is right, add --map order",
-                          r->channel);
+                          r->stream.channel);
     fputs("Is that right? [y/n] ", stderr);
     fflush(stderr);
     if (read(s->keys, answer, sizeof answer - 1) <= 0 || (answer[0] != 'y' && answer[0] != 'Y'))
         return mukca_fail(&s->call->error, MUKCA_USAGE,
                           "not confirmed: give the readings' numbers, as in --map 8-14");
-    r->confirmed = true;
+    r->stream.map.confirmed = true;
     return MUKCA_OK;
 }
 
@@ -112,17 +120,17 @@ static mukca_status loop(session *s)
         if (cli_interrupted())
             return mukca_fail(&s->call->error, MUKCA_INTERRUPTED,
                               "interrupted; %d samples are safe in %s (--resume continues)",
-                              r->session.n_rows, r->session.path);
+                              r->session.file.n_rows, r->session.file.path);
         double now = cli_elapsed(s->call);
         if (now - s->published >= publish_period) {
-            mukca_recorder_publish_status(r, NULL);
+            mukca_sampling_publish_status(r, NULL);
             s->published = now;
         }
         if (s->view && now - s->redrawn >= redraw_period) {
             cli_capture_draw(&s->terminal, &s->recorder);
             s->redrawn = now;
         }
-        if (s->options->rows && r->session.n_rows >= s->options->rows) s->finished = true;
+        if (s->options->rows && r->session.file.n_rows >= s->options->rows) s->finished = true;
     }
     return status == MUKCA_NEGATIVE ? MUKCA_OK : status; /* end of the log */
 }
@@ -130,12 +138,12 @@ static mukca_status loop(session *s)
 static json_t *summary(const session *s)
 {
     const mukca_recorder *r = &s->recorder;
-    const mukca_dataset *rows = &r->capture.rows;
+    const mukca_dataset *rows = &r->session.capture.rows;
     json_t *sockets = json_array();
     for (int k = 0; k < rows->n_sockets; k++) {
         double rms;
-        int n = mukca_capture_count(&r->capture, k);
-        mukca_capture_spread(&rms, NULL, &r->capture, k);
+        int n = mukca_capture_count(&r->session.capture, k);
+        mukca_capture_spread(&rms, NULL, &r->session.capture, k);
         if (n)
             json_array_append_new(
                 sockets,
@@ -144,12 +152,14 @@ static json_t *summary(const session *s)
                           rows->sockets[k].label, "rows", n, "spread_m", cli_json_real(rms)));
     }
     return json_pack("{s:s, s:s, s:i, s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:o, s:b}", "schema",
-                     "mukca.capture/1", "session", r->session.path, "rows", r->session.n_rows,
-                     "channel", r->channel, "type", mukca_recorder_type(r), "stream",
-                     mukca_recorder_stream(r), "received", (json_int_t)r->received, "refused",
-                     (json_int_t)r->refused, "longest_gap_s", cli_json_real(r->longest_gap),
-                     "sockets", sockets, "expected_m", cli_json_real(r->advice.expected),
-                     "more_rows_help", (int)r->advice.more_rows_help);
+                     "mukca.capture/1", "session", r->session.file.path, "rows",
+                     r->session.file.n_rows, "channel", r->stream.channel, "type",
+                     mukca_stream_type(r), "stream", mukca_recorder_stream(r), "received",
+                     (json_int_t)r->stream.count.received, "refused",
+                     (json_int_t)r->stream.count.refused, "longest_gap_s",
+                     cli_json_real(r->stream.count.longest_gap), "sockets", sockets, "expected_m",
+                     cli_json_real(r->session.advice.expected), "more_rows_help",
+                     (int)r->session.advice.more_rows_help);
 }
 
 /* Number of placements that a calibration can use: at least two sockets with two samples each. */
@@ -173,15 +183,15 @@ static void print_next(const session *s)
     cli_live_words words = {.word = {NULL}};
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
-    const bool finished = count_finished(&s->recorder.capture) > 0;
+    const bool finished = count_finished(&s->recorder.session.capture) > 0;
     mukca_text_put(&text, "mukca %s", finished ? "calibrate" : "capture");
     cli_live_arguments(&words, s->call->common, &o->live);
     for (int i = 0; words.word[i]; i++) mukca_text_put(&text, " %s", words.word[i]);
     if (finished)
-        mukca_text_put(&text, " %s -o offsets.tsv", s->recorder.session.path);
+        mukca_text_put(&text, " %s -o offsets.tsv", s->recorder.session.file.path);
     else
         mukca_text_put(
-            &text, " -o %s --resume%s%s%s%s%s", s->recorder.session.path,
+            &text, " -o %s --resume%s%s%s%s%s", s->recorder.session.file.path,
             o->live.recorder.map ? " --map " : "", o->live.recorder.map ? o->live.recorder.map : "",
             o->live.recorder.lines ? " --stdin" : "", o->live.recorder.still ? " --still" : "",
             o->live.recorder.triggers ? " --trigger" : "");
@@ -198,9 +208,9 @@ static void conclude(session *s)
                 (long long)mukca_lcm_link_skipped(r->link));
     cli_answer_wrapped(
         s->call, "%d samples in %s; %lld joint states received, %lld refused, longest pause %.3f s",
-        r->session.n_rows, r->session.path, (long long)r->received, (long long)r->refused,
-        r->longest_gap);
-    if (r->session.n_rows) print_next(s);
+        r->session.file.n_rows, r->session.file.path, (long long)r->stream.count.received,
+        (long long)r->stream.count.refused, r->stream.count.longest_gap);
+    if (r->session.file.n_rows) print_next(s);
 }
 
 /* Refuse a recording as an argument; print the command that pipes it into this one. */
@@ -262,7 +272,7 @@ static mukca_status prepare(session *s)
     mukca_recorder *r = &s->recorder;
     cli_model *model = &call->session->model;
     const mukca_recorder_hooks hooks = {
-        .report = report, .interrupted = cli_interrupted, .context = s};
+        .report = report, .trigger = may_trigger, .interrupted = cli_interrupted, .context = s};
     cli_live_complete(&o->live, c);
     mukca_status status = check_usage(s);
     if (status == MUKCA_OK) status = cli_load_model(call, model);
@@ -272,7 +282,7 @@ static mukca_status prepare(session *s)
     if (status == MUKCA_OK) status = mukca_recorder_connect(r, o->wait, &call->error);
     if (status == MUKCA_OK) status = confirm_map(s);
     if (status == MUKCA_OK)
-        status = mukca_recorder_begin(r, c->output, o->resume, c->force, &call->error);
+        status = mukca_sampling_begin(r, c->output, o->resume, c->force, &call->error);
     return status ? status : mukca_recorder_start_log(r, &call->error);
 }
 
@@ -295,11 +305,13 @@ static mukca_status run(cli_call *call)
     mukca_status status = prepare(s);
     if (status != MUKCA_OK) return status;
     if (s->keys >= 0) cli_capture_enter(&s->terminal, s->keys);
+    cli_relay_open(&s->terminal.relay);
     status = loop(s);
+    cli_relay_close(&s->terminal.relay);
     if (s->view) cli_capture_draw(&s->terminal, &s->recorder);
     cli_capture_leave(&s->terminal);
     if (status == MUKCA_OK || status == MUKCA_INTERRUPTED) {
-        mukca_recorder_publish_status(&s->recorder, "stopped");
+        mukca_sampling_publish_status(&s->recorder, "stopped");
         conclude(s);
         mukca_status written = cli_write_json(call, call->common->json ? summary(s) : NULL);
         mukca_error lost;
@@ -310,7 +322,7 @@ static mukca_status run(cli_call *call)
             status = finished;
         }
     }
-    if (status == MUKCA_OK && !s->recorder.session.n_rows)
+    if (status == MUKCA_OK && !s->recorder.session.file.n_rows)
         status = mukca_fail(&call->error, MUKCA_NEGATIVE, "no sample was recorded");
     return status;
 }
@@ -356,7 +368,9 @@ const cli_command cli_command_capture = {
         "Listens to the joint states of the robot. A sample is recorded when you press a, on a "
         "message on MUKCA_TRIGGER (--trigger), or when the arm stands still with its ball in a "
         "socket (--still). It is the mean over a window of standing still; a moving arm is "
-        "refused. Each sample is on disk before it is acknowledged.\n\n"
+        "refused. Each sample is on disk before it is acknowledged. A key or message is refused if "
+        "the last joint state is older than a window: after a pause of the program or the stream, "
+        "hold still and try again.\n\n"
         "Put the ball into socket 0 of the first placement and record some 20 postures, as "
         "different as possible. Press s and do the same in the other socket. Then move the tool, "
         "press n, and start again; three or four placements all around the base are enough. The "
@@ -372,7 +386,8 @@ const cli_command cli_command_capture = {
         "in "
         "a session), JSON lines, or what `ros2 topic echo --csv` prints. Names decide, not their "
         "order. A line {\"trigger\": 1, \"placement\": \"front\", \"socket\": \"0\"} records a "
-        "sample; keys come from the terminal; --trigger listens to LCM, too.",
+        "sample; keys come from the terminal; --trigger listens to LCM, too. Times of a wall clock "
+        "are compared with those of keys and messages: lines that a pipe holds back are refused.",
     .example =
         "mukca capture --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
         "--trigger -o build/guided.tsv --force\n"

@@ -1,13 +1,15 @@
-/* The terminal of `mukca capture`: single keys, and a view that is redrawn in place. */
+/* The terminal of `mukca capture`: single keys, lines, and a view that is redrawn in place. */
 #ifndef MUKCA_CLI_CAPTURE_VIEW_H
 #define MUKCA_CLI_CAPTURE_VIEW_H
 
 #include <termios.h>
 
+#include "cli/relay.h"
 #include "record/recorder.h"
 
 /* Zeroed: terminal unchanged. */
 typedef struct {
+    cli_relay relay;
     struct termios saved;
     int terminal;
     bool raw;  /* unbuffered keys, without echo */
@@ -18,7 +20,8 @@ typedef struct {
 void cli_capture_enter(cli_capture_view *view, int terminal);
 void cli_capture_leave(cli_capture_view *view);
 
+/* Draw the view, unless the terminal is behind; and print a line above it. */
 void cli_capture_draw(cli_capture_view *view, const mukca_recorder *r);
-void cli_capture_erase(cli_capture_view *view);
+void cli_capture_print(cli_capture_view *view, const char *line);
 
 #endif

@@ -1,8 +1,10 @@
 /* `mukca serve`: capture, calibrate and diagnose as a daemon, driven over LCM. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/live.h"
+#include "cli/relay.h"
 #include "record/server.h"
 
 typedef struct {
@@ -18,25 +20,36 @@ typedef struct {
  * samples. */
 static const serve_options defaults = {.most_change = 10e-3};
 
-static void report(void *call, const char *line)
+typedef struct {
+    mukca_server server;
+    cli_relay relay;
+    bool quiet;
+} work;
+
+static void report(void *context, const char *line)
 {
-    cli_log(call, "%s\n", line);
+    work *w = context;
+    char text[MUKCA_RECORDER_LINE + 1];
+    snprintf(text, sizeof text, "%s\n", line);
+    if (!w->quiet) cli_relay_write(&w->relay, text);
 }
 
 static void conclude(cli_call *call, const mukca_server *s)
 {
     cli_log(call, "stopped; %lld joint states received, %lld messages refused\n",
-            (long long)s->recorder.received, (long long)s->recorder.refused);
+            (long long)s->recorder.stream.count.received,
+            (long long)s->recorder.stream.count.refused);
     if (s->pose.sent)
-        cli_log(call, "%lld poses sent; from reception to sent: median %.0f us, 99.9 %% %.0f us\n",
-                (long long)s->pose.sent, 1e6 * mukca_server_latency(&s->pose, 0.5),
-                1e6 * mukca_server_latency(&s->pose, 0.999));
+        cli_log(call, "%lld poses sent; from reception to sent: mean %.0f us, longest %.0f us\n",
+                (long long)s->pose.sent, 1e6 * s->pose.latency / (double)s->pose.sent,
+                1e6 * s->pose.longest_latency);
 }
 
 static mukca_status run(cli_call *call)
 {
     serve_options *o = call->options;
-    mukca_server *s = call->work;
+    work *w = call->work;
+    mukca_server *s = &w->server;
     cli_model *model = &call->session->model;
     cli_live_words words = {.word = {NULL}};
     mukca_server_options options = {.folder = o->state ? o->state : getenv("STATE_DIRECTORY"),
@@ -44,7 +57,8 @@ static mukca_status run(cli_call *call)
                                     .most_change = o->most_change,
                                     .accept = o->accept};
     const mukca_recorder_hooks hooks = {
-        .report = report, .interrupted = cli_interrupted, .context = call};
+        .report = report, .interrupted = cli_interrupted, .context = w};
+    w->quiet = call->common->quiet;
     if (!options.folder || !*options.folder)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--state DIR is needed: the folder of sessions, results and state");
@@ -58,14 +72,16 @@ static mukca_status run(cli_call *call)
         status = mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks,
                                    &call->error);
     if (status != MUKCA_OK) return status;
+    cli_relay_open(&w->relay);
     status = mukca_server_run(s, &call->error);
+    cli_relay_close(&w->relay);
     conclude(call, s);
     return status;
 }
 
-static void release(void *work)
+static void release(void *context)
 {
-    mukca_server_close(work);
+    mukca_server_close(&((work *)context)->server);
 }
 
 static const cli_option options[] = {
@@ -121,6 +137,6 @@ const cli_command cli_command_serve = {
     .options_size = sizeof(serve_options),
     .defaults = &defaults,
     .run = run,
-    .work_size = sizeof(mukca_server),
+    .work_size = sizeof(work),
     .release = release,
 };

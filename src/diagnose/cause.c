@@ -205,6 +205,24 @@ static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_cau
     tie_untested_flexibility(out, &id->m->recording);
 }
 
+/* A name is conditional on the catalogue, and an unknown function beside it shows that the
+ * catalogue lacks a cause of this arm: the name may be a part of that cause, with equal odds.
+ * Ripple beyond the orders of smooth functions is not. */
+static void share_with_unknown(mukca_cause *out, const mukca_identification *id, int name)
+{
+    double beside = 0;
+    if (out->effect.variant.order > MUKCA_RIPPLE_LONG) return;
+    for (int i = 0; i < id->n_sets; i++) {
+        bool unknown = false;
+        for (int k = 0; k < id->set[i].n; k++)
+            unknown |= mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]) ==
+                       MUKCA_CLASS_UNKNOWN;
+        if (unknown && contains(id, &id->set[i], name)) beside += id->set[i].weight;
+    }
+    out->probability -= 0.5 * beside;
+    out->or_unknown |= 0.5 * beside > MUKCA_DOUBT;
+}
+
 /* 95 % interval of the order of ripple. */
 static void find_orders(mukca_cause *out, const mukca_identification *id, int name)
 {
@@ -238,6 +256,7 @@ void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukc
         .probability = fmin(id->probability[name], 1), /* rounding */
         .held_out = MUKCA_SHRINK_NONE};
     add_ties(out, id, best, member, &rest, own);
+    share_with_unknown(out, id, name);
     if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC) find_orders(out, id, name);
     if (mukca_candidate_is_fault(h)) {
         out->socket = recording->groups[h->fault.group].socket;

@@ -25,6 +25,8 @@ enum {
 /* Log odds behind the best set of the sets that are averaged, and behind the best family of those
  * that are left out: 160,000 to 1. */
 #define AVERAGED 12.0
+/* Length of the noise vector of a sample that is hardly exceeded, in sigmas (1 %). */
+#define NOISE 3.4
 /* Log odds below which a candidate is not kept. */
 #define HOPELESS (-AVERAGED)
 
@@ -287,7 +289,9 @@ static int by_weight(const void *a, const void *b)
 /* Compute the functions of the angles at the present linearisation. */
 static void seat(mukca_identification *id)
 {
-    mukca_recording_seat(&id->m->recording, &id->m->pool, id->m->linear.seated);
+    const mukca_linearisation *linear = &id->m->linear;
+    mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance,
+                         NOISE * id->m->unknowns.sigma);
     for (int i = 0; i < id->all.count; i++)
         if (id->all.list[i].basis) mukca_candidate_fill(&id->all.list[i], &id->m->recording);
 }
@@ -296,7 +300,7 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
 {
     mukca_regression *m = id->m;
     mukca_causes best = {0}, fitted = {0};
-    mukca_recording_seat(&m->recording, &m->pool, m->linear.seated);
+    seat(id);
     mukca_status status = mukca_candidates_list(&id->all, &m->pool, &m->recording, &m->unknowns,
                                                 id->options->disabled, error);
     if (status != MUKCA_OK) return status;

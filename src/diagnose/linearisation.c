@@ -22,6 +22,7 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
         .tip = MUKCA_TAKE(pool, double, 3 * rows),
         .tip_frame = MUKCA_TAKE(pool, double, 9 * rows),
         .seated = MUKCA_TAKE(pool, double, rows *n_joints),
+        .distance = MUKCA_TAKE(pool, double, rows),
         .seated_frame = MUKCA_TAKE(pool, double, 9 * rows),
         .mean = MUKCA_TAKE(pool, double[3], groups),
         .direction = MUKCA_TAKE(pool, double[3], pairs),
@@ -310,6 +311,7 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
                 socket_error(r, linear, recording, u, g, i);
             else
                 pose_residual(r, linear, recording, u, i);
+            linear->distance[i] = sqrt(mukca_dot3(r, r));
             mukca_linearisation_seat(seated, r, n_joints, &u->geometry, &displacement);
             fill_sample(linear, recording, u, i, seated, &displacement);
         }

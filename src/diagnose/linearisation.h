@@ -25,6 +25,7 @@ typedef struct {
     double *tip;          /* [n_samples][3] predicted position */
     double *tip_frame;    /* [n_samples][9] orientation of the tip */
     double *seated;       /* [n_samples][n_joints] angles at which the columns are computed, and */
+    double *distance;     /* [n_samples] of the tip from there, m */
     double *seated_frame; /* [n_samples][9] orientation of the tip there */
     double (*mean)[3];    /* [n_groups] mean of the predicted positions, m */
     double (*direction)[3]; /* [n_pairs] unit vector between the two means */

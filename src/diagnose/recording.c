@@ -208,11 +208,21 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     return true;
 }
 
-void mukca_recording_seat(mukca_recording *r, mukca_pool *pool, const double *seated)
+void mukca_recording_seat(mukca_recording *r, mukca_pool *pool, const double *seated,
+                          const double *distance, double most)
 {
     const size_t n = (size_t)r->chain->n_joints;
-    for (int i = 0; i < r->n_samples; i++)
-        memcpy(r->q + (size_t)r->order[i] * n, seated + (size_t)i * n, sizeof *seated * n);
+    for (int i = 0; i < r->n_samples; i++) {
+        const size_t at = (size_t)r->order[i] * n;
+        const double part = distance[i] > most ? most / distance[i] : 1;
+        for (size_t j = 0; j < n; j++) {
+            const double recorded = r->data->q[at + j],
+                         q = recorded + part * (seated[(size_t)i * n + j] - recorded);
+            if (r->command)
+                r->command[at + j] += q - r->q[at + j]; /* the error of following stays */
+            r->q[at + j] = q;
+        }
+    }
     mukca_postures_move(r->move, pool, r->posture, r->data, r->q);
 }
 

@@ -86,8 +86,10 @@ void mukca_recording_regroup(mukca_recording *recording);
 /* Use seated[n_samples][n_joints] as the angles of all functions of the angles: those at which the
  * ball is where the socket holds it.  At the recorded ones, functions contain the noise of their
  * own sample, and their product with the residual has a mean other than 0 (errors in variables: W.
- * A. Fuller, Measurement Error Models, 1987, section 1.1).  Check `pool`. */
-void mukca_recording_seat(mukca_recording *recording, mukca_pool *pool, const double *seated);
+ * A. Fuller, Measurement Error Models, 1987, section 1.1).  The tip moves by at most `most` (m), as
+ * far as noise: larger distances[n_samples] are effects.  Check `pool`. */
+void mukca_recording_seat(mukca_recording *recording, mukca_pool *pool, const double *seated,
+                          const double *distance, double most);
 
 /* State of a row of the dataset for the forward models. */
 mukca_joint_state mukca_recording_state(const mukca_recording *recording, int row);

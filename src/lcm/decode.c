@@ -1,5 +1,5 @@
 /* Bounded, table-driven decoder of LCM messages that carry joint states. */
-#include "lcm/decode.h"
+#include "lcm/type.h"
 
 #include <math.h>
 #include <string.h>
@@ -137,6 +137,15 @@ static mukca_status decode_struct(decoder *d, int t, int depth, unsigned mask)
         }
     }
     return MUKCA_OK;
+}
+
+int mukca_lcm_types_find(const mukca_lcm_types *types, const void *data, size_t size)
+{
+    if (size < 8) return -1;
+    uint64_t hash = mukca_lcm_wire_get(data, 8);
+    for (int t = types->n_types - 1; t >= 0; t--)
+        if (types->type[t].fingerprint == hash) return t;
+    return -1;
 }
 
 mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_types *types,

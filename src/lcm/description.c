@@ -1,5 +1,5 @@
 /* Parser of .lcm type descriptions: package, struct, const, comments; as lcm-gen accepts them. */
-#include "lcm/description.h"
+#include "lcm/type.h"
 
 #include <ctype.h>
 #include <stdio.h>

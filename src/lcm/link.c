@@ -1,29 +1,32 @@
-/* Transport of LCM messages: one interface to networks and logs. */
+/* Transport of LCM messages: one interface to networks and logs.  A network is received by mukca's
+ * own code, as liblcm trusts its input; liblcm sends. */
 #include "lcm/link.h"
 
+#include <arpa/inet.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <lcm/lcm.h>
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "lcm/log.h"
+#include "lcm/multicast.h"
 
-enum { MAX_CHANNELS = 8, BURST = 256 /* events of a log per call */ };
+enum { MAX_CHANNELS = MUKCA_LCM_MAX_NAMED, BURST = 256 /* events of a log per call */ };
 
 struct mukca_lcm_link {
-    mukca_lcm_receiver *network; /* NULL: a log is replayed */
-    bool listens_to_all;
+    lcm_t *lcm;                     /* sends; NULL: nothing is sent */
+    mukca_lcm_multicast *multicast; /* receives; NULL: a log is replayed, or nothing is received */
+    bool replays, listens_to_all;
     int n_channels;
     char channel[MAX_CHANNELS][64];
     mukca_lcm_packet_fn *receive;
     void *context;
-    mukca_lcm_log log;     /* replayed */
-    mukca_lcm_event event; /* of the log, read but not delivered */
-    bool pending, started;
-    double speed;              /* of the replay; 0: as fast as possible */
-    int64_t clock;             /* time of the last event delivered, us */
-    int64_t first, first_wall; /* time of the log's first event, and of its replay */
+    mukca_lcm_log log; /* replayed */
+    int64_t clock;     /* time of the last event delivered, us */
     mukca_lcm_log record;
     int64_t flushed;    /* us, last flush of the record */
     mukca_error failed; /* why the record was closed */
@@ -33,12 +36,12 @@ struct mukca_lcm_link {
 
 int64_t mukca_lcm_link_clock(const mukca_lcm_link *link)
 {
-    return link->network ? mukca_clock_wall() : link->clock;
+    return link->replays ? link->clock : mukca_clock_wall();
 }
 
 bool mukca_lcm_link_replays(const mukca_lcm_link *link)
 {
-    return !link->network;
+    return link->replays;
 }
 
 int64_t mukca_lcm_link_skipped(const mukca_lcm_link *link)
@@ -48,7 +51,7 @@ int64_t mukca_lcm_link_skipped(const mukca_lcm_link *link)
 
 int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128])
 {
-    return link->network ? mukca_lcm_receiver_dropped(link->network, reason) : 0;
+    return link->multicast ? mukca_lcm_multicast_dropped(link->multicast, reason) : 0;
 }
 
 /* ---- record ---- */
@@ -91,74 +94,124 @@ static bool is_named(const mukca_lcm_link *link, const char *channel)
     return false;
 }
 
-/* Deliver a message; named channels are recorded, others are not. */
-static void deliver(mukca_lcm_link *link, const mukca_lcm_packet *packet, bool named)
+/* Deliver a message that is subscribed; named channels are recorded. */
+static void deliver(mukca_lcm_link *link, const mukca_lcm_packet *packet)
 {
+    const bool named = is_named(link, packet->channel);
     if (named) record(link, packet);
-    link->receive(link->context, packet);
-}
-
-/* Handler of network messages.  Those of a named channel may arrive by both subscriptions. */
-static void on_packet(void *context, const mukca_lcm_packet *packet, bool all)
-{
-    mukca_lcm_link *link = context;
-    if (!all || !is_named(link, packet->channel)) deliver(link, packet, !all);
+    if (named || link->listens_to_all) link->receive(link->context, packet);
 }
 
 /* ---- open and close ---- */
 
-static mukca_status open_log(mukca_lcm_link *link, const char *url, mukca_error *error)
+/* lcm_create without its long message about a missing route. */
+static lcm_t *create_quietly(const char *url)
 {
-    const char *path = url + strlen("file://");
-    size_t length = strcspn(path, "?");
-    char name[1024];
-    if (length == 0 || length >= sizeof name)
-        return mukca_fail(error, MUKCA_USAGE, "\"%.80s\" names no log: file://PATH", url);
-    memcpy(name, path, length);
-    name[length] = '\0';
-    if (path[length]) {
-        char *end = NULL;
-        if (strncmp(path + length, "?speed=", 7) == 0)
-            link->speed = strtod(path + length + 7, &end);
-        if (!end || *end || !(link->speed >= 0 && link->speed <= 1e6))
-            return mukca_fail(
-                error, MUKCA_USAGE,
-                "\"%.80s\": the only option of a log is speed=NUMBER (0: as fast as possible)",
-                url);
+    int silence = open("/dev/null", O_WRONLY | O_CLOEXEC), kept = dup(STDERR_FILENO);
+    bool quiet = silence >= 0 && kept >= 0 && dup2(silence, STDERR_FILENO) >= 0;
+    lcm_t *lcm = lcm_create(url);
+    if (quiet) dup2(kept, STDERR_FILENO);
+    if (kept >= 0) close(kept);
+    if (silence >= 0) close(silence);
+    return lcm;
+}
+
+/* Parse an IPv4 address text[length]; 0: invalid. */
+static uint32_t read_address(const char *text, size_t length)
+{
+    char copy[16];
+    struct in_addr address;
+    if (length >= sizeof copy) return 0;
+    memcpy(copy, text, length);
+    copy[length] = '\0';
+    return inet_pton(AF_INET, copy, &address) == 1 ? ntohl(address.s_addr) : 0;
+}
+
+/* Parse "udpm://GROUP:PORT?recv_buf_size=N"; each part is optional, other options concern sending.
+ * False: invalid. */
+static bool read_url(mukca_lcm_multicast_options *options, const char *url)
+{
+    *options = (mukca_lcm_multicast_options){
+        .group = 0xefff4c43, .port = 7667, .buffer = 2 << 20}; /* 239.255.76.67, liblcm's default */
+    const char *host = url + strlen("udpm://");
+    size_t length = strcspn(host, ":?");
+    if (length) options->group = read_address(host, length);
+    if (options->group >> 28 != 0xe) return false; /* 224.0.0.0/4 */
+    if (host[length] == ':') {
+        char *end;
+        unsigned long port = strtoul(host + length + 1, &end, 10);
+        if (end == host + length + 1 || (*end && *end != '?') || !port || port > 65535)
+            return false;
+        options->port = (uint16_t)port;
     }
-    return mukca_lcm_log_open(&link->log, name, error);
+    const char *buffer = strstr(host + length, "recv_buf_size=");
+    long size = buffer ? strtol(buffer + strlen("recv_buf_size="), NULL, 10) : 0;
+    if (size > 0 && size <= 1 << 30) options->buffer = (int)size;
+    return true;
+}
+
+static bool read_senders(mukca_lcm_multicast_options *options, const mukca_lcm_network *network)
+{
+    const char *interface = network->interface, *from = network->from;
+    if (interface && !(options->interface = read_address(interface, strlen(interface))))
+        return false;
+    while (from) {
+        size_t length = strcspn(from, ",");
+        uint32_t address = read_address(from, length);
+        if (!address || options->n_from == MUKCA_LCM_MAX_FROM) return false;
+        options->from[options->n_from++] = address;
+        from = from[length] ? from + length + 1 : NULL;
+    }
+    return true;
+}
+
+static mukca_status open_network(mukca_lcm_link *link, const char *url,
+                                 const mukca_lcm_network *network, mukca_error *error)
+{
+    mukca_lcm_multicast_options options;
+    if (url && strncmp(url, "udpm://", 7) != 0)
+        return mukca_fail(error, MUKCA_USAGE, "%.80s: neither udpm:// nor file://", url);
+    link->lcm = create_quietly(url);
+    if (!link->lcm)
+        return mukca_fail(error, MUKCA_TRANSPORT,
+                          "LCM cannot use %.80s: is there a multicast route? For one machine: ip "
+                          "link set lo multicast on; ip route add 224.0.0.0/4 dev lo",
+                          url ? url : "its default network");
+    if (!read_url(&options, url ? url : "udpm://"))
+        return mukca_fail(error, MUKCA_USAGE, "%.80s: expected udpm://GROUP:PORT?ttl=N", url);
+    if (!read_senders(&options, network))
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--interface and --from take addresses such as 192.168.1.5");
+    return mukca_lcm_multicast_open(&link->multicast, &options, error);
 }
 
 mukca_status mukca_lcm_link_open(mukca_lcm_link **out, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error)
 {
-    const char *url = network->url;
-    if (!url) url = getenv("LCM_DEFAULT_URL");
+    const char *url = network->url ? network->url : getenv("LCM_DEFAULT_URL");
     if (url && !*url) url = NULL;
-    const mukca_lcm_network named = {url, network->interface, network->from};
     mukca_lcm_link *link = calloc(1, sizeof *link);
     *out = NULL;
     if (!link) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     link->receive = receive;
     link->context = context;
-    mukca_status status = MUKCA_OK;
-    if (url && strncmp(url, "file://", 7) == 0) {
-        status = open_log(link, url, error);
-    } else {
-        status = mukca_lcm_receiver_open(&link->network, &named, on_packet, link, error);
-    }
-    if (status != MUKCA_OK) {
+    link->replays = !network->none && url && strncmp(url, "file://", 7) == 0;
+    mukca_status status = network->none ? MUKCA_OK
+                          : link->replays
+                              ? mukca_lcm_log_open(&link->log, url + strlen("file://"), error)
+                              : open_network(link, url, network, error);
+    if (status != MUKCA_OK)
         mukca_lcm_link_close(link);
-        return status;
-    }
-    *out = link;
-    return MUKCA_OK;
+    else
+        *out = link;
+    return status;
 }
 
 void mukca_lcm_link_close(mukca_lcm_link *link)
 {
     if (!link) return;
-    mukca_lcm_receiver_close(link->network);
+    mukca_lcm_multicast_close(link->multicast);
+    if (link->lcm) lcm_destroy(link->lcm);
     mukca_lcm_log_close(&link->log);
     mukca_lcm_log_close(&link->record);
     free(link);
@@ -174,10 +227,7 @@ mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mu
                           channel);
     if (channel && link->n_channels == MAX_CHANNELS)
         return mukca_fail(error, MUKCA_USAGE, "more than %d channels", MAX_CHANNELS);
-    if (link->network) {
-        mukca_status status = mukca_lcm_receiver_subscribe(link->network, channel, error);
-        if (status != MUKCA_OK) return status;
-    }
+    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, channel);
     if (channel)
         memcpy(link->channel[link->n_channels++], channel, strlen(channel) + 1);
     else
@@ -187,75 +237,64 @@ mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mu
 
 void mukca_lcm_link_unlisten_all(mukca_lcm_link *link)
 {
-    if (link->network) mukca_lcm_receiver_unsubscribe_all(link->network);
+    if (link->multicast) mukca_lcm_multicast_unlisten_all(link->multicast);
     link->listens_to_all = false;
 }
 
 /* ---- wait ---- */
 
-/* Wait for `other` only. */
-static void wait_other(int other, bool *readable, int timeout_ms)
+static mukca_status replay(mukca_lcm_link *link, int other, bool *readable, mukca_error *error)
 {
-    struct pollfd p = {.fd = other, .events = POLLIN};
-    bool ready = poll(&p, 1, timeout_ms) > 0;
-    if (readable) *readable = ready;
-}
-
-static mukca_status replay(mukca_lcm_link *link, int timeout_ms, int other, bool *readable,
-                           mukca_error *error)
-{
+    mukca_lcm_event event;
     for (int i = 0; i < BURST; i++) {
-        if (!link->pending && !(link->pending = mukca_lcm_log_read(&link->log, &link->event)))
+        if (!mukca_lcm_log_read(&link->log, &event))
             return link->log.exhausted ? mukca_fail(error, MUKCA_MEMORY,
                                                     "LCM log %s: out of memory", link->log.path)
                                        : MUKCA_NEGATIVE;
-        if (!link->started) {
-            link->started = true;
-            link->first = link->event.time;
-            link->first_wall = mukca_clock_wall();
-        }
-        if (link->speed > 0) {
-            double wait = (double)(link->event.time - link->first) / link->speed -
-                          (double)(mukca_clock_wall() - link->first_wall);
-            if (wait > 1000) {
-                wait_other(other, readable,
-                           wait > 1e3 * timeout_ms ? timeout_ms : (int)(wait / 1e3));
-                return MUKCA_OK;
-            }
-        }
-        link->pending = false;
-        link->clock = link->event.time;
-        bool named = is_named(link, link->event.channel);
-        mukca_lcm_packet packet = {.channel = link->event.channel,
-                                   .data = link->event.data,
-                                   .size = link->event.size,
-                                   .time = link->event.time};
-        if (named || link->listens_to_all) deliver(link, &packet, named);
+        link->clock = event.time;
+        const mukca_lcm_packet packet = {
+            .channel = event.channel, .data = event.data, .size = event.size, .time = event.time};
+        deliver(link, &packet);
     }
-    if (other >= 0) wait_other(other, readable, 0);
+    struct pollfd p = {.fd = other, .events = POLLIN};
+    if (readable) *readable = poll(&p, 1, 0) > 0;
     return MUKCA_OK;
+}
+
+/* Deliver what had arrived before the call. */
+static void receive(mukca_lcm_link *link)
+{
+    const int64_t now = mukca_clock_wall();
+    bool later = false;
+    for (mukca_lcm_queued *e; !later && (e = mukca_lcm_multicast_take(link->multicast)); free(e)) {
+        later = e->packet.time >= now;
+        deliver(link, &e->packet);
+    }
 }
 
 mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other, bool *readable,
                                  mukca_error *error)
 {
     if (readable) *readable = false;
-    if (!link->network) return replay(link, timeout_ms, other, readable, error);
-    struct pollfd p[2] = {{.fd = mukca_lcm_receiver_descriptor(link->network), .events = POLLIN},
-                          {.fd = other, .events = POLLIN}};
+    if (link->replays) return replay(link, other, readable, error);
+    const int own = link->multicast ? mukca_lcm_multicast_descriptor(link->multicast) : -1;
+    struct pollfd p[2] = {{.fd = own, .events = POLLIN}, {.fd = other, .events = POLLIN}};
     int n = poll(p, 2, timeout_ms);
     if (n < 0 && errno != EINTR)
         return mukca_fail(error, MUKCA_TRANSPORT, "waiting for LCM: %s", strerror(errno));
     if (n <= 0) return MUKCA_OK;
     if (readable && p[1].revents) *readable = true;
-    return p[0].revents ? mukca_lcm_receiver_handle(link->network, error) : MUKCA_OK;
+    if (p[0].revents) receive(link);
+    return MUKCA_OK;
 }
 
 mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, const void *data,
                                     size_t size, mukca_error *error)
 {
-    mukca_lcm_packet packet = {
+    const mukca_lcm_packet packet = {
         .channel = channel, .data = data, .size = size, .time = mukca_lcm_link_clock(link)};
     record(link, &packet);
-    return link->network ? mukca_lcm_receiver_publish(link->network, &packet, error) : MUKCA_OK;
+    if (link->lcm && lcm_publish(link->lcm, channel, data, (unsigned)size))
+        return mukca_fail(error, MUKCA_TRANSPORT, "LCM cannot send on %s", channel);
+    return MUKCA_OK;
 }

@@ -1,16 +1,25 @@
-/* Transport of LCM messages: a network (udpm://, memq://) or a log (file://). */
+/* Transport of LCM messages: a network (udpm://) or a log (file://). */
 #ifndef MUKCA_LCM_LINK_H
 #define MUKCA_LCM_LINK_H
 
-#include "lcm/receiver.h"
+#include "lcm/packet.h"
+#include "mukca/status.h"
 
 typedef struct mukca_lcm_link mukca_lcm_link;
 
+/* url NULL: LCM_DEFAULT_URL, else LCM's default.  interface: address of the receiving interface;
+ * NULL: that of the multicast route, local senders only.  from: comma-separated addresses of
+ * accepted senders, instead; may be NULL.  none: neither a network nor a log. */
+typedef struct {
+    const char *url, *interface, *from;
+    bool none;
+} mukca_lcm_network;
+
 typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 
-/* Connect to network->url (NULL: LCM_DEFAULT_URL, else LCM's default); `receive` gets the packets.
- * A log is replayed as fast as possible; `file://LOG?speed=1` in real time.  Errors:
- * MUKCA_TRANSPORT (no multicast route, with the remedy), MUKCA_INPUT (log), MUKCA_MEMORY. */
+/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible;
+ * `file://LOG?speed=1` in real time.  Errors: MUKCA_TRANSPORT (no multicast route, with the
+ * remedy), MUKCA_INPUT (log), MUKCA_MEMORY. */
 mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);
 
@@ -22,9 +31,10 @@ mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mu
 /* End the subscription to all channels; named channels stay subscribed. */
 void mukca_lcm_link_unlisten_all(mukca_lcm_link *link);
 
-/* Deliver one message of a network, or some hundred of a log.  Waits up to `timeout_ms`, or until
- * descriptor `other` (-1: none) is readable, which sets *readable (may be NULL).  A signal ends the
- * wait.  Returns MUKCA_OK, MUKCA_NEGATIVE at the end of a log, MUKCA_TRANSPORT. */
+/* Deliver what has arrived from a network, or some hundred events of a log.  Waits up to
+ * `timeout_ms`, or until descriptor `other` (-1: none) is readable, which sets *readable (may be
+ * NULL).  A signal ends the wait.  Returns MUKCA_OK, MUKCA_NEGATIVE at the end of a log,
+ * MUKCA_TRANSPORT. */
 mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other, bool *readable,
                                  mukca_error *error);
 

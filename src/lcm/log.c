@@ -17,19 +17,9 @@ enum {
 };
 static const unsigned char sync_word[4] = {0xED, 0xA1, 0xDA, 0x01};
 
-static mukca_status keep_path(mukca_lcm_log *log, const char *path, mukca_error *error)
-{
-    memset(log, 0, sizeof *log);
-    if (strlen(path) >= sizeof log->path)
-        return mukca_fail(error, MUKCA_INPUT, "%.100s...: path too long", path);
-    memcpy(log->path, path, strlen(path) + 1);
-    return MUKCA_OK;
-}
-
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error)
 {
-    mukca_status status = keep_path(log, path, error);
-    if (status != MUKCA_OK) return status;
+    *log = (mukca_lcm_log){.path = path};
     log->file = fopen(path, "rb");
     if (!log->file || fseeko(log->file, 0, SEEK_END) || (log->length = ftello(log->file)) < 0 ||
         log->length == INT64_MAX || fseeko(log->file, 0, SEEK_SET)) {
@@ -44,8 +34,7 @@ mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_erro
 mukca_status mukca_lcm_log_create(mukca_lcm_log *log, const char *path, bool force,
                                   mukca_error *error)
 {
-    mukca_status status = keep_path(log, path, error);
-    if (status != MUKCA_OK) return status;
+    *log = (mukca_lcm_log){.path = path};
     int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | (force ? O_TRUNC : O_EXCL), 0666);
     if (fd >= 0) log->file = fdopen(fd, "wb");
     if (log->file) return MUKCA_OK;

@@ -19,7 +19,7 @@ typedef struct {
 /* Zeroed: closed. */
 typedef struct {
     FILE *file;
-    char path[1024];
+    const char *path;
     int64_t length;  /* reading: bytes of the file */
     int64_t number;  /* writing: number of the next event */
     int64_t skipped; /* reading: bytes outside events, or of events that are too long */
@@ -28,8 +28,8 @@ typedef struct {
     size_t capacity;
 } mukca_lcm_log;
 
-/* Open a log.  Errors: MUKCA_INPUT (cannot be opened; not a log; create: exists, without
- * `force`). */
+/* Open a log; `path` must outlive it.  Errors: MUKCA_INPUT (cannot be opened; not a log; create:
+ * exists, without `force`). */
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error);
 mukca_status mukca_lcm_log_create(mukca_lcm_log *log, const char *path, bool force,
                                   mukca_error *error);

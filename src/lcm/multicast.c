@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -34,14 +35,16 @@ struct mukca_lcm_multicast {
     int n_local;
     int64_t local_read; /* us, time of reading them */
     unsigned char datagram[DATAGRAM];
+    uint32_t overflowed; /* datagrams dropped by the kernel */
     /* shared, under `lock` */
     pthread_mutex_t lock;
     mukca_lcm_queue queue;
+    bool signalled; /* a byte is in `ready` */
     bool all;
     int n_named;
     char named[MUKCA_LCM_MAX_NAMED][MUKCA_LCM_CHANNEL_SIZE];
-    int64_t malformed[MUKCA_LCM_DROPS], foreign;
-    uint32_t stranger; /* address of the last foreign sender */
+    int64_t malformed[MUKCA_LCM_DROPS], foreign, lost; /* lost: by the kernel */
+    uint32_t stranger;                                 /* address of the last foreign sender */
     int64_t reported[MUKCA_LCM_DROPS + 2];
 };
 
@@ -94,9 +97,9 @@ static bool is_named(const mukca_lcm_multicast *m, const char *channel)
     return false;
 }
 
-static void process(mukca_lcm_multicast *m, size_t size, const struct sockaddr_in *from)
+static void process(mukca_lcm_multicast *m, size_t size, const struct sockaddr_in *from,
+                    int64_t now)
 {
-    int64_t now = mukca_clock_wall();
     uint32_t address = ntohl(from->sin_addr.s_addr);
     mukca_lcm_packet packet;
     mukca_lcm_datagram datagram = {.data = m->datagram,
@@ -111,12 +114,42 @@ static void process(mukca_lcm_multicast *m, size_t size, const struct sockaddr_i
         m->stranger = address;
     }
     memcpy(m->malformed, m->reassembly.dropped, sizeof m->malformed);
-    bool first = m->queue.n == 0;
+    m->lost = m->overflowed;
     if (whole && (m->all || is_named(m, packet.channel)) &&
-        mukca_lcm_queue_push(&m->queue, &packet) && first && write(m->ready[1], "", 1) < 0) {
-        /* impossible: the pipe holds at most one byte */
-    }
+        mukca_lcm_queue_push(&m->queue, &packet) && !m->signalled)
+        m->signalled = write(m->ready[1], "", 1) == 1;
     pthread_mutex_unlock(&m->lock);
+}
+
+/* Receive a datagram; *time is when the kernel received it: a process that was stopped or starved
+ * reads old ones.  Returns its size, -1: none. */
+static ssize_t receive(mukca_lcm_multicast *m, struct sockaddr_in *from, int64_t *time)
+{
+    union {
+        struct cmsghdr head; /* for the alignment */
+        char bytes[CMSG_SPACE(sizeof(struct timeval)) + CMSG_SPACE(sizeof(uint32_t))];
+    } control;
+    struct iovec data = {.iov_base = m->datagram, .iov_len = sizeof m->datagram};
+    struct msghdr message = {.msg_name = from,
+                             .msg_namelen = sizeof *from,
+                             .msg_iov = &data,
+                             .msg_iovlen = 1,
+                             .msg_control = control.bytes,
+                             .msg_controllen = sizeof control.bytes};
+    const ssize_t n = recvmsg(m->socket, &message, MSG_DONTWAIT);
+    *time = mukca_clock_wall();
+    if (n < 0) return n;
+    for (struct cmsghdr *c = CMSG_FIRSTHDR(&message); c; c = CMSG_NXTHDR(&message, c)) {
+        struct timeval t;
+        if (c->cmsg_level != SOL_SOCKET) continue;
+        if (c->cmsg_type == SCM_TIMESTAMP) {
+            memcpy(&t, CMSG_DATA(c), sizeof t);
+            *time = (int64_t)t.tv_sec * 1000000 + t.tv_usec;
+        } else if (c->cmsg_type == SO_RXQ_OVFL) {
+            memcpy(&m->overflowed, CMSG_DATA(c), sizeof m->overflowed);
+        }
+    }
+    return n;
 }
 
 static void *run(void *multicast)
@@ -129,11 +162,10 @@ static void *run(void *multicast)
         if (p[1].revents) break;
         for (int i = 0; i < 256; i++) { /* before polling `stop` again */
             struct sockaddr_in from = {.sin_family = AF_INET};
-            socklen_t length = sizeof from;
-            ssize_t n = recvfrom(m->socket, m->datagram, sizeof m->datagram, MSG_DONTWAIT,
-                                 (struct sockaddr *)&from, &length);
+            int64_t time;
+            const ssize_t n = receive(m, &from, &time);
             if (n < 0) break;
-            process(m, (size_t)n, &from);
+            process(m, (size_t)n, &from, time);
         }
     }
     return NULL;
@@ -159,6 +191,8 @@ static bool open_socket(mukca_lcm_multicast *m)
     if (m->socket < 0) return false;
     if (setsockopt(m->socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on)) return false;
     (void)setsockopt(m->socket, SOL_SOCKET, SO_RCVBUF, &o->buffer, sizeof o->buffer);
+    (void)setsockopt(m->socket, SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on);
+    (void)setsockopt(m->socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
 #ifdef IP_MULTICAST_ALL /* receive from this socket's interfaces only, not from those that other \
                            programs joined */
     if (setsockopt(m->socket, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off)) return false;
@@ -205,11 +239,6 @@ mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **out,
     m->options = *options;
     m->socket = m->stop[0] = m->stop[1] = m->ready[0] = m->ready[1] = -1;
     pthread_mutex_init(&m->lock, NULL);
-    m->queue.bytes = malloc(MUKCA_LCM_QUEUE_BYTES);
-    if (!m->queue.bytes) {
-        mukca_lcm_multicast_close(m);
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    }
     if (!open_socket(m) || !open_pipe(m->stop) || !open_pipe(m->ready) || !start_thread(m)) {
         mukca_fail(error, MUKCA_TRANSPORT,
                    "LCM cannot join %u.%u.%u.%u port %u: %s (multicast route? --interface?)",
@@ -231,25 +260,20 @@ void mukca_lcm_multicast_close(mukca_lcm_multicast *m)
         if (descriptors[i] >= 0) close(descriptors[i]);
     mukca_lcm_packet_clear(&m->reassembly);
     pthread_mutex_destroy(&m->lock);
-    free(m->queue.bytes);
+    for (mukca_lcm_queued *e; (e = mukca_lcm_queue_take(&m->queue));) free(e);
     free(m);
 }
 
 /* ---- for the program ---- */
 
-mukca_status mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel,
-                                        mukca_error *error)
+void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel)
 {
-    mukca_status status = MUKCA_OK;
     pthread_mutex_lock(&m->lock);
     if (!channel)
         m->all = true;
-    else if (m->n_named == MUKCA_LCM_MAX_NAMED || strlen(channel) >= sizeof m->named[0])
-        status = mukca_fail(error, MUKCA_USAGE, "cannot listen to %.70s", channel);
     else
         memcpy(m->named[m->n_named++], channel, strlen(channel) + 1);
     pthread_mutex_unlock(&m->lock);
-    return status;
 }
 
 void mukca_lcm_multicast_unlisten_all(mukca_lcm_multicast *m)
@@ -264,25 +288,14 @@ int mukca_lcm_multicast_descriptor(const mukca_lcm_multicast *m)
     return m->ready[0];
 }
 
-const mukca_lcm_packet *mukca_lcm_multicast_front(mukca_lcm_multicast *m, bool *named)
-{
-    const mukca_lcm_packet *packet;
-    pthread_mutex_lock(&m->lock);
-    packet = mukca_lcm_queue_front(&m->queue);
-    *named = packet && is_named(m, packet->channel);
-    pthread_mutex_unlock(&m->lock);
-    return packet;
-}
-
-void mukca_lcm_multicast_pop(mukca_lcm_multicast *m)
+mukca_lcm_queued *mukca_lcm_multicast_take(mukca_lcm_multicast *m)
 {
     char byte;
     pthread_mutex_lock(&m->lock);
-    mukca_lcm_queue_pop(&m->queue);
-    if (m->queue.n == 0 && read(m->ready[0], &byte, 1) < 0) {
-        /* impossible: a byte is in the pipe while messages wait */
-    }
+    mukca_lcm_queued *oldest = mukca_lcm_queue_take(&m->queue);
+    if (m->queue.n == 0 && m->signalled) m->signalled = read(m->ready[0], &byte, 1) != 1;
     pthread_mutex_unlock(&m->lock);
+    return oldest;
 }
 
 int64_t mukca_lcm_multicast_dropped(mukca_lcm_multicast *m, char reason[128])
@@ -291,7 +304,7 @@ int64_t mukca_lcm_multicast_dropped(mukca_lcm_multicast *m, char reason[128])
     pthread_mutex_lock(&m->lock);
     memcpy(now, m->malformed, sizeof m->malformed);
     uint32_t stranger = m->stranger;
-    now[MUKCA_LCM_DROPS] = m->queue.dropped;
+    now[MUKCA_LCM_DROPS] = m->queue.dropped + m->lost;
     now[MUKCA_LCM_DROPS + 1] = m->foreign;
     pthread_mutex_unlock(&m->lock);
     for (int i = 0; i < MUKCA_LCM_DROPS + 2; i++) {
@@ -301,7 +314,7 @@ int64_t mukca_lcm_multicast_dropped(mukca_lcm_multicast *m, char reason[128])
         if (i < MUKCA_LCM_DROPS)
             snprintf(reason, 128, "%s", mukca_lcm_drop_texts[i]);
         else if (i == MUKCA_LCM_DROPS)
-            snprintf(reason, 128, "more messages than can be handled");
+            snprintf(reason, 128, "more than can be handled, or this program was stopped");
         else
             snprintf(reason, 128, "sent by %u.%u.%u.%u; --interface and --from accept others",
                      stranger >> 24, stranger >> 16 & 255, stranger >> 8 & 255, stranger & 255);

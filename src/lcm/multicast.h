@@ -2,7 +2,7 @@
 #ifndef MUKCA_LCM_MULTICAST_H
 #define MUKCA_LCM_MULTICAST_H
 
-#include "lcm/packet.h"
+#include "lcm/queue.h"
 #include "mukca/status.h"
 
 enum { MUKCA_LCM_MAX_NAMED = 8, MUKCA_LCM_MAX_FROM = 16 };
@@ -23,19 +23,15 @@ mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **multicast,
                                       const mukca_lcm_multicast_options *options,
                                       mukca_error *error);
 
-/* Subscribe to a channel by its literal name; NULL: all channels.  Errors: MUKCA_USAGE (too
- * many). */
-mukca_status mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel,
-                                        mukca_error *error);
+/* Subscribe to a channel, at most MUKCA_LCM_MAX_NAMED; NULL: all channels. */
+void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel);
 void mukca_lcm_multicast_unlisten_all(mukca_lcm_multicast *m);
 
 /* Descriptor for poll(2), readable while a message waits. */
 int mukca_lcm_multicast_descriptor(const mukca_lcm_multicast *m);
 
-/* The oldest message, valid until it is removed; NULL: empty.  `named`: its channel is subscribed
- * by name. */
-const mukca_lcm_packet *mukca_lcm_multicast_front(mukca_lcm_multicast *m, bool *named);
-void mukca_lcm_multicast_pop(mukca_lcm_multicast *m);
+/* Remove the oldest message; free it with free(3).  NULL: none. */
+mukca_lcm_queued *mukca_lcm_multicast_take(mukca_lcm_multicast *m);
 
 /* Number of messages and datagrams dropped so far; `reason` is that of the last ones. */
 int64_t mukca_lcm_multicast_dropped(mukca_lcm_multicast *m, char reason[128]);

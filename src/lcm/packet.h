@@ -19,7 +19,7 @@ typedef struct {
     const char *channel;
     const void *data;
     size_t size;
-    int64_t time;    /* us since 1970, time of reception or logging */
+    int64_t time;    /* us since 1970, time of reception (UDP: by the kernel) or logging */
     uint64_t sender; /* IPv4 address << 16 | port; 0: unknown */
 } mukca_lcm_packet;
 

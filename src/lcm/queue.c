@@ -1,65 +1,82 @@
-/* Ring of messages with their bytes in a second ring, each contiguous. */
+/* One list per sender; messages are numbered, so that all lists together are one queue. */
 #include "lcm/queue.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-/* Start of a free contiguous range of `size` bytes; MUKCA_LCM_QUEUE_BYTES: none. */
-static size_t find_room(const mukca_lcm_queue *q, size_t size)
+/* Slot of the sender, or a free one; NULL: too many senders. */
+static mukca_lcm_queue_sender *find_sender(mukca_lcm_queue *q, uint64_t id)
 {
-    if (q->n == 0) return 0;
-    size_t begin = q->entry[q->first].start;
-    if (q->end <= begin) return size <= begin - q->end ? q->end : MUKCA_LCM_QUEUE_BYTES;
-    if (size <= MUKCA_LCM_QUEUE_BYTES - q->end) return q->end;
-    return size <= begin ? 0 : MUKCA_LCM_QUEUE_BYTES;
-}
-
-/* Slot of the sender; -1: its share is exhausted, or there are too many senders. */
-static int find_sender(const mukca_lcm_queue *q, uint64_t id, size_t size)
-{
-    int slot = -1;
+    mukca_lcm_queue_sender *slot = NULL;
     for (int i = 0; i < MUKCA_LCM_QUEUE_SENDERS; i++) {
-        if (q->sender[i].n && q->sender[i].id == id) {
-            bool full = q->sender[i].n >= MUKCA_LCM_QUEUE_SHARE ||
-                        q->sender[i].bytes + size > MUKCA_LCM_QUEUE_BYTES / 2;
-            return full ? -1 : i;
-        }
-        if (!q->sender[i].n) slot = i;
+        mukca_lcm_queue_sender *s = &q->sender[i];
+        if (!s->first)
+            slot = s;
+        else if (s->first->packet.sender == id)
+            return s;
     }
     return slot;
 }
 
+static mukca_lcm_queued *remove_first(mukca_lcm_queue *q, mukca_lcm_queue_sender *s)
+{
+    mukca_lcm_queued *oldest = s->first;
+    s->first = oldest->next;
+    s->n--;
+    s->bytes -= oldest->size;
+    q->n--;
+    q->bytes -= oldest->size;
+    return oldest;
+}
+
+static void drop_first(mukca_lcm_queue *q, mukca_lcm_queue_sender *s)
+{
+    free(remove_first(q, s));
+    q->dropped++;
+}
+
+/* The sender with most messages, or with most bytes. */
+static mukca_lcm_queue_sender *largest(mukca_lcm_queue *q, bool by_bytes)
+{
+    mukca_lcm_queue_sender *most = q->sender;
+    for (mukca_lcm_queue_sender *s = q->sender; s < q->sender + MUKCA_LCM_QUEUE_SENDERS; s++)
+        if (by_bytes ? s->bytes > most->bytes : s->n > most->n) most = s;
+    return most;
+}
+
 bool mukca_lcm_queue_push(mukca_lcm_queue *q, const mukca_lcm_packet *packet)
 {
-    size_t name = strlen(packet->channel) + 1, size = packet->size + name;
-    bool fits = q->n < MUKCA_LCM_QUEUE_LENGTH && size <= MUKCA_LCM_QUEUE_BYTES;
-    int sender = fits ? find_sender(q, packet->sender, size) : -1;
-    size_t start = sender >= 0 ? find_room(q, size) : MUKCA_LCM_QUEUE_BYTES;
-    if (start == MUKCA_LCM_QUEUE_BYTES) {
+    const size_t name = strlen(packet->channel) + 1, size = packet->size + name;
+    mukca_lcm_queue_sender *s = find_sender(q, packet->sender);
+    mukca_lcm_queued *e = s && size <= MUKCA_LCM_QUEUE_BYTES / 2 ? malloc(sizeof *e + size) : NULL;
+    if (!e) {
         q->dropped++;
         return false;
     }
-    mukca_lcm_queued *e = &q->entry[(q->first + q->n++) % MUKCA_LCM_QUEUE_LENGTH];
-    *e = (mukca_lcm_queued){.start = start, .used = size, .packet = *packet, .sender = sender};
-    e->packet.channel = memcpy(q->bytes + start, packet->channel, name);
-    e->packet.data = q->bytes + start + name;
-    if (packet->size) memcpy(q->bytes + start + name, packet->data, packet->size);
-    q->end = start + size;
-    q->sender[sender].id = packet->sender;
-    q->sender[sender].n++;
-    q->sender[sender].bytes += size;
+    while (s->n >= MUKCA_LCM_QUEUE_SHARE || s->bytes + size > MUKCA_LCM_QUEUE_BYTES / 2)
+        drop_first(q, s);
+    while (q->n >= MUKCA_LCM_QUEUE_LENGTH) drop_first(q, largest(q, false));
+    while (q->bytes + size > MUKCA_LCM_QUEUE_BYTES) drop_first(q, largest(q, true));
+    *e = (mukca_lcm_queued){.number = q->number++, .size = size, .packet = *packet};
+    e->packet.channel = memcpy(e->bytes, packet->channel, name);
+    e->packet.data = e->bytes + name;
+    if (packet->size) memcpy(e->bytes + name, packet->data, packet->size);
+    if (s->first)
+        s->last->next = e;
+    else
+        s->first = e;
+    s->last = e;
+    s->n++;
+    s->bytes += size;
+    q->n++;
+    q->bytes += size;
     return true;
 }
 
-const mukca_lcm_packet *mukca_lcm_queue_front(const mukca_lcm_queue *q)
+mukca_lcm_queued *mukca_lcm_queue_take(mukca_lcm_queue *q)
 {
-    return q->n ? &q->entry[q->first].packet : NULL;
-}
-
-void mukca_lcm_queue_pop(mukca_lcm_queue *q)
-{
-    const mukca_lcm_queued *e = &q->entry[q->first];
-    q->sender[e->sender].n--;
-    q->sender[e->sender].bytes -= e->used;
-    q->first = (q->first + 1) % MUKCA_LCM_QUEUE_LENGTH;
-    if (--q->n == 0) q->first = 0; /* restart at 0: low traffic touches little memory */
+    mukca_lcm_queue_sender *oldest = NULL;
+    for (mukca_lcm_queue_sender *s = q->sender; s < q->sender + MUKCA_LCM_QUEUE_SENDERS; s++)
+        if (s->first && (!oldest || s->first->number < oldest->first->number)) oldest = s;
+    return oldest ? remove_first(q, oldest) : NULL;
 }

@@ -1,11 +1,10 @@
-/* Built-in LCM types of joint states: one row here and one file state_NAME.c each.  The row drives
- * decoding, help and tests. */
+/* Built-in LCM types of joint states: one row here and one entry in state.c each. */
 #ifndef MUKCA_LCM_STATE_H
 #define MUKCA_LCM_STATE_H
 
 #include "lcm/type.h"
 
-/* file, type, usual channel (for help), fingerprint by lcm-gen 1.3.1 (for tests) */
+/* name, type, usual channel (for help), fingerprint by lcm-gen 1.3.1 (for tests) */
 #define MUKCA_LCM_STATE_LIST(X)                                                        \
     X(iiwa_status, "drake.lcmt_iiwa_status", "IIWA_STATUS", 0xf16fb804284abca3)        \
     X(panda_status, "drake.lcmt_panda_status", "PANDA_STATUS", 0x19571cdf4d82fae6)     \
@@ -21,19 +20,6 @@ enum {
 #undef MUKCA_LCM_STATE_INDEX
         MUKCA_LCM_STATES
 };
-
-/* Type of mukca_lcm_state_NAME in a file state_NAME.c. */
-typedef struct {
-    const char *description;           /* the struct, in the language of .lcm files */
-    const char *role[MUKCA_LCM_ROLES]; /* path of the field of each role; NULL: none */
-    double effort_factor;              /* see mukca_lcm_type; 0: 1 */
-    int guiding_mode;                  /* value of the mode field while the arm is guided by hand */
-} mukca_lcm_state;
-
-#define MUKCA_LCM_STATE_EXTERN(name, type, channel, fingerprint) \
-    extern const mukca_lcm_state mukca_lcm_state_##name;
-MUKCA_LCM_STATE_LIST(MUKCA_LCM_STATE_EXTERN)
-#undef MUKCA_LCM_STATE_EXTERN
 
 /* Initialise `types` with the rows in their order.  Errors: none for a consistent table
  * (tested). */

@@ -88,15 +88,6 @@ mukca_status mukca_lcm_types_link(mukca_lcm_types *types, int first, const char 
     return MUKCA_OK;
 }
 
-int mukca_lcm_types_find(const mukca_lcm_types *types, const void *data, size_t size)
-{
-    if (size < 8) return -1;
-    uint64_t hash = mukca_lcm_wire_get(data, 8);
-    for (int t = types->n_types - 1; t >= 0; t--)
-        if (types->type[t].fingerprint == hash) return t;
-    return -1;
-}
-
 /* ---- roles ---- */
 
 static int find_field(const mukca_lcm_types *types, int t, const char *name, size_t length)

@@ -98,11 +98,7 @@ mukca_status mukca_lcm_types_link(mukca_lcm_types *types, int first, const char 
 mukca_status mukca_lcm_type_set_role(mukca_lcm_types *types, int type, mukca_lcm_role role,
                                      const char *path, mukca_error *error);
 
-/* Index of the type of message data[size] by its fingerprint, -1: unknown.  Later types take
- * precedence. */
-int mukca_lcm_types_find(const mukca_lcm_types *types, const void *data, size_t size);
-
-/* The same by its name "package.name". */
+/* Index of the type "package.name", -1: unknown.  Later types take precedence. */
 int mukca_lcm_types_find_name(const mukca_lcm_types *types, const char *name);
 
 /* Whether messages of that type contain joint positions. */
@@ -110,5 +106,39 @@ static inline bool mukca_lcm_type_has_joints(const mukca_lcm_types *types, int t
 {
     return type >= 0 && types->type[type].role[MUKCA_LCM_ROLE_POSITION][0] >= 0;
 }
+
+/* ---- descriptions (description.c) ---- */
+
+/* Add the structs of one .lcm description, text[length], all or none; `file` is used in messages.
+ * Errors: MUKCA_INPUT with file, line and column (syntax; enum; a nested type without description;
+ * too many types or fields). */
+mukca_status mukca_lcm_types_parse(mukca_lcm_types *types, const char *text, size_t length,
+                                   const char *file, mukca_error *error);
+
+/* The same from a file. */
+mukca_status mukca_lcm_types_read(mukca_lcm_types *types, const char *path, mukca_error *error);
+
+/* ---- messages (decode.c) ---- */
+
+/* Decoded joint states of one message. */
+typedef struct {
+    int64_t time; /* us, by the sender's clock; 0: the type has no time */
+    bool guided;  /* a person is guiding the arm by hand */
+    int n;        /* number of joints */
+    bool has[MUKCA_LCM_ROLES];
+    const char *name[MUKCA_LCM_MAX_JOINTS]; /* points into the message */
+    /* rad, rad/s, N m, rad; by role */
+    double value[MUKCA_LCM_ROLES][MUKCA_LCM_MAX_JOINTS];
+} mukca_lcm_joints;
+
+/* Index of the type of message data[size] by its fingerprint, -1: unknown.  Later types take
+ * precedence. */
+int mukca_lcm_types_find(const mukca_lcm_types *types, const void *data, size_t size);
+
+/* Decode a message of type `type` from data[size].  Reads within data only, in time linear in
+ * `size`, without allocation.  Errors: MUKCA_INPUT (truncated, excess bytes, counts that exceed the
+ * message or 64 joints, unequal lengths, positions that are not finite). */
+mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_types *types,
+                                     int type, const void *data, size_t size, mukca_error *error);
 
 #endif

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/cells.h"
+#include "base/clock.h"
 #include "base/number.h"
 
 void mukca_joint_lines_open(mukca_joint_lines *lines, int fd)
@@ -29,6 +30,7 @@ void mukca_joint_lines_fill(mukca_joint_lines *l)
     const size_t room = sizeof l->buffer - l->used - 1;
     const ssize_t n = room ? read(l->fd, l->buffer + l->used, room) : 1;
     if (room && n > 0) l->used += (size_t)n;
+    l->arrived = mukca_clock_wall();
     l->ended = n == 0 || (n < 0 && errno != EINTR && errno != EAGAIN);
 }
 

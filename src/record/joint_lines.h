@@ -2,7 +2,7 @@
 #ifndef MUKCA_RECORD_JOINT_LINES_H
 #define MUKCA_RECORD_JOINT_LINES_H
 
-#include "lcm/decode.h"
+#include "lcm/type.h"
 
 enum {
     MUKCA_JOINT_LINES_SIZE = 1 << 16, /* bytes per line; 64 joints need 6 kB */
@@ -31,6 +31,7 @@ typedef struct {
     bool file;          /* a regular file: the time of reading is not the time of recording */
     const char *format; /* of the last line with joints: "CSV", "JSON lines" or "ros2 topic echo" */
     int number;         /* of the current line, from 1 */
+    int64_t arrived;    /* us, when the last bytes were read */
     size_t start, used; /* first and past-the-end index of unread bytes in `buffer` */
     bool overlong;      /* the rest of the line is to be discarded */
     char buffer[MUKCA_JOINT_LINES_SIZE];

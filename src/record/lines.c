@@ -8,19 +8,22 @@ enum { BURST = 64 /* lines per call */ };
 /* Report why the current line cannot be used. */
 static void refuse(mukca_recorder *r, const char *text)
 {
-    const int number = r->lines->number;
-    if (r->mapped)
-        mukca_recorder_refuse(r, MUKCA_RECORDER_MALFORMED, "%s:%d: %s: ignored", r->channel, number,
-                              text);
-    else if (!r->problem.status) /* keep the first reason */
-        mukca_fail(&r->problem, MUKCA_INPUT, "%s:%d: %s", r->channel, number, text);
+    mukca_stream *stream = &r->stream;
+    const int number = stream->lines->number;
+    if (stream->map.made)
+        mukca_recorder_refuse(r, MUKCA_RECORDER_MALFORMED, "%s:%d: %s: ignored", stream->channel,
+                              number, text);
+    else if (!stream->problem.status) /* keep the first reason */
+        mukca_fail(&stream->problem, MUKCA_INPUT, "%s:%d: %s", stream->channel, number, text);
 }
 
 static void trigger(mukca_recorder *r)
 {
     mukca_error answer;
-    mukca_joint_lines *l = r->lines;
-    mukca_recorder_sample(r, l->id, l->placement, l->socket, &answer);
+    mukca_joint_lines *l = r->stream.lines;
+    const mukca_sample_request request = {
+        .id = l->id, .placement = l->placement, .socket = l->socket};
+    mukca_sampling_sample(r, &request, &answer);
     mukca_recorder_report(r, "%s", answer.text);
 }
 
@@ -28,23 +31,25 @@ static void trigger(mukca_recorder *r)
  * is confirmed. */
 static bool process_line(mukca_recorder *r, const char *line)
 {
+    mukca_stream *s = &r->stream;
     mukca_error error;
-    mukca_joint_lines *l = r->lines;
-    const mukca_lcm_packet packet = {.channel = r->channel, .time = mukca_lcm_link_clock(r->link)};
-    const bool mapped = r->mapped;
+    mukca_joint_lines *l = s->lines;
+    mukca_lcm_packet packet = {.channel = s->channel, .time = l->arrived};
+    const bool mapped = s->map.made;
     l->number++;
-    switch (mukca_joint_lines_parse(&r->joints, l, line, &error)) {
+    switch (mukca_joint_lines_parse(&s->last.joints, l, line, &error)) {
         case MUKCA_LINE_JOINTS:
-            if (l->file && r->joints.time <= 0) {
+            if (l->file && s->last.joints.time <= 0) {
                 refuse(r, "no time stamp; a recorded stream needs one (column time_s)");
                 break;
             }
+            if (l->file) packet.time = s->last.joints.time;
             r->packet_time = packet.time;
-            mukca_recorder_take_joints(r, &packet, 0);
+            mukca_stream_take_joints(r, &packet, 0);
             r->packet_time = 0;
             break;
         case MUKCA_LINE_TRIGGER:
-            if (r->connected) trigger(r);
+            if (s->connected) trigger(r);
             break;
         case MUKCA_LINE_FAULT:
             refuse(r, error.text);
@@ -53,25 +58,26 @@ static bool process_line(mukca_recorder *r, const char *line)
             break;
     }
     l->number--;
-    if (!mapped && r->mapped) {
-        r->received = r->last_arrival = 0; /* the line is counted when it is read again */
+    if (!mapped && s->map.made) {
+        s->count.received = s->last.arrival = 0; /* the line is counted when it is read again */
         return false;
     }
     mukca_joint_lines_take(l);
     return true;
 }
 
-mukca_status mukca_recorder_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
-                                       mukca_error *error)
+mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
+                                     mukca_error *error)
 {
-    mukca_joint_lines *l = r->lines;
+    mukca_stream *s = &r->stream;
+    mukca_joint_lines *l = s->lines;
     bool ready = false, more = true;
     const char *line = NULL;
     if (readable) *readable = false;
     for (int i = 0; i < BURST && more; i++) {
-        const int rows = r->session.n_rows;
+        const int rows = r->session.file.n_rows;
         line = mukca_joint_lines_peek(l);
-        more = line && process_line(r, line) && r->connected && rows == r->session.n_rows;
+        more = line && process_line(r, line) && s->connected && rows == r->session.file.n_rows;
     }
     if (!line && l->ended) return MUKCA_NEGATIVE;
     /* while lines are buffered, poll the link without waiting */

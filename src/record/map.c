@@ -9,6 +9,7 @@
 /* Parse --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
 static mukca_status parse_map(mukca_recorder *r, mukca_error *error)
 {
+    mukca_stream *stream = &r->stream;
     const char *at = r->options->map;
     int n = 0, joints = r->chain->n_joints;
     while (*at) {
@@ -20,7 +21,7 @@ static mukca_status parse_map(mukca_recorder *r, mukca_error *error)
                               "--map %.40s: must be name, order, or numbers as in 8-14 or 1,2,4",
                               r->options->map);
         for (long i = first; i <= last; i++, n++)
-            if (n < joints) r->map[n] = (int)i - 1;
+            if (n < joints) stream->map.reading[n] = (int)i - 1;
         at = end + (*end == ',');
     }
     if (n != joints)
@@ -28,9 +29,9 @@ static mukca_status parse_map(mukca_recorder *r, mukca_error *error)
                           n, joints);
     for (int j = 0; j < joints; j++)
         for (int k = 0; k < j; k++)
-            if (r->map[j] == r->map[k])
+            if (stream->map.reading[j] == stream->map.reading[k])
                 return mukca_fail(error, MUKCA_USAGE, "--map %.40s: names reading %d twice",
-                                  r->options->map, r->map[j] + 1);
+                                  r->options->map, stream->map.reading[j] + 1);
     return MUKCA_OK;
 }
 
@@ -43,65 +44,71 @@ static int find_reading(const mukca_lcm_joints *joints, const char *name)
 
 static mukca_status map_by_name(mukca_recorder *r)
 {
+    mukca_stream *stream = &r->stream;
     for (int j = 0; j < r->chain->n_joints; j++) {
-        r->map[j] = find_reading(&r->joints, mukca_recorder_joint(r, j));
-        if (r->map[j] < 0)
-            return mukca_fail(&r->problem, MUKCA_INPUT,
+        stream->map.reading[j] = find_reading(&stream->last.joints, mukca_recorder_joint(r, j));
+        if (stream->map.reading[j] < 0)
+            return mukca_fail(&stream->problem, MUKCA_INPUT,
                               "channel %s names no joint \"%s\" (its first is \"%.40s\"): check "
                               "--urdf, or give --map order",
-                              r->channel, mukca_recorder_joint(r, j), r->joints.name[0]);
+                              stream->channel, mukca_recorder_joint(r, j),
+                              stream->last.joints.name[0]);
     }
-    r->by_name = true;
+    stream->map.by_name = true;
     return MUKCA_OK;
 }
 
-mukca_status mukca_recorder_make_map(mukca_recorder *r)
+mukca_status mukca_stream_make_map(mukca_recorder *r)
 {
+    mukca_stream *stream = &r->stream;
     const char *map = r->options->map;
-    int joints = r->chain->n_joints, n = r->joints.n;
-    bool named = r->joints.has[MUKCA_LCM_ROLE_NAME];
+    int joints = r->chain->n_joints, n = stream->last.joints.n;
+    bool named = stream->last.joints.has[MUKCA_LCM_ROLE_NAME];
     if (map && strcmp(map, "name") == 0 && !named)
-        return mukca_fail(&r->problem, MUKCA_INPUT,
+        return mukca_fail(&stream->problem, MUKCA_INPUT,
                           "channel %s sends no joint names: --map order goes by the chain's order",
-                          r->channel);
+                          stream->channel);
     if (named && (!map || strcmp(map, "name") == 0)) return map_by_name(r);
     if (map && strcmp(map, "order") != 0) {
-        mukca_status status = parse_map(r, &r->problem);
+        mukca_status status = parse_map(r, &stream->problem);
         for (int j = 0; j < joints && !status; j++)
-            if (r->map[j] >= n)
-                status = mukca_fail(&r->problem, MUKCA_INPUT,
+            if (stream->map.reading[j] >= n)
+                status = mukca_fail(&stream->problem, MUKCA_INPUT,
                                     "--map names reading %d, but channel %s sends only %d",
-                                    r->map[j] + 1, r->channel, n);
+                                    stream->map.reading[j] + 1, stream->channel, n);
         return status;
     }
     if (n != joints)
-        return mukca_fail(&r->problem, MUKCA_INPUT,
-                          "channel %s sends %d joints, the arm has %d: %s", r->channel, n, joints,
+        return mukca_fail(&stream->problem, MUKCA_INPUT,
+                          "channel %s sends %d joints, the arm has %d: %s", stream->channel, n,
+                          joints,
                           n > joints ? "choose some with --map, as in --map 8-14"
                                      : "check --urdf, --base and --tip");
-    for (int j = 0; j < joints; j++) r->map[j] = j;
+    for (int j = 0; j < joints; j++) stream->map.reading[j] = j;
     return MUKCA_OK;
 }
 
-mukca_status mukca_recorder_check_map(mukca_recorder *r, mukca_error *error)
+mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error)
 {
     const char *map = r->options->map;
     bool numbers = map && strcmp(map, "name") != 0 && strcmp(map, "order") != 0;
     return numbers ? parse_map(r, error) : MUKCA_OK;
 }
 
-bool mukca_recorder_needs_confirmation(const mukca_recorder *r)
+bool mukca_stream_needs_confirmation(const mukca_recorder *r)
 {
-    return r->mapped && !r->by_name && !r->options->map;
+    const mukca_stream *stream = &r->stream;
+    return stream->map.made && !stream->map.by_name && !r->options->map;
 }
 
-void mukca_recorder_describe_map(const mukca_recorder *r, char *lines, size_t size)
+void mukca_stream_describe_map(const mukca_recorder *r, char *lines, size_t size)
 {
+    const mukca_stream *stream = &r->stream;
     mukca_text text = {.size = size};
     text.at = lines; /* clang-tidy misses this use in an initialiser */
-    mukca_text_put(&text, "%s (%s), %d readings, mapped by %s:\n", r->channel,
-                   mukca_recorder_type(r), r->n_readings, r->by_name ? "name" : "order");
+    mukca_text_put(&text, "%s (%s), %d readings, mapped by %s:\n", stream->channel,
+                   mukca_stream_type(r), stream->map.n, stream->map.by_name ? "name" : "order");
     for (int j = 0; j < r->chain->n_joints; j++)
-        mukca_text_put(&text, "  reading %2d  ->  %-24s now %9.4f rad\n", r->map[j] + 1,
-                       mukca_recorder_joint(r, j), r->q[j]);
+        mukca_text_put(&text, "  reading %2d  ->  %-24s now %9.4f rad\n",
+                       stream->map.reading[j] + 1, mukca_recorder_joint(r, j), stream->last.q[j]);
 }

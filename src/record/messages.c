@@ -32,20 +32,41 @@ static void make_printable(char *text)
     mukca_utf8_mend(text); /* characters damaged by the replacement */
 }
 
-const char *mukca_recorder_type(const mukca_recorder *r)
+/* No sample is recorded for this time after a message of a second sender, us: longer than usual
+ * averaging windows. */
+static const int64_t doubt_us = 1000000;
+
+bool mukca_stream_doubted(const mukca_recorder *r)
 {
-    if (r->lines) return r->lines->format;
-    return r->type < 0 ? "" : r->types.type[r->type].name;
+    const mukca_stream *stream = &r->stream;
+    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
+    return stream->sender.second_heard && now - stream->sender.second_heard < doubt_us &&
+           now - stream->sender.second_heard > -doubt_us;
+}
+
+const char *mukca_stream_type(const mukca_recorder *r)
+{
+    const mukca_stream *stream = &r->stream;
+    if (stream->lines) return stream->lines->format;
+    return stream->type < 0 ? "" : stream->types.type[stream->type].name;
+}
+
+double mukca_stream_age(const mukca_recorder *r)
+{
+    const mukca_stream *stream = &r->stream;
+    if (!stream->last.arrival) return HUGE_VAL;
+    double age = 1e-6 * (double)(mukca_lcm_link_clock(r->link) - stream->last.arrival);
+    return age > 0 ? age : 0;
 }
 
 void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    vsnprintf(r->last_line, sizeof r->last_line, format, args);
+    vsnprintf(r->reports.last_line, sizeof r->reports.last_line, format, args);
     va_end(args);
-    make_printable(r->last_line);
-    if (r->hooks.report) r->hooks.report(r->hooks.context, r->last_line);
+    make_printable(r->reports.last_line);
+    if (r->hooks.report) r->hooks.report(r->hooks.context, r->reports.last_line);
 }
 
 void mukca_recorder_note(void *context, const char *text)
@@ -53,15 +74,21 @@ void mukca_recorder_note(void *context, const char *text)
     mukca_recorder_report(context, "%s", text);
 }
 
+bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind)
+{
+    const int64_t ago = mukca_lcm_link_clock(r->link) - r->reports.reported[kind];
+    return r->reports.reported[kind] && ago >= 0 && ago < repeat_us;
+}
+
 void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text)
 {
-    int64_t now = mukca_lcm_link_clock(r->link);
-    r->occurrences[kind]++;
-    if (r->reported[kind] && now - r->reported[kind] < repeat_us && now >= r->reported[kind])
-        return;
-    r->reported[kind] = now ? now : 1;
-    if (r->occurrences[kind] > 1)
-        mukca_recorder_report(r, "%s (%" PRId64 " times so far)", text, r->occurrences[kind]);
+    r->reports.occurrences[kind]++;
+    if (mukca_recorder_reported(r, kind)) return;
+    const int64_t now = mukca_lcm_link_clock(r->link);
+    r->reports.reported[kind] = now ? now : 1;
+    if (r->reports.occurrences[kind] > 1)
+        mukca_recorder_report(r, "%s (%" PRId64 " times so far)", text,
+                              r->reports.occurrences[kind]);
     else
         mukca_recorder_report(r, "%s", text);
 }
@@ -73,58 +100,46 @@ void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    r->refused++;
+    r->stream.count.refused++;
     mukca_recorder_warn(r, kind, text);
-}
-
-void mukca_recorder_count_unwritten(mukca_recorder *r, const mukca_error *error)
-{
-    if (error->status == MUKCA_MEMORY && r->unwritten++ == 0) r->first_unwritten = *error;
 }
 
 /* Append "no joint state on X; heard instead: PANDA_STATUS (drake.lcmt_panda_status, 7 joints),
  * CAMERA (unknown type)". */
 void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since)
 {
-    if (r->lines) {
+    const mukca_stream *stream = &r->stream;
+    if (stream->lines) {
         mukca_text_put(text, "no joint state on standard input%s: does the program before it run?",
                        since);
         return;
     }
-    mukca_text_put(text, "no joint state%s%s%s; heard instead: ", r->channel[0] ? " on " : "",
-                   r->channel, since);
+    mukca_text_put(text, "no joint state%s%s%s; heard instead: ", stream->channel[0] ? " on " : "",
+                   stream->channel, since);
     bool unknown = false;
-    for (int i = 0; i < r->n_heard; i++) {
-        const mukca_recorder_heard *h = &r->heard[i];
+    for (int i = 0; i < stream->search.n_heard; i++) {
+        const mukca_stream_heard *h = &stream->search.heard[i];
         unknown |= h->type < 0;
         mukca_text_put(text, "%s%s (%s", i ? ", " : "", h->channel,
-                       h->type < 0 ? "unknown type" : r->types.type[h->type].name);
+                       h->type < 0 ? "unknown type" : stream->types.type[h->type].name);
         if (h->joints) mukca_text_put(text, ", %d joints", h->joints);
         mukca_text_put(text, ")");
     }
     if (unknown)
         mukca_text_put(text, "; describe an unknown type with --type FILE.lcm --position FIELD");
-    if (!r->n_heard)
+    if (!stream->search.n_heard)
         mukca_text_put(text, "nothing (is the sender on this network, and the multicast route?)");
 }
 
 void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t size)
 {
+    const mukca_stream *stream = &r->stream;
     mukca_text words = {.size = size};
     words.at = text; /* clang-tidy misses this use in an initialiser */
-    if (r->problem.status)
-        mukca_text_put(&words, "%s", r->problem.text);
+    if (stream->problem.status)
+        mukca_text_put(&words, "%s", stream->problem.text);
     else
         mukca_recorder_describe_silence(&words, r, "");
-}
-
-double mukca_recorder_age(const mukca_recorder *r)
-{
-    if (!r->last_arrival) return HUGE_VAL;
-    /* the age at the trigger's arrival, for the same decision in a replay */
-    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
-    double age = 1e-6 * (double)(now - r->last_arrival);
-    return age > 0 ? age : 0;
 }
 
 bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const void *message)

@@ -1,71 +1,116 @@
 /* The recorder and its link: detection of channel, type, mapping and silence. */
 #include "record/recorder.h"
 
+#include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/text.h"
-#include "lcm/description.h"
 #include "lcm/state.h"
+#include "lcm/type.h"
 
-enum {                       /* us, our choice */
-       LISTEN_US = 1000000,  /* silence before listening to all channels */
-       SILENCE_US = 1800000, /* silence before it is reported, within 2 s */
-       SEARCH_US = 500000,   /* wait for other matching streams after the first */
-       PROBLEM_US = 1000000  /* wait for a valid message after an invalid one */
+static const double listen_s = 1, /* our choice: silence before listening to all channels */
+    silence_s = 1.8;              /* and before it is reported, within 2 s */
+
+enum {                      /* us, our choice */
+       SEARCH_US = 500000,  /* wait for other matching streams after the first */
+       PROBLEM_US = 1000000 /* wait for a valid message after an invalid one */
 };
 
 /* Select the channel whose messages fit the arm; more than one is an error. */
 static mukca_status choose_channel(mukca_recorder *r)
 {
+    mukca_stream *stream = &r->stream;
     int fits = -1;
-    for (int i = 0; i < r->n_heard; i++) {
-        if (r->heard[i].joints < r->chain->n_joints) continue;
+    for (int i = 0; i < stream->search.n_heard; i++) {
+        if (stream->search.heard[i].joints < r->chain->n_joints) continue;
         if (fits >= 0)
-            return mukca_fail(&r->problem, MUKCA_INPUT,
+            return mukca_fail(&stream->problem, MUKCA_INPUT,
                               "%s and %s both send joint states: choose with --channel",
-                              r->heard[fits].channel, r->heard[i].channel);
+                              stream->search.heard[fits].channel, stream->search.heard[i].channel);
         fits = i;
     }
     if (fits < 0) return MUKCA_OK;
-    memcpy(r->channel, r->heard[fits].channel, sizeof r->channel);
-    return mukca_lcm_link_listen(r->link, r->channel, &r->problem);
+    memcpy(stream->channel, stream->search.heard[fits].channel, sizeof stream->channel);
+    return mukca_lcm_link_listen(r->link, stream->channel, &stream->problem);
 }
 
 /* ---- the link ---- */
 
+/* Register other channels. */
+static void hear(mukca_recorder *r, const mukca_lcm_packet *packet)
+{
+    const mukca_lcm_types *types = &r->stream.types;
+    mukca_stream_search *search = &r->stream.search;
+    if (mukca_message_identify(packet->data, packet->size)) return;
+    for (int i = 0; i < search->n_heard; i++)
+        if (strcmp(search->heard[i].channel, packet->channel) == 0) return;
+    if (search->n_heard == MUKCA_STREAM_HEARD) return;
+    mukca_stream_heard *h = &search->heard[search->n_heard++];
+    mukca_lcm_joints joints;
+    mukca_error none; /* a malformed message counts as one without joints */
+    snprintf(h->channel, sizeof h->channel, "%s", packet->channel);
+    h->type = mukca_lcm_types_find(types, packet->data, packet->size);
+    h->joints = 0;
+    if (mukca_lcm_type_has_joints(types, h->type) &&
+        mukca_lcm_decode_joints(&joints, types, h->type, packet->data, packet->size, &none) ==
+            MUKCA_OK)
+        h->joints = joints.n;
+    if (h->joints >= r->chain->n_joints && !search->fit_heard) search->fit_heard = packet->time;
+}
+
+static void receive(void *context, const mukca_lcm_packet *packet)
+{
+    mukca_recorder *r = context;
+    bool ahead = mukca_lcm_link_replays(r->link) && !r->stream.connected; /* it will be replayed */
+    r->packet_time = packet->time;
+    if (strcmp(packet->channel, r->stream.channel) == 0)
+        mukca_stream_take(r, packet);
+    else if (r->options->triggers && strcmp(packet->channel, r->requests.trigger_channel) == 0 &&
+             !ahead)
+        mukca_requests_trigger(r, packet);
+    else if (r->hooks.command && strcmp(packet->channel, r->requests.command_channel) == 0 &&
+             !ahead)
+        r->hooks.command(r->hooks.context, packet);
+    else
+        hear(r, packet);
+    r->packet_time = 0;
+}
+
 static mukca_status open_link(mukca_recorder *r, mukca_error *error)
 {
+    mukca_stream *stream = &r->stream;
     mukca_lcm_link_close(r->link);
     r->link = NULL;
-    r->received = r->refused = r->last_arrival = r->rate_since = r->rate_count = 0;
-    r->dropped = r->second_heard = r->arm_heard = 0;
-    r->arm = 0;
-    r->n_heard = 0;
-    r->fit_heard = 0;
-    memset(r->reported, 0, sizeof r->reported);
-    memset(r->occurrences, 0, sizeof r->occurrences);
-    const char *channels[] = {r->channel[0] && !r->lines ? r->channel : NULL,
-                              r->options->triggers ? r->trigger_channel : NULL,
-                              r->hooks.command ? r->command_channel : NULL};
+    stream->count = (mukca_stream_count){.received = 0};
+    stream->sender = (mukca_stream_sender){.id = 0};
+    stream->silence = (mukca_stream_silence){.begun = false};
+    stream->last.arrival = 0;
+    memset(&r->reports, 0, offsetof(mukca_recorder_reports, last_line));
+    const char *channels[] = {stream->channel[0] && !stream->lines ? stream->channel : NULL,
+                              r->options->triggers ? r->requests.trigger_channel : NULL,
+                              r->hooks.command ? r->requests.command_channel : NULL};
     mukca_lcm_network network = r->options->network;
-    if (r->lines && !r->options->triggers) network = (mukca_lcm_network){.url = "memq://"};
-    mukca_status status = mukca_lcm_link_open(&r->link, &network, mukca_recorder_receive, r, error);
+    network.none = stream->lines && !r->options->triggers;
+    mukca_status status = mukca_lcm_link_open(&r->link, &network, receive, r, error);
     for (int i = 0; i < 3 && !status; i++)
         if (channels[i]) status = mukca_lcm_link_listen(r->link, channels[i], error);
-    const bool search = !r->mapped && !r->lines;
+    const bool search = !stream->map.made && !stream->lines;
     if (!status && search) status = mukca_lcm_link_listen(r->link, NULL, error);
-    r->listens_to_all = search;
-    r->opened = status ? 0 : mukca_lcm_link_clock(r->link);
+    stream->search = (mukca_stream_search){.listens_to_all = search,
+                                           .opened = status ? 0 : mukca_lcm_link_clock(r->link)};
     return status;
 }
 
 static mukca_status read_types(mukca_recorder *r, mukca_error *error)
 {
     const mukca_recorder_options *o = r->options;
-    mukca_status status = mukca_lcm_types_init(&r->types, error);
+    mukca_lcm_types *types = &r->stream.types;
+    mukca_status status = mukca_lcm_types_init(types, error);
     if (status != MUKCA_OK) return status;
     if (o->n_types && !o->position)
         return mukca_fail(
@@ -75,20 +120,18 @@ static mukca_status read_types(mukca_recorder *r, mukca_error *error)
         return mukca_fail(error, MUKCA_USAGE, "--position and --names belong to a --type FILE.lcm");
     if (!o->n_types) return MUKCA_OK;
     for (int i = 0; i < o->n_types && !status; i++)
-        status = mukca_lcm_types_read(&r->types, o->types[i], error);
+        status = mukca_lcm_types_read(types, o->types[i], error);
     if (status != MUKCA_OK) return status;
     /* from the last struct backwards, as nested types come first */
-    int t = r->types.n_types;
-    do
-        status =
-            mukca_lcm_type_set_role(&r->types, --t, MUKCA_LCM_ROLE_POSITION, o->position, error);
+    int t = types->n_types;
+    do status = mukca_lcm_type_set_role(types, --t, MUKCA_LCM_ROLE_POSITION, o->position, error);
     while (status != MUKCA_OK && t > MUKCA_LCM_STATES);
     if (status != MUKCA_OK) return status;
     mukca_error none; /* time stamps are optional */
-    if (mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_TIME, "utime", &none))
-        (void)mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_TIME, "timestamp", &none);
+    if (mukca_lcm_type_set_role(types, t, MUKCA_LCM_ROLE_TIME, "utime", &none))
+        (void)mukca_lcm_type_set_role(types, t, MUKCA_LCM_ROLE_TIME, "timestamp", &none);
     if (!o->names) return MUKCA_OK;
-    return mukca_lcm_type_set_role(&r->types, t, MUKCA_LCM_ROLE_NAME, o->names, error);
+    return mukca_lcm_type_set_role(types, t, MUKCA_LCM_ROLE_NAME, o->names, error);
 }
 
 static mukca_status open_lines(mukca_recorder *r, mukca_error *error)
@@ -97,10 +140,10 @@ static mukca_status open_lines(mukca_recorder *r, mukca_error *error)
     if (o->channel || o->n_types || o->log)
         return mukca_fail(error, MUKCA_USAGE,
                           "--stdin reads lines: --channel, --type and --record belong to LCM");
-    r->lines = malloc(sizeof *r->lines);
-    if (!r->lines) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_joint_lines_open(r->lines, STDIN_FILENO);
-    snprintf(r->channel, sizeof r->channel, "standard input");
+    r->stream.lines = malloc(sizeof *r->stream.lines);
+    if (!r->stream.lines) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_joint_lines_open(r->stream.lines, STDIN_FILENO);
+    snprintf(r->stream.channel, sizeof r->stream.channel, "standard input");
     return MUKCA_OK;
 }
 
@@ -112,93 +155,100 @@ mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options
     r->options = options;
     r->chain = chain;
     r->hooks = *hooks;
-    r->type = -1;
+    r->stream.type = -1;
     mukca_status status = read_types(r, error);
-    if (status == MUKCA_OK) status = mukca_recorder_prepare(r, theta, error);
-    if (status == MUKCA_OK) status = mukca_recorder_check_map(r, error);
+    if (status == MUKCA_OK) status = mukca_sampling_prepare(r, theta, error);
+    if (status == MUKCA_OK) status = mukca_stream_check_map(r, error);
     if (status != MUKCA_OK) return status;
-    if (options->channel && strlen(options->channel) >= sizeof r->channel)
+    if (options->channel && strlen(options->channel) >= sizeof r->stream.channel)
         return mukca_fail(error, MUKCA_USAGE, "--channel: at most 63 characters");
-    if (options->channel) memcpy(r->channel, options->channel, strlen(options->channel) + 1);
-    mukca_message_channel(r->trigger_channel, MUKCA_MESSAGE_TRIGGER, options->prefix);
-    mukca_message_channel(r->command_channel, MUKCA_MESSAGE_COMMAND, options->prefix);
+    if (options->channel) memcpy(r->stream.channel, options->channel, strlen(options->channel) + 1);
+    mukca_message_channel(r->requests.trigger_channel, MUKCA_MESSAGE_TRIGGER, options->prefix);
+    mukca_message_channel(r->requests.command_channel, MUKCA_MESSAGE_COMMAND, options->prefix);
     if (options->lines) status = open_lines(r, error);
     if (status != MUKCA_OK) return status;
-    if (options->key) status = mukca_lcm_key_read(&r->key, options->key, error);
+    if (options->key) status = mukca_lcm_key_read(&r->requests.key, options->key, error);
     if (status == MUKCA_OK) status = open_link(r, error);
     /* requests signed before the start may have been accepted by an earlier process */
-    if (status == MUKCA_OK && !mukca_lcm_link_replays(r->link)) r->last_signed = r->opened;
+    if (status == MUKCA_OK && !mukca_lcm_link_replays(r->link))
+        r->requests.last_signed = r->stream.search.opened;
     return status;
 }
 
 void mukca_recorder_close(mukca_recorder *r)
 {
-    mukca_session_close(&r->session);
-    mukca_capture_free(&r->capture);
+    mukca_session_close(&r->session.file);
+    mukca_capture_free(&r->session.capture);
     mukca_lcm_link_close(r->link);
     r->link = NULL;
-    free(r->lines);
-    r->lines = NULL;
+    free(r->stream.lines);
+    r->stream.lines = NULL;
 }
 
 mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error *error)
 {
+    mukca_stream *stream = &r->stream;
     mukca_status status = MUKCA_OK;
     int64_t found = 0; /* us, time of the first problem */
-    while (!status && !r->mapped) {
+    while (!status && !stream->map.made) {
         status = mukca_recorder_step(r, 100, -1, NULL, error);
         if (!r->link || status == MUKCA_MEMORY) return status; /* reopening failed */
         int64_t now = mukca_lcm_link_clock(r->link);
-        if (r->problem.status && !found) found = now;
-        if (r->problem.status && now - found > PROBLEM_US) break;
+        if (stream->problem.status && !found) found = now;
+        if (stream->problem.status && now - found > PROBLEM_US) break;
         if (r->hooks.interrupted && r->hooks.interrupted())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         if (!mukca_lcm_link_replays(r->link) && wait >= 0 &&
-            1e-6 * (double)(now - r->opened) > wait)
+            1e-6 * (double)(now - stream->search.opened) > wait)
             status = MUKCA_NEGATIVE;
     }
     if (status == MUKCA_TRANSPORT) return status;
-    if (r->problem.status && !r->mapped) {
-        *error = r->problem;
-        return r->problem.status;
+    if (stream->problem.status && !stream->map.made) {
+        *error = stream->problem;
+        return stream->problem.status;
     }
-    if (status == MUKCA_NEGATIVE && !r->mapped) { /* a short log may end at once */
+    if (status == MUKCA_NEGATIVE && !stream->map.made) { /* a short log may end at once */
         char line[MUKCA_RECORDER_LINE];
         mukca_text text = MUKCA_TEXT(line);
         mukca_recorder_describe_silence(&text, r, "");
         return mukca_fail(error, MUKCA_TRANSPORT, "%s", line);
     }
-    r->connected = true;
+    stream->connected = true;
     /* messages read ahead from a log are recorded, too */
     return mukca_lcm_link_replays(r->link) ? open_link(r, error) : MUKCA_OK;
 }
 
-/* Detect silence on a network; `age` is the time since the last joint state, us. */
-static void watch(mukca_recorder *r, int64_t age)
+/* Detect silence on a network.  It is the time of waiting: a process that was stopped, or is late,
+ * has not heard whether the stream goes on. */
+static void watch(mukca_recorder *r)
 {
-    if (r->mapped && r->listens_to_all && age < LISTEN_US) {
+    mukca_stream_silence *silence = &r->stream.silence;
+    mukca_stream_search *search = &r->stream.search;
+    if (r->stream.map.made && search->listens_to_all && silence->duration < listen_s) {
         mukca_lcm_link_unlisten_all(r->link);
-        r->listens_to_all = false;
-    } else if (!r->lines && !r->listens_to_all && age >= LISTEN_US) {
+        search->listens_to_all = false;
+    } else if (!r->stream.lines && !search->listens_to_all && silence->duration >= listen_s) {
         mukca_error none; /* retried at the next step */
-        r->n_heard = 0;
-        r->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
+        search->n_heard = 0;
+        search->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
     }
-    if (r->silent || age < SILENCE_US) return;
+    if (silence->duration < silence_s) return;
+    silence->begun = true;
+    if (silence->reported || mukca_recorder_reported(r, MUKCA_RECORDER_SILENT)) return;
     char line[MUKCA_RECORDER_LINE], since[40];
     mukca_text text = MUKCA_TEXT(line);
-    r->silent = true;
-    snprintf(since, sizeof since, " for %.1f s", 1e-6 * (double)age);
+    silence->reported = true;
+    snprintf(since, sizeof since, " for %.1f s", silence->duration);
     mukca_recorder_describe_silence(&text, r, since);
-    mukca_recorder_report(r, "%s", line);
+    mukca_recorder_warn(r, MUKCA_RECORDER_SILENT, line);
 }
 
 static void warn_dropped(mukca_recorder *r)
 {
     char reason[128], line[160];
     int64_t dropped = mukca_lcm_link_dropped(r->link, reason);
-    if (dropped == r->dropped) return;
-    r->dropped = dropped;
+    if (dropped == r->stream.count.dropped) return;
+    r->stream.count.dropped = dropped;
     snprintf(line, sizeof line, "network: messages dropped: %s", reason);
     mukca_recorder_warn(r, MUKCA_RECORDER_DROPPED, line);
 }
@@ -206,33 +256,36 @@ static void warn_dropped(mukca_recorder *r)
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                  mukca_error *error)
 {
-    const int64_t last = r->last_arrival;
-    mukca_status status = r->lines
-                              ? mukca_recorder_wait_lines(r, timeout_ms, other, readable, error)
+    mukca_stream *stream = &r->stream;
+    const int64_t received = stream->count.received;
+    const double begun = mukca_clock_seconds();
+    mukca_status status = stream->lines
+                              ? mukca_stream_wait_lines(r, timeout_ms, other, readable, error)
                               : mukca_lcm_link_wait(r->link, timeout_ms, other, readable, error);
     int64_t now = mukca_lcm_link_clock(r->link);
     bool replays = mukca_lcm_link_replays(r->link), ended = status == MUKCA_NEGATIVE;
-    if (!r->channel[0] && r->fit_heard && (ended || now - r->fit_heard > SEARCH_US)) {
+    if (!stream->channel[0] && stream->search.fit_heard &&
+        (ended || now - stream->search.fit_heard > SEARCH_US)) {
         mukca_status chosen = choose_channel(r);
-        if (chosen == MUKCA_TRANSPORT) *error = r->problem;
+        if (chosen == MUKCA_TRANSPORT) *error = stream->problem;
         if (chosen != MUKCA_OK) return chosen == MUKCA_TRANSPORT ? chosen : status;
         if (replays) return open_link(r, error); /* restart with the known channel */
     }
     if (replays || status) return status;
     warn_dropped(r);
-    if (r->mapped && r->confirmed) r->connected = true;
-    /* a joint state that waited in the queue of an overloaded machine is not silence */
-    const bool arrived = r->last_arrival != last;
-    watch(r, arrived ? 0 : now - (r->last_arrival ? r->last_arrival : r->opened));
+    if (stream->map.made && stream->map.confirmed) stream->connected = true;
+    stream->silence.duration += fmin(mukca_clock_seconds() - begun, 1e-3 * timeout_ms + 0.1);
+    if (stream->count.received != received) stream->silence.duration = 0;
+    watch(r);
     return MUKCA_OK;
 }
 
 mukca_status mukca_recorder_finish(mukca_recorder *r, mukca_error *error)
 {
     mukca_status status = mukca_lcm_link_finish_record(r->link, error);
-    if (!r->unwritten) return status;
+    if (!r->session.unwritten) return status;
     return mukca_fail(error, MUKCA_MEMORY, "not all was written (%d failures); the first: %s",
-                      r->unwritten, r->first_unwritten.text);
+                      r->session.unwritten, r->session.first_unwritten.text);
 }
 
 mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error)

@@ -1,24 +1,16 @@
-/* Live recording, shared by `capture` and `serve`: joint states from LCM, triggers, the session
- * file. */
+/* Live recording, shared by `capture` and `serve`: joint states and requests over LCM, or lines;
+ * the session file. */
 #ifndef MUKCA_RECORD_RECORDER_H
 #define MUKCA_RECORD_RECORDER_H
 
 #include "base/text.h"
-#include "capture/capture.h"
-#include "io/session_append.h"
-#include "lcm/decode.h"
 #include "lcm/link.h"
 #include "lcm/message.h"
-#include "lcm/signature.h"
-#include "record/correction.h"
-#include "record/joint_lines.h"
+#include "record/requests.h"
+#include "record/session.h"
+#include "record/stream.h"
 
-enum {
-    MUKCA_RECORDER_MAX_SENDERS = 32,
-    MUKCA_RECORDER_MAX_LABELS = 32,
-    MUKCA_RECORDER_MAX_HEARD = 24,
-    MUKCA_RECORDER_LINE = 448
-};
+enum { MUKCA_RECORDER_LINE = 448 };
 
 /* Zeroed options mean defaults; `mukca help capture` describes them.  All texts must outlive the
  * recorder. */
@@ -39,8 +31,9 @@ typedef struct {
     bool force;                   /* overwrite an existing log */
 } mukca_recorder_options;
 
-/* "raw", "corrected", NULL */
+/* "raw", "corrected", NULL; and that of the options. */
 extern const char *const mukca_recorder_streams[];
+const char *mukca_recorder_stream(const mukca_recorder *r);
 
 /* Callbacks; any may be NULL. */
 typedef struct {
@@ -53,20 +46,6 @@ typedef struct {
     void *context;
 } mukca_recorder_hooks;
 
-/* A channel heard while searching, or in silence. */
-typedef struct {
-    char channel[64];
-    int type; /* index of the type; -1: unknown */
-    int joints;
-} mukca_recorder_heard;
-
-/* A sender of requests: triggers and commands. */
-typedef struct {
-    uint64_t id;
-    int64_t time;    /* us, of its last request */
-    double requests; /* requests available (token bucket) */
-} mukca_recorder_sender;
-
 /* Kinds of trouble, each reported at once and then at most every ten seconds. */
 typedef enum {
     MUKCA_RECORDER_TYPE,
@@ -78,57 +57,28 @@ typedef enum {
     MUKCA_RECORDER_TWO_SENDERS,
     MUKCA_RECORDER_OWN_MESSAGE,
     MUKCA_RECORDER_DROPPED,
+    MUKCA_RECORDER_SILENT,
     MUKCA_RECORDER_RATE,
     MUKCA_RECORDER_TROUBLES
 } mukca_recorder_trouble;
 
 typedef struct {
+    int64_t reported[MUKCA_RECORDER_TROUBLES], occurrences[MUKCA_RECORDER_TROUBLES];
+    char last_line[MUKCA_RECORDER_LINE];
+} mukca_recorder_reports;
+
+struct mukca_recorder {
     const mukca_recorder_options *options;
     const mukca_chain *chain;
     mukca_recorder_hooks hooks;
-    mukca_lcm_types types;
     mukca_lcm_link *link;
-    mukca_joint_lines *lines; /* NULL: joint states come over the link */
-    char trigger_channel[64], command_channel[64];
-    /* the stream */
-    char channel[64]; /* empty while searching */
-    int type;         /* of its messages; -1 before the first */
-    bool mapped;      /* `map` and n_readings are set */
-    bool confirmed;   /* they may be used */
-    bool connected;   /* messages are used; before, they are only read ahead */
-    bool by_name;
-    int map[MUKCA_MAX_JOINTS], n_readings; /* index of the reading of each joint */
-    mukca_error problem;                   /* why the stream is unusable; OK: no problem found */
-    mukca_lcm_joints joints;               /* of the last message */
-    double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
-    int64_t received, refused, last_arrival, opened; /* last_arrival and opened: us */
-    int64_t packet_time;                             /* us, of the packet in process; 0: none */
-    int64_t rate_since, rate_count;
-    double rate, longest_gap; /* Hz; s between two arrivals */
-    bool listens_to_all, silent;
-    mukca_recorder_sender sender[MUKCA_RECORDER_MAX_SENDERS];
-    mukca_lcm_key key;
-    int64_t last_signed;             /* us, time stamp of the last signed request */
-    uint64_t arm;                    /* sender of the accepted joint states */
-    int64_t arm_heard, second_heard; /* us, last messages of arm and other sender; 0: never */
-    int64_t dropped;                 /* datagrams and messages lost in the network */
-    int n_heard;
-    mukca_recorder_heard heard[MUKCA_RECORDER_MAX_HEARD];
-    int64_t fit_heard; /* us, arrival of the first stream that fits the arm; 0: none */
-    int64_t reported[MUKCA_RECORDER_TROUBLES], occurrences[MUKCA_RECORDER_TROUBLES];
-    /* the session */
-    mukca_capture capture;
-    mukca_correction correction; /* from the traits */
-    mukca_session session;       /* closed: nothing is recorded */
-    mukca_capture_advice advice;
-    char labels[2][512];
-    int n_placements, n_sockets;
-    const char *placements[MUKCA_RECORDER_MAX_LABELS], *sockets[MUKCA_RECORDER_MAX_LABELS];
-    int unwritten; /* samples and answers lost for lack of disk space or memory */
-    mukca_error first_unwritten;
-    char last_line[MUKCA_RECORDER_LINE];
+    int64_t packet_time; /* us, of the packet in process; 0: none */
+    mukca_stream stream;
+    mukca_requests requests;
+    mukca_sampling session;
+    mukca_recorder_reports reports;
     unsigned char outgoing[8192];
-} mukca_recorder;
+};
 
 /* Connect to LCM and prepare a recording, without starting it.  theta[6 * n_elements] (NULL:
  * nominal) is the initial model.  `r` is large: allocate it.  Everything that it points to must
@@ -144,48 +94,15 @@ void mukca_recorder_close(mukca_recorder *r);
  * MUKCA_INPUT, MUKCA_INTERRUPTED. */
 mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error *error);
 
-/* The reason why no stream has been found so far. */
-void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t size);
-
-/* The mapping as lines for the user; and whether it follows from the order of readings alone and is
- * unconfirmed. */
-void mukca_recorder_describe_map(const mukca_recorder *r, char *text, size_t size);
-bool mukca_recorder_needs_confirmation(const mukca_recorder *r);
-
 /* Start the raw log if the options name one.  Errors: MUKCA_INPUT. */
 mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error);
-
-/* Count a failure with status MUKCA_MEMORY, for the exit code. */
-void mukca_recorder_count_unwritten(mukca_recorder *r, const mukca_error *error);
 
 /* Close the raw log.  Errors: MUKCA_MEMORY (the log is incomplete, or a failure was counted). */
 mukca_status mukca_recorder_finish(mukca_recorder *r, mukca_error *error);
 
-/* Create or resume the session file; its samples are loaded into the capture.  Errors: MUKCA_INPUT
- * (exists without `force`; see mukca_session_resume), MUKCA_MEMORY. */
-mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resume, bool force,
-                                  mukca_error *error);
-
 /* Process arrived messages and detect silence.  As mukca_lcm_link_wait. */
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                  mukca_error *error);
-
-/* Requests of the user; answer->text is the reply, also on success.  mukca_recorder_sample returns
- * after the sample is on disk, and sends a sample message in any case; labels NULL or "" mean the
- * current ones.  The others delete the last sample, select a socket, the next socket, or the first
- * socket of a new placement.  Errors: MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
-mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
-                                   const char *socket, mukca_error *answer);
-mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer);
-mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, const char *socket,
-                                   mukca_error *answer);
-mukca_status mukca_recorder_next_socket(mukca_recorder *r, mukca_error *answer);
-mukca_status mukca_recorder_next_placement(mukca_recorder *r, mukca_error *answer);
-
-/* State of the stream: "no_stream", "moving" or "still"; and send it, or another `state` unless
- * NULL, as a status message. */
-const char *mukca_recorder_state(const mukca_recorder *r);
-void mukca_recorder_publish_status(mukca_recorder *r, const char *state);
 
 /* ---- reports and messages (messages.c) ---- */
 
@@ -199,54 +116,20 @@ void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
 /* The same as a mukca_note_fn; `r` is the recorder. */
 void mukca_recorder_note(void *r, const char *text);
 
+/* Whether trouble of this kind was reported in the last ten seconds. */
+bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind);
+
 /* Report trouble at a limited rate; mukca_recorder_refuse also counts an unusable message. */
 void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text);
 void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-const char *mukca_recorder_type(const mukca_recorder *r); /* of the joint states; "": none */
 /* Append "no joint state on X; heard instead: PANDA_STATUS (drake.lcmt_panda_status, 7 joints)";
  * `since` is printed after the channel. */
 void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since);
 
-double mukca_recorder_age(const mukca_recorder *r);         /* s since the last joint state */
-const char *mukca_recorder_stream(const mukca_recorder *r); /* "raw" or "corrected" */
-
-/* ---- steps of the above, shared by the files of this folder ---- */
-
-/* Initialise labels and capture (session.c). */
-mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukca_error *error);
-
-/* Read --map; and set the mapping from the first message, with the reason of a failure in
- * r->problem (map.c). */
-mukca_status mukca_recorder_check_map(mukca_recorder *r, mukca_error *error);
-mukca_status mukca_recorder_make_map(mukca_recorder *r);
-
-/* Handler of all packets; `r` is the recorder (stream.c). */
-void mukca_recorder_receive(void *r, const mukca_lcm_packet *packet);
-
-/* Process the joint states in r->joints; `packet` has their time of arrival and sender. */
-void mukca_recorder_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type);
-
-/* Process lines of standard input, or wait for some; as mukca_lcm_link_wait (lines.c). */
-mukca_status mukca_recorder_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
-                                       mukca_error *error);
-
-/* Whether a sender's request is within its rate limit; and whether joint states are from the
- * accepted sender.  False: the message is refused. */
-bool mukca_recorder_may_request(mukca_recorder *r, const mukca_lcm_packet *packet);
-bool mukca_recorder_one_sender(mukca_recorder *r, const mukca_lcm_packet *packet);
-
-/* Check the signature of a request with time stamp `utime`, us, if the options name a key: each is
- * accepted once, and only while fresh.  Errors: MUKCA_NEGATIVE. */
-mukca_status mukca_recorder_check_signature(mukca_recorder *r, const mukca_lcm_packet *packet,
-                                            int64_t utime, mukca_error *error);
-
-/* Reply to a trigger that is refused before decoding. */
-void mukca_recorder_refuse_sample(mukca_recorder *r, int64_t id, const char *text);
-
-/* Whether a second sender of joint states was heard recently. */
-bool mukca_recorder_doubted(const mukca_recorder *r);
+/* The reason why no stream has been found so far. */
+void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t size);
 
 static inline const char *mukca_recorder_joint(const mukca_recorder *r, int j)
 {

@@ -25,10 +25,11 @@ static void keep_place(mukca_server *s)
 {
     mukca_server_state *state = &s->state;
     const mukca_recorder *r = &s->recorder;
-    if (!r->session.fd) return;
-    snprintf(state->placement, sizeof state->placement, "%s", mukca_capture_placement(&r->capture));
-    snprintf(state->socket, sizeof state->socket, "%s", mukca_capture_socket(&r->capture));
-    snprintf(state->rows, sizeof state->rows, "%d", r->session.n_rows);
+    if (!r->session.file.fd) return;
+    snprintf(state->placement, sizeof state->placement, "%s",
+             mukca_capture_placement(&r->session.capture));
+    snprintf(state->socket, sizeof state->socket, "%s", mukca_capture_socket(&r->session.capture));
+    snprintf(state->rows, sizeof state->rows, "%d", r->session.file.n_rows);
 }
 
 /* Start or resume the session named by the state, once the stream is known; reports by itself. */
@@ -36,17 +37,17 @@ static mukca_status begin(mukca_server *s, mukca_error *answer)
 {
     char path[MUKCA_SERVER_PATH];
     mukca_recorder *r = &s->recorder;
-    if (s->session_begun || !s->state.session[0] || s->state.finished[0] || !r->connected)
+    if (s->session_begun || !s->state.session[0] || s->state.finished[0] || !r->stream.connected)
         return MUKCA_OK;
     mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, s->state.session, ".tsv");
     s->session_begun = true;
-    mukca_status status = mukca_recorder_begin(r, path, true, false, answer);
+    mukca_status status = mukca_sampling_begin(r, path, true, false, answer);
     if (status == MUKCA_OK) {
         /* if a sample was recorded after the last save, its labels are more recent */
-        if (s->state.placement[0] && strtol(s->state.rows, NULL, 10) == r->session.n_rows)
-            mukca_recorder_select(r, s->state.placement, s->state.socket, answer);
+        if (s->state.placement[0] && strtol(s->state.rows, NULL, 10) == r->session.file.n_rows)
+            mukca_sampling_select(r, s->state.placement, s->state.socket, answer);
         keep_place(s);
-        mukca_fail(answer, MUKCA_OK, "session %s: %d samples", path, r->session.n_rows);
+        mukca_fail(answer, MUKCA_OK, "session %s: %d samples", path, r->session.file.n_rows);
     }
     mukca_recorder_report(r, "%s", answer->text);
     return status;
@@ -61,9 +62,10 @@ VERB(start)
     if (!mukca_server_name_ok(name))
         return mukca_fail(answer, MUKCA_USAGE,
                           "a session's name: at most 40 letters, digits, _ - and .");
-    if (!r->connected)
-        return mukca_fail(answer, MUKCA_TRANSPORT, "no joint states yet: %.200s",
-                          r->problem.status ? r->problem.text : "is the robot's driver running?");
+    if (!r->stream.connected)
+        return mukca_fail(
+            answer, MUKCA_TRANSPORT, "no joint states yet: %.200s",
+            r->stream.problem.status ? r->stream.problem.text : "is the robot's driver running?");
     mukca_status allowed = mukca_server_may_start(s, name, answer);
     if (allowed != MUKCA_OK) return allowed;
     memset(&s->state, 0, offsetof(mukca_server_state, model));
@@ -82,14 +84,17 @@ VERB(start)
 
 VERB(add)
 {
-    return mukca_recorder_sample(&s->recorder, command->id, argument(command, 0),
-                                 argument(command, 1), answer);
+    const mukca_sample_request request = {.id = command->id,
+                                          .time = s->recorder.packet_time,
+                                          .placement = argument(command, 0),
+                                          .socket = argument(command, 1)};
+    return mukca_sampling_sample(&s->recorder, &request, answer);
 }
 
 VERB(delete)
 {
     (void)command;
-    return mukca_recorder_undo(&s->recorder, answer);
+    return mukca_sampling_undo(&s->recorder, answer);
 }
 
 /* Save the labels just selected; on failure, reselect those of `before`. */
@@ -100,7 +105,7 @@ static mukca_status save_place(mukca_server *s, const mukca_server_state *before
     keep_place(s);
     mukca_status status = mukca_server_save_state(s, &error);
     if (status == MUKCA_OK) return status;
-    (void)mukca_recorder_select(&s->recorder, before->placement, before->socket, &ignored);
+    (void)mukca_sampling_select(&s->recorder, before->placement, before->socket, &ignored);
     return mukca_fail(answer, status, "not changed: %.200s", error.text);
 }
 
@@ -109,8 +114,8 @@ VERB(socket)
     keep_place(s);
     const mukca_server_state before = s->state;
     const char *label = argument(command, 0);
-    mukca_status status = label ? mukca_recorder_select(&s->recorder, NULL, label, answer)
-                                : mukca_recorder_next_socket(&s->recorder, answer);
+    mukca_status status = label ? mukca_sampling_select(&s->recorder, NULL, label, answer)
+                                : mukca_sampling_next_socket(&s->recorder, answer);
     return status ? status : save_place(s, &before, answer);
 }
 
@@ -118,16 +123,17 @@ VERB(placement)
 {
     keep_place(s);
     const mukca_server_state before = s->state;
-    const char *name = argument(command, 0), *first = s->recorder.capture.settings.labels[0];
-    mukca_status status = name ? mukca_recorder_select(&s->recorder, name, first, answer)
-                               : mukca_recorder_next_placement(&s->recorder, answer);
+    const char *name = argument(command, 0),
+               *first = s->recorder.session.capture.settings.labels[0];
+    mukca_status status = name ? mukca_sampling_select(&s->recorder, name, first, answer)
+                               : mukca_sampling_next_placement(&s->recorder, answer);
     return status ? status : save_place(s, &before, answer);
 }
 
 VERB(finish)
 {
     (void)command;
-    mukca_session *session = &s->recorder.session;
+    mukca_session *session = &s->recorder.session.file;
     if (!session->fd) return mukca_fail(answer, MUKCA_NEGATIVE, "no session is being recorded");
     s->state.finished[0] = '1';
     mukca_status status = mukca_server_save_state(s, answer);
@@ -190,7 +196,7 @@ static mukca_status obey(mukca_server *s, const mukca_lcm_packet *packet,
 {
     const char *verb = command->verb;
     mukca_status status =
-        mukca_recorder_check_signature(&s->recorder, packet, command->utime, answer);
+        mukca_requests_check_signature(&s->recorder, packet, command->utime, answer);
     if (status != MUKCA_OK) return status;
     for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
         if (strcmp(verb, mukca_server_verbs[i]) != 0 || command->n > verbs[i].arguments) continue;
@@ -216,14 +222,14 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
                               error.text);
         return;
     }
-    if (!mukca_recorder_may_request(r, packet)) return;
+    if (!mukca_requests_may(r, packet)) return;
     mukca_status status = obey(s, packet, &command, &line);
     keep_place(s);
     if (mukca_server_save_state(s, &error) != MUKCA_OK) /* retried later; samples are safe */
         mukca_recorder_report(r, "%s", error.text);
     line.status = status;
-    if (strcmp(command.verb, "add") != 0) /* mukca_recorder_sample counts its own failures */
-        mukca_recorder_count_unwritten(r, &line);
+    if (strcmp(command.verb, "add") != 0) /* mukca_sampling_sample counts its own failures */
+        mukca_sampling_count_unwritten(r, &line);
     if (!line.text[0]) return;
     const mukca_server_answer answer = {
         .id = command.id, .verb = command.verb, .text = line.text, .code = status};
@@ -278,12 +284,13 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
 /* Report a change of the stream's problem; `last` is the preceding report. */
 static void report_problem(mukca_recorder *r, char last[MUKCA_RECORDER_LINE])
 {
-    if (r->mapped && !r->confirmed) /* mapped by order, unconfirmed */
-        mukca_fail(&r->problem, MUKCA_USAGE,
-                   "%s sends no joint names: start serve with --map order", r->channel);
-    if (r->problem.status && strcmp(last, r->problem.text) != 0)
-        mukca_recorder_report(r, "%s", r->problem.text);
-    snprintf(last, MUKCA_RECORDER_LINE, "%s", r->problem.status ? r->problem.text : "");
+    if (r->stream.map.made && !r->stream.map.confirmed) /* mapped by order, unconfirmed */
+        mukca_fail(&r->stream.problem, MUKCA_USAGE,
+                   "%s sends no joint names: start serve with --map order", r->stream.channel);
+    if (r->stream.problem.status && strcmp(last, r->stream.problem.text) != 0)
+        mukca_recorder_report(r, "%s", r->stream.problem.text);
+    snprintf(last, MUKCA_RECORDER_LINE, "%s",
+             r->stream.problem.status ? r->stream.problem.text : "");
 }
 
 mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
@@ -310,12 +317,12 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
         if (failed && !unsaved) mukca_recorder_report(r, "%s", problem.text);
         unsaved = failed;
         const char *job = s->job.diagnosis ? "diagnose" : "calibrate";
-        mukca_recorder_publish_status(r, s->job.child ? job : NULL);
+        mukca_sampling_publish_status(r, s->job.child ? job : NULL);
         mukca_server_notify("WATCHDOG=1");
     }
     mukca_server_notify("STOPPING=1");
     mukca_server_kill_job(s);
-    mukca_recorder_publish_status(r, "stopped");
+    mukca_sampling_publish_status(r, "stopped");
     if (status != MUKCA_OK && status != MUKCA_NEGATIVE) return status;
     status = mukca_server_save_state(s, error);
     if (status != MUKCA_OK) return status;

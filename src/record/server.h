@@ -9,11 +9,7 @@
 #include "mukca/row_state.h"
 #include "record/recorder.h"
 
-enum {
-    MUKCA_SERVER_PATH = 1024,
-    MUKCA_SERVER_BUCKETS = 512, /* of the latency histogram: each 2 % wide, from 0.1 us */
-    MUKCA_SERVER_ARGUMENTS = 32
-};
+enum { MUKCA_SERVER_PATH = 1024, MUKCA_SERVER_ARGUMENTS = 32 };
 
 /* Commands: verb, usage, largest number of arguments, description */
 #define MUKCA_SERVER_VERB_LIST(X)                                                             \
@@ -72,7 +68,7 @@ typedef struct {
     mukca_geometry geometry;
     mukca_row_state states; /* of the stream */
     int64_t sent;
-    int64_t histogram[MUKCA_SERVER_BUCKETS]; /* of the times from reception to the end of sending */
+    double latency, longest_latency; /* s, from reception to the end of sending: sum, longest */
 } mukca_server_pose;
 
 /* Sessions that may still be started (token bucket), and the time of that count, us. */
@@ -115,9 +111,6 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
 mukca_status mukca_server_run(mukca_server *s, mukca_error *error);
 void mukca_server_close(mukca_server *s);
 
-/* Quantile p of the latency of all poses sent, s; NaN without poses */
-double mukca_server_latency(const mukca_server_pose *pose, double p);
-
 /* ---- parts (server_folder.c, server_state.c, server_use.c, server_pose.c, server_job.c) ---- */
 
 /* Folders of --state: separate, so that session names cannot collide with other files. */
@@ -128,9 +121,8 @@ double mukca_server_latency(const mukca_server_pose *pose, double p);
 void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *folder,
                        const char *name, const char *ending);
 
-/* Create the folder, lock it until mukca_server_close, remove temporary files of killed writers,
- * and move the files of an earlier version to their places.  Errors: MUKCA_INPUT (also: locked by
- * another server). */
+/* Create the folder, lock it until mukca_server_close, and remove temporary files of killed
+ * writers.  Errors: MUKCA_INPUT (also: locked by another server). */
 mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error);
 
 /* Whether a name is valid for a session: at most 40 letters, digits, _ - and ., the last two not

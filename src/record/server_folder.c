@@ -62,59 +62,16 @@ static bool ends_with(const char *name, const char *ending)
     return length > end && strcmp(name + length - end, ending) == 0;
 }
 
-/* Folder of a file that an earlier version kept next to the state; NULL: it stays. */
-static const char *place_of(const char *path, const char *name)
+/* Remove the temporary files of killed writers in DIR/folder. */
+static mukca_status tidy(const char *path, mukca_error *error)
 {
-    static const char *const results[] = {".offsets.tsv", ".effects.tsv", ".calibrate.json",
-                                          ".diagnose.json", ".errors.txt"};
-    char first[64] = "";
-    FILE *file = ends_with(name, ".tsv") ? fopen(path, "r") : NULL;
-    if (file) {
-        if (!fgets(first, sizeof first, file)) first[0] = '\0';
-        fclose(file);
-    }
-    if (strcmp(first, "# mukca session\n") == 0) return MUKCA_SERVER_SESSIONS;
-    for (size_t i = 0; i < sizeof results / sizeof results[0]; i++)
-        if (ends_with(name, results[i])) return MUKCA_SERVER_RESULTS;
-    return NULL;
-}
-
-/* Move a file of an earlier version to its place; it exists in one of both at every moment. */
-static mukca_status move(const mukca_server *s, const char *name, mukca_error *error)
-{
-    char from[MUKCA_SERVER_PATH], to[MUKCA_SERVER_PATH];
-    struct stat old, new;
-    snprintf(from, sizeof from, "%.700s/%.255s", s->options->folder, name);
-    if (lstat(from, &old) || !S_ISREG(old.st_mode)) return MUKCA_OK;
-    const char *place = place_of(from, name);
-    if (!place) return MUKCA_OK;
-    mukca_server_path(to, s, place, name, "");
-    if (link(from, to) && (errno != EEXIST || stat(to, &new) || new.st_ino != old.st_ino))
-        return mukca_fail(error, mukca_output_status(errno), "%.150s: cannot be moved to %s/: %s%s",
-                          from, place, strerror(errno),
-                          errno == EEXIST ? "; remove one of the two" : "");
-    if (!mukca_output_sync_folder(to) || unlink(from)) return fail(from, error);
-    return MUKCA_OK;
-}
-
-/* Remove the temporary files of killed writers in DIR/folder; with `old`, move an earlier version's
- * files. */
-static mukca_status tidy(const mukca_server *s, const char *folder, bool old, mukca_error *error)
-{
-    char path[MUKCA_SERVER_PATH];
-    mukca_status status = MUKCA_OK;
-    snprintf(path, sizeof path, "%.800s/%s", s->options->folder, folder);
     DIR *entries = opendir(path);
     if (!entries) return fail(path, error);
-    for (const struct dirent *e; status == MUKCA_OK && (e = readdir(entries));) {
-        const char *name = e->d_name;
-        if (name[0] == '.' && ends_with(name, ".tmp"))
-            (void)!unlinkat(dirfd(entries), name, 0); /* a leftover file does no harm */
-        else if (old && strcmp(name, "state.tsv") != 0)
-            status = move(s, name, error);
-    }
+    for (const struct dirent *e; (e = readdir(entries));)
+        if (e->d_name[0] == '.' && ends_with(e->d_name, ".tmp"))
+            (void)!unlinkat(dirfd(entries), e->d_name, 0); /* a leftover file does no harm */
     closedir(entries);
-    return status;
+    return MUKCA_OK;
 }
 
 mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error)
@@ -122,11 +79,11 @@ mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error)
     static const char *const folders[] = {"", MUKCA_SERVER_SESSIONS, MUKCA_SERVER_RESULTS};
     mukca_status status = make_folder(s->options->folder, error);
     if (status == MUKCA_OK) status = lock(s, error);
-    for (int i = 1; i < 3 && status == MUKCA_OK; i++) {
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
         char path[MUKCA_SERVER_PATH];
         snprintf(path, sizeof path, "%.800s/%s", s->options->folder, folders[i]);
         status = make_folder(path, error);
+        if (status == MUKCA_OK) status = tidy(path, error);
     }
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++) status = tidy(s, folders[i], i == 0, error);
     return status;
 }

@@ -177,7 +177,7 @@ static void report(mukca_server *s, mukca_status code)
     }
     if (answer.code == MUKCA_MEMORY) {
         mukca_fail(&error, MUKCA_MEMORY, "%.200s", line);
-        mukca_recorder_count_unwritten(&s->recorder, &error);
+        mukca_sampling_count_unwritten(&s->recorder, &error);
     }
     mukca_server_send_answer(s, &answer);
     mukca_recorder_report(&s->recorder, "%s: %s", answer.verb, line);

@@ -4,23 +4,6 @@
 
 #include "record/server.h"
 
-static const double bucket_ratio = 1.02, bucket_first = 1e-7;
-
-static void count_latency(mukca_server_pose *pose, double seconds)
-{
-    int i = seconds > bucket_first ? (int)(log(seconds / bucket_first) / log(bucket_ratio)) + 1 : 0;
-    pose->histogram[i < MUKCA_SERVER_BUCKETS ? i : MUKCA_SERVER_BUCKETS - 1]++;
-}
-
-double mukca_server_latency(const mukca_server_pose *pose, double p)
-{
-    int64_t sum = 0;
-    for (int i = 0; i < MUKCA_SERVER_BUCKETS && pose->sent; i++)
-        if ((double)(sum += pose->histogram[i]) >= p * (double)pose->sent)
-            return bucket_first * pow(bucket_ratio, i);
-    return (double)NAN;
-}
-
 void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
 {
     mukca_server *s = context;
@@ -31,7 +14,9 @@ void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
     /* Without a time: drift is identified within a session and does not extrapolate over days. */
     const mukca_row_reading reading = {
         .q = q,
-        .command = s->recorder.joints.has[MUKCA_LCM_ROLE_COMMAND] ? s->recorder.command : NULL,
+        .command = s->recorder.stream.last.joints.has[MUKCA_LCM_ROLE_COMMAND]
+                       ? s->recorder.stream.last.command
+                       : NULL,
         .time = (double)NAN,
         .placement = -1};
     const mukca_joint_state *state = mukca_row_state_next(&pose->states, &reading);
@@ -44,7 +29,9 @@ void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
     memcpy(message.position, tip.p, sizeof message.position);
     mukca_rotation_to_quaternion(message.quaternion, tip.R);
     if (!mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_POSE, &message)) return;
+    const double latency =
+        1e-6 * (double)(mukca_lcm_link_clock(s->recorder.link) - s->recorder.packet_time);
     pose->sent++;
-    count_latency(
-        pose, 1e-6 * (double)(mukca_lcm_link_clock(s->recorder.link) - s->recorder.packet_time));
+    pose->latency += latency;
+    pose->longest_latency = fmax(pose->longest_latency, latency);
 }

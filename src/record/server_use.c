@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "arm/tip_change.h"
 #include "base/file.h"
@@ -13,8 +12,6 @@
 static void path_in_use(char path[MUKCA_SERVER_PATH], const mukca_server *s)
 {
     snprintf(path, MUKCA_SERVER_PATH, "%.800s/in_use.tsv", s->options->folder);
-    if (access(path, F_OK)) /* of an earlier version: the result itself */
-        mukca_server_path(path, s, MUKCA_SERVER_RESULTS, s->state.model, "");
 }
 
 static mukca_status check_stream(const mukca_server *s, const char *model, const char *stream,
@@ -111,7 +108,7 @@ static mukca_status write_in_use(const mukca_server *s, const char *text, mukca_
 {
     char path[MUKCA_SERVER_PATH];
     mukca_output output = {0};
-    snprintf(path, sizeof path, "%.800s/in_use.tsv", s->options->folder);
+    path_in_use(path, s);
     mukca_status status = mukca_output_open(&output, path, true, error);
     if (status == MUKCA_OK) fputs(text, output.stream);
     return mukca_output_finish(&output, status, error);

@@ -9,25 +9,24 @@
 
 /* ---- labels ---- */
 
-/* Split a comma-separated list into names: pointers into store[512], and their number. */
-static mukca_status split_labels(const char **labels, int *n, char *store, const char *list,
-                                 const char *option, mukca_error *error)
+/* Split a comma-separated list into names. */
+static mukca_status split_labels(mukca_labels *labels, const char *list, const char *option,
+                                 mukca_error *error)
 {
-    *n = 0;
     if (!list) return MUKCA_OK;
-    if (strlen(list) >= sizeof((mukca_recorder *)0)->labels[0])
+    if (strlen(list) >= sizeof labels->store)
         return mukca_fail(error, MUKCA_USAGE, "%s: the list is too long", option);
-    memcpy(store, list, strlen(list) + 1);
-    for (char *at = store; at;) {
+    memcpy(labels->store, list, strlen(list) + 1);
+    for (char *at = labels->store; at;) {
         char *comma = strchr(at, ',');
         if (comma) *comma = '\0';
-        if (!mukca_session_label_ok(at) || *n == MUKCA_RECORDER_MAX_LABELS)
+        if (!mukca_session_label_ok(at) || labels->n == MUKCA_LABELS)
             return mukca_fail(error, MUKCA_USAGE, "%s \"%.60s\": at most %d names, commas between",
-                              option, list, MUKCA_RECORDER_MAX_LABELS);
-        for (int k = 0; k < *n; k++)
-            if (strcmp(labels[k], at) == 0)
+                              option, list, MUKCA_LABELS);
+        for (int k = 0; k < labels->n; k++)
+            if (strcmp(labels->name[k], at) == 0)
                 return mukca_fail(error, MUKCA_USAGE, "%s: '%s' comes twice", option, at);
-        labels[(*n)++] = at;
+        labels->name[labels->n++] = at;
         at = comma ? comma + 1 : NULL;
     }
     return MUKCA_OK;
@@ -36,7 +35,7 @@ static mukca_status split_labels(const char **labels, int *n, char *store, const
 static mukca_status read_traits(mukca_recorder *r, mukca_error *error)
 {
     if (!r->options->traits) return MUKCA_OK;
-    mukca_correction *c = &r->correction;
+    mukca_correction *c = &r->session.correction;
     mukca_status status = mukca_correction_read(c, r->options->traits, r->chain, error);
     if (status != MUKCA_OK) return status;
     mukca_recorder_report(
@@ -48,15 +47,13 @@ static mukca_status read_traits(mukca_recorder *r, mukca_error *error)
     return MUKCA_OK;
 }
 
-mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukca_error *error)
+mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukca_error *error)
 {
     const mukca_recorder_options *o = r->options;
-    mukca_status status = split_labels(r->placements, &r->n_placements, r->labels[0], o->placements,
-                                       "--placement", error);
-    if (status == MUKCA_OK)
-        status =
-            split_labels(r->sockets, &r->n_sockets, r->labels[1], o->sockets, "--sockets", error);
-    if (!status && r->n_sockets == 1)
+    mukca_sampling *s = &r->session;
+    mukca_status status = split_labels(&s->placements, o->placements, "--placement", error);
+    if (status == MUKCA_OK) status = split_labels(&s->sockets, o->sockets, "--sockets", error);
+    if (!status && s->sockets.n == 1)
         status = mukca_fail(error, MUKCA_USAGE, "--sockets: a tool has two or more");
     if (status == MUKCA_OK) status = read_traits(r, error);
     if (status != MUKCA_OK) return status;
@@ -65,16 +62,16 @@ mukca_status mukca_recorder_prepare(mukca_recorder *r, const double *theta, mukc
         .range = o->motion,
         .dwell = o->dwell,
         .distance = o->distance,
-        .n_labels = r->n_sockets,
-        .labels = r->sockets,
-        .correct = r->correction.n_effects ? mukca_correction_apply : NULL,
-        .context = &r->correction};
-    return mukca_capture_init(&r->capture, r->chain, theta, &settings, error);
+        .n_labels = s->sockets.n,
+        .labels = s->sockets.name,
+        .correct = s->correction.n_effects ? mukca_correction_apply : NULL,
+        .context = &s->correction};
+    return mukca_capture_init(&s->capture, r->chain, theta, &settings, error);
 }
 
 static bool placement_used(const mukca_recorder *r, const char *name)
 {
-    const mukca_dataset *rows = &r->capture.rows;
+    const mukca_dataset *rows = &r->session.capture.rows;
     for (int p = 0; p < rows->n_placements; p++)
         if (strcmp(rows->placements[p].name, name) == 0) return true;
     return false;
@@ -83,8 +80,9 @@ static bool placement_used(const mukca_recorder *r, const char *name)
 /* The first name of --placement that is unused, else placement_K. */
 static void new_placement(const mukca_recorder *r, char name[MUKCA_NAME_SIZE])
 {
-    for (int i = 0; i < r->n_placements; i++) {
-        snprintf(name, MUKCA_NAME_SIZE, "%s", r->placements[i]);
+    const mukca_sampling *s = &r->session;
+    for (int i = 0; i < s->placements.n; i++) {
+        snprintf(name, MUKCA_NAME_SIZE, "%s", s->placements.name[i]);
         if (!placement_used(r, name)) return;
     }
     int k = 0;
@@ -96,9 +94,10 @@ static void new_placement(const mukca_recorder *r, char name[MUKCA_NAME_SIZE])
  * traits, or consistent again. */
 static mukca_status advise(mukca_recorder *r, mukca_error *error)
 {
-    const double before = r->capture.share;
-    mukca_status status = mukca_capture_advise(&r->advice, &r->capture, error);
-    const double share = r->capture.share;
+    mukca_sampling *s = &r->session;
+    const double before = s->capture.share;
+    mukca_status status = mukca_capture_advise(&s->advice, &s->capture, error);
+    const double share = s->capture.share;
     if (status == MUKCA_OK && share != before)
         mukca_recorder_report(
             r,
@@ -107,7 +106,7 @@ static mukca_status advise(mukca_recorder *r, mukca_error *error)
                           "expect (log Bayes factor %.1f): it is halved"
                         : "the samples contradict the traits of %d arms (log Bayes factor %.1f): "
                           "they are judged without",
-            r->correction.n_arms, r->advice.evidence);
+            s->correction.n_arms, s->advice.evidence);
     return status;
 }
 
@@ -115,6 +114,7 @@ static mukca_status advise(mukca_recorder *r, mukca_error *error)
 
 static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *error)
 {
+    mukca_sampling *s = &r->session;
     mukca_dataset data;
     const mukca_dataset_options options = {.distance = r->options->distance,
                                            .partial = true,
@@ -124,39 +124,41 @@ static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *
     mukca_status status = mukca_dataset_load(&data, r->chain, &path, 1, &options, error);
     if (status != MUKCA_OK) return status;
     for (int i = 0; i < data.n_rows && !status; i++) {
-        const mukca_socket *s = &data.sockets[data.socket[i]];
-        status =
-            mukca_capture_select(&r->capture, data.placements[s->placement].name, s->label, error);
+        const mukca_socket *where = &data.sockets[data.socket[i]];
+        status = mukca_capture_select(&s->capture, data.placements[where->placement].name,
+                                      where->label, error);
         if (status == MUKCA_OK)
-            status = mukca_capture_keep(text, &r->capture, data.q + i * data.n_joints, error);
+            status = mukca_capture_keep(text, &s->capture, data.q + i * data.n_joints, error);
     }
     mukca_dataset_free(&data);
     return status;
 }
 
-mukca_status mukca_recorder_begin(mukca_recorder *r, const char *path, bool resume, bool force,
+mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resume, bool force,
                                   mukca_error *error)
 {
+    mukca_sampling *s = &r->session;
+    mukca_stream *stream = &r->stream;
     mukca_session_head head = {.chain = r->chain,
                                .stream = mukca_recorder_stream(r),
-                               .channel = r->channel,
-                               .type = mukca_recorder_type(r),
-                               .has_effort = r->joints.has[MUKCA_LCM_ROLE_EFFORT],
-                               .has_command = r->joints.has[MUKCA_LCM_ROLE_COMMAND]};
-    mukca_capture_clear(&r->capture);
-    mukca_session_close(&r->session);
+                               .channel = stream->channel,
+                               .type = mukca_stream_type(r),
+                               .has_effort = stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT],
+                               .has_command = stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND]};
+    mukca_capture_clear(&s->capture);
+    mukca_session_close(&s->file);
     mukca_status status =
-        resume ? mukca_session_resume(&r->session, path, &head, mukca_recorder_note, r, error)
-               : mukca_session_create(&r->session, path, force, &head, error);
-    if (!status && r->session.n_rows) status = load_rows(r, path, error);
-    if (!status && !r->session.n_rows) {
+        resume ? mukca_session_resume(&s->file, path, &head, mukca_recorder_note, r, error)
+               : mukca_session_create(&s->file, path, force, &head, error);
+    if (!status && s->file.n_rows) status = load_rows(r, path, error);
+    if (!status && !s->file.n_rows) {
         char name[MUKCA_NAME_SIZE];
         new_placement(r, name);
         status =
-            mukca_capture_select(&r->capture, name, mukca_capture_next_label(&r->capture), error);
+            mukca_capture_select(&s->capture, name, mukca_capture_next_label(&s->capture), error);
     }
     if (status == MUKCA_OK) status = advise(r, error);
-    if (status) mukca_session_close(&r->session);
+    if (status) mukca_session_close(&s->file);
     return status;
 }
 
@@ -170,7 +172,8 @@ static void name_joints(const mukca_recorder *r, const char **names)
 /* Report that no session is open, with the stream's problem as reason if there is one. */
 static mukca_status no_session(const mukca_recorder *r, mukca_error *error)
 {
-    if (r->mapped) return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded");
+    if (r->stream.map.made)
+        return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded");
     char text[sizeof error->text];
     mukca_recorder_describe_search(r, text, sizeof text);
     return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded: %s", text);
@@ -181,9 +184,10 @@ static mukca_status no_session(const mukca_recorder *r, mukca_error *error)
 static mukca_status complete_labels(const mukca_recorder *r, const char **placement,
                                     const char **socket, mukca_error *error)
 {
-    if (!*placement || !**placement) *placement = mukca_capture_placement(&r->capture);
-    if (!*socket || !**socket) *socket = mukca_capture_socket(&r->capture);
-    if (!r->session.fd) return no_session(r, error);
+    const mukca_sampling *s = &r->session;
+    if (!*placement || !**placement) *placement = mukca_capture_placement(&s->capture);
+    if (!*socket || !**socket) *socket = mukca_capture_socket(&s->capture);
+    if (!s->file.fd) return no_session(r, error);
     if (mukca_session_label_ok(*placement) && mukca_session_label_ok(*socket)) return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
                       "\"%.40s\" or \"%.40s\" cannot be a name (1 to 63 characters of UTF-8, no "
@@ -191,12 +195,19 @@ static mukca_status complete_labels(const mukca_recorder *r, const char **placem
                       *placement, *socket);
 }
 
+void mukca_sampling_count_unwritten(mukca_recorder *r, const mukca_error *error)
+{
+    mukca_sampling *s = &r->session;
+    if (error->status == MUKCA_MEMORY && s->unwritten++ == 0) s->first_unwritten = *error;
+}
+
 /* Add a sample to the file and the capture; `remark` describes anything unusual about it. */
 static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
                           const char *placement, const char *socket,
                           char remark[MUKCA_CAPTURE_TEXT], mukca_error *error)
 {
-    mukca_capture *c = &r->capture;
+    mukca_sampling *s = &r->session;
+    mukca_capture *c = &s->capture;
     const int socket_before = c->socket;
     const mukca_session_row row = {.placement = placement,
                                    .socket = socket,
@@ -215,38 +226,62 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
     mukca_status status = mukca_capture_select(c, placement, socket, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_session_add(&r->session, &row, error);
+    status = mukca_session_add(&s->file, &row, error);
     if (status == MUKCA_OK) return mukca_capture_keep(remark, c, sample->q, error);
     c->socket = socket_before;
-    mukca_recorder_count_unwritten(r, error);
+    mukca_sampling_count_unwritten(r, error);
     return status;
 }
 
-void mukca_recorder_refuse_sample(mukca_recorder *r, int64_t id, const char *text)
+void mukca_sampling_refuse(mukca_recorder *r, int64_t id, const char *text)
 {
     const mukca_message_sample message = {.id = id, .text = text};
     mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
 }
 
-mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *placement,
-                                   const char *socket, mukca_error *answer)
+/* Age of the last joint state at a request, for mukca_capture_take.  Lines wait in the pipes before
+ * this program: if their times are those of a wall clock, they are compared with the request's.
+ * Errors: MUKCA_NEGATIVE. */
+static mukca_status age_at(double *age, const mukca_recorder *r,
+                           const mukca_sample_request *request, mukca_error *error)
 {
+    const mukca_stream *stream = &r->stream;
+    const double longest_lag = 3600; /* s; beyond it the times are not of the same kind of clock */
+    const int64_t sent = request->sent > 0 ? request->sent : request->time;
+    const double lag = 1e-6 * (double)(sent - stream->last.time);
+    *age = request->time ? fmax(1e-6 * (double)(request->time - stream->last.arrival), 0)
+                         : MUKCA_CAPTURE_IN_ORDER;
+    if (!stream->lines || !request->time || !stream->last.time ||
+        lag < r->session.capture.settings.window || lag > longest_lag)
+        return MUKCA_OK;
+    return mukca_fail(error, MUKCA_NEGATIVE,
+                      "the last line is %.2g s older than the request: run the program before it "
+                      "without buffering (stdbuf -oL), or synchronise the clocks",
+                      lag);
+}
+
+mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
+                                   mukca_error *answer)
+{
+    mukca_sampling *s = &r->session;
     mukca_capture_sample sample = {.time = 0};
     mukca_error error;
     char remark[MUKCA_CAPTURE_TEXT] = "";
+    const char *placement = request->placement, *socket = request->socket;
+    double age;
     mukca_status status = complete_labels(r, &placement, &socket, &error);
-    if (!status && mukca_recorder_doubted(r))
+    if (!status && mukca_stream_doubted(r))
         status = mukca_fail(&error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
-    if (status == MUKCA_OK)
-        status = mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &error);
+    if (status == MUKCA_OK) status = age_at(&age, r, request, &error);
+    if (status == MUKCA_OK) status = mukca_capture_take(&sample, &s->capture, age, &error);
     if (status == MUKCA_OK) status = store(r, &sample, placement, socket, remark, &error);
     mukca_message_sample message = {.utime = (int64_t)llround(1e6 * sample.time),
-                                    .id = id,
+                                    .id = request->id,
                                     .accepted = !status,
                                     .text = status ? error.text : remark,
                                     .placement = placement,
                                     .socket = socket,
-                                    .row = status ? 0 : r->session.n_rows,
+                                    .row = status ? 0 : s->file.n_rows,
                                     .n = r->chain->n_joints};
     name_joints(r, message.joint);
     memcpy(message.position, sample.q, sizeof message.position);
@@ -257,96 +292,100 @@ mukca_status mukca_recorder_sample(mukca_recorder *r, int64_t id, const char *pl
                socket, remark[0] ? ": " : "", remark);
     if (advise(r, &error) != MUKCA_OK) {
         mukca_recorder_report(r, "%s", error.text); /* the sample is on disk nevertheless */
-        mukca_recorder_count_unwritten(r, &error);
+        mukca_sampling_count_unwritten(r, &error);
     }
-    if (r->advice.twin >= 0)
+    if (s->advice.twin >= 0)
         mukca_recorder_report(
             r, "sockets %s and %s coincide within %.2g mm: is the ball in another socket?",
-            r->capture.rows.sockets[r->advice.twin].label, socket, 1e3 * r->advice.apart);
+            s->capture.rows.sockets[s->advice.twin].label, socket, 1e3 * s->advice.apart);
     return MUKCA_OK;
 }
 
-mukca_status mukca_recorder_undo(mukca_recorder *r, mukca_error *answer)
+mukca_status mukca_sampling_undo(mukca_recorder *r, mukca_error *answer)
 {
+    mukca_sampling *s = &r->session;
     mukca_error error;
-    const mukca_dataset *rows = &r->capture.rows;
-    if (!r->session.fd || !rows->n_rows)
+    const mukca_dataset *rows = &s->capture.rows;
+    if (!s->file.fd || !rows->n_rows)
         return mukca_fail(answer, MUKCA_NEGATIVE, "not deleted: %s",
-                          r->session.fd ? "there is no sample" : "no session is being recorded");
-    const mukca_socket *s = &rows->sockets[rows->socket[rows->n_rows - 1]];
-    const char *placement = rows->placements[s->placement].name;
-    mukca_status status = mukca_session_undo(&r->session, placement, s->label, &error);
+                          s->file.fd ? "there is no sample" : "no session is being recorded");
+    const mukca_socket *where = &rows->sockets[rows->socket[rows->n_rows - 1]];
+    const char *placement = rows->placements[where->placement].name;
+    mukca_status status = mukca_session_undo(&s->file, placement, where->label, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not deleted: %s", error.text);
     mukca_fail(answer, MUKCA_OK, "row %d deleted (placement %s, socket %s)", rows->n_rows,
-               placement, s->label);
-    (void)mukca_capture_drop(&r->capture, &error); /* cannot fail: there is a sample */
+               placement, where->label);
+    (void)mukca_capture_drop(&s->capture, &error); /* cannot fail: there is a sample */
     (void)advise(r, &error);
     return MUKCA_OK;
 }
 
-mukca_status mukca_recorder_select(mukca_recorder *r, const char *placement, const char *socket,
+mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
                                    mukca_error *answer)
 {
+    mukca_sampling *s = &r->session;
     mukca_error error;
     mukca_status status = complete_labels(r, &placement, &socket, &error);
-    if (status == MUKCA_OK) status = mukca_capture_select(&r->capture, placement, socket, &error);
+    if (status == MUKCA_OK) status = mukca_capture_select(&s->capture, placement, socket, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not changed: %s", error.text);
     return mukca_fail(answer, MUKCA_OK, "now placement %s, socket %s (%d samples)", placement,
-                      socket, mukca_capture_count(&r->capture, r->capture.socket));
+                      socket, mukca_capture_count(&s->capture, s->capture.socket));
 }
 
-mukca_status mukca_recorder_next_socket(mukca_recorder *r, mukca_error *answer)
+mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer)
 {
-    return mukca_recorder_select(r, NULL, mukca_capture_next_label(&r->capture), answer);
+    return mukca_sampling_select(r, NULL, mukca_capture_next_label(&r->session.capture), answer);
 }
 
-mukca_status mukca_recorder_next_placement(mukca_recorder *r, mukca_error *answer)
+mukca_status mukca_sampling_next_placement(mukca_recorder *r, mukca_error *answer)
 {
     char name[MUKCA_NAME_SIZE];
     new_placement(r, name);
-    return mukca_recorder_select(r, name, r->capture.settings.labels[0], answer);
+    return mukca_sampling_select(r, name, r->session.capture.settings.labels[0], answer);
 }
 
 /* ---- status ---- */
 
-const char *mukca_recorder_state(const mukca_recorder *r)
+const char *mukca_sampling_state(const mukca_recorder *r)
 {
     mukca_capture_sample sample;
     mukca_error none;
-    if (!r->mapped || mukca_recorder_age(r) > 1) return "no_stream";
-    return mukca_capture_take(&sample, &r->capture, mukca_recorder_age(r), &none) ? "moving"
-                                                                                  : "still";
+    const double age = mukca_stream_age(r);
+    if (!r->stream.map.made || age > 1) return "no_stream";
+    return mukca_capture_take(&sample, &r->session.capture, age, &none) ? "moving" : "still";
 }
 
-void mukca_recorder_publish_status(mukca_recorder *r, const char *state)
+void mukca_sampling_publish_status(mukca_recorder *r, const char *state)
 {
-    const mukca_capture *c = &r->capture;
-    const char *stream = mukca_recorder_state(r);
-    const double age = mukca_recorder_age(r);
+    mukca_sampling *s = &r->session;
+    const mukca_stream *stream = &r->stream;
+    const mukca_capture *c = &s->capture;
+    const char *now = mukca_sampling_state(r);
+    const double age = mukca_stream_age(r);
     mukca_message_status m = {
         .utime = mukca_lcm_link_clock(r->link),
-        .state = state ? state : stream,
-        .text = r->last_line,
-        .session = r->session.fd ? r->session.path : "",
+        .state = state ? state : now,
+        .text = r->reports.last_line,
+        .session = s->file.fd ? s->file.path : "",
         .placement = mukca_capture_placement(c),
         .socket = mukca_capture_socket(c),
-        .rows = r->session.n_rows,
+        .rows = s->file.n_rows,
         .rows_here = c->socket < 0 ? 0 : mukca_capture_count(c, c->socket),
-        .channel = r->channel,
-        .type = mukca_recorder_type(r),
+        .channel = stream->channel,
+        .type = mukca_stream_type(r),
         .stream = mukca_recorder_stream(r),
-        .rate_hz = age > 1 ? 0 : r->rate,
+        .rate_hz = age > 1 ? 0 : stream->count.rate,
         .age_s = age,
-        .received = r->received,
-        .refused = r->refused,
-        .still = strcmp(stream, "still") == 0,
-        .expected_m = r->advice.expected,
-        .more_rows_help = r->advice.more_rows_help,
+        .received = stream->count.received,
+        .refused = stream->count.refused,
+        .still = strcmp(now, "still") == 0,
+        .expected_m = s->advice.expected,
+        .more_rows_help = s->advice.more_rows_help,
         .n = r->chain->n_joints,
     };
     mukca_capture_spread(&m.spread_m, NULL, c, c->socket);
     name_joints(r, m.joint);
-    memcpy(m.position, r->q, sizeof m.position);
+    memcpy(m.position, stream->last.q, sizeof m.position);
     mukca_capture_coverage(m.coverage, c);
     mukca_recorder_publish(r, MUKCA_MESSAGE_STATUS, &m);
 }

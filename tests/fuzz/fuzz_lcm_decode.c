@@ -2,10 +2,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "lcm/decode.h"
-#include "lcm/description.h"
 #include "lcm/message.h"
 #include "lcm/state.h"
+#include "lcm/type.h"
 #include "lcm/wire.h"
 #include "memory_file.h"
 

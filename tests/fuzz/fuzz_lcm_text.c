@@ -1,8 +1,8 @@
 /* Descriptions of LCM types: all or nothing, and an error that names its place. */
 #include <string.h>
 
-#include "lcm/description.h"
 #include "lcm/state.h"
+#include "lcm/type.h"
 #include "memory_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

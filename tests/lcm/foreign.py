@@ -65,15 +65,28 @@ def spawn(*arguments, **more):
                          stdout=more.pop("stdout", subprocess.PIPE), stderr=subprocess.PIPE,
                          text=True, **more)
     p.said = []
-    p.when = []
 
     def read():
         for line in p.stderr:
             p.said.append(line.rstrip("\n"))
-            p.when.append(time.monotonic())
     p.reader = threading.Thread(target=read, daemon=True)
     p.reader.start()
     return p
+
+
+def until(ready, seconds=20):
+    """Wait for an event; whether it came.  Its time is no test: other programs use the machine, too."""
+    end = time.monotonic() + seconds
+    while not ready():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def said(p, words):
+    """Number of lines with those words so far."""
+    return sum(words in line for line in list(p.said))
 
 
 def stop(p, sig=signal.SIGTERM, seconds=20):
@@ -102,7 +115,7 @@ class Arm:
         self.noise = 1e-6
         self.paused = False
         self.start = self.q
-        self.moved = 1.0
+        self.moved, self.duration = 1.0, 0.05
         self.lock = threading.Lock()
         self.thread = threading.Thread(target=self.run, daemon=True)
 
@@ -159,7 +172,7 @@ class Arm:
             with self.lock:
                 self.utime += int(round(1e6 * period))
                 if self.moved < 1:
-                    self.moved = min(1.0, self.moved + period / 0.05)
+                    self.moved = min(1.0, self.moved + period / self.duration)
                     s = self.moved
                     self.q = [a + s * (b - a) for a, b in zip(self.start, self.goal)]
                 if self.paused:
@@ -168,10 +181,10 @@ class Arm:
                 data = self.message().encode()
             self.lc.publish(self.channel, data)
 
-    def go(self, q):
-        """Move there within 50 ms."""
+    def go(self, q, seconds=0.05):
+        """Move there in that time."""
         with self.lock:
-            self.start, self.goal, self.moved = list(self.q), list(q), 0.0
+            self.start, self.goal, self.moved, self.duration = list(self.q), list(q), 0.0, seconds
 
     def __enter__(self):
         self.thread.start()
@@ -238,6 +251,16 @@ class Client:
         return self.wait(lambda: self.status and self.status.state in ("moving", "still"), seconds)
 
 
+def accepted(client, ask):
+    """Ask for a sample until one is accepted: the arm, too, may be late on a busy machine; the sample."""
+    for _ in range(60):
+        client.wait(lambda: False, 0.12)
+        sample = ask()
+        if sample and sample.accepted:
+            return sample
+    return None
+
+
 def robots():
     """[(name, kind, rate, channel, URDF, rows)] to play: the demo arm; in full, real ones, too."""
     found = []
@@ -268,10 +291,6 @@ def take(client, arm, rows):
     kept = []
     for placement, label, q in rows:
         arm.go(q)
-        for _ in range(40):
-            client.wait(lambda: False, 0.12)
-            sample = client.trigger(placement, label, seconds=2)
-            if sample and sample.accepted:
-                kept.append(list(sample.position))
-                break
+        sample = accepted(client, lambda: client.trigger(placement, label, seconds=2))
+        kept += [list(sample.position)] if sample else []
     return kept

@@ -4,7 +4,7 @@ import random
 import signal
 import time
 
-from foreign import Arm, Client, ROOT, check, finish, fresh, mukca, spawn, stop, table
+from foreign import accepted, Arm, Client, ROOT, check, finish, fresh, mukca, spawn, stop, table
 
 URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
 KILLS = 100 if os.environ.get("MUKCA_LONG") else 12
@@ -16,7 +16,7 @@ def main():
     acknowledged, starts, lost, torn = [], 0, [], 0
     client = Client()
     with Arm("iiwa", [0.1] * 7, 1000, "IIWA_STATUS") as arm:
-        while starts < KILLS:
+        while starts < KILLS or len(acknowledged) <= KILLS and starts < 5 * KILLS:
             p = spawn("capture", "--urdf", URDF, "-o", path, "--channel", "IIWA_STATUS", "--map",
                       "order", "--trigger", "--resume", "--window", "0.02", "--wait", "20")
             starts += 1
@@ -42,10 +42,10 @@ def main():
         p = spawn("capture", "--urdf", URDF, "-o", path, "--channel", "IIWA_STATUS", "--map", "order",
                   "--trigger", "--resume", "--window", "0.02")
         good = client.wait_stream() and client.status.rows == len(acknowledged)
-        good = good and client.trigger().accepted
+        good = good and accepted(client, client.trigger)
         stop(p, signal.SIGINT)
     check("%d kills: all of %d acknowledged rows are in the file" % (starts, len(acknowledged)),
-          not lost and not torn and starts == KILLS and len(acknowledged) > KILLS, (len(lost), torn, starts, p.said))
+          not lost and not torn and starts >= KILLS and len(acknowledged) > KILLS, (len(lost), torn, starts, p.said))
     check("and --resume goes on", good, p.said)
     finish()
 

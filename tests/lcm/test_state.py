@@ -1,4 +1,4 @@
-"""The folder of serve: names that meet no other file, one server, earlier versions, finished sessions."""
+"""The folder of serve: names that meet no other file, one server, finished sessions."""
 import fcntl
 import os
 
@@ -62,30 +62,6 @@ def one_server(client, state):
     stop(p)
 
 
-def earlier(client, arm, state):
-    """A folder of a version that kept all files together; twice, as it is moved once."""
-    old = fresh("state_old")
-    for folder in ("sessions", "results"):
-        for name in os.listdir(os.path.join(state, folder)):
-            if "json" not in name or folder == "results":
-                os.rename(os.path.join(state, folder, name), os.path.join(old, name))
-    wanted = table(os.path.join(old, "a.tsv"))
-    with open(os.path.join(old, "state.tsv"), "w") as f:
-        f.write("session\ta\nplacement\tp\nsocket\t0\nrows\t0\nmodel\ta.offsets.tsv\nmodel_stream\traw\n")
-    with open(os.path.join(old, "notes.tsv"), "w") as f:
-        f.write("mine\n")
-    for turn in (1, 2):
-        p = serve(old)
-        check("earlier version %d: begins" % turn, client.wait_stream(), p.said)
-        check("earlier version %d: the session goes on" % turn,
-              client.wait(lambda: client.status.rows == len(wanted[1]), 5) and
-              table(os.path.join(old, "sessions", "a.tsv")) == wanted, p.said)
-        check("earlier version %d: the table is in use" % turn, client.command("result").code == 0)
-        stop(p)
-    check("earlier version: files of others stay", sorted(os.listdir(old)) ==
-          ["lock", "notes.tsv", "results", "sessions", "state.tsv"], os.listdir(old))
-
-
 def finished(client, arm):
     """A finished session after a restart: calculations work, and samples are added only if it is reopened."""
     state = fresh("state_finished")
@@ -121,7 +97,6 @@ def main():
     with Arm("iiwa", ROWS[0][2], 200, "IIWA_STATUS") as arm:
         state = names(client, arm)
         one_server(client, state)
-        earlier(client, arm, state)
         finished(client, arm)
     finish()
 

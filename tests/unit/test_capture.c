@@ -43,7 +43,7 @@ static int teardown(void **state)
 
 static unsigned feed(double time, const double q[3])
 {
-    mukca_capture_reading reading = {.time = time, .q = q};
+    mukca_capture_reading reading = {.time = time, .arrival = time, .q = q};
     return mukca_capture_feed(&capture, &reading);
 }
 
@@ -60,7 +60,7 @@ static bool stand(const double q[3], double seconds, double rate, bool guided, i
         for (int j = 0; j < 3; j++) noisy[j] = q[j] + 2e-5 * mukca_random_normal(&random);
         now += 1 / rate;
         mukca_capture_reading reading = {
-            .time = now, .q = noisy, .effort = effort, .guided = guided};
+            .time = now, .arrival = now, .q = noisy, .effort = effort, .guided = guided};
         mukca_capture_feed(&capture, &reading);
         int s;
         if (mukca_capture_due(&s, said, &capture)) {
@@ -116,8 +116,8 @@ static void moving_stale_and_thin_streams_are_refused(void **state)
     assert_non_null(strstr(error.text, "the arm moves: A2 by 4 mrad"));
     for (int i = 1000; i < 1300; i++) feed(0.001 * i, (const double[]){0, 0.02, 0});
     assert_int_equal(mukca_capture_take(&sample, &capture, 0.1, &error), MUKCA_OK);
-    assert_int_equal(mukca_capture_take(&sample, &capture, 0.5, &error), MUKCA_NEGATIVE);
-    assert_non_null(strstr(error.text, "0.5 s old"));
+    assert_int_equal(mukca_capture_take(&sample, &capture, 0.25, &error), MUKCA_NEGATIVE);
+    assert_non_null(strstr(error.text, "0.25 s old"));
     /* the same numbers again: the driver does not update any more */
     assert_int_equal(mukca_capture_select(&capture, "p", "0", &error), MUKCA_OK);
     assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
@@ -134,6 +134,38 @@ static void moving_stale_and_thin_streams_are_refused(void **state)
     assert_non_null(strstr(error.text, "only 2 joint states"));
     for (int i = 2; i < 201; i++) feed(4.3 + 0.001 * i, (const double[]){1, 1, 1});
     assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_OK);
+}
+
+static mukca_status arrive(double time, double arrival, double age)
+{
+    mukca_capture_sample sample;
+    const double q[3] = {0, 0, 0.1};
+    mukca_capture_reading reading = {.time = time, .arrival = arrival, .q = q};
+    mukca_capture_feed(&capture, &reading);
+    return mukca_capture_take(&sample, &capture, age, &error);
+}
+
+/* Readings that waited on their way are of another moment than a request from outside. */
+static void what_arrives_at_once_is_not_the_present(void **state)
+{
+    double t = 0;
+    (void)state;
+    for (; t < 1; t += 0.01) (void)arrive(t, t, 0);
+    assert_int_equal(arrive(t, t, 0), MUKCA_OK);
+    for (int i = 0; i < 60; i++) /* for 3 s nothing arrives, then what was sent meanwhile */
+        assert_int_equal(arrive(t += 0.01, 4, 0), MUKCA_NEGATIVE);
+    assert_non_null(strstr(error.text, "came at once after a pause"));
+    assert_int_equal(arrive(t += 0.01, 4, MUKCA_CAPTURE_IN_ORDER), MUKCA_OK);
+    double arrival = 4;
+    for (int i = 0; i < 11; i++)
+        assert_int_equal(arrive(t += 0.01, arrival += 0.01, 0), MUKCA_NEGATIVE);
+    assert_int_equal(arrive(t += 0.01, arrival += 0.0101, 0), MUKCA_OK);
+    for (int i = 0; i < 60; i++) /* a simulator at five times real time */
+        (void)arrive(t += 0.05, arrival += 0.01, 0);
+    assert_int_equal(arrive(t += 0.05, arrival += 0.01, 0), MUKCA_OK);
+    for (int i = 0; i < 60; i++) /* and at a tenth of it */
+        (void)arrive(t += 0.01, arrival += 0.1, 0);
+    assert_int_equal(arrive(t += 0.01, arrival += 0.1, 0), MUKCA_OK);
 }
 
 static void slow_streams_need_three_readings(void **state)
@@ -270,9 +302,13 @@ int main(void)
 {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
     const struct CMUnitTest tests[] = {
-        CASE(a_sample_is_the_mean_of_the_window), CASE(moving_stale_and_thin_streams_are_refused),
-        CASE(slow_streams_need_three_readings),   CASE(fast_streams_and_mad_clocks),
-        CASE(two_arms_on_one_channel_are_told),   CASE(standing_still_records_by_itself),
+        CASE(a_sample_is_the_mean_of_the_window),
+        CASE(moving_stale_and_thin_streams_are_refused),
+        CASE(what_arrives_at_once_is_not_the_present),
+        CASE(slow_streams_need_three_readings),
+        CASE(fast_streams_and_mad_clocks),
+        CASE(two_arms_on_one_channel_are_told),
+        CASE(standing_still_records_by_itself),
         CASE(remarks_name_what_is_odd),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,10 +3,9 @@
 #include <string.h>
 
 #include "close.h"
-#include "lcm/decode.h"
-#include "lcm/description.h"
 #include "lcm/message.h"
 #include "lcm/state.h"
+#include "lcm/type.h"
 #include "math/random.h"
 
 static mukca_lcm_types types;

@@ -42,7 +42,7 @@ static void write_model(void)
     offsets.acceptance.given = offsets.acceptance.accepted = offsets.acceptance.converged = true;
     offsets.acceptance.error_nominal_m = 1e-3;
     offsets.acceptance.error_m = 1e-4;
-    FILE *file = create("results/x.offsets.tsv");
+    FILE *file = create("in_use.tsv");
     assert_int_equal(mukca_offsets_write(file, &offsets, &chain, NULL, NULL, &error), MUKCA_OK);
     fclose(file);
     file = create("state.tsv");
@@ -132,7 +132,7 @@ static void poses_cost_no_allocation(void **state)
     assert_int_equal(serve(&many), 30000);
     assert_true(few > 0);
     assert_int_equal(many, few);
-    static const char *const names[] = {"in", "out", "lock", "state.tsv", "results/x.offsets.tsv"};
+    static const char *const names[] = {"in", "out", "lock", "state.tsv", "in_use.tsv"};
     for (int i = 0; i < 7; i++) {
         char path[128];
         path_of(path, i < 5 ? names[i] : folders[i - 5]);

@@ -280,35 +280,52 @@ static void the_queue_keeps_order_and_bounds(void **state)
 {
     (void)state;
     mukca_lcm_queue *q = calloc(1, sizeof *q);
+    mukca_lcm_queued *e;
     assert_non_null(q);
-    q->bytes = malloc(MUKCA_LCM_QUEUE_BYTES);
-    assert_non_null(q->bytes);
-    size_t pushed = 0, popped = 0;
-    static size_t sizes[LARGE];
-    for (int i = 0; i < 200000; i++) { /* round the ring many times */
+    int64_t pushed = 0, taken = 0;
+    uint64_t number = 0;
+    for (int i = 0; i < 200000; i++) {
         size_t size = chance() % 50 ? chance() % 2000 : chance() % LARGE;
         mukca_lcm_packet p = {
-            .channel = "ARM", .data = message, .size = size, .sender = (uint64_t)i % 7};
-        if (pushed < LARGE && mukca_lcm_queue_push(q, &p)) sizes[pushed++] = size;
-        if (chance() % 2 && mukca_lcm_queue_front(q)) {
-            const mukca_lcm_packet *front = mukca_lcm_queue_front(q);
-            assert_string_equal(front->channel, "ARM");
-            assert_int_equal(front->size, sizes[popped++]);
-            assert_memory_equal(front->data, message, front->size);
-            mukca_lcm_queue_pop(q);
-        }
+            .channel = "ARM", .data = message, .size = size, .time = i, .sender = (uint64_t)i % 7};
+        pushed += mukca_lcm_queue_push(q, &p);
+        assert_true(q->n <= MUKCA_LCM_QUEUE_LENGTH && q->bytes <= MUKCA_LCM_QUEUE_BYTES);
+        if (chance() % 2 || !(e = mukca_lcm_queue_take(q))) continue;
+        assert_string_equal(e->packet.channel, "ARM");
+        assert_true(!taken++ || e->number > number);
+        assert_memory_equal(e->packet.data, message, e->packet.size);
+        number = e->number;
+        free(e);
     }
-    assert_true(q->dropped > 0 && popped > 1000);
-    for (; mukca_lcm_queue_front(q); mukca_lcm_queue_pop(q))
-        assert_int_equal(mukca_lcm_queue_front(q)->size, sizes[popped++]);
-    assert_int_equal(popped, pushed);
-    /* a flood of one sender leaves room for others */
-    mukca_lcm_packet p = {.channel = "ARM", .data = message, .size = 10, .sender = 1};
-    for (int i = 0; i < 100000; i++) mukca_lcm_queue_push(q, &p);
-    assert_int_equal(q->n, MUKCA_LCM_QUEUE_SHARE);
-    p.sender = 2;
+    assert_true(q->dropped > 0 && taken > 1000);
+    for (; (e = mukca_lcm_queue_take(q)); free(e)) {
+        assert_true(e->number > number);
+        number = e->number;
+        taken++;
+    }
+    assert_int_equal(taken + q->dropped, pushed);
+    assert_true(q->n == 0 && q->bytes == 0);
+    /* a stalled reader finds the latest messages of a stream, and those of others, in order */
+    mukca_lcm_packet p = {.channel = "TRIGGER", .data = message, .size = 10, .sender = 2};
     assert_true(mukca_lcm_queue_push(q, &p));
-    free(q->bytes);
+    p.channel = "ARM";
+    p.sender = 1;
+    for (p.time = 1; p.time <= 100000; p.time++) assert_true(mukca_lcm_queue_push(q, &p));
+    assert_int_equal(q->n, MUKCA_LCM_QUEUE_SHARE + 1);
+    for (int i = 0; (e = mukca_lcm_queue_take(q)); free(e), i++)
+        assert_int_equal(e->packet.time, i ? 100000 - MUKCA_LCM_QUEUE_SHARE + i : 0);
+    /* many senders: the largest gives way */
+    for (int k = 3; k < 100; k++) {
+        p.sender = (uint64_t)k;
+        for (int i = 0; i < 1000; i++) mukca_lcm_queue_push(q, &p);
+    }
+    assert_int_equal(q->n, MUKCA_LCM_QUEUE_LENGTH);
+    p.sender = 3;
+    p.time = 7;
+    assert_true(mukca_lcm_queue_push(q, &p));
+    int found = 0;
+    for (; (e = mukca_lcm_queue_take(q)); free(e)) found += e->packet.time == 7;
+    assert_int_equal(found, 1);
     free(q);
 }
 

@@ -10,9 +10,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "lcm/decode.h"
 #include "lcm/message.h"
 #include "lcm/state.h"
+#include "lcm/type.h"
 #include "math/stats.h"
 
 enum { JOINTS = 7, REPEATS = 200000 };
