@@ -355,10 +355,11 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
         project(s, &b);
         const double root = sqrt(s->precision);
         for (int k = 0; k < b.width; k++) g[width + k] = s->g[k];
-        for (int e = 0; e < b.n;
-             at += item[i - b.n + 1 + e].terms * item[i - b.n + 1 + e].terms, e++)
-            gram_of(item[i - b.n + 1 + e].block = block + at, s, b.at[e],
-                    s->all->list[b.index[e]].terms);
+        for (int e = 0; e < b.n; e++) {
+            const int k = s->all->list[b.index[e]].terms;
+            gram_of(block + at, s, b.at[e], k);
+            at += k * k;
+        }
         for (int row = 0; row < all; row++) {
             double *out = E + (size_t)row * (size_t)stride + width;
             const double *in = row < rows           ? s->W + row * LD
@@ -380,6 +381,7 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
                                  .item = item,
                                  .E = E,
                                  .g = g,
+                                 .block = block,
                                  .residual = s->residual,
                                  .dof = s->dof};
     return true;

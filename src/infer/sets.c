@@ -45,6 +45,46 @@ static double *gram_of(mukca_sets *s, int item)
     return s->gram[item] = G;
 }
 
+/* Gram block G[a.terms][b.terms] of two items, from their columns. */
+static void multiply(double *G, const mukca_question *q, int a, int b)
+{
+    const mukca_item *x = &q->item[a], *y = &q->item[b];
+    const int rows = q->n_rows - q->n_projected;
+    const double *E = q->E + (size_t)rows * (size_t)q->stride;
+    double P[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
+    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
+    memset(P, 0, sizeof *P * (size_t)(x->terms * y->terms));
+    mukca_dense_xty(G, (mukca_columns){q->E + x->at, x->terms, q->stride},
+                    (mukca_columns){q->E + y->at, y->terms, q->stride}, rows);
+    mukca_dense_xty(P, (mukca_columns){E + x->at, x->terms, q->stride},
+                    (mukca_columns){E + y->at, y->terms, q->stride}, q->n_projected);
+    for (int i = 0; i < x->terms * y->terms; i++) G[i] -= P[i];
+}
+
+static double *own_block(mukca_sets *s, int item)
+{
+    const int k = s->question->item[item].terms;
+    double *G = MUKCA_TAKE(s->pool, double, k *k);
+    if (G) multiply(G, s->question, item, item);
+    return G;
+}
+
+/* The same block, from a row of the Gram matrix if there is one. */
+static void cross(double *G, mukca_sets *s, int a, int b)
+{
+    const mukca_question *q = s->question;
+    const mukca_item *x = &q->item[a], *y = &q->item[b];
+    if (!s->gram[a] && !s->gram[b] && s->crossed[a]++ == FEW) gram_of(s, a);
+    if (!s->gram[a] && !s->gram[b]) {
+        multiply(G, q, a, b);
+        return;
+    }
+    for (int i = 0; i < x->terms; i++)
+        for (int k = 0; k < y->terms; k++)
+            G[i * y->terms + k] = s->gram[a] ? s->gram[a][i * q->stride + y->at + k]
+                                             : s->gram[b][k * q->stride + x->at + i];
+}
+
 bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
 {
     int squares = 0;
@@ -52,6 +92,7 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
     *s = (mukca_sets){
         .question = q,
         .pool = pool,
+        .block = MUKCA_TAKE(pool, double *, q->n_items + 1),
         .gram = MUKCA_TAKE(pool, double *, q->n_items + 1),
         .set = MUKCA_TAKE(pool, mukca_set, MUKCA_MOST_SETS),
         .table = MUKCA_TAKE(pool, int, TABLE),
@@ -69,34 +110,13 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
                  .v = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                  .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1) + NEAR)}};
     if (pool->failed) return false;
+    for (int i = 0, at = 0; i < q->n_items; at += q->item[i].terms * q->item[i].terms, i++)
+        s->block[i] = q->block ? q->block + at : NULL;
+    for (int i = 0; i < q->n_items && !q->block; i++)
+        if (!(s->block[i] = own_block(s, i))) return false;
     memset(s->table, -1, sizeof *s->table * TABLE);
     mukca_sets_insert(s, NULL, 0);
     return true;
-}
-
-/* Gram block G[a.terms][b.terms] of two items. */
-static void cross(double *G, mukca_sets *s, int a, int b)
-{
-    const mukca_question *q = s->question;
-    const mukca_item *x = &q->item[a], *y = &q->item[b];
-    const int rows = q->n_rows - q->n_projected;
-    double P[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
-    if (!s->gram[a] && !s->gram[b] && s->crossed[a]++ == FEW) gram_of(s, a);
-    if (s->gram[a] || s->gram[b]) {
-        for (int i = 0; i < x->terms; i++)
-            for (int k = 0; k < y->terms; k++)
-                G[i * y->terms + k] = s->gram[a] ? s->gram[a][i * q->stride + y->at + k]
-                                                 : s->gram[b][k * q->stride + x->at + i];
-        return;
-    }
-    const double *E = q->E + (size_t)rows * (size_t)q->stride;
-    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
-    memset(P, 0, sizeof *P * (size_t)(x->terms * y->terms));
-    mukca_dense_xty(G, (mukca_columns){q->E + x->at, x->terms, q->stride},
-                    (mukca_columns){q->E + y->at, y->terms, q->stride}, rows);
-    mukca_dense_xty(P, (mukca_columns){E + x->at, x->terms, q->stride},
-                    (mukca_columns){E + y->at, y->terms, q->stride}, q->n_projected);
-    for (int i = 0; i < x->terms * y->terms; i++) G[i] -= P[i];
 }
 
 /* Integrate out a set: 1 + D G D = L L', v = L^-1 D g, and the residual.  False: not positive. */
@@ -120,7 +140,7 @@ static bool integrate(mukca_sets *s, const mukca_set *set, double *log_det)
             const mukca_item *h = &q->item[set->item[m]];
             const int terms = q->item[set->item[o]].terms, row = s->with.at[m],
                       column = s->with.at[o];
-            const double *block = o == m ? h->block : G;
+            const double *block = o == m ? s->block[set->item[m]] : G;
             if (o < m) cross(G, s, set->item[m], set->item[o]);
             for (int t = 0; t < h->terms; t++)
                 for (int c = 0; c < terms; c++)
@@ -246,11 +266,10 @@ MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets 
 }
 
 /* G[k][k] of an item given the set integrated out, whose B has the item at column `at`. */
-MUKCA_CLONES static void project(double *G, const mukca_sets *s, const mukca_item *h, int at,
-                                 int ld)
+MUKCA_CLONES static void project(double *G, const mukca_sets *s, int item, int at, int ld)
 {
-    const int k = h->terms;
-    memcpy(G, h->block, sizeof *G * (size_t)(k * k));
+    const int k = s->question->item[item].terms;
+    memcpy(G, s->block[item], sizeof *G * (size_t)(k * k));
     for (int i = 0; i < s->with.n; i++) {
         const double *b = s->with.B + (size_t)i * (size_t)ld + at;
         for (int a = 0; a < k; a++)
@@ -263,7 +282,7 @@ static double score(double *by_size, const mukca_sets *s, int item)
 {
     const mukca_item *h = &s->question->item[item];
     double G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
-    project(G, s, h, 0, h->terms);
+    project(G, s, item, 0, h->terms);
     memcpy(g, s->question->g + h->at, sizeof *g * (size_t)h->terms);
     for (int i = 0; i < s->with.n; i++)
         for (int a = 0; a < h->terms; a++) g[a] -= s->with.v[i] * s->with.B[i * h->terms + a];
@@ -430,11 +449,11 @@ static bool condition(mukca_sets *s, const mukca_set *set)
     for (int i = 0; i < q->n_items; i++) {
         const mukca_item *h = &q->item[i];
         const int k = h->terms;
-        if (k > NEAR) project(G, s, h, h->at, q->stride);
+        if (k > NEAR) project(G, s, i, h->at, q->stride);
         for (int a = 0; a < k && k <= NEAR; a++)
             for (int c = 0; c <= a; c++)
                 G[a * k + c] = G[c * k + a] =
-                    h->block[a * k + c] - s->near[(a - c) * q->stride + h->at + c];
+                    s->block[i][a * k + c] - s->near[(a - c) * q->stride + h->at + c];
         G += k * k;
     }
     return true;
@@ -570,7 +589,7 @@ void mukca_sets_gram(double *G, mukca_sets *s, const mukca_set *set, int a, int 
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
     double log_det, left[MUKCA_SET_COLUMNS * MUKCA_MOST_TERMS];
     if (a == b)
-        memcpy(G, x->block, sizeof *G * (size_t)(x->terms * x->terms));
+        memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
     else
         cross(G, s, a, b);
     if (!integrate(s, set, &log_det)) return;

@@ -19,8 +19,7 @@ typedef struct {
     int at, terms; /* columns */
     mukca_mixture prior;
     double log_prior;
-    double *block; /* [terms][terms] its block of the Gram matrix */
-    int key;       /* a set has at most one item of a key: variants of one cause */
+    int key; /* a set has at most one item of a key: variants of one cause */
 } mukca_item;
 
 /* Columns E[n_rows][stride], whitened, in units of the noise; the products of the last n_projected
@@ -31,6 +30,7 @@ typedef struct {
     int n_items, n_columns, stride, n_rows, n_projected, dof;
     const mukca_item *item;
     const double *E, *g;
+    double *block; /* blocks [terms][terms] of the Gram matrix, item by item; NULL: computed */
     double residual;
 } mukca_question;
 
@@ -46,7 +46,8 @@ typedef struct {
 typedef struct {
     const mukca_question *question;
     mukca_pool *pool;
-    double **gram; /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
+    double **block; /* [n_items] diagonal blocks of the Gram matrix */
+    double **gram;  /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
     int n_sets, best;
     mukca_set *set; /* [MUKCA_MOST_SETS] */
     int *table;     /* hash table of sets */

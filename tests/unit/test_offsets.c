@@ -194,7 +194,7 @@ static void edited_tables_are_refused(void **state)
     mukca_corrected *model = calloc(1, sizeof *model);
     add_effects();
     offsets.acceptance = good_verdict();
-    mukca_acceptance_judge(&offsets.acceptance, NULL);
+    mukca_acceptance_judge(&offsets.acceptance, NULL, (double)NAN);
     char *text = scratch_read(write_table());
     const size_t size = strlen(text);
     assert_int_equal(mukca_corrected_parse(model, text, size, &error), MUKCA_OK);
