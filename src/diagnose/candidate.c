@@ -16,6 +16,10 @@ enum {
     PRODUCTS = (PRODUCT_DEGREE + 1) * (PRODUCT_DEGREE + 2) / 2 - 1
 };
 
+/* Factor from sample to sample of the displacement of a badly seated ball that settles: the largest
+ * correlation of successive samples in recordings. */
+#define SETTLING 0.75
+
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
 bool mukca_candidate_is_fault(const mukca_candidate *h)
@@ -94,7 +98,7 @@ bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b)
         case MUKCA_CANDIDATE_CREEP:
         case MUKCA_CANDIDATE_OUTLIER:
             return a->fault.group == b->fault.group && a->fault.first == b->fault.first &&
-                   a->fault.last == b->fault.last;
+                   a->fault.last == b->fault.last && a->fault.settles == b->fault.settles;
         case MUKCA_CANDIDATE_OWN_ANGLE:
             return a->width == b->width;
         case MUKCA_CANDIDATE_OTHER_ANGLE:
@@ -115,7 +119,10 @@ double mukca_candidate_fault_share(const mukca_candidate *h, const mukca_recordi
     const mukca_group *group = &recording->groups[h->fault.group];
     if (recording->data->socket[row] != group->socket) return 0;
     if (h->kind == MUKCA_CANDIDATE_STEP) return row >= h->fault.first;
-    if (h->kind == MUKCA_CANDIDATE_OUTLIER) return row >= h->fault.first && row <= h->fault.last;
+    if (h->kind == MUKCA_CANDIDATE_OUTLIER) {
+        const bool in = row >= h->fault.first && row <= h->fault.last;
+        return in && h->fault.settles ? pow(SETTLING, row - h->fault.first) : in;
+    }
     /* creep: from 0 at the socket's first sample to 1 at its last */
     const int first = recording->order[group->start],
               last = recording->order[group->start + group->count - 1];

@@ -63,6 +63,7 @@ typedef struct {
         mukca_effect effect; /* EFFECT: joint and placement as above */
         struct {
             int group, first, last; /* STEP, CREEP, OUTLIER: rows of the dataset */
+            bool settles;           /* OUTLIER: the displacement fades from `first` to `last` */
         } fault;
         double width; /* OWN_ANGLE: of a bump, rad */
         int other;    /* OTHER_ANGLE, ANGLE_PRODUCT: the other joint */

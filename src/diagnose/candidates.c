@@ -9,9 +9,10 @@
 #include "diagnose/unlisted.h"
 
 enum {
-    LONGEST_BURST = 3, /* successive samples with a badly seated ball */
-    MOST_SLIPS = 64    /* slips tried per joint: half a step off, a slip in mid-recording loses at
-                          most 3 % of its evidence */
+    LONGEST_BURST = 3,    /* successive samples with a badly seated ball */
+    LONGEST_SETTLING = 8, /* samples until one has settled to a tenth */
+    MOST_SLIPS = 64 /* slips tried per joint: half a step off, a slip in mid-recording loses at
+                       most 3 % of its evidence */
 };
 
 typedef struct {
@@ -125,6 +126,12 @@ static void list_faults_at(lister *l, int g, int i)
             h.fault.last = rows[i + n];
             append(l, h);
         }
+    if (group->socket >= 0 && i < last) {
+        h.fault.last = rows[i + LONGEST_SETTLING < last ? i + LONGEST_SETTLING : last];
+        h.fault.settles = true;
+        append(l, h);
+        h.fault.settles = false;
+    }
     if (group->socket < 0 || i < LONGEST_BURST || i > last - LONGEST_BURST) return;
     h.kind = MUKCA_CANDIDATE_STEP;
     append(l, h);

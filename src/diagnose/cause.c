@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "diagnose/resolution.h"
 #include "diagnose/ripple.h"
 #include "math/dense.h"
 
@@ -223,6 +224,18 @@ static void share_with_unknown(mukca_cause *out, const mukca_identification *id,
     out->or_unknown |= 0.5 * beside > MUKCA_DOUBT;
 }
 
+/* Angles rounded to steps are aliased to fine ripple in chosen postures, with at most the amplitude
+ * of a sawtooth, step / pi. */
+static void doubt_rounding(mukca_cause *out, mukca_identification *id)
+{
+    const double pi = 3.14159265358979323846, *c = out->effect.coefficient;
+    double *scratch = id->scan.W;
+    if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC &&
+        pi * hypot(c[0], c[1]) <
+            mukca_resolution_step(scratch, &id->m->recording, out->effect.joint))
+        mukca_cause_doubt(out);
+}
+
 /* 95 % interval of the order of ripple. */
 static void find_orders(mukca_cause *out, const mukca_identification *id, int name)
 {
@@ -257,6 +270,7 @@ void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukc
         .held_out = MUKCA_SHRINK_NONE};
     add_ties(out, id, best, member, &rest, own);
     share_with_unknown(out, id, name);
+    doubt_rounding(out, id);
     if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC) find_orders(out, id, name);
     if (mukca_candidate_is_fault(h)) {
         out->socket = recording->groups[h->fault.group].socket;
@@ -283,5 +297,5 @@ int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)
 void mukca_cause_doubt(mukca_cause *cause)
 {
     cause->or_unknown = true;
-    cause->probability = fmin(cause->probability, 1 - MUKCA_DOUBT);
+    cause->probability *= 0.5; /* the rival has equal odds */
 }

@@ -286,12 +286,12 @@ static int by_weight(const void *a, const void *b)
     return (x->weight < y->weight) - (x->weight > y->weight);
 }
 
-/* Compute the functions of the angles at the present linearisation. */
-static void seat(mukca_identification *id)
+/* Compute the functions of the angles at the present linearisation, with the tip moved by at most
+ * `most`. */
+static void seat(mukca_identification *id, double most)
 {
     const mukca_linearisation *linear = &id->m->linear;
-    mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance,
-                         NOISE * id->m->unknowns.sigma);
+    mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance, most);
     for (int i = 0; i < id->all.count; i++)
         if (id->all.list[i].basis) mukca_candidate_fill(&id->all.list[i], &id->m->recording);
 }
@@ -300,7 +300,7 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
 {
     mukca_regression *m = id->m;
     mukca_causes best = {0}, fitted = {0};
-    seat(id);
+    seat(id, NOISE * m->unknowns.sigma);
     mukca_status status = mukca_candidates_list(&id->all, &m->pool, &m->recording, &m->unknowns,
                                                 id->options->disabled, error);
     if (status != MUKCA_OK) return status;
@@ -322,13 +322,14 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
         mukca_identify_fit(id, &best);
         if (mukca_screening_reinstate(id->faults, m)) mukca_identify_fit(id, &best);
         mukca_regression_freeze(m);
-        seat(id);
+        seat(id, NOISE * m->unknowns.sigma);
         status = revise(id, &best, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
     if (status == MUKCA_OK) {
         qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
         find_names(id);
+        seat(id, 0); /* a cause acts at the recorded angles */
         mukca_identify_fit(id, &id->set[0]);
     }
     return status;

@@ -93,9 +93,9 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     for (int i = group->start; i < group->start + group->count; i++) square += white[i] * white[i];
     memset(T, 0, sizeof *T * (size_t)(3 * n));
     memset(g, 0, sizeof g);
-    const bool creep = h->kind == MUKCA_CANDIDATE_CREEP;
-    for (int i = creep ? from : to - 1; i < to; i++) {
-        const int start = creep ? i : from;
+    const bool varies = h->kind == MUKCA_CANDIDATE_CREEP || h->fault.settles;
+    for (int i = varies ? from : to - 1; i < to; i++) {
+        const int start = varies ? i : from;
         const double w = share[group->start + i];
         for (int c = 0; c < 3; c++) {
             const int last = i * d + c, before = (start - 1) * d + c;

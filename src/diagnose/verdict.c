@@ -15,7 +15,10 @@ static void add_outlier(mukca_faults *faults, const mukca_regression *m,
 {
     const double size = sqrt(mukca_dot3(cause->coefficient, cause->coefficient));
     if (size > OUTLIER_SIGMAS * m->unknowns.sigma)
-        for (int row = cause->candidate.fault.first; row <= cause->candidate.fault.last; row++)
+        for (int row = cause->candidate.fault.first;
+             row <= (cause->candidate.fault.settles ? cause->candidate.fault.first
+                                                    : cause->candidate.fault.last);
+             row++)
             mukca_screening_add(faults, &m->recording, MUKCA_FAULT_OUTLIER, row, size);
 }
 
