@@ -220,7 +220,8 @@ static void share_with_unknown(mukca_cause *out, const mukca_identification *id,
                        MUKCA_CLASS_UNKNOWN;
         if (unknown && contains(id, &id->set[i], name)) beside += id->set[i].weight;
     }
-    out->probability -= 0.5 * beside;
+    beside = fmin(beside / fmax(id->probability[name], beside), 1);
+    out->probability *= 1 - 0.5 * beside;
     out->or_unknown |= 0.5 * beside > MUKCA_DOUBT;
 }
 

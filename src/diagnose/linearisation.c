@@ -313,7 +313,10 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
                 pose_residual(r, linear, recording, u, i);
             linear->distance[i] = sqrt(mukca_dot3(r, r));
             mukca_linearisation_seat(seated, r, n_joints, &u->geometry, &displacement);
-            fill_sample(linear, recording, u, i, seated, &displacement);
+            /* far from the solution, frames of a pose log would turn into angles */
+            fill_sample(linear, recording, u, i,
+                        group->socket >= 0 ? seated : recording->data->q + row * n_joints,
+                        &displacement);
         }
     }
     for (int p = 0; p < recording->n_pairs; p++)
