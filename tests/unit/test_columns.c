@@ -184,7 +184,10 @@ static void check_diagnosis(const scene *s, mukca_random *random, double offset)
             for (int up = 0; up < 2; up++) {
                 mukca_unknowns_assign(&moved, u);
                 moved.theta[k] += up ? h : -h;
-                predict(&side[up], &moved, &m.recording, row, m.linear.seated + i * chain.n_joints);
+                predict(&side[up], &moved, &m.recording, row,
+                        m.recording.data->socket[row] >= 0
+                            ? m.linear.seated + i * chain.n_joints
+                            : m.recording.data->q + row * chain.n_joints);
             }
             difference(slope, side, h);
             memcpy(in_base, slope, sizeof slope);
