@@ -22,7 +22,7 @@ enum {
 bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, mukca_candidates *all)
 {
     const mukca_recording *r = &m->recording;
-    const size_t rows = (size_t)(r->data->n_rows * r->dim),
+    const size_t rows = (size_t)r->data->n_rows * (size_t)r->dim,
                  n = (size_t)mukca_unknowns_capacity(&m->unknowns) + 1,
                  pairs = (size_t)r->data->n_distances + 1;
     *s = (mukca_scan){
@@ -165,7 +165,7 @@ static void gram_of(double *G, const mukca_scan *s, int at, int k)
 
 static void finish(mukca_scan *s, batch *b)
 {
-    double G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
+    double G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS] = {0};
     if (!b->n) return;
     project(s, b);
     for (int e = 0; e < b->n; e++) {

@@ -31,7 +31,7 @@ static void fill(fault_sums *f)
         double *Z = f->Z + (size_t)t * (size_t)ld;
         memset(Z, 0, sizeof *Z * (size_t)ld);
         for (int i = 0; i < count * d; i++) {
-            const size_t row = (size_t)(group->start * d + i);
+            const size_t row = (size_t)group->start * (size_t)d + (size_t)i;
             x[row] = s->precision * s->white[row * (size_t)linear->stride + (size_t)at[t]];
         }
         for (int p = 0; p < r->n_pairs; p++) {

@@ -56,7 +56,7 @@ static void add_missing(mukca_tested_list *tested, const mukca_candidates *all)
 
 void mukca_untested_list(mukca_tested_list *tested, const mukca_identification *id)
 {
-    double most[MUKCA_MAX_TESTED]; /* information of the best member */
+    double most[MUKCA_MAX_TESTED] = {0}; /* information of the best member */
     tested->count = 0;
     for (int i = 0; i < id->n_first; i++) { /* members of an effect at a joint together */
         const mukca_candidate *h = &id->all.list[i];

@@ -30,7 +30,7 @@ static double *gram_of(mukca_sets *s, int item)
 {
     const mukca_question *q = s->question;
     const mukca_item *h = &q->item[item];
-    const size_t size = (size_t)(h->terms * q->stride);
+    const size_t size = (size_t)h->terms * (size_t)q->stride;
     const int rows = q->n_rows - q->n_projected;
     if (s->gram[item]) return s->gram[item];
     double *G = MUKCA_TAKE(s->pool, double, size), *P = s->row;
@@ -331,7 +331,7 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
         invert(s);
         for (int m = 0; m < set->n && ok; m++) {
             const mukca_item *h = &q->item[set->item[m]];
-            double by_size[MUKCA_MOST_SIZES];
+            double by_size[MUKCA_MOST_SIZES] = {0};
             const double sum = score_member(by_size, s, set, m);
             const int best = sum > -HUGE_VAL ? largest(by_size, h->prior.n_sizes) : set->size[m];
             integral += sum - by_size[best] + h->prior.log_weight[best];
@@ -464,7 +464,8 @@ static bool condition(mukca_sets *s, const mukca_set *set)
 MUKCA_CLONES static void score_all(mukca_sets *s, const double *W, const double *w, int k)
 {
     const mukca_question *q = s->question;
-    double by_size[MUKCA_MOST_SIZES], G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
+    double by_size[MUKCA_MOST_SIZES] = {0}, G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
+           g[MUKCA_MOST_TERMS];
     const double *given = s->given, rest = fmin(s->with.rest + square_of(w, k), q->residual);
     for (int i = 0; i < q->n_items; i++) {
         const mukca_item *h = &q->item[i];
@@ -533,7 +534,8 @@ static void swap(mukca_sets *s, int index)
     const mukca_set set = s->set[index];
     const bool pairs = index == s->best;
     int child[MUKCA_SET_ITEMS * FROM], n = 0;
-    double by_size[MUKCA_MOST_SIZES], M[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], w[MUKCA_MOST_TERMS];
+    double by_size[MUKCA_MOST_SIZES] = {0}, M[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
+           w[MUKCA_MOST_TERMS];
     if (!set.n || !condition(s, &set)) return;
     invert(s);
     mukca_dense_backward(s->with.B, q->stride, s->with.L, s->with.n); /* V D G */
@@ -587,7 +589,7 @@ double mukca_sets_gain(mukca_sets *s, const mukca_set *set, int item)
 void mukca_sets_gram(double *G, mukca_sets *s, const mukca_set *set, int a, int b)
 {
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
-    double log_det, left[MUKCA_SET_COLUMNS * MUKCA_MOST_TERMS];
+    double log_det, left[MUKCA_SET_COLUMNS * MUKCA_MOST_TERMS] = {0};
     if (a == b)
         memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
     else

@@ -116,10 +116,15 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
     bool whole = !format->zeros_only;
     for (int e = 0; e < o->n_effects && format->holds; e++)
         whole = whole && format->holds(&o->effects[e]);
-    replacement *r = whole ? NULL : calloc(1, sizeof *r);
-    if (!whole && !r) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_status status = whole ? MUKCA_OK : replace(r, input, exporter, error);
-    if (status == MUKCA_OK) status = format->write(stream, whole ? input : &r->input, error);
+    replacement *r = NULL;
+    mukca_status status = MUKCA_OK;
+    if (!whole) {
+        r = calloc(1, sizeof *r);
+        if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+        status = replace(r, input, exporter, error);
+        input = &r->input;
+    }
+    if (status == MUKCA_OK) status = format->write(stream, input, error);
     if (status == MUKCA_OK) mukca_export_verdict(stream, exporter, &o->acceptance);
     free(r);
     return status;
