@@ -15,6 +15,7 @@ urdf=data/demo/arm.urdf
 # A tracker 2 m away; targets A, B and C in training, D in the test; noise of 0.1 mm.  The true places of A, B, C differ by
 # (-50, 30, 0) and (-30, -40, 30) mm from A's.
 awk -F, -v OFS=, -v dir="$dir" '
+BEGIN { srand(1) }
 function noise(  i, s) { if (shared) return common[axis++ % 3]; for (i = s = 0; i < 12; i++) s += rand(); return 1e-4 * (s - 6) }
 function place(t,  w, x, y, z, a, b, c, p, q, r) {
     w = $12; x = $13; y = $14; z = $15; a = at[t, 1]; b = at[t, 2]; c = at[t, 3]
@@ -55,7 +56,7 @@ for form in columns rows; do
 done
 run evaluate "$dir/rows.csv" "$dir/test.csv" --offsets "$dir/rows.tsv" >"$dir/scores" 2>"$dir/said"
 "$mukca" diagnose -q --urdf $urdf --free-base --free-tool --json "$dir/shared.json" "$dir/shared.csv" >/dev/null 2>&1
-ok "noise that the targets of a posture share makes no cause" grep -q '"verdict": "none"' "$dir/shared.json"
+ok "noise that the targets of a posture share makes no cause" grep -q '"causes": \[\]' "$dir/shared.json"
 ok "a row per log and target" test "$(cut -f 2 "$dir/scores" | tr '\n' ' ')" = "placement rows.csv:A rows.csv:B rows.csv:C test.csv:D "
 ok "each below 0.25 mm" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
 run report "$dir/columns.csv" --free-base --test "$dir/test.csv" -o "$dir/targets.html" >"$dir/said" 2>&1
