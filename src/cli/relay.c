@@ -33,6 +33,9 @@ void cli_relay_open(cli_relay *r)
     for (int i = 0; i < 2; i++) fcntl(r->ends[i], F_SETFD, FD_CLOEXEC);
     fcntl(r->ends[1], F_SETFL, O_NONBLOCK);
     sigfillset(&all);
+    const int own[] = {SIGSYS, SIGSEGV, SIGBUS, SIGFPE,
+                       SIGILL}; /* of the thread that causes them */
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++) sigdelset(&all, own[i]);
     pthread_sigmask(SIG_SETMASK, &all, &before); /* the main thread handles signals */
     r->running = pthread_create(&r->thread, NULL, run, r) == 0;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
