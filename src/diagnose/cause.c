@@ -206,7 +206,7 @@ static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_cau
     tie_untested_flexibility(out, &id->m->recording);
 }
 
-/* A name is conditional on the catalogue, and an unknown function beside it shows that the
+/* A name is conditional on the catalogue.  An unknown function in the same set shows that the
  * catalogue lacks a cause of this arm: the name may be a part of that cause, with equal odds.
  * Ripple beyond the orders of smooth functions is not. */
 static void share_with_unknown(mukca_cause *out, const mukca_identification *id, int name)
