@@ -152,7 +152,7 @@ static mukca_set set_without(mukca_identification *id, const mukca_causes *set, 
     for (int k = 0; k < id->n_kept; k++)
         for (int i = 0; i < set->n; i++)
             if (i != without && set->candidate[i] == id->kept[k]) item[n++] = k;
-    const int at = mukca_sets_insert(&id->sets, item, n);
+    const int at = mukca_sets_insert(&id->sets, item, NULL, n);
     return id->sets.set[at < 0 ? 0 : at];
 }
 

@@ -96,7 +96,7 @@ static void flip(mukca_sets *sets, mukca_population *p)
             if (i == k) present = member;
             if (member != (i == k)) item[n++] = i;
         }
-        const int other = mukca_sets_insert(sets, item, n);
+        const int other = mukca_sets_insert(sets, item, NULL, n);
         const double gain = other < 0 ? 0 : sets->set[other].value - best.value;
         p->log_bayes_factor[k] = (present ? -gain : gain) - sets->question->item[k].log_prior;
     }
@@ -112,7 +112,7 @@ bool mukca_population_average(mukca_population *p)
     average a = {.p = p};
     const bool ok = ask(&question, &pool, p) && mukca_sets_create(&sets, &pool, &question);
     if (ok) {
-        mukca_sets_explore(&sets, BUDGET);
+        mukca_sets_explore(&sets, BUDGET, true);
         flip(&sets, p);
         const double most = sets.set[sets.best].value;
         for (int i = 0; i < sets.n_sets; i++) take(&a, &sets.set[i], sets.set[i].value - most);

@@ -60,21 +60,24 @@ typedef struct {
         double *inverse;      /* L^-1 */
         double rest;          /* residual */
     } with;                   /* the set integrated out last */
-    double *row;              /* scratch of one */
+    double *row, *left;       /* scratch of some of them: rows, columns */
     unsigned char *crossed;   /* [n_items] blocks computed without it */
     double *given;            /* blocks of all items given that set */
-    double *value, *near, *g; /* scratch: [n_items], [NEAR][stride], [stride] */
+    double *value, *alone;    /* scratch: [n_items] scores */
+    double *near, *g;         /* scratch: [NEAR][stride], [stride] */
     unsigned char *likeliest; /* [n_items] sizes */
 } mukca_sets;
 
 /* Start with the empty set.  Memory comes from `pool`.  False: no memory. */
 bool mukca_sets_create(mukca_sets *sets, mukca_pool *pool, const mukca_question *question);
 
-/* Index of the set of these items, ascending, evaluated; -1: too large. */
-int mukca_sets_insert(mukca_sets *sets, const int *item, int n);
+/* Index of the set of these items, ascending, with about these sizes (NULL: any), evaluated; -1:
+ * too large. */
+int mukca_sets_insert(mukca_sets *sets, const int *item, const double *size, int n);
 
-/* Expand at most `budget` sets, the most probable first. */
-void mukca_sets_explore(mukca_sets *sets, int budget);
+/* At most `budget` times, extend a set or replace its members, the most probable set first;
+ * `pairs`: replace those of the best set by two items each, too. */
+void mukca_sets_explore(mukca_sets *sets, int budget, bool pairs);
 
 /* Evaluate a set, if it is only estimated. */
 void mukca_sets_evaluate(mukca_sets *sets, int set);

@@ -351,7 +351,7 @@ static void mixtures(void **state)
 
 static double insert(mukca_sets *sets, const int *item, int n)
 {
-    const int at = mukca_sets_insert(sets, item, n);
+    const int at = mukca_sets_insert(sets, item, NULL, n);
     assert_true(at >= 0 && sets->set[at].exact && sets->set[at].n == n);
     return sets->set[at].value;
 }
@@ -381,7 +381,7 @@ static void values(void **state)
             if (!positive) { /* one item more */
                 const int last = member[n - 1];
                 rest = insert(&sets, member, n - 1);
-                const mukca_set set = sets.set[mukca_sets_insert(&sets, member, n - 1)];
+                const mukca_set set = sets.set[mukca_sets_insert(&sets, member, NULL, n - 1)];
                 assert_close(mukca_sets_gain(&sets, &set, last) + p.item[last].log_prior,
                              value - rest, 1e-9);
                 real V[ROWS * ROWS];
@@ -428,7 +428,7 @@ static void search(double *probability, const mukca_question *question)
     mukca_sets sets;
     double total = 0;
     assert_true(mukca_sets_create(&sets, &pool, question));
-    mukca_sets_explore(&sets, 30);
+    mukca_sets_explore(&sets, 30, true);
     assert_false(pool.failed);
     for (int i = 0; i < sets.n_sets; i++) mukca_sets_evaluate(&sets, i);
     memset(probability, 0, sizeof *probability * ITEMS);

@@ -168,7 +168,7 @@ static void check_scan(fixture *f, int family, const mukca_candidate *cause)
     for (int i = 0; i < n; i++) {
         const mukca_candidate *h = &f->all.list[pick[i]];
         const double value = f->scan.value[pick[i]];
-        const int at = mukca_sets_insert(&sets, &i, 1);
+        const int at = mukca_sets_insert(&sets, &i, NULL, 1);
         assert_true(at >= 0);
         /* rounding of differences of log evidences of some thousand */
         assert_close(sets.set[at].value, value + h->log_prior - MUKCA_SET_RATE,
