@@ -64,9 +64,9 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     mukca_evidence *evidence = &m->evidence;
     const int own = u->weight ? 0 : u->family;
     mukca_normal_equations *chosen = NULL;
-    const int noises = u->weight ? 1 : evidence->n_noises;
+    const int noises = u->weight || freedom == MUKCA_FIT_NOISE ? 1 : evidence->n_noises;
     double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
-    bool all = !u->weight; /* robust weights imply independent samples */
+    bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
     for (int k = 0; k < noises; k++) {
         const int i = (own + k) % noises;
         if (chosen && !mukca_noise_contends(evidence, i, best, 0)) {

@@ -41,7 +41,7 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
 /* Quantities chosen by a fit in addition to the unknowns. */
 typedef enum {
     MUKCA_FIT_UNKNOWNS, /* none: noise, its family and prior scales stay */
-    MUKCA_FIT_NOISE,    /* noise and its family, in the first step */
+    MUKCA_FIT_NOISE,    /* noise in its present family, in the first step */
     MUKCA_FIT_ALL /* noise, its family and prior scales by evidence, in the first and third step */
 } mukca_fit_freedom;
 
