@@ -33,10 +33,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                                            .variance = MUKCA_TAKE(pool, double, pairs),
                                            .all_gram = MUKCA_TAKE(pool, double, size *size),
                                            .all_distance = MUKCA_TAKE(pool, double, pairs *size),
-                                           .at = MUKCA_TAKE(pool, int, size),
-                                           .reduced_prior = MUKCA_TAKE(pool, double, size),
-                                           .T = MUKCA_TAKE(pool, double, 4 * size),
-                                           .B = MUKCA_TAKE(pool, double, size *size)};
+                                           .at = MUKCA_TAKE(pool, int, size)};
         mukca_whitening_create(&normal->whitening, pool, rows, recording->data->n_sockets + 2);
     }
     evidence->white.x = MUKCA_TAKE(pool, double, whole);
@@ -44,9 +41,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
         MUKCA_TAKE(pool, double, (recording->data->n_sockets + 2) * recording->dim * size);
     evidence->work = MUKCA_TAKE(pool, double, size);
     evidence->factor = MUKCA_TAKE(pool, double, size *size);
-    evidence->marginal = MUKCA_TAKE(pool, double, 4 * size * size);
-    evidence->order = MUKCA_TAKE(pool, int, size);
-    evidence->mark = MUKCA_TAKE(pool, unsigned char, size);
+    evidence->products = MUKCA_TAKE(pool, double, size *size);
     evidence->prior = MUKCA_TAKE(pool, double, capacity);
     evidence->mean = MUKCA_TAKE(pool, double, capacity);
     return !pool->failed;
@@ -89,7 +84,7 @@ static void extend(mukca_evidence *evidence, mukca_normal_equations *normal,
                    const mukca_recording *r, const mukca_linearisation *linear)
 {
     const int done = normal->done, held = linear->n_stored, k = held - done, ld = linear->stride;
-    double *scratch = evidence->marginal;
+    double *scratch = evidence->products;
     if (!k) return;
     const double *white = mukca_evidence_whiten(evidence, normal, r, linear);
     for (int p = 0; p < r->n_pairs; p++)
@@ -145,7 +140,6 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     extend(evidence, normal, recording, linear);
     if (same) return normal;
     normal->n = linear->n_columns;
-    normal->reduced = false;
     memcpy(normal->at, at, sizeof *at * (size_t)size);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++)

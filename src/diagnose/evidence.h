@@ -22,11 +22,6 @@ typedef struct {
     double *all_gram;     /* [stride][stride] */
     double *all_distance; /* [n_pairs][stride] */
     int *at;              /* [n + 1] their indices for `gram` */
-    /* reduction to tridiagonal form, for noise.c */
-    bool reduced;
-    int units;             /* first column with a unit vector in B */
-    double *reduced_prior; /* [n] priors of the reduction */
-    double *T, *B; /* [4][n]: diagonal, off-diagonal, scratch; [n][1 + n_pairs + n - units] */
 } mukca_normal_equations;
 
 typedef struct {
@@ -43,9 +38,7 @@ typedef struct {
     double *factor;   /* [n][n] Cholesky factor of the scaled posterior precision, of the last
                          evaluation */
     double *work;     /* [n] factor^-1 times the scaled right-hand side, of the last evaluation */
-    double *marginal; /* [4][n + 1][n + 1], order[n], mark[n]: scratch for the choice of scales */
-    int *order;
-    unsigned char *mark;
+    double *products; /* [n + 1][n + 1] scratch */
     double best;      /* log evidence of the best coefficient in the last comparison */
     double quadratic; /* of the last evaluation: squared residuals and deviations from the prior
                          means, each in units of its sigma */

@@ -42,7 +42,7 @@ static void set_causes(mukca_identification *id, const mukca_causes *set)
     u->n_causes = 0;
     for (int i = 0; set && i < set->n; i++)
         if (mukca_unknowns_add(u, &id->all.list[set->candidate[i]]))
-            u->cause[u->n_causes - 1].scale = set->scale[i];
+            u->cause[u->n_causes - 1].scale = set->scale[i], u->cause[u->n_causes - 1].sized = true;
 }
 
 void mukca_identify_fit(mukca_identification *id, const mukca_causes *set)
