@@ -64,12 +64,13 @@ static bool find_rows(mukca_sets *s, const unsigned short *item, int n)
 }
 
 /* Gram block G[a.terms][b.terms] of two items, from their columns. */
-static void multiply(double *G, const mukca_question *q, int a, int b)
+static void multiply(double *G, mukca_sets *s, int a, int b)
 {
+    const mukca_question *q = s->question;
     const mukca_item *x = &q->item[a], *y = &q->item[b];
     const int rows = q->n_rows - q->n_projected;
     const double *E = q->E + (size_t)rows * (size_t)q->stride;
-    double P[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
+    double *P = s->scratch->D;
     memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
     memset(P, 0, sizeof *P * (size_t)(x->terms * y->terms));
     mukca_dense_xty(G, (mukca_columns){q->E + x->at, x->terms, q->stride},
@@ -83,7 +84,7 @@ static double *own_block(mukca_sets *s, int item)
 {
     const int k = s->question->item[item].terms;
     double *G = MUKCA_TAKE(s->pool, double, k *k);
-    if (G) multiply(G, s->question, item, item);
+    if (G) multiply(G, s, item, item);
     return G;
 }
 
@@ -95,7 +96,7 @@ static void cross(double *G, mukca_sets *s, int a, int b)
     if (!s->gram[a] && !s->gram[b] && s->crossed[a]++ == FEW)
         find_rows(s, &(unsigned short){(unsigned short)a}, 1);
     if (!s->gram[a] && !s->gram[b]) {
-        multiply(G, q, a, b);
+        multiply(G, s, a, b);
         return;
     }
     for (int i = 0; i < x->terms; i++)
@@ -122,7 +123,8 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .g = MUKCA_TAKE(pool, double, q->stride + 1),
         .given = MUKCA_TAKE(pool, double, squares + 1),
         .row = MUKCA_TAKE(pool, double, TOGETHER *(q->stride + 1)),
-        .left = MUKCA_TAKE(pool, double, TOGETHER *(q->n_rows + 1)),
+        .left = MUKCA_TAKE(pool, double, TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
+        .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
         .crossed = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
         .with = {.V = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                  .inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
@@ -144,7 +146,7 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
 static bool integrate(mukca_sets *s, const mukca_set *set, double *log_det)
 {
     const mukca_question *q = s->question;
-    double *L = s->with.L, G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], explained = 0;
+    double *L = s->with.L, *G = s->scratch->A, explained = 0;
     int n = 0;
     *log_det = 0;
     for (int m = 0; m < set->n; m++) {
@@ -218,10 +220,11 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
 {
     const mukca_item *h = &s->question->item[set->item[member]];
     const int k = h->terms;
-    double M[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
-        I[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS] = {0}, w[MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
+    double *M = s->scratch->A, *G = s->scratch->B, *I = s->scratch->C, w[MUKCA_MOST_TERMS],
+           g[MUKCA_MOST_TERMS];
     const double size = h->prior.size[set->size[member]];
     if (!leave_out(M, w, s, member, k)) return -HUGE_VAL;
+    memset(I, 0, sizeof *I * (size_t)(k * k));
     for (int i = 0; i < k; i++) I[i * k + i] = 1;
     mukca_dense_forward(I, k, M, k);
     memset(G, 0, sizeof *G * (size_t)(k * k));
@@ -235,7 +238,7 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
     for (int i = 0; i < k * k; i++) G[i] /= size * size;
     return mukca_mixture_evidence(by_size, G, g, k, &h->prior,
                                   fmin(s->with.rest + square_of(w, k), s->question->residual),
-                                  s->question->dof);
+                                  s->question->dof, s->scratch);
 }
 
 /* B := L^-1 D G for the set integrated out and one item. */
@@ -301,13 +304,13 @@ MUKCA_CLONES static void project(double *G, const mukca_sets *s, int item, int a
 static double score(double *by_size, const mukca_sets *s, int item)
 {
     const mukca_item *h = &s->question->item[item];
-    double G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
+    double *G = s->scratch->A, g[MUKCA_MOST_TERMS];
     project(G, s, item, 0, h->terms);
     memcpy(g, s->question->g + h->at, sizeof *g * (size_t)h->terms);
     for (int i = 0; i < s->with.n; i++)
         for (int a = 0; a < h->terms; a++) g[a] -= s->with.v[i] * s->with.B[i * h->terms + a];
     return mukca_mixture_evidence(by_size, G, g, h->terms, &h->prior, s->with.rest,
-                                  s->question->dof);
+                                  s->question->dof, s->scratch);
 }
 
 static int largest(const double *x, int n)
@@ -516,8 +519,7 @@ MUKCA_INLINE bool can_replace(const mukca_sets *s, const vacancy *v, const doubl
 MUKCA_CLONES static void score_all(mukca_sets *s, const vacancy *v)
 {
     const mukca_question *q = s->question;
-    double by_size[MUKCA_MOST_SIZES] = {0}, G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
-           g[MUKCA_MOST_TERMS];
+    double by_size[MUKCA_MOST_SIZES] = {0}, *G = s->scratch->A, g[MUKCA_MOST_TERMS];
     const double *given = s->given, lost = square_of(v->w, v->k),
                  rest = fmin(s->with.rest + lost, q->residual);
     for (int i = 0; i < q->n_items; given += q->item[i].terms * q->item[i].terms, i++) {
@@ -534,8 +536,8 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const vacancy *v)
                 for (int c = 0; c < terms; c++) G[a * terms + c] += row[a] * row[c];
             }
         }
-        s->value[i] =
-            h->log_prior + mukca_mixture_evidence(by_size, G, g, terms, &h->prior, rest, q->dof);
+        s->value[i] = h->log_prior + mukca_mixture_evidence(by_size, G, g, terms, &h->prior, rest,
+                                                            q->dof, s->scratch);
         s->likeliest[i] = (unsigned char)largest(by_size, h->prior.n_sizes);
     }
 }
@@ -587,7 +589,7 @@ static void swap(mukca_sets *s, int index, bool pairs)
     const mukca_question *q = s->question;
     const mukca_set set = s->set[index];
     int child[MUKCA_SET_ITEMS * FROM], n = 0;
-    double by_size[MUKCA_MOST_SIZES] = {0}, M[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
+    double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D;
     vacancy v = {0};
     if (!set.n || !condition(s, &set)) return;
     score_all(s, &v);
@@ -647,7 +649,7 @@ double mukca_sets_gain(mukca_sets *s, const mukca_set *set, int item)
 void mukca_sets_gram(double *G, mukca_sets *s, const mukca_set *set, int a, int b)
 {
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
-    double log_det, left[MUKCA_SET_COLUMNS * MUKCA_MOST_TERMS] = {0};
+    double log_det, *left = s->left;
     if (a == b)
         memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
     else

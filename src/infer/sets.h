@@ -55,12 +55,13 @@ typedef struct {
         int n;
         int at[MUKCA_SET_ITEMS]; /* first column of each member */
         double size[MUKCA_SET_COLUMNS];
-        double *L, *v, *B;    /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
-        double *V, *x;        /* (1 + D G D)^-1, V D g */
-        double *inverse;      /* L^-1 */
-        double rest;          /* residual */
-    } with;                   /* the set integrated out last */
-    double *row, *left;       /* scratch of some of them: rows, columns */
+        double *L, *v, *B; /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
+        double *V, *x;     /* (1 + D G D)^-1, V D g */
+        double *inverse;   /* L^-1 */
+        double rest;       /* residual */
+    } with;                /* the set integrated out last */
+    double *row, *left;    /* scratch of some of them: rows, columns */
+    mukca_mixture_scratch *scratch;
     unsigned char *crossed;   /* [n_items] blocks computed without it */
     double *given;            /* blocks of all items given that set */
     double *value, *alone;    /* scratch: [n_items] scores */

@@ -327,6 +327,7 @@ static void mixtures(void **state)
             for (int positive = 0; positive < 2; positive++) {
                 mukca_item *h = &p.item[i];
                 const int k = h->terms;
+                static mukca_mixture_scratch scratch;
                 double G[MODEL + ROWS], by_size[MUKCA_MOST_SIZES];
                 real sum = 0;
                 for (int a = 0; a < k * k; a++) {
@@ -337,7 +338,7 @@ static void mixtures(void **state)
                 }
                 h->prior.nonnegative = positive;
                 const double value = mukca_mixture_evidence(by_size, G, p.g + h->at, k, &h->prior,
-                                                            p.question.residual, ROWS);
+                                                            p.question.residual, ROWS, &scratch);
                 for (int s = 0; s < sizes; s++) {
                     real expected = dense_value(&p, &i, &s, 1) + h->prior.log_weight[s];
                     if (positive) expected += dense_sign(&p, &i, &s, 1);
