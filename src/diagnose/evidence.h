@@ -4,7 +4,7 @@
 
 #include "diagnose/linearisation.h"
 
-enum { MUKCA_NOISES = 10 };
+enum { MUKCA_NOISES = 9 };
 
 /* Normal equations under one family of the noise, with the means of the sockets integrated out.
  * Each pair of sockets adds one row. */
@@ -26,6 +26,8 @@ typedef struct {
 
 typedef struct {
     int n_noises; /* families compared: with repeated postures also those that share errors */
+    double ratio; /* variance that readings of a posture share, over that of a reading */
+    int further;  /* coordinates of readings beyond the first of their postures */
     mukca_normal_equations normal[MUKCA_NOISES];
     struct { /* whitened stored columns of one family, [n_samples][dim][stride] */
         const mukca_normal_equations *of;
@@ -47,6 +49,11 @@ typedef struct {
 /* Memory comes from `pool`.  False: no memory. */
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns);
+
+/* Estimate the ratio of the variances between postures and between readings of one, from the
+ * residuals at the last posterior mean, of these columns; the families that share errors follow it. */
+void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_recording *recording,
+                                    const mukca_linearisation *linear);
 
 /* Update the normal equations of one family of the noise if the columns have changed, and return
  * them. */

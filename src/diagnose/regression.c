@@ -66,6 +66,11 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     mukca_normal_equations *chosen = NULL;
     const int noises = u->weight || freedom == MUKCA_FIT_NOISE ? 1 : evidence->n_noises;
     double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
+    if (noises > 1 && m->recording.repeats) {
+        mukca_evidence_evaluate(evidence, mukca_regression_collect_own(m), u->sigma,
+                                evidence->mean);
+        mukca_evidence_measure_repeats(evidence, &m->recording, &m->linear);
+    }
     bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
     for (int k = 0; k < noises; k++) {
         const int i = (own + k) % noises;
