@@ -117,6 +117,7 @@ static int insert(mukca_sets *sets, const mukca_causes *set, const int *index, i
 static bool search(mukca_identification *id, mukca_causes *best, bool last)
 {
     mukca_pool *pool = &id->search_pool;
+    mukca_pool_free(pool);                                            /* of the last pass */
     qsort(id->kept, (size_t)id->n_kept, sizeof *id->kept, ascending); /* order of kept: no matter */
     set_causes(id, NULL);
     if (!mukca_scan_aim(&id->scan, id->m->unknowns.family) ||
@@ -126,8 +127,9 @@ static bool search(mukca_identification *id, mukca_causes *best, bool last)
     const mukca_sets *sets = &id->sets;
     const int before = insert(&id->sets, best, id->kept, id->n_kept);
     mukca_sets_explore(&id->sets, QUICK, false);
+    const mukca_set *found = &sets->set[sets->best];
     id->settled =
-        best->n && before >= 0 && sets->set[before].value > sets->set[sets->best].value - SETTLED;
+        before >= 0 && (best->n || !found->n) && sets->set[before].value > found->value - SETTLED;
     if (id->settled || last) mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
     *best = causes_of(id, &sets->set[sets->best]);
     return !pool->failed;
