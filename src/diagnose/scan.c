@@ -349,7 +349,9 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
                                .terms = h->terms,
                                .prior = mukca_candidate_mixture(h),
                                .log_prior = h->log_prior - MUKCA_SET_RATE,
-                               .key = mukca_candidate_key(h)};
+                               .key = mukca_candidate_key(h),
+                               .kin = mukca_candidate_kin(h),
+                               .kinship = MUKCA_KINSHIP + MUKCA_SET_RATE};
         put(s, &b, index[i]);
         const int next = i + 1 < n ? s->all->list[index[i + 1]].terms : LD;
         if (b.width + next <= LD) continue;

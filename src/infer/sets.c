@@ -340,6 +340,15 @@ static double weigh_signs(mukca_sets *s, const mukca_set *set)
     return sum;
 }
 
+/* Log prior of an item in addition to its own, given the first n members of a set. */
+static double kinship(const mukca_sets *s, const mukca_set *set, int n, int item)
+{
+    const mukca_item *h = &s->question->item[item];
+    for (int m = 0; m < n && h->kin; m++)
+        if (s->question->item[set->item[m]].kin == h->kin) return h->kinship;
+    return 0;
+}
+
 void mukca_sets_evaluate(mukca_sets *s, int index)
 {
     const mukca_question *q = s->question;
@@ -367,7 +376,8 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
     }
     set->value =
         integral - log_det - 0.5 * q->dof * log(s->with.rest / q->residual) + weigh_signs(s, set);
-    for (int m = 0; m < set->n; m++) set->value += q->item[set->item[m]].log_prior;
+    for (int m = 0; m < set->n; m++)
+        set->value += q->item[set->item[m]].log_prior + kinship(s, set, m, set->item[m]);
     if (!ok || isnan(set->value)) set->value = -HUGE_VAL;
     if (set->value > s->set[s->best].value) s->best = index;
 }
@@ -515,8 +525,8 @@ MUKCA_INLINE bool can_replace(const mukca_sets *s, const vacancy *v, const doubl
     return beside + of + 2 * sqrt(beside * of) > v->least;
 }
 
-/* Score all items given the conditioned set, or that without a member. */
-MUKCA_CLONES static void score_all(mukca_sets *s, const vacancy *v)
+/* Score all items in addition to a set: the conditioned one, or that without a member. */
+MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const vacancy *v)
 {
     const mukca_question *q = s->question;
     double by_size[MUKCA_MOST_SIZES] = {0}, *G = s->scratch->A, g[MUKCA_MOST_TERMS];
@@ -536,8 +546,9 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const vacancy *v)
                 for (int c = 0; c < terms; c++) G[a * terms + c] += row[a] * row[c];
             }
         }
-        s->value[i] = h->log_prior + mukca_mixture_evidence(by_size, G, g, terms, &h->prior, rest,
-                                                            q->dof, s->scratch);
+        s->value[i] =
+            h->log_prior + kinship(s, set, set->n, i) +
+            mukca_mixture_evidence(by_size, G, g, terms, &h->prior, rest, q->dof, s->scratch);
         s->likeliest[i] = (unsigned char)largest(by_size, h->prior.n_sizes);
     }
 }
@@ -547,7 +558,7 @@ static void extend(mukca_sets *s, int index, int most)
 {
     const mukca_set set = s->set[index];
     if (!condition(s, &set)) return;
-    score_all(s, &(vacancy){0});
+    score_all(s, &set, &(vacancy){0});
     keep(s, &set, most, NULL, 0);
 }
 
@@ -592,7 +603,7 @@ static void swap(mukca_sets *s, int index, bool pairs)
     double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D;
     vacancy v = {0};
     if (!set.n || !condition(s, &set)) return;
-    score_all(s, &v);
+    score_all(s, &set, &v);
     memcpy(s->alone, s->value, sizeof *s->alone * (size_t)q->n_items);
     invert(s);
     mukca_dense_backward(s->with.B, q->stride, s->with.L, s->with.n); /* V D G */
@@ -602,11 +613,11 @@ static void swap(mukca_sets *s, int index, bool pairs)
         mukca_set less = reduced(&set, m);
         if (!leave_out(M, v.w, s, m, h->terms)) continue;
         const double gain = score_member(by_size, s, &set, m);
-        less.value = set.value - gain - h->log_prior;
+        less.value = set.value - gain - h->log_prior - kinship(s, &less, less.n, set.item[m]);
         if (find(s, &less) < 0) return;
         mukca_dense_forward(W, q->stride, M, h->terms);
         v.W = W, v.k = h->terms, v.least = pairs ? 0 : gain - WINDOW;
-        score_all(s, &v);
+        score_all(s, &less, &v);
         n += keep(s, &less, SWAPPED, child + n, FROM);
     }
     for (int c = 0; c < n && pairs; c++) {

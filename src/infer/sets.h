@@ -20,6 +20,8 @@ typedef struct {
     mukca_mixture prior;
     double log_prior;
     int key; /* a set has at most one item of a key: variants of one cause */
+    int kin; /* items of one kin (0: none) entail each other: each beyond the first has `kinship` */
+    double kinship; /* in addition to its log prior */
 } mukca_item;
 
 /* Columns E[n_rows][stride], whitened, in units of the noise; the products of the last n_projected

@@ -365,6 +365,7 @@ static void values(void **state)
     problem p;
     (void)state;
     pose(&p, 1);
+    for (int i = 0; i < ITEMS; i++) p.item[i].kin = i % 3, p.item[i].kinship = 0.7;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         for (int positive = 0; positive < 2; positive++) {
             const int n = numbers[i], *member = members[i];
@@ -375,7 +376,14 @@ static void values(void **state)
             assert_true(mukca_sets_create(&sets, &pool, &p.question));
             real expected = dense_value(&p, member, one, n);
             if (positive) expected += dense_sign(&p, member, one, n);
-            for (int k = 0; k < n; k++) prior += p.item[member[k]].log_prior;
+            bool kin[3] = {false};
+            double further = 0; /* of the last member */
+            for (int k = 0; k < n; k++) {
+                const mukca_item *h = &p.item[member[k]];
+                further = h->kin && kin[h->kin] ? h->kinship : 0;
+                kin[h->kin] = true;
+                prior += h->log_prior + further;
+            }
             const double value = insert(&sets, member, n);
             assert_close(value, (double)expected + prior, 1e-6); /* of Simpson's rule */
             p.item[member[0]].prior.nonnegative = false;
@@ -383,7 +391,7 @@ static void values(void **state)
                 const int last = member[n - 1];
                 rest = insert(&sets, member, n - 1);
                 const mukca_set set = sets.set[mukca_sets_insert(&sets, member, NULL, n - 1)];
-                assert_close(mukca_sets_gain(&sets, &set, last) + p.item[last].log_prior,
+                assert_close(mukca_sets_gain(&sets, &set, last) + p.item[last].log_prior + further,
                              value - rest, 1e-9);
                 real V[ROWS * ROWS];
                 model_covariance(V, &p);
