@@ -7,7 +7,6 @@
 #include <stddef.h>
 
 #include "mukca/chain.h"
-#include "mukca/row_state.h"
 
 /* One ball seat of one placement of the tool.  Samples of a socket are in recording order. */
 typedef struct {
@@ -69,10 +68,11 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
  * The angles read are kept in `reading`.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error);
 
-/* Joint state of a sample (row_state.h).  Call it for all samples in order, from 0; each file is a
- * separate recording.  The result points into `rows` and is valid until the next call. */
-const mukca_joint_state *mukca_dataset_state(mukca_row_state *rows, const mukca_dataset *data,
-                                             int row);
+/* Joint state of a sample (mukca/row_state.h).  Call it for all samples in order, from 0; each file
+ * is a separate recording.  The result points into `rows` and is valid until the next call. */
+struct mukca_row_state;
+const struct mukca_joint_state *mukca_dataset_state(struct mukca_row_state *rows,
+                                                    const mukca_dataset *data, int row);
 
 /* Target of a sample, -1: none named. */
 static inline int mukca_dataset_target(const mukca_dataset *data, int row)

@@ -1,6 +1,7 @@
-/* Forward kinematics of one configuration: position, pose, frames. */
+/* Forward kinematics of one configuration: position. */
 #include <string.h>
 
+#include "math/sincos.h"
 #include "model/turn.h"
 
 void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
@@ -39,29 +40,4 @@ MUKCA_CLONES void mukca_fk_position(double position[3], const mukca_geometry *ge
     if (!d || !d->any_rotation) return;
     mukca_rotation_exp(R, d->base);
     mukca_mat3_vec(position, R, v);
-}
-
-MUKCA_CLONES void mukca_fk_frames(mukca_frame *before, mukca_frame *tip,
-                                  const mukca_geometry *geometry, const double *q,
-                                  const mukca_displacement *displacement)
-{
-    columns F;
-    joint_angles at;
-    columns_base(&F, displacement);
-    mukca_joint_angles_set(&at, geometry, q, displacement);
-    for (int k = 0; k < geometry->n_elements; k++) {
-        columns_enter(&F, geometry, k);
-        if (before) columns_frame(&before[k], &F);
-        columns_displace(&F, geometry->joint[k], displacement);
-        columns_turn(&F, geometry, k, &at);
-    }
-    if (!tip) return;
-    if (displacement) columns_move(&F, displacement->tip);
-    columns_frame(tip, &F);
-}
-
-void mukca_fk_pose(mukca_frame *T_base_tip, const mukca_geometry *geometry, const double *q,
-                   const mukca_displacement *displacement)
-{
-    mukca_fk_frames(NULL, T_base_tip, geometry, q, displacement);
 }

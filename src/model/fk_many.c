@@ -1,4 +1,5 @@
 /* Tip positions of many configurations at once, one per lane. */
+#include "math/sincos_lanes.h"
 #include "model/turn.h"
 
 #if MUKCA_LANES == 1

@@ -6,6 +6,7 @@
 
 #include "arm/inverse.h"
 #include "base/pool.h"
+#include "mukca/row_state.h"
 
 enum { DIM = 6, SWEEPS = 50 };
 
