@@ -18,13 +18,13 @@ VERSION := $(shell sed -n 's/.*MUKCA_VERSION "\(.*\)".*/\1/p' include/mukca/vers
 # ---- sources, objects, products ------------------------------------------------------------------
 # modules of the core library, in the order of tests/layers.sh
 CORE_MODULES := base math model effect arm fit infer recalibrate capture plan simulate diagnose fleet
-CORE_SRC := $(filter-out src/fit/nlopt_adapter%,$(foreach module,$(CORE_MODULES),\
+CORE_SRC := $(filter-out src/fit/nlopt_%,$(foreach module,$(CORE_MODULES),\
             $(sort $(wildcard src/$(module)/*.c))))
 # the part of these for control loops: no stdio, no allocation, no clock, no locale
 RT_SRC := $(addprefix src/,$(addsuffix .c,base/cells base/number base/print math/orientation \
           math/rotation math/sincos model/chain model/fk model/fk_frames model/fk_jacobian model/gravity model/row_state \
           arm/acceptance arm/corrected arm/corrected_jacobian arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
-REST_SRC := $(sort $(wildcard src/fit/nlopt_adapter*.c $(foreach module,io lcm report record,\
+REST_SRC := $(sort $(wildcard src/fit/nlopt_*.c $(foreach module,io lcm report record,\
             src/$(module)/*.c src/$(module)/*.cc)))
 CLI_SRC  := $(sort $(wildcard src/cli/*.c))
 TEST_SRC := $(sort $(wildcard tests/unit/test_*.c))

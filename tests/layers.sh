@@ -46,7 +46,7 @@ for module in $modules; do
 done
 
 # The core needs libm and nothing else.
-sources=$(for module in $core; do find "src/$module" -name '*.[ch]' ! -name 'nlopt_adapter*'; done)
+sources=$(for module in $core; do find "src/$module" -name '*.[ch]' ! -name 'nlopt_*'; done)
 for pattern in nlopt lcm/ jansson libxml urdf console_bridge unistd.h sys/; do
     # shellcheck disable=SC2086
     hit=$(grep -ln "#[ \t]*include[ \t]*<$pattern" $sources include/mukca/*.h 2>/dev/null)

@@ -6,7 +6,7 @@
 #include "base/pool.h"
 #include "capture/capture.h"
 #include "fit/coincide.h"
-#include "fit/observe.h"
+#include "fit/observe_jacobian.h"
 #include "math/dense.h"
 #include "math/random.h"
 

@@ -3,8 +3,10 @@
 #include <stdlib.h>
 
 #include "close.h"
-#include "fit/cost.h"
+#include "fit/cost_normal.h"
 #include "fit/frames.h"
+#include "fit/observe_jacobian.h"
+#include "fit/selection.h"
 #include "math/random.h"
 #include "reference_cost.h"
 
