@@ -133,7 +133,7 @@ typedef struct {
 
 /* Input of the forward models: one configuration.  A pointer may be NULL; effects that need it then
  * have no influence. */
-typedef struct mukca_joint_state {
+typedef struct {
     const double *q;      /* [n_joints] encoder angles */
     const double *move;   /* [n_joints] q minus q of the previous sample; 0 in a session's first */
     const double *torque; /* [n_joints] holding torque, N m */

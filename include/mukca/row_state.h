@@ -25,7 +25,7 @@ typedef struct {
 } mukca_row_reading;
 
 /* `state` is that of the last sample and points into this structure: do not copy it. */
-typedef struct mukca_row_state {
+typedef struct {
     mukca_joint_state state; /* torque and moments stay NULL */
     int n_joints, rows;
     int number;    /* of the last row */

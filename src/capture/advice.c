@@ -134,7 +134,7 @@ static mukca_status workspace_take(workspace *w, const mukca_capture *capture,
 {
     const int n = capture->model.parameters.n;
     memset(w, 0, sizeof *w);
-    mukca_observe_setup(&w->observations, &w->pool, capture->chain, rows, NULL, n);
+    mukca_observe_setup(&w->observations, &w->pool, capture->chain, rows, n);
     const int m = w->observations.n_residuals;
     w->n = n;
     w->m = m;

@@ -11,10 +11,9 @@ bool mukca_cost_init(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chai
     double nominal[MUKCA_MAX_FREE];
     if (!options) options = &none;
     mukca_chain_theta(nominal, chain);
-    const double *fixed = options->nominal_means ? nominal : NULL;
     const int n = parameters->n, all = MUKCA_PARAMETERS * chain->n_elements;
     memset(cost, 0, sizeof *cost);
-    if (!mukca_observe_setup(&cost->observations, pool, chain, data, fixed, n)) return false;
+    if (!mukca_observe_setup(&cost->observations, pool, chain, data, n)) return false;
     cost->theta = MUKCA_TAKE(pool, double, all);
     cost->nominal = MUKCA_TAKE(pool, double, n);
     if (pool->failed) return false;
@@ -23,17 +22,9 @@ bool mukca_cost_init(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chai
     cost->n = n;
     cost->pair_weight = options->no_distortion ? 0 : 1;
     cost->lambda = options->lambda < 0 ? 0 : options->lambda > 0 ? options->lambda : MUKCA_LAMBDA;
-    cost->lambda *= cost->observations.n_groups;
     memcpy(cost->theta, options->theta ? options->theta : nominal, (size_t)all * sizeof *nominal);
     mukca_parameters_pack(cost->nominal, parameters, nominal);
     return true;
-}
-
-static double along(const double *v, const double *x, int n)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++) sum += v[i] * x[i];
-    return sum;
 }
 
 double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost *cost,
@@ -41,29 +32,22 @@ double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost
 {
     mukca_cost_value value = {0};
     mukca_observations *o = &cost->observations;
+    const double lambda = mukca_cost_lambda(cost);
     cost->evaluations++;
     mukca_parameters_unpack(cost->theta, cost->parameters, x);
     mukca_observe_predict(o, cost->theta);
     value.inconsistency = mukca_observe_squares(&value.distortion, o, true);
-    if (cost->term) value.inconsistency += cost->term->squares(o);
     value.distortion *= cost->pair_weight;
     if (gradient)
         mukca_observe_gradient(gradient, o, cost->theta, cost->parameters, cost->gradient,
                                cost->pair_weight);
-    if (gradient && cost->term)
-        cost->term->add_gradient(gradient, o, cost->theta, cost->parameters, cost->gradient);
     for (int i = 0; i < cost->n; i++) {
         if (!cost->parameters->regularised[i]) continue;
         const double off = x[i] - cost->nominal[i];
-        value.regularisation += cost->lambda * off * off;
-        if (gradient) gradient[i] += 2 * cost->lambda * off;
+        value.regularisation += lambda * off * off;
+        if (gradient) gradient[i] += 2 * lambda * off;
     }
-    for (int d = 0; d < cost->n_held; d++) {
-        const double *v = cost->held + (size_t)(d * cost->n);
-        const double off = along(v, x, cost->n) - cost->held_at[d];
-        value.regularisation += cost->lambda * off * off;
-        for (int i = 0; i < cost->n && gradient; i++) gradient[i] += 2 * cost->lambda * off * v[i];
-    }
+    if (cost->more) cost->more(&value, gradient, cost, x);
     value.total = value.inconsistency + value.distortion + value.regularisation;
     if (parts) *parts = value;
     return value.total;

@@ -17,47 +17,45 @@ typedef struct mukca_cost mukca_cost;
 /* Zeroed means the defaults. */
 typedef struct {
     double lambda;           /* 0: MUKCA_LAMBDA; negative: no regularisation */
-    bool nominal_means;      /* of sockets (older closed-chain method), not their own */
     bool no_distortion;      /* no distances between sockets */
     mukca_gradient gradient; /* method of an element's derivative */
     const double *theta;     /* [6 * n_elements] values of frozen parameters; NULL: nominal */
-    mukca_cost *part;        /* for mukca_cost_setup (cost_normal.h); NULL: none */
+    /* for mukca_cost_setup (cost_normal.h): */
+    bool nominal_means; /* of sockets (older closed-chain method), not their own */
+    mukca_cost *part;   /* NULL: none */
 } mukca_cost_options;
 
 typedef struct {
     double total, inconsistency, distortion, regularisation; /* m^2 */
 } mukca_cost_value;
 
-/* One more sum of squares: its value after mukca_observe_predict, to which it adds its gradient. */
-typedef struct {
-    double (*squares)(mukca_observations *observations);
-    void (*add_gradient)(double *gradient, mukca_observations *observations, const double *theta,
-                         const mukca_parameters *parameters, mukca_gradient kind);
-} mukca_cost_term;
-
 struct mukca_cost {
     const mukca_parameters *parameters;
     mukca_observations observations;
-    const mukca_cost_term *term; /* NULL: none */
     mukca_gradient gradient;
-    double lambda;      /* times the number of placements */
+    double lambda;      /* of one placement */
     double pair_weight; /* 1, or 0 without distortion */
     int n;              /* free parameters */
     int evaluations;    /* of value, with or without gradient */
-    int n_held;         /* directions held near the start (mukca_cost_hold) */
-    double *held;       /* [n_held][n] unit vectors */
-    double *held_at;    /* [n_held] coordinates along them */
     double *theta;      /* [6 * n_elements] scratch; frozen entries hold their value */
     double *nominal;    /* [n] */
-    /* of mukca_cost_setup: */
-    mukca_cost *part; /* the owner of r, J and weight: this cost or that of the options */
-    double *r;        /* [n_residuals] scratch */
-    double *J;        /* [n_residuals][n] scratch */
-    double *weight;   /* [n_residuals] square roots */
-    double *scratch;  /* [3][n][n] and [6][n] for solvers */
+    /* of mukca_cost_setup; NULL: none */
+    void (*more)(mukca_cost_value *parts, double *gradient, mukca_cost *cost, const double *x);
+    mukca_cost *part;       /* the owner of r, J and weight: this cost or that of the options */
+    double *r, *J;          /* [n_residuals], [n_residuals][n] scratch */
+    double *weight;         /* [n_residuals] square roots */
+    double *scratch;        /* [3][n][n] and [6][n] for solvers */
+    int n_held;             /* directions held near the start (mukca_cost_hold) */
+    double *held, *held_at; /* [n_held][n] unit vectors, [n_held] coordinates along them */
 };
 
-/* The cost of positions, without Hessian; memory from the pool, false: out of memory.  `options`
+/* Weight of the regularisation: lambda of every placement. */
+static inline double mukca_cost_lambda(const mukca_cost *cost)
+{
+    return cost->lambda * cost->observations.n_groups;
+}
+
+/* The cost of sockets, without Hessian; memory from the pool, false: out of memory.  `options`
  * may be NULL.  Chain and parameters must outlive the cost; the cost must not be moved. */
 bool mukca_cost_init(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chain,
                      const mukca_parameters *parameters, const mukca_dataset *data,

@@ -1,11 +1,11 @@
-/* The cost with measured orientations, its Gauss-Newton Hessian, and directions held near the
+/* The cost with measured poses, its Gauss-Newton Hessian, and directions held near the
  * start. */
 #ifndef MUKCA_FIT_COST_NORMAL_H
 #define MUKCA_FIT_COST_NORMAL_H
 
 #include "fit/cost.h"
 
-/* As mukca_cost_init, with measured orientations and memory for Hessian and solvers.  With
+/* As mukca_cost_init, with measured poses and memory for Hessian and solvers.  With
  * options->part, the cost of a representative part of the samples (part.h), Hessian and precision
  * are computed from that part, without a Jacobian of all samples. */
 bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chain,

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mukca/row_state.h"
+#include "model/dataset_subset.h"
 
 void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
 {

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "fit/cost_normal.h"
-#include "fit/orientations.h"
+#include "fit/poses.h"
 #include "math/dense.h"
 
 /* Fraction of a socket's samples, or of the poses (-1), that is in the part. */
@@ -153,7 +153,8 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
     while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
         log_product += log(s[id->rank++]);
-    while (id->determined < id->rank && s[id->determined] * s[id->determined] > cost->lambda)
+    while (id->determined < id->rank &&
+           s[id->determined] * s[id->determined] > mukca_cost_lambda(cost))
         id->determined++;
     id->observability = id->rank > 0 ? exp(log_product / id->rank) : 0;
     const int spare = o->n_measured - o->n_pairs + pairs - id->rank;

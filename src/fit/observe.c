@@ -3,18 +3,6 @@
 
 #include <string.h>
 
-static bool socket_used(const mukca_dataset *data, int socket)
-{
-    int i = 0;
-    while (i < data->n_rows && data->socket[i] != socket) i++;
-    return i < data->n_rows;
-}
-
-static bool pair_usable(const mukca_dataset *data, int pair)
-{
-    return socket_used(data, data->distances[pair].a) && socket_used(data, data->distances[pair].b);
-}
-
 static int rows_of_placement(const mukca_observations *o, const mukca_dataset *data, int placement)
 {
     double n = 0;
@@ -23,75 +11,51 @@ static int rows_of_placement(const mukca_observations *o, const mukca_dataset *d
     return (int)n;
 }
 
-static void load_counts(mukca_observations *o, const mukca_dataset *data)
+static void load(mukca_observations *o, const mukca_dataset *data)
 {
-    o->n_measured = o->n_pairs;
-    for (int i = 0; i < o->n_rows; i++)
-        if (data->socket[i] >= 0) o->count[data->socket[i]]++;
-    for (int s = 0; s < o->n_sockets; s++)
-        if (o->count[s] > 0) o->n_measured -= 3;
-    for (int p = 0; p < data->n_placements; p++) o->n_groups += rows_of_placement(o, data, p) > 0;
-    for (int p = 0, to = 0; p < data->n_distances; p++) {
-        if (!pair_usable(data, p)) continue;
-        o->pair[2 * to] = data->distances[p].a;
-        o->pair[2 * to + 1] = data->distances[p].b;
-        o->pair_distance[to++] = data->distances[p].distance;
-    }
-}
-
-static void load_rows(mukca_observations *o, const mukca_dataset *data)
-{
-    int poses = 0;
     double *shares = o->mean; /* of the sockets; scratch */
-    for (int s = 0; s < o->n_sockets; s++)
-        shares[s] = 1.0 / rows_of_placement(o, data, data->sockets[s].placement);
-    for (int i = 0; i < o->n_rows; i++)
-        poses += mukca_observe_position(data, i) || mukca_observe_orientation(data, i);
-    o->n_groups += poses > 0;
-    o->pose_share = 1.0 / poses;
     for (int i = 0; i < o->n_rows; i++) {
-        const int socket = o->socket[i] = data->socket[i];
-        const bool measured = mukca_observe_position(data, i);
-        if (socket < 0 && !measured) continue;
-        o->share[i] = socket < 0 ? o->pose_share : shares[socket];
-        o->n_measured += 3;
-        if (measured) memcpy(o->target + 3 * i, data->position + 3 * i, 3 * sizeof *o->target);
+        o->socket[i] = data->socket[i];
+        if (o->socket[i] >= 0) o->count[o->socket[i]]++;
     }
+    for (int p = 0; p < data->n_placements; p++) o->n_groups += rows_of_placement(o, data, p) > 0;
+    for (int s = 0; s < o->n_sockets; s++) {
+        shares[s] = 1.0 / rows_of_placement(o, data, data->sockets[s].placement);
+        if (o->count[s] > 0) o->n_measured += 3 * (int)o->count[s] - 3;
+    }
+    for (int i = 0; i < o->n_rows; i++)
+        if (o->socket[i] >= 0) o->share[i] = shares[o->socket[i]];
+    for (int d = 0; d < data->n_distances; d++) {
+        const int a = data->distances[d].a, b = data->distances[d].b;
+        if (!(o->count[a] > 0 && o->count[b] > 0)) continue;
+        o->pair[2 * o->n_pairs] = a;
+        o->pair[2 * o->n_pairs + 1] = b;
+        o->pair_distance[o->n_pairs++] = data->distances[d].distance;
+    }
+    o->n_measured += o->n_pairs;
+    o->n_residuals = 3 * o->n_rows + o->n_pairs;
 }
 
 bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_chain *chain,
-                         const mukca_dataset *data, const double *fixed, int max_free)
+                         const mukca_dataset *data, int max_free)
 {
-    const int n = data->n_rows, sockets = data->n_sockets;
-    bool posed = false;
+    const int n = data->n_rows, sockets = data->n_sockets, pairs = data->n_distances;
     *o = (mukca_observations){.n_rows = n, .n_sockets = sockets};
-    for (int i = 0; i < n; i++) posed |= data->socket[i] < 0;
-    for (int p = 0; p < data->n_distances; p++) o->n_pairs += pair_usable(data, p);
-    o->n_residuals = 3 * n + o->n_pairs;
-
     mukca_sweep_take(&o->sweep, pool, chain, n);
     o->socket = MUKCA_TAKE(pool, int, n);
     o->share = MUKCA_TAKE(pool, double, n);
     o->count = MUKCA_TAKE(pool, double, sockets);
     o->mean = MUKCA_TAKE(pool, double, 3 * sockets);
     o->mean_rows = MUKCA_TAKE(pool, double, 3 * sockets * max_free);
-    o->pair = MUKCA_TAKE(pool, int, 2 * o->n_pairs);
-    o->pair_distance = MUKCA_TAKE(pool, double, o->n_pairs);
-    o->pair_residual = MUKCA_TAKE(pool, double, o->n_pairs);
-    o->pair_direction = MUKCA_TAKE(pool, double, 3 * o->n_pairs);
+    o->pair = MUKCA_TAKE(pool, int, 2 * pairs);
+    o->pair_distance = MUKCA_TAKE(pool, double, pairs);
+    o->pair_residual = MUKCA_TAKE(pool, double, pairs);
+    o->pair_direction = MUKCA_TAKE(pool, double, 3 * pairs);
     o->residual = MUKCA_TAKE(pool, double, 3 * (n + MUKCA_SWEEP_PADDING));
-    if (posed) o->target = MUKCA_TAKE(pool, double, 3 * n);
-    double *fixed_mean = fixed ? MUKCA_TAKE(pool, double, 3 * sockets) : NULL;
     if (pool->failed) return false;
 
-    load_counts(o, data);
-    load_rows(o, data);
+    load(o, data);
     mukca_sweep_load(&o->sweep, chain, data->q);
-    if (fixed) {
-        mukca_observe_predict(o, fixed);
-        memcpy(fixed_mean, o->mean, 3 * (size_t)sockets * sizeof *fixed_mean);
-        o->fixed_mean = fixed_mean;
-    }
     return true;
 }
 
@@ -128,8 +92,8 @@ static void subtract(mukca_observations *o)
     double *residual = mukca_observe_window(o->residual, s);
     for (int i = 0; i < s->rows; i++) {
         const int row = s->from + i;
-        const double *about =
-            o->socket[row] >= 0 ? centre + 3 * o->socket[row] : o->target + 3L * row;
+        const int at = o->socket[row];
+        const double *about = at >= 0 ? centre + 3 * at : o->target ? o->target + 3L * row : NULL;
         for (int a = 0; a < 3; a++) {
             double *r = residual + a * s->padded + i;
             *r = o->share[row] > 0 ? *r - about[a] : 0;

@@ -1,13 +1,11 @@
 /* Residuals of the positions: one interface for sockets and measured poses.
  *
  * Residuals, in metres (docs/method.md, 3): 3 per sample, prediction minus the mean of its socket's
- * predictions, or minus the measured position; and one per pair of sockets.  Residuals of missing
- * measurements are zero, with weight zero.
+ * predictions, or minus the measured position; and one per pair of sockets.  Samples without a
+ * measurement have the residual zero, with weight zero.
  */
 #ifndef MUKCA_FIT_OBSERVE_H
 #define MUKCA_FIT_OBSERVE_H
-
-#include <math.h>
 
 #include "fit/parameters.h"
 #include "fit/sweep.h"
@@ -21,40 +19,26 @@ typedef struct {
     int n_measured;        /* scalar measurements less one mean per socket */
     int *socket;           /* [n_rows] -1: a pose */
     double *share;         /* [n_rows] weight of the squared residual: 1 / samples of group, or 0 */
-    double pose_share;     /* 1 / measured poses */
     double *count;         /* [n_sockets] samples of each */
     double *mean;          /* [n_sockets][3] of the predictions in use */
     double *fixed_mean;    /* [n_sockets][3] or NULL */
-    double *target;        /* [n_rows][3] measured positions, NULL if all samples are of sockets */
     int *pair;             /* [n_pairs][2] */
     double *pair_distance; /* [n_pairs] known, m */
     double *pair_residual; /* [n_pairs] */
     double *pair_direction; /* [n_pairs][3] unit, from b to a */
     double *residual;       /* [windows][3][padded] */
     double *mean_rows;      /* [n_sockets][3][max_free] scratch */
-    /* measured orientations, added by mukca_orientations_add; NULL: none */
+    /* measured poses, added by mukca_poses_add; NULL: none */
+    double *target;        /* [n_rows][3] positions */
     double *turn_share;    /* [n_rows] as `share` */
-    double *aim;           /* [n_rows][9] measured */
+    double *aim;           /* [n_rows][9] orientations */
     double *turn_residual; /* [windows][3][padded] */
 } mukca_observations;
 
-/* Does a sample have a measured position, a measured orientation? */
-static inline bool mukca_observe_position(const mukca_dataset *data, int row)
-{
-    return data->socket[row] < 0 && data->position && isfinite(data->position[3 * row]);
-}
-
-static inline bool mukca_observe_orientation(const mukca_dataset *data, int row)
-{
-    return data->socket[row] < 0 && data->quaternion && isfinite(data->quaternion[4 * row]);
-}
-
-/* Allocate from the pool and load the data; false: out of memory.  The dataset may be freed
- * afterwards.  Needs data->n_rows >= 1.  The means of the sockets are those predicted by `fixed` [6
- * * n_elements] (older closed-chain method); NULL: those of the predictions in use. */
+/* Allocate from the pool and load the samples of sockets; false: out of memory.  The dataset may be
+ * freed afterwards.  Needs data->n_rows >= 1. */
 bool mukca_observe_setup(mukca_observations *observations, mukca_pool *pool,
-                         const mukca_chain *chain, const mukca_dataset *data, const double *fixed,
-                         int max_free);
+                         const mukca_chain *chain, const mukca_dataset *data, int max_free);
 
 /* Residuals of the open window, [3][padded]. */
 static inline double *mukca_observe_window(double *residual, const mukca_sweep *sweep)

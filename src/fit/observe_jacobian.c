@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "fit/sweep_jacobian.h"
+
 /* J rows of one orientation: derivative of the rotation vector w, not of the rotation itself. */
 static void turn_rows_of(double *J, int n, const double w[3])
 {

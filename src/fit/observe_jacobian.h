@@ -4,7 +4,7 @@
 #ifndef MUKCA_FIT_OBSERVE_JACOBIAN_H
 #define MUKCA_FIT_OBSERVE_JACOBIAN_H
 
-#include "fit/orientations.h"
+#include "fit/poses.h"
 
 /* Residuals r[n_residuals] and their Jacobian J[n_residuals][n] (NULL: not wanted) at theta. */
 void mukca_observe_residuals(double *r, double *J, mukca_observations *observations,

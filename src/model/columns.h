@@ -15,6 +15,14 @@
 #define PART static __attribute__((noinline, unused))
 #endif
 
+/* Rotation vector of joint j's frame before its rotation; NULL: none. */
+static inline const double *joint_rotation(const mukca_displacement *displacement, int j)
+{
+    if (j < 0 || !displacement || !displacement->any_rotation) return NULL;
+    const double *w = displacement->rotation[j];
+    return w[0] != 0 || w[1] != 0 || w[2] != 0 ? w : NULL;
+}
+
 /* A frame by columns: x, y and z axes and origin, in base coordinates.  With several lanes a
  * column is one vector with 0 as its fourth component, else an array. */
 enum { ROWS = MUKCA_LANES > 1 ? 1 : 3 };

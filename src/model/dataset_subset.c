@@ -1,10 +1,9 @@
 /* Datasets: subsets, commanded angles, states of the joints. */
+#include "model/dataset_subset.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "model/dataset.h"
-#include "mukca/row_state.h"
 
 /* Copy the kept samples of source[rows][width]; NULL stays NULL. */
 static bool copy_doubles(double **out, const double *source, int width, const mukca_dataset *data,

@@ -42,12 +42,18 @@ typedef struct {
 void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
                             const mukca_displacement *displacement);
 
-/* Rotation vector of joint j's frame before its rotation; NULL: none. */
-static inline const double *joint_rotation(const mukca_displacement *displacement, int j)
+/* mukca_fk_position without a displacement. */
+void mukca_fk_tip(double position[3], const mukca_geometry *geometry, const double *q);
+
+/* v := v in the frame before element k, without a displacement by effects. */
+MUKCA_INLINE void back_vector(double v[3], const mukca_geometry *geometry, int k,
+                              const joint_angles *at)
 {
-    if (j < 0 || !displacement || !displacement->any_rotation) return NULL;
-    const double *w = displacement->rotation[j];
-    return w[0] != 0 || w[1] != 0 || w[2] != 0 ? w : NULL;
+    const int j = geometry->joint[k];
+    if (geometry->type[k] == MUKCA_PRISMATIC)
+        for (int i = 0; i < 3; i++) v[i] += at->q[j] * geometry->axis[k][i];
+    else if (j >= 0)
+        turn_vector(v, geometry, k, at->s[j], at->c[j]);
 }
 
 #endif

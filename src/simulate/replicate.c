@@ -6,7 +6,7 @@
 
 #include "arm/inverse.h"
 #include "base/pool.h"
-#include "mukca/row_state.h"
+#include "model/dataset_subset.h"
 
 enum { DIM = 6, SWEEPS = 50 };
 

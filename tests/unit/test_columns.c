@@ -115,8 +115,8 @@ static void check_fit(const scene *s)
     if (s->tool) mukca_frame_multiply(tip, tip, &s->target);
     mukca_geometry_theta(theta, &chain, &geometry);
     const int n = parameters.n, part = s->oriented ? 6 : 3;
-    assert_true(mukca_observe_setup(&o, &pool, &chain, &s->data, NULL, n));
-    assert_true(mukca_orientations_add(&o, &pool, &s->data));
+    assert_true(mukca_observe_setup(&o, &pool, &chain, &s->data, n));
+    assert_true(mukca_poses_add(&o, &pool, &s->data));
     double *r = MUKCA_TAKE(&pool, double, o.n_residuals);
     double *J = MUKCA_TAKE(&pool, double, o.n_residuals *n);
     assert_true(r && J);

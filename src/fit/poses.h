@@ -1,7 +1,7 @@
-/* Measured orientations: 3 more residuals per sample, the rotation vector from the measured
- * orientation times MUKCA_METRES_PER_RADIAN. */
-#ifndef MUKCA_FIT_ORIENTATIONS_H
-#define MUKCA_FIT_ORIENTATIONS_H
+/* Measured poses: their positions are residuals of observe.h; orientations are 3 more residuals per
+ * sample, the rotation vector from the measured orientation times MUKCA_METRES_PER_RADIAN. */
+#ifndef MUKCA_FIT_POSES_H
+#define MUKCA_FIT_POSES_H
 
 #include "fit/observe.h"
 
@@ -9,11 +9,10 @@
  * equivalent at the end of a tool of 0.1 m. */
 #define MUKCA_METRES_PER_RADIAN 0.1
 
-/* Add those of the data, if any; sets turn_share, and counts them.  False: out of memory. */
-bool mukca_orientations_add(mukca_observations *observations, mukca_pool *pool,
-                            const mukca_dataset *data);
+/* Add those of the data, if any: one more group.  False: out of memory. */
+bool mukca_poses_add(mukca_observations *observations, mukca_pool *pool, const mukca_dataset *data);
 
-/* The functions below have no effect and return 0 without orientations. */
+/* Without measured orientations the functions below have no effect and return 0. */
 
 /* Compute the residuals after mukca_observe_predict. */
 void mukca_orientations_predict(mukca_observations *observations);

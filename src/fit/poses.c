@@ -1,24 +1,55 @@
-/* Residuals of measured orientations and the gradient of their sum of squares. */
-#include "fit/orientations.h"
+/* Measured poses; residuals and gradient of orientations. */
+#include "fit/poses.h"
 
+#include <math.h>
 #include <string.h>
 
-bool mukca_orientations_add(mukca_observations *o, mukca_pool *pool, const mukca_dataset *data)
+#include "fit/sweep_jacobian.h"
+
+static bool has_position(const mukca_dataset *data, int row)
 {
-    int oriented = 0;
-    for (int i = 0; i < o->n_rows; i++) oriented += mukca_observe_orientation(data, i);
-    if (oriented == 0) return true;
-    double *share = MUKCA_TAKE(pool, double, o->n_rows);
-    o->aim = MUKCA_TAKE(pool, double, 9 * o->n_rows);
-    o->turn_residual = MUKCA_TAKE(pool, double, 3 * (o->n_rows + MUKCA_SWEEP_PADDING));
-    if (pool->failed) return false;
-    o->turn_share = share;
-    o->n_measured += 3 * oriented;
-    o->n_residuals += 3 * o->n_rows;
+    return data->socket[row] < 0 && data->position && isfinite(data->position[3 * row]);
+}
+
+static bool has_orientation(const mukca_dataset *data, int row)
+{
+    return data->socket[row] < 0 && data->quaternion && isfinite(data->quaternion[4 * row]);
+}
+
+static bool take(mukca_observations *o, mukca_pool *pool, bool oriented)
+{
+    const int n = o->n_rows;
+    o->target = MUKCA_TAKE(pool, double, 3 * n);
+    if (!oriented) return !pool->failed;
+    o->turn_share = MUKCA_TAKE(pool, double, n);
+    o->aim = MUKCA_TAKE(pool, double, 9 * n);
+    o->turn_residual = MUKCA_TAKE(pool, double, 3 * (n + MUKCA_SWEEP_PADDING));
+    o->n_residuals += 3 * n;
+    return !pool->failed;
+}
+
+bool mukca_poses_add(mukca_observations *o, mukca_pool *pool, const mukca_dataset *data)
+{
+    int rows = 0, poses = 0, oriented = 0;
     for (int i = 0; i < o->n_rows; i++) {
-        if (!mukca_observe_orientation(data, i)) continue;
-        share[i] = o->pose_share;
-        mukca_rotation_from_quaternion(o->aim + 9 * i, data->quaternion + 4 * i);
+        rows += data->socket[i] < 0;
+        poses += has_position(data, i) || has_orientation(data, i);
+        oriented += has_orientation(data, i);
+    }
+    if (rows == 0) return true;
+    if (!take(o, pool, oriented > 0)) return false;
+    o->n_groups += poses > 0;
+    o->n_measured += 3 * oriented;
+    for (int i = 0; i < o->n_rows; i++) {
+        if (has_position(data, i)) {
+            o->share[i] = 1.0 / poses;
+            o->n_measured += 3;
+            memcpy(o->target + 3 * i, data->position + 3 * i, 3 * sizeof *o->target);
+        }
+        if (has_orientation(data, i)) {
+            o->turn_share[i] = 1.0 / poses;
+            mukca_rotation_from_quaternion(o->aim + 9 * i, data->quaternion + 4 * i);
+        }
     }
     return true;
 }
