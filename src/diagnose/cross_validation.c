@@ -101,7 +101,7 @@ typedef struct {
     const mukca_findings *findings;
     const mukca_diagnose_options *options;
     double *excused, *full[2]; /* [n_rows] */
-    mukca_unknowns all;
+    mukca_unknowns *all;
 } measurement;
 
 /* Error of all identified causes together. */
@@ -130,7 +130,7 @@ static mukca_status measure_each(measurement *s, mukca_error *error)
     const mukca_diagnose_options *o = s->options;
     const int n = s->findings->n_causes;
     unsigned version = m->linear.version;
-    mukca_unknowns_assign(&s->all, &m->unknowns);
+    mukca_unknowns_assign(s->all, &m->unknowns);
     for (int i = 0; i < n; i++) {
         const mukca_cause *cause = &s->findings->causes[i];
         const int c = cause->suspected ? -1 : mukca_cause_find(m, cause);
@@ -143,7 +143,7 @@ static mukca_status measure_each(measurement *s, mukca_error *error)
         mukca_regression_revise(m);
         mukca_folds_run(s->b->error, s->b, by_socket);
         mukca_folds_compare(&s->v->cause[i], s->b, s->b->error, s->full[by_socket]);
-        mukca_unknowns_assign(&m->unknowns, &s->all);
+        mukca_unknowns_assign(&m->unknowns, s->all);
         if (m->linear.version != version) mukca_regression_freeze(m), version = m->linear.version;
     }
     return MUKCA_OK;
@@ -171,9 +171,12 @@ mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, m
         .excused = MUKCA_TAKE(&m->pool, double, rows),
         .full = {MUKCA_TAKE(&m->pool, double, rows), MUKCA_TAKE(&m->pool, double, rows)}};
     unsigned char *kept = MUKCA_TAKE(&m->pool, unsigned char, rows);
-    mukca_unknowns explained;
-    mukca_unknowns_clone(&explained, &m->pool, &m->unknowns);
-    mukca_unknowns_clone(&s.all, &m->pool, &m->unknowns);
+    mukca_unknowns *explained = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
+    s.all = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
+    if (!m->pool.failed) {
+        mukca_unknowns_clone(explained, &m->pool, &m->unknowns);
+        mukca_unknowns_clone(s.all, &m->pool, &m->unknowns);
+    }
     mukca_cross_validation_clear(v);
     v->placement_m = MUKCA_TAKE(pool, double, m->recording.data->n_placements + 1);
     if (m->pool.failed || pool->failed)
@@ -188,7 +191,7 @@ mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, m
      * absorb what the causes explain.  Without causes it was fitted already. */
     if (findings->verdict != MUKCA_VERDICT_NONE) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
     measure_geometry(v, &b, s.excused);
-    mukca_unknowns_assign(&m->unknowns, &explained);
+    mukca_unknowns_assign(&m->unknowns, explained);
     memcpy(m->recording.keep, kept, (size_t)rows);
     mukca_recording_regroup(&m->recording);
     const mukca_status status = v->folds < 2 ? MUKCA_OK : measure_causes(&s, error);

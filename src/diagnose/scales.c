@@ -186,9 +186,9 @@ static void solve_block(double *y, const double *L, const double *V, int size, i
 }
 
 /* Update V and x for this factor: V -= (1 - f) V[][at] K^-1 V[at][] (Woodbury).  T is scratch. */
-static void widen(double *V, double *T, int size, int at, int n, double f)
+static void widen(double *V, double *T, double *L, int size, int at, int n, double f)
 {
-    double L[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], *lost = T + n * size;
+    double *lost = T + n * size;
     if (!factor_block(L, V, size, at, n, f)) return;
     memcpy(T, V + at * size, sizeof *T * (size_t)(n * size));
     mukca_dense_forward(T, size, L, n);
@@ -197,10 +197,10 @@ static void widen(double *V, double *T, int size, int at, int n, double f)
     for (int i = 0; i < size * size; i++) V[i] -= (1 - f) * lost[i];
 }
 
-/* Choose the scale of a cause with columns of V from `at` on; T is scratch. */
-static void choose_cause(mukca_accepted *cause, double *V, double *T, int size, int at)
+/* Choose the scale of a cause with columns of V from `at` on; T and L are scratch. */
+static void choose_cause(mukca_accepted *cause, double *V, double *T, double *L, int size, int at)
 {
-    double L[MUKCA_MAX_COLUMNS * MUKCA_MAX_COLUMNS], y[MUKCA_MAX_COLUMNS], x[MUKCA_MAX_COLUMNS];
+    double y[MUKCA_MAX_COLUMNS], x[MUKCA_MAX_COLUMNS];
     double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES], chosen = 1, best = -HUGE_VAL;
     const double own = cause->scale;
     const int n = cause->candidate.terms,
@@ -215,7 +215,7 @@ static void choose_cause(mukca_accepted *cause, double *V, double *T, int size, 
         for (int k = 0; k < n; k++) value += 0.5 * f * x[k] * y[k] - log(L[k * n + k]);
         if (value > best) best = value, chosen = f, cause->scale = scales[i];
     }
-    if (chosen != 1) widen(V, T, size, at, n, chosen);
+    if (chosen != 1) widen(V, T, L, size, at, n, chosen);
 }
 
 static void choose_causes(choice *s)
@@ -229,7 +229,7 @@ static void choose_causes(choice *s)
         !find_covariance(V, s->some.A, scratch, &s->few, s->evidence->prior))
         return;
     for (int c = 0, at = 0; c < u->n_causes; at += u->cause[c++].candidate.terms)
-        if (!u->cause[c].known) choose_cause(&u->cause[c], V, scratch, s->few.size, at);
+        if (!u->cause[c].known) choose_cause(&u->cause[c], V, scratch, s->some.A, s->few.size, at);
     mukca_unknowns_prior(s->evidence->prior, u);
 }
 
