@@ -20,10 +20,10 @@ CORE_MODULES := base math model effect arm fit infer recalibrate capture plan si
 CORE_SRC := $(filter-out src/fit/nlopt_%,$(foreach module,$(CORE_MODULES),\
             $(sort $(wildcard src/$(module)/*.c))))
 # the part of these for control loops: no stdio, no allocation, no clock, no locale
-RT_SRC := $(addprefix src/,$(addsuffix .c,base/cells base/number base/print base/version math/orientation \
-          math/rotation math/sincos model/chain model/chain_names model/fk model/fk_frames model/fk_jacobian \
-          model/geometry_theta model/gravity model/row_state arm/acceptance arm/corrected \
-          arm/corrected_jacobian arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
+RT_SRC := $(addprefix src/,$(addsuffix .c,base/cells base/number base/print math/orientation \
+          math/rotation math/sincos model/chain model/chain_lookup model/fk model/fk_frames model/fk_jacobian \
+          model/gravity model/row_state arm/acceptance arm/corrected arm/corrected_jacobian \
+          arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
 # the paper's calibration alone, of the program's files (ARCHITECTURE.md)
 HEART_SRC := $(addprefix src/,$(addsuffix .c,heart/main heart/read base/pool base/status math/rotation \
              model/chain model/fk model/dataset fit/parameters fit/sweep fit/observe fit/cost \
@@ -160,7 +160,6 @@ bindir := $(DESTDIR)$(PREFIX)/bin
 libdir := $(DESTDIR)$(PREFIX)/lib
 incdir := $(DESTDIR)$(PREFIX)/include/mukca
 share  := $(DESTDIR)$(PREFIX)/share
-
 # Folders that install may have created, inner ones first, except those of a system prefix.
 emptied := $(libdir)/pkgconfig $(libdir)/systemd/system $(libdir)/systemd $(share)/man/man1 \
     $(share)/man/man5 $(share)/bash-completion/completions $(share)/bash-completion \

@@ -6,13 +6,12 @@
  * variables are whitened again at the best point so far, with the local metric, and f is of order
  * one again.
  */
-#include "fit/nlopt_whitened.h"
-
 #include <math.h>
 #include <string.h>
 
 #include "base/clock.h"
 #include "fit/nlopt_adapter.h"
+#include "fit/solver.h"
 #include "math/dense.h"
 
 typedef struct {

@@ -34,6 +34,9 @@ typedef struct {
 
 extern const mukca_solver mukca_solver_gauss_newton;
 
+/* "slsqp" (the default), "lbfgs", "gauss-newton"; ended by NULL.  Not part of the core library. */
+extern const mukca_solver *const mukca_solver_table[];
+
 /* For solvers: replace H[n][n] by L with L L' = H + ridge; the ridge keeps flat directions
  * solvable. */
 void mukca_solver_factorise(double *H, int n);

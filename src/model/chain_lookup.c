@@ -1,7 +1,13 @@
-/* Look-ups in a chain by name. */
+/* Look-ups in a chain, its parameters from a geometry; the version of the library. */
 #include <string.h>
 
 #include "mukca/chain.h"
+#include "mukca/version.h"
+
+const char *mukca_version(void)
+{
+    return MUKCA_VERSION;
+}
 
 int mukca_chain_find_element(const mukca_chain *chain, const char *name)
 {
@@ -19,4 +25,12 @@ int mukca_chain_find_joint(const mukca_chain *chain, const char *name)
 {
     const int k = mukca_chain_find_element(chain, name);
     return k < 0 ? -1 : chain->element[k].joint;
+}
+
+void mukca_geometry_theta(double *theta, const mukca_chain *chain, const mukca_geometry *geometry)
+{
+    for (int k = 0; k < chain->n_elements; k++) {
+        memcpy(theta + 6 * k, geometry->origin[k].p, 3 * sizeof *theta);
+        mukca_rotation_to_rpy(theta + 6 * k + 3, geometry->origin[k].R, chain->element[k].rpy);
+    }
 }
