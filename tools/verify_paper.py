@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""make verify-paper: Kana et al., Sensors 2022, 22, 2295, Tables 3 to 12, ours beside theirs.
+"""make -f tools/Makefile verify-paper: Kana et al., Sensors 2022, 22, 2295, Tables 3 to 12, ours beside theirs.
 
 The true arm is the Gen3 of their Table 2 with their Table 3 built in. Two runs: without compliance, where
 nothing but rounding may be left, and with 3e-4 rad/(N m) in joints 2, 4 and 6, which their section 7

@@ -71,17 +71,17 @@ static mukca_status run(cli_call *call)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "%.100s: no format has this ending; choose one with --format (%s)", file,
                           other_formats);
-    cli_model model;
+    cli_model *model = &call->session->model;
     mukca_output output = {0};
-    mukca_status status = cli_load_model(call, &model);
+    mukca_status status = cli_load_model(call, model);
     if (status == MUKCA_OK && call->arguments.n) /* its chain still has the factory's origins */
-        status = cli_load_data(call, &call->session->data, &model, &call->arguments);
-    model.chain = model.urdf; /* the exported origins replace the URDF's */
+        status = cli_load_data(call, &call->session->data, model, &call->arguments);
+    model->chain = model->urdf; /* the exported origins replace the URDF's */
     const mukca_export_input input = {.urdf_path = c->urdf,
                                       .offsets_path = c->offsets,
-                                      .chain = &model.chain,
-                                      .offsets = &model.offsets,
-                                      .kinematics = c->kinematics ? &model.kinematics : NULL,
+                                      .chain = &model->chain,
+                                      .offsets = &model->offsets,
+                                      .kinematics = c->kinematics ? &model->kinematics : NULL,
                                       .postures = call->session->data.q,
                                       .n_postures = call->session->data.n_rows,
                                       .note = o->check ? NULL : cli_note,

@@ -14,6 +14,7 @@
 #include "io/dataset_load.h"
 #include "io/output.h"
 #include "io/urdf.h"
+#include "model/dataset_subset.h"
 
 /* Larger values are in mm/s^2 or wrong: no arm works at 100 g. */
 static const double most_gravity = 1e3; /* m/s^2 */

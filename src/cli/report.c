@@ -14,7 +14,7 @@
 #include "diagnose/mounting.h"
 #include "fit/accept.h"
 #include "fit/columns.h"
-#include "fit/nlopt_adapter.h"
+#include "fit/solver.h"
 #include "io/output.h"
 #include "report/fleet_page.h"
 #include "report/report.h"

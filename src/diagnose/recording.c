@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "diagnose/postures.h"
+#include "model/dataset_subset.h"
 
 /* One row in ten that repeats a posture is no accident. */
 #define FEW_REPEATS 0.1

@@ -7,6 +7,7 @@
 
 #include "fit/frames.h"
 #include "fit/part.h"
+#include "model/dataset_subset.h"
 
 enum {
     BLOCKS = 5,      /* of consecutive samples, which are correlated; as in diagnose */

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "fit/cost_normal.h"
+#include "fit/poses.h"
 #include "math/dense.h"
 
 /* Fraction of a socket's samples, or of the poses (-1), that is in the part. */
@@ -134,9 +136,13 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     double log_product = 0, distances;
     memset(id, 0, sizeof *id);
     mukca_cost_normal(R, cost, x, true);
-    if (cost->part != cost) mukca_observe_predict(o, cost->part->theta);
+    if (cost->part != cost) {
+        mukca_observe_predict(o, cost->part->theta);
+        mukca_orientations_predict(o);
+    }
     const int pairs = cost->pair_weight > 0 ? o->n_pairs : 0;
-    double squares = mukca_observe_squares(&distances, o, false);
+    double squares =
+        mukca_observe_squares(&distances, o, false) + mukca_orientations_squares(o, false);
     if (pairs) squares += distances;
     factorise(R, s, cost->part);
     score_covariance(B, cost); /* overwrites the Jacobian */
@@ -147,7 +153,8 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
     while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
         log_product += log(s[id->rank++]);
-    while (id->determined < id->rank && s[id->determined] * s[id->determined] > cost->lambda)
+    while (id->determined < id->rank &&
+           s[id->determined] * s[id->determined] > mukca_cost_lambda(cost))
         id->determined++;
     id->observability = id->rank > 0 ? exp(log_product / id->rank) : 0;
     const int spare = o->n_measured - o->n_pairs + pairs - id->rank;

@@ -30,9 +30,8 @@ void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_ch
 {
     mukca_random random;
     mukca_parameters free;
-    const mukca_selection all = {0};
     mukca_simulate_seed(&random, seed, MUKCA_DRAW_GEOMETRY);
-    if (mukca_parameters_select(&free, chain, &all, NULL)) return;
+    mukca_parameters_set(&free, chain, NULL, false);
     for (int i = 0; i < free.n; i++) {
         const int k = free.index[i];
         theta[k] += (k % MUKCA_PARAMETERS < 3 ? shift : turn) * mukca_random_normal(&random);

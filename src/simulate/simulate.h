@@ -13,6 +13,7 @@
 
 #include "math/random.h"
 #include "model/dataset.h"
+#include "mukca/row_state.h"
 
 /* Purposes of random numbers. */
 typedef enum {

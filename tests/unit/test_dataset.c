@@ -3,7 +3,7 @@
 #include "io/dataset_load.h"
 
 #include "io/urdf.h"
-#include "model/dataset.h"
+#include "model/dataset_subset.h"
 #include "scratch.h"
 
 static mukca_chain chain;

@@ -1,5 +1,6 @@
 /* Simulated recordings: consistent with their truth, effects of the size asked for, the same for
  * the same seed. */
+#include "model/dataset_subset.h"
 #include "mukca/gravity.h"
 #include "scene.h"
 

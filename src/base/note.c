@@ -1,0 +1,19 @@
+/* Formatted notes. */
+#include "base/note.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "base/utf8.h"
+
+void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
+{
+    char text[512];
+    va_list args;
+    if (!note) return;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    mukca_utf8_mend(text);
+    note(context, text);
+}
