@@ -253,6 +253,9 @@ verify-plan: $(BENCHES) ## value of planned postures on simulated arms
 verify-report: $(PROGRAM) ## reports of the demo and of real robots in a headless browser
 	@$(TEST_ENVIRONMENT) $(call script,verify_report)
 
+artefact: ## STL files, drawing and picture of the printed tool (needs openscad)
+	@$(call script,artefact)
+
 deb: $(PROGRAM) $(CORE) ## a Debian package in build/
 	@$(TEST_ENVIRONMENT) VERSION=$(VERSION) $(call script,deb)
 
