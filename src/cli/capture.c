@@ -88,7 +88,7 @@ static void read_keys(session *s)
 /* Ask for confirmation of a mapping by order on the terminal. */
 static mukca_status confirm_map(session *s)
 {
-    char text[2048], answer[16] = "";
+    char text[4096], answer[16] = "";
     mukca_recorder *r = &s->recorder;
     mukca_stream_describe_map(r, text, sizeof text);
     cli_log(s->call, "%s", text);

@@ -35,6 +35,7 @@ static const cli_option options[] = {
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_UNITS_OPTION,
+    CLI_COLUMNS_OPTION,
     CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
     CLI_FORCE_OPTION,
@@ -119,8 +120,9 @@ static mukca_status read_pose(mukca_frame *target, const pose_table *p, mukca_er
                                     i < 3 ? "position; give m" : "rotation; give rad");
     }
     for (int i = 0; i < 3; i++) {
-        target->p[i] = p->length * v[i];
-        if (p->first == 7) v[7 + i] *= p->angle;
+        const bool own = mukca_table_has_unit(table, p->column[i]);
+        target->p[i] = (own ? 1 : p->length) * v[i];
+        if (p->first == 7 && !mukca_table_has_unit(table, p->column[7 + i])) v[7 + i] *= p->angle;
     }
     if (p->first == 7) mukca_rotation_exp(target->R, v + 7);
     if (p->first != 3) return MUKCA_OK;

@@ -142,7 +142,7 @@ static bool find_names(mukca_recorder *r)
     mukca_stream *stream = &r->stream;
     const int n = stream->last.joints.has[MUKCA_LCM_ROLE_NAME] ? stream->last.joints.n : 0;
     for (int j = 0; j < r->chain->n_joints; j++) {
-        const char *joint = mukca_recorder_joint(r, j);
+        const char *joint = stream->map.name[j];
         if (stream->map.reading[j] < n &&
             strcmp(stream->last.joints.name[stream->map.reading[j]], joint) == 0)
             continue;

@@ -82,6 +82,9 @@ refuses "text for an angle" 1 'joint_2 reads nan: no angle' "time_s,$joints\n1,0
 refuses "degrees" 1 'joint_1 reads 90: no angle in rad' "time_s,$joints\n1,90,0,0,0,0,0,0\n"
 refuses "no names" 2 'sends no joint names.*--map order' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n'
 refuses "order confirmed" 1 'no sample was recorded' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n' --map order
+refuses "names of a second arm" 1 'reading  1  left_joint_1  *->  joint_1 ' "time_s,left_${joints//,/,left_}\n1,0,0,0,0,0,0,0\n"
+refuses "an order that contradicts the names" 3 'contradicts the names: reading 1 of standard input is "joint_2", joint 1 of the arm is "joint_1"' \
+    "time_s,joint_2,joint_1,${joints#*,*,}\n1,0,0,0,0,0,0,0\n" --map order
 refuses "LCM's options" 2 '--channel, --type and --record belong to LCM' '' --channel X
 printf "$joints\n0,0,0,0,0,0,0\n" >"$dir/timeless.csv"
 capture --stdin --still -o "$dir/bad.tsv" --force <"$dir/timeless.csv" >"$dir/out" 2>"$dir/said"
