@@ -11,11 +11,27 @@ double mukca_unit_take(char *name)
     static const struct {
         const char *unit;
         double factor;
-    } units[] = {{"rad", 1},         {"deg", DEGREE},   {"\xC2\xB0", DEGREE}, {"\xB0", DEGREE},
-                 {"degrees", DEGREE}, {"m", 1},          {"mm", 1e-3},        {"cm", 1e-2},
-                 {"s", 1},           {"ms", 1e-3},      {"us", 1e-6},        {"kg", 1},
-                 {"N m", 1},         {"Nm", 1},         {"N*m", 1},          {"\xC2\xB0""C", 1},
-                 {"rad/s", 1},       {"deg/s", DEGREE}, {"\xC2\xB0/s", DEGREE}};
+    } units[] = {{"rad", 1},
+                 {"deg", DEGREE},
+                 {"\xC2\xB0", DEGREE},
+                 {"\xB0", DEGREE},
+                 {"degrees", DEGREE},
+                 {"m", 1},
+                 {"mm", 1e-3},
+                 {"cm", 1e-2},
+                 {"s", 1},
+                 {"ms", 1e-3},
+                 {"us", 1e-6},
+                 {"kg", 1},
+                 {"N m", 1},
+                 {"Nm", 1},
+                 {"N*m", 1},
+                 {"\xC2\xB0"
+                  "C",
+                  1},
+                 {"rad/s", 1},
+                 {"deg/s", DEGREE},
+                 {"\xC2\xB0/s", DEGREE}};
     size_t length = strlen(name);
     const char last = length ? name[length - 1] : '\0';
     char *open = last == ']' ? strrchr(name, '[') : last == ')' ? strrchr(name, '(') : NULL;

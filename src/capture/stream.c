@@ -150,11 +150,11 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
     const int n = count_window(&pause, capture), arrived = age < 0 ? n : count_arrived(capture);
     const double end = stored_time(capture, 0, 0), covered = end - stored_time(capture, n - 1, 0);
     if (n < MIN_READINGS || covered < LEAST_COVERED * window || pause > 0.5 * window)
-        return mukca_fail(
-            error, MUKCA_NEGATIVE,
-            "only %d joint states in the last %g s, %.2g s of it without: hold still a "
-            "little longer, or use a longer --window",
-            n, window, fmax(window - covered, pause));
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "too few joint states in the last %g s (%d): hold still a little longer, "
+                          "or use a longer "
+                          "--window",
+                          window, n);
     if (!arrived)
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "the joint states of the last %g s came at once after a pause: hold "

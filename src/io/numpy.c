@@ -21,7 +21,8 @@ typedef struct {
     long rows, columns;
 } array_shape;
 
-/* Parse the header of an array, such as {'descr': '<f8', 'fortran_order': False, 'shape': (9, 6)}. */
+/* Parse the header of an array, such as {'descr': '<f8', 'fortran_order': False, 'shape': (9, 6)}.
+ */
 static bool read_shape(array_shape *a, FILE *stream)
 {
     unsigned char start[12];

@@ -97,6 +97,7 @@ static void feed(mukca_recorder *r, int64_t time)
         mukca_sampling_sample(r, &due, &answer);
         mukca_recorder_report(r, "%s", answer.text);
     } else if (text[0]) {
+        r->session.refused++;
         mukca_recorder_report(r, "%s", text);
     }
 }
