@@ -116,7 +116,8 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
 
 /* After a feed: true once per standstill if this is long enough, the posture differs from all
  * samples of the placement, and the ball is where a socket can be; *socket is then the index of
- * that socket.  `text` gets a line if the ball is elsewhere, else "". */
+ * that socket.  If the ball is elsewhere, `text` gets a line and *socket is that of another
+ * placement, or -1; else "". */
 bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture);
 
 /* Select the current socket, creating placement and socket if needed.  Errors: MUKCA_INPUT (too

@@ -71,6 +71,17 @@ static int nearest_socket(double *how_far, const mukca_capture *capture, const d
     return nearest;
 }
 
+/* Socket of any placement at x; -1: none. */
+static int find_socket(const mukca_capture *capture, const double x[3])
+{
+    double mean[3];
+    for (int s = 0; s < capture->rows.n_sockets; s++)
+        if (socket_mean(mean, capture, s, -1) &&
+            mukca_distance3(x, mean) < 0.4 * capture->settings.distance)
+            return s;
+    return -1;
+}
+
 /* Label of a socket of the current placement without samples; NULL: none. */
 static const char *empty_label(const mukca_capture *capture)
 {
@@ -124,6 +135,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
         *socket = capture->socket;
         return true;
     }
+    *socket = find_socket(capture, x);
     snprintf(text, MUKCA_CAPTURE_TEXT,
              "stands still, but %.0f mm from socket %s: not recorded (n begins another placement)",
              1e3 * how_far, capture->rows.sockets[nearest].label);

@@ -143,7 +143,7 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
     const mukca_chain *chain = capture->chain;
     if (!capture->count) return mukca_fail(error, MUKCA_NEGATIVE, "no joint state has come yet");
     if (age > window)
-        return mukca_fail(error, MUKCA_NEGATIVE, "the last joint state is %.2g s old", age);
+        return mukca_fail(error, MUKCA_NEGATIVE, "the last joint state is %.2f s old", age);
     if (capture->jumps >= 4)
         return mukca_fail(error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
     double pause, widest = 0;
@@ -171,7 +171,7 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
     if (widest <= capture->settings.range) return MUKCA_OK;
     return mukca_fail(
         error, MUKCA_NEGATIVE,
-        "the arm moves: %s by %.2g m%s in %g s (%.2g allowed): hold still and trigger again",
+        "the arm moves: %s by %.1f m%s in %g s (%.1f allowed): hold still and trigger again",
         mukca_chain_joint_name(chain, worst), 1e3 * widest,
         chain->element[chain->joint_element[worst]].type == MUKCA_PRISMATIC ? "m" : "rad", window,
         1e3 * capture->settings.range);

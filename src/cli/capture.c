@@ -352,8 +352,9 @@ const cli_command cli_command_capture = {
         "hold still and try again.\n\n"
         "Put the ball into socket 0 of the first placement and record some 20 postures, as "
         "different as possible. Press s and do the same in the other socket. Then move the tool, "
-        "press n, and start again; three or four placements all around the base are enough. The "
-        "screen shows the consistency error at this socket, which a badly seated ball raises, and "
+        "press n, and start again; three or four placements all around the base are enough. In a "
+        "recorded log, --still finds the placements, too. The screen shows the consistency error "
+        "at this socket, which a badly seated ball raises, and "
         "when more samples there no longer help.\n\n"
         "Keys: " CLI_CAPTURE_KEYS
         ". The bell rings once for a sample and twice for a refusal.\n\n"

@@ -40,8 +40,8 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
             strstr(meant, "deg") ? ", and give --units deg" : ", or check --urdf and --tip");
     return mukca_table_fail(
         error, t, -1,
-        "no column for joint '%s' of the chain (columns: %s%s); name them with --columns as the "
-        "URDF names the joints, or check --urdf and --tip",
+        "no column for joint '%s' (columns: %s%s); name them with --columns, or check --urdf "
+        "and --tip",
         joint, names, list.used + 1 == list.size ? "..." : "");
 }
 

@@ -19,7 +19,7 @@ enum { LONGEST_LINE = 1 << 20 }; /* bytes; a longer line is of another kind of f
 mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
                               const char *format, ...)
 {
-    char text[200], where[80] = "";
+    char text[256], where[80] = "";
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);

@@ -256,7 +256,7 @@ static mukca_status age_at(double *age, const mukca_recorder *r,
         lag < r->session.capture.settings.window || lag > longest_lag)
         return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
-                      "the last line is %.2g s older than the request: run the program before it "
+                      "the last line is %.1f s older than the request: run the program before it "
                       "without buffering (stdbuf -oL), or synchronise the clocks",
                       lag);
 }

@@ -276,8 +276,7 @@ static void bad_sessions_get_one_clear_line(void **state)
     static const struct {
         const char *text, *part;
     } cases[] = {
-        {"placement\tsocket\tj1\nx\t0\t0\n",
-         "s.tsv:1: no column for joint 'j2' of the chain (columns: "},
+        {"placement\tsocket\tj1\nx\t0\t0\n", "s.tsv:1: no column for joint 'j2' (columns: "},
         {"placement\tsocket\tj1\tJ_2\n", "rename column 'J_2' with --columns 'J_2=j2'"},
         {"j1\tj2\n0\t0\n", "neither a session nor a pose log"},
         {"placement\tj1\tj2\n0\t0\t0\n", "no column 'socket'"},
