@@ -61,7 +61,7 @@ LD_FLAGS  = -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none -Wl,-z,relro,-
 
 # The flags of the libraries are in a generated makefile; make restarts after generating it.
 # `demo` and `check` install missing libraries, the other targets only report them.
-NEEDS_LIBRARIES := $(filter-out core rt clean help dist uninstall format $(NO_LIBRARIES),$(or $(MAKECMDGOALS),all))
+NEEDS_LIBRARIES := $(filter-out core rt clean help dist uninstall format artefact $(NO_LIBRARIES),$(or $(MAKECMDGOALS),all))
 include $(if $(NEEDS_LIBRARIES),$(BUILD)/config.mk)
 
 $(BUILD)/config.mk: tools/deps tools/config
@@ -80,7 +80,7 @@ link = $(call quietly,LD $@)mkdir -p $(@D); $(1) $(LD_FLAGS) $(LDFLAGS) -o $@ $^
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all core rt heart demo programs check golden bench tidy format deb dist install uninstall \
+.PHONY: all core rt heart demo programs check golden bench tidy format deb dist artefact install uninstall \
         clean help FORCE
 
 all: $(PROGRAM) $(CORE) $(RT) ## the program build/mukca and the core library (default)
@@ -149,6 +149,9 @@ bench: $(PROGRAM) $(BENCHES) ## times and memory compared with the references
 golden: $(PROGRAM) ## rewrite the expected output of the command-line tests and the man page's COMMANDS
 	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/cli/run.sh
 	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/docs/run.sh
+
+artefact: ## STL files, drawing and picture of the printed tool (needs openscad)
+	@tools/artefact
 
 deb: $(PROGRAM) $(CORE) ## a Debian package in build/
 	@$(TEST_ENVIRONMENT) VERSION=$(VERSION) tools/deb/run

@@ -35,6 +35,14 @@ for odd in "x$(printf 'é%.0s' $(seq 40))" "$(printf '\374n')"; do
     expect "a robot called after its file, whatever that is called" test $code -eq 0
 done
 
+printf 'joint,a,alpha [deg],d [mm],theta\nj1,0.1,pi/2,200,-3*pi/4\nj2,0,-45,0,0\n' >pi.csv
+printf 'joint,a,alpha,d,theta\nj1,0.1,1.5707963267948966,0.2,-2.356194490192345\nj2,0,-0.7853981633974483,0,0\n' >numbers.csv
+for table in pi numbers; do
+    "$MUKCA" urdf -q --dh $table.csv -o $table.urdf
+    echo 0.1,0.2 | "$MUKCA" fk --urdf $table.urdf --pose >$table.txt
+done
+expect "multiples of pi, and units in the header" cmp pi.txt numbers.txt
+
 # bad tables: one line each
 table() { printf "joint\ta\talpha\td\ttheta$1\n$2" >bad.tsv; }
 table '' 'j1\t0\t1.5\t0.2\t0\nj1\t0\t0\t0\t0\n'
