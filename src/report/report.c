@@ -10,22 +10,17 @@
 /* Sections in reading order; one without any of its figures is omitted. */
 static const struct {
     const char *id, *heading;
-    mukca_report_figure *figures[2];
-    mukca_report_text *text; /* after the figures, may be NULL */
+    mukca_report_figure *figure; /* NULL: none */
+    mukca_report_text *text;     /* after the figures, may be NULL */
 } sections[] = {
-    {"causes",
-     "Remaining error and its causes",
-     {mukca_report_ladder, mukca_report_arm},
-     mukca_report_put_causes},
-    {"placements", "Errors by placement", {mukca_report_placements}, mukca_report_put_placements},
-    {"joints", "Errors by joint", {mukca_report_joints}, NULL},
-    {"limits", "Detection limits", {NULL}, mukca_report_put_limits},
-    {"samples", "Samples and recording faults", {mukca_report_samples}, mukca_report_put_faults},
-    {"centres", "Predicted ball centres", {mukca_report_centres}, NULL},
-    {"convergence", "Convergence", {mukca_report_convergence}, mukca_report_put_terms},
-    {"generalisation", "Generalisation to other placements", {mukca_report_generalisation}, NULL},
-    {"offsets", "Offsets", {mukca_report_offsets}, mukca_report_put_offsets},
-    {"provenance", "Provenance", {NULL}, mukca_report_put_provenance},
+    {"causes", "Remaining error and its causes", mukca_report_ladder, mukca_report_put_causes},
+    {"placements", "Errors by placement", mukca_report_placements, mukca_report_put_placements},
+    {"joints", "Errors by joint", mukca_report_joints, NULL},
+    {"limits", "Detection limits", NULL, mukca_report_put_limits},
+    {"samples", "Samples and recording faults", mukca_report_samples, mukca_report_put_faults},
+    {"centres", "Predicted ball centres", mukca_report_centres, NULL},
+    {"offsets", "Offsets", NULL, mukca_report_put_offsets},
+    {"provenance", "Provenance", NULL, mukca_report_put_provenance},
 };
 enum { SECTIONS = sizeof sections / sizeof *sections };
 
@@ -34,19 +29,15 @@ static mukca_status put_figures(const mukca_page_figures *to, int section, const
                                 mukca_error *error)
 {
     mukca_status status = MUKCA_OK;
-    for (int k = 0; k < 2 && sections[section].figures[k]; k++) {
-        bool more = true;
-        for (int i = 0; more && status == MUKCA_OK; i++) {
-            mukca_plot plot;
-            if (r->progress &&
-                !r->progress(r->progress_context, 1.0 * section / SECTIONS, "drawing"))
-                return mukca_fail(error, MUKCA_INTERRUPTED,
-                                  "interrupted; the page was not written");
-            status = mukca_plot_open(&plot, error);
-            more = status == MUKCA_OK && sections[section].figures[k](&plot, r, i);
-            if (more) status = mukca_page_figure(to, &plot, error);
-            mukca_plot_free(&plot);
-        }
+    bool more = sections[section].figure != NULL;
+    for (int i = 0; more && status == MUKCA_OK; i++) {
+        mukca_plot plot;
+        if (r->progress && !r->progress(r->progress_context, 1.0 * section / SECTIONS, "drawing"))
+            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
+        status = mukca_plot_open(&plot, error);
+        more = status == MUKCA_OK && sections[section].figure(&plot, r, i);
+        if (more) status = mukca_page_figure(to, &plot, error);
+        mukca_plot_free(&plot);
     }
     return status;
 }
@@ -65,7 +56,7 @@ static mukca_status put_section(FILE *out, FILE *list, int section, const mukca_
     mukca_status status = put_figures(&page, section, r, error);
     if (!mukca_file_close(page.page, &figures) && status == MUKCA_OK)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    if (status == MUKCA_OK && (size > 0 || !sections[section].figures[0])) {
+    if (status == MUKCA_OK && (size > 0 || !sections[section].figure)) {
         fprintf(list, "<li><a href=\"#%s\">%s</a></li>\n", id, heading);
         fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", id, id, heading);
         if (size > 0) fprintf(out, "<div class=\"figures\">\n%s</div>\n", figures);

@@ -61,15 +61,11 @@ void mukca_report_put_placements(FILE *out, const mukca_report *r)
                        b->distance_error * mm);
     }
     mukca_html_table_end(&table);
-}
-
-void mukca_report_put_terms(FILE *out, const mukca_report *r)
-{
-    fputs(r->data.n_sockets == 0
-              ? "<p>Error of a pose: distance of the predicted from the measured position.</p>\n"
-              : "<p>Consistency error: distance of the predicted ball centres of one socket from "
-                "their "
-                "mean. Distortion: error of the predicted distance between two sockets.</p>\n",
+    fputs(sockets ? "<p>Consistency error (mean, rms): distance of the predicted ball centres of "
+                    "one socket from their mean. Distortion: error of the predicted distance "
+                    "between two sockets.</p>\n"
+                  : "<p>Error of a pose: distance of the predicted from the measured "
+                    "position.</p>\n",
           out);
 }
 
