@@ -79,9 +79,6 @@ ok "and to 2 urad" less "$(number "$dir/r.json" test orientation both max_rad)" 
 ok "rank 17 of 24 lengths" test "$(number "$dir/r.json" models rank)" = 24
 ok "one pass under 1 um" "$mukca" recalibrate "${arm[@]}" "$dir/sweeps.tsv" --json "$dir/one.json"
 ok "one pass under 1 um" less "$(number "$dir/one.json" train position both mean_m)" 1e-6
-ok "the work volume makes a second model" "$mukca" recalibrate "${arm[@]}" "$dir/sweeps.tsv" \
-    --target "$dir/targeted.tsv" --test "$dir/targeted-test.tsv" --json "$dir/two.json"
-ok "two models" test "$(grep -c '"passes"' "$dir/two.json")" = 2
 ok "the table predicts for others" sh -c "cut -f2-8 '$dir/raster.tsv' | grep -v '^#' >'$dir/q.tsv' &&
     '$mukca' fk --urdf '$urdf' --offsets '$dir/offsets.tsv' '$dir/q.tsv' -o '$dir/p.tsv' &&
     grep -v '^#' '$dir/raster.tsv' | cut -f9-11 | paste - '$dir/p.tsv' |
@@ -164,12 +161,7 @@ if [ -d "$real" ]; then
         refuses "$robot: no factory calibration" 5 "no calibration in these poses" \
             "$mukca" recalibrate --urdf "$real/panda.urdf" "$real/$robot"/*/
     done
-    ok "panda_4 holds one" "$mukca" recalibrate --urdf "$real/panda.urdf" "$real/panda_4"/*/ --json "$dir/panda.json"
-    for d in d3 d5; do
-        value=$(awk -v d="joint${d#d} $d" 'index($0, d) { found = 1 } found && /"value"/ { gsub(/[^-0-9.e]/, ""); sub(/^e/, ""); print; exit }' "$dir/panda.json")
-        ok "panda_4: $d is 0.2 mm longer" sh -c "awk -v v='$value' 'BEGIN { exit !(v > 0.00019 && v < 0.00021) }'"
-    done
-    ok "panda_4: 0.012 mm left" less "$(number "$dir/panda.json" constants left_median_m)" 13e-6
+    ok "panda_4 holds one" "$mukca" recalibrate --urdf "$real/panda.urdf" "$real/panda_4"/*/
 else
     echo "skip published controllers' poses: $real is not here (MUKCA_REAL_DATA)"
 fi

@@ -75,13 +75,15 @@ static void choose_unknowns(mukca_pose_system *a, mukca_pose_system *p, const mu
     if (o->free_tool && oriented) add_three(a, MUKCA_UNKNOWN_TOOL_TURN, -1);
 }
 
-double mukca_pose_huber(double length, double median)
+/* Huber's weight of a residual of that length; `median` is the median length. */
+static double huber(double length, double median)
 {
     const double bend = 1.6 * median; /* 2.5 sigma: the median length of 3 normals is 1.54 */
     return length > bend && bend > 0 ? bend / length : 1;
 }
 
-double mukca_metres_per_radian(const mukca_pose_errors *errors)
+/* Ratio of position to rotation error (medians), 0.01 to 10 m; 0 if either vanishes. */
+static double metres_per_radian(const mukca_pose_errors *errors)
 {
     const double p = mukca_histogram_median(&errors->position_histogram);
     const double w = mukca_histogram_median(&errors->rotation_histogram);
@@ -120,9 +122,9 @@ static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b,
         if (first) note_range(s->out, reader.now, reader.n_joints);
         mukca_pose_look_at(&look, &s->model, reader.now, options->order);
         mukca_pose_errors_add(&s->errors, &look);
-        double p = sqrt(reader.weight), w = p;
-        if (robust) p *= sqrt(mukca_pose_huber(mukca_norm3(look.position), position_scale));
-        if (robust) w *= sqrt(mukca_pose_huber(mukca_norm3(look.rotation), rotation_scale));
+        double p = 1, w = 1;
+        if (robust) p = sqrt(huber(mukca_norm3(look.position), position_scale));
+        if (robust) w = sqrt(huber(mukca_norm3(look.rotation), rotation_scale));
         if (a) mukca_pose_system_add(a, &look, p, w);
         if (b) mukca_pose_system_add(b, &look, p, w);
     }
@@ -209,7 +211,7 @@ static mukca_status converge(session *s, mukca_pose_system *system, mukca_pose_s
         without = s->model;
         status = step(&size, s, system, lag, error);
         if (status != MUKCA_OK) return status;
-        const double scale = mukca_metres_per_radian(&s->errors);
+        const double scale = metres_per_radian(&s->errors);
         if (system->positions && scale > 0) system->metres_per_radian = scale;
         const bool enough = size < 1e-10 || i >= MOST_PASSES + first || (!lag && !repeat);
         if (i < first || !enough) continue;
@@ -339,4 +341,26 @@ mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_
             mukca_pose_errors_add(&errors[i], &look);
         }
     }
+}
+
+/* Part of a median error that the fit removes. */
+static double without(double nominal, double left)
+{
+    return nominal > left ? sqrt(nominal * nominal - left * left) : 0;
+}
+
+void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r)
+{
+    static const double rounding = 1e-6; /* rounding of numbers in files, m and rad */
+    const mukca_pose_errors *before = &r->errors[MUKCA_BEFORE],
+                            *after = &r->errors[MUKCA_WITH_BOTH];
+    *oracle =
+        (mukca_oracle){.position_nominal = mukca_histogram_median(&before->position_histogram),
+                       .position_left = mukca_histogram_median(&after->position_histogram),
+                       .rotation_nominal = mukca_histogram_median(&before->rotation_histogram),
+                       .rotation_left = mukca_histogram_median(&after->rotation_histogram)};
+    oracle->position_systematic = without(oracle->position_nominal, oracle->position_left);
+    oracle->rotation_systematic = without(oracle->rotation_nominal, oracle->rotation_left);
+    oracle->calibrated = oracle->position_systematic > fmax(oracle->position_left, rounding) ||
+                         oracle->rotation_systematic > fmax(oracle->rotation_left, rounding);
 }

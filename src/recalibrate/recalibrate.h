@@ -64,12 +64,6 @@ mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_
 /* Create a reader of the task's logs. */
 mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task);
 
-/* Huber's weight of a residual of that length; `median` is the median length. */
-double mukca_pose_huber(double length, double median);
-
-/* Ratio of position to rotation error (medians), 0.01 to 10 m; 0 if either vanishes. */
-double mukca_metres_per_radian(const mukca_pose_errors *errors);
-
 /* Whether the poses contain a calibration: the part of the error that the fit removes must exceed
  * the remaining error (medians), in position or in orientation. */
 typedef struct {
@@ -78,20 +72,5 @@ typedef struct {
     double rotation_nominal, rotation_left, rotation_systematic; /* rad; 0 without orientations */
 } mukca_oracle;
 void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *result);
-
-/* A few constants that explain the difference as well as all unknowns do. */
-enum { MUKCA_MAX_CONSTANTS = 4 };
-typedef struct {
-    int n;     /* 0: a few do not suffice */
-    long rows; /* rows used to determine them; `errors` are of all rows */
-    mukca_unknown unknown[MUKCA_MAX_CONSTANTS];
-    bool along_axis[MUKCA_MAX_CONSTANTS]; /* a SHIFT along the joint's own axis ("d") */
-    double value[MUKCA_MAX_CONSTANTS], sigma[MUKCA_MAX_CONSTANTS];
-    double share;             /* fraction of the squared difference that they explain */
-    mukca_pose_errors errors; /* of the model with them alone */
-} mukca_constants;
-mukca_status mukca_recalibrate_constants(mukca_constants *constants,
-                                         const mukca_recalibration *result,
-                                         const mukca_recalibrate_task *task, mukca_error *error);
 
 #endif

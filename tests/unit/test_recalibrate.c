@@ -219,56 +219,6 @@ static void test_noise(void **state)
     assert_false(oracle.calibrated);
 }
 
-static void test_constants(void **state)
-{
-    (void)state;
-    mukca_error error;
-    mukca_constants constants;
-    const mukca_recalibrate_options options = {0};
-    mukca_pose_log log = as_log(&train);
-    build_truth(0);
-    truth.element[2].xyz[1] -= 2e-4; /* joint 3's own axis is y of its parent */
-    truth.element[5].xyz[0] += 3e-4;
-    record(&train, MUKCA_RECIPE_SWEEPS);
-    add_noise(&train, 1e-5, 1e-5, 5);
-    test.n = 0;
-    assert_int_equal(run(&options, &error), MUKCA_OK);
-    assert_int_equal(
-        mukca_recalibrate_constants(&constants, &result,
-                                    &(mukca_recalibrate_task){&nominal, &log, 1, &options}, &error),
-        MUKCA_OK);
-    assert_int_equal(constants.n, 2);
-    for (int c = 0; c < 2; c++) {
-        const bool d3 = constants.unknown[c].element == 2;
-        assert_int_equal(constants.unknown[c].element, d3 ? 2 : 5);
-        assert_int_equal(constants.along_axis[c], d3);
-        assert_close(constants.value[c], d3 ? -2e-4 : 3e-4, 5e-6);
-    }
-    assert_int_equal(constants.rows, train.n);
-    /* Of a long log, many times the same, they come from some of the rows. */
-    enum { TIMES = 60 };
-    mukca_pose_log logs[TIMES];
-    for (int i = 0; i < TIMES; i++) logs[i] = log;
-    const mukca_recalibrate_task task = {&nominal, logs, TIMES, &options};
-    const double value = constants.value[0];
-    assert_true(TIMES * train.n > 20000);
-    assert_int_equal(mukca_recalibrate(&result, &task, &error), MUKCA_OK);
-    assert_int_equal(mukca_recalibrate_constants(&constants, &result, &task, &error), MUKCA_OK);
-    assert_int_equal(constants.n, 2);
-    assert_in_range(constants.rows, 10000, 20000);
-    assert_close(constants.value[0], value, 5e-6);
-    assert_int_equal(constants.errors.position.n, TIMES * train.n);
-    /* Offsets everywhere are not a few constants. */
-    build_truth(1);
-    record(&train, MUKCA_RECIPE_SWEEPS);
-    assert_int_equal(run(&options, &error), MUKCA_OK);
-    assert_int_equal(
-        mukca_recalibrate_constants(&constants, &result,
-                                    &(mukca_recalibrate_task){&nominal, &log, 1, &options}, &error),
-        MUKCA_OK);
-    assert_int_equal(constants.n, 0);
-}
-
 /* Rows while all joints swing; poses taken 30 ms after the angles, 100 rows per second. */
 static void record_swing(double lag)
 {
@@ -511,9 +461,9 @@ static void test_text_once(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_paper),     cmocka_unit_test(test_joint_solution),
-        cmocka_unit_test(test_noise),     cmocka_unit_test(test_constants),
-        cmocka_unit_test(test_lag),       cmocka_unit_test(test_frames),
-        cmocka_unit_test(test_bad_input), cmocka_unit_test(test_text_once)};
+        cmocka_unit_test(test_paper),    cmocka_unit_test(test_joint_solution),
+        cmocka_unit_test(test_noise),    cmocka_unit_test(test_lag),
+        cmocka_unit_test(test_frames),   cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_text_once)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
