@@ -3,12 +3,11 @@
 #define MUKCA_CLI_FLEET_H
 
 #include "cli/cli.h"
-#include "fleet/traits.h"
+#include "fleet/fleet.h"
 
 typedef struct {
     mukca_fleet fleet;
     mukca_fleet_result result;
-    const char *path; /* file being read */
 } cli_fleet;
 
 /* Read all arguments and pool the summaries. */

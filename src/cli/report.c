@@ -180,19 +180,17 @@ static mukca_status write_page(cli_call *call)
 {
     const report_options *o = call->options;
     const report_work *w = call->work;
-    const char *format = formats[o->format];
+    mukca_page page = o->fleet ? mukca_fleet_page_of(&w->fleet_page) : mukca_report_page(&w->page);
     mukca_output output = {0};
     mukca_status status = MUKCA_OK;
+    page.progress = cli_show_progress;
+    page.progress_context = call;
     if (o->plots && mkdir(o->plots, 0777) != 0 && errno != EEXIST)
         return mukca_fail(&call->error, MUKCA_INPUT, "--plots %s: %s", o->plots, strerror(errno));
     if (o->plots)
-        status = o->fleet ? mukca_fleet_page_write_figures(o->plots, format, &w->fleet_page,
-                                                           &call->error)
-                          : mukca_report_write_figures(o->plots, format, &w->page, &call->error);
+        status = mukca_page_write_figures(o->plots, formats[o->format], &page, &call->error);
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
-    if (status == MUKCA_OK)
-        status = o->fleet ? mukca_fleet_page_write(output.stream, &w->fleet_page, &call->error)
-                          : mukca_report_write(output.stream, &w->page, &call->error);
+    if (status == MUKCA_OK) status = mukca_page_write(output.stream, &page, &call->error);
     return mukca_output_finish(&output, status, &call->error);
 }
 
@@ -205,12 +203,11 @@ static mukca_status prepare_fleet(cli_call *call)
     if (status == MUKCA_OK) status = cli_fleet_read(call, &w->fleet);
     if (status == MUKCA_OK)
         status = mukca_fleet_pool(&w->fleet.result, &w->fleet.fleet, &call->error);
-    if (status != MUKCA_OK) return status;
     w->fleet_page = (mukca_fleet_page){.command = w->command,
                                        .when = w->when,
                                        .fleet = &w->fleet.fleet,
                                        .result = &w->fleet.result};
-    return mukca_fleet_page_prepare(&w->fleet_page, &call->error);
+    return status;
 }
 
 static mukca_status check(cli_call *call)
@@ -236,7 +233,6 @@ static void release(void *work)
 {
     report_work *w = work;
     free(w->command);
-    mukca_fleet_page_free(&w->fleet_page);
     cli_fleet_free(&w->fleet);
     mukca_report_free(&w->page);
     mukca_next_poses_free(&w->next);
@@ -253,12 +249,8 @@ static mukca_status prepare_arm(cli_call *call)
     report_work *w = call->work;
     call->common->accept_failed = call->common->accept_edited =
         true; /* also report on a table that was not accepted */
-    w->page = (mukca_report){.chain = &s->model.chain,
-                             .offsets = &w->offsets,
-                             .train = &s->data,
-                             .test = &s->test,
-                             .progress = cli_show_progress,
-                             .progress_context = call};
+    w->page = (mukca_report){
+        .chain = &s->model.chain, .offsets = &w->offsets, .train = &s->data, .test = &s->test};
     mukca_status status = cli_load(call);
     if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) mukca_columns_note(cli_note, call, &s->model.chain, &s->data);
@@ -301,7 +293,7 @@ const cli_command cli_command_report = {
         "faults, offsets with standard errors, and provenance. gnuplot draws the figures.\n\n"
         "--fleet writes the page of many arms of one model from their summaries, the arguments "
         "of mukca fleet: arms that depart, what the arms share, each elastic coefficient with "
-        "the arms side by side, and the pooled ripple spectrum of each joint.",
+        "the arms side by side, and the most probable ripple order of each joint.",
     .example =
         "mukca report --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv -o "
         "build/demo/report.html --force",

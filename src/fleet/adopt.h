@@ -3,7 +3,7 @@
 #define MUKCA_FLEET_ADOPT_H
 
 #include "diagnose/diagnose.h"
-#include "fleet/traits.h"
+#include "fleet/fleet.h"
 
 /* A coefficient of this arm, rad/(N m). */
 typedef struct {

@@ -11,8 +11,9 @@ static double positive(double metres)
     return fmax(metres, 1e-8) * mm;
 }
 
-bool mukca_report_placements(mukca_plot *plot, const mukca_report *r, int index)
+bool mukca_report_placements(mukca_plot *plot, const void *content, int index)
 {
+    const mukca_report *r = content;
     static const struct {
         const char *id, *title, *label;
     } kinds[3] = {

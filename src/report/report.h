@@ -5,6 +5,7 @@
 #include "base/pool.h"
 #include "fit/evaluate.h"
 #include "io/offsets.h"
+#include "report/page.h"
 #include "report/wording.h"
 
 /* Errors of one placement, nominal and calibrated. */
@@ -33,8 +34,6 @@ typedef struct {
     const char *solver;                /* of `fit` */
     const mukca_dataset *train, *test; /* `test` may be empty */
     mukca_diagnosed diagnosed;         /* with `train` as its data */
-    mukca_progress_fn *progress;       /* may be NULL; false interrupts */
-    void *progress_context;
     /* Set by mukca_report_prepare. */
     mukca_dataset data;        /* samples of `train`, then of `test` */
     const double *nominal;     /* [n_rows][3] predicted tip, m */
@@ -55,11 +54,7 @@ typedef struct {
 mukca_status mukca_report_prepare(mukca_report *report, mukca_error *error);
 void mukca_report_free(mukca_report *report); /* harmless on a zeroed report */
 
-/* Write the page.  Errors: MUKCA_INTERRUPTED, those of mukca_plot_svg. */
-mukca_status mukca_report_write(FILE *out, const mukca_report *report, mukca_error *error);
-
-/* Write each figure as DIRECTORY/<id>.<format>, format "png", "pdf" or "svg".  Errors: as above. */
-mukca_status mukca_report_write_figures(const char *directory, const char *format,
-                                        const mukca_report *report, mukca_error *error);
+/* The page, whose content `report` must outlive it. */
+mukca_page mukca_report_page(const mukca_report *report);
 
 #endif

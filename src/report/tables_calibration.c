@@ -35,8 +35,9 @@ void mukca_report_put_key_figures(FILE *out, const mukca_report *r)
     fputs("</dl>\n", out);
 }
 
-void mukca_report_put_placements(FILE *out, const mukca_report *r)
+void mukca_report_put_placements(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const bool sockets = r->data.n_sockets > 0;
     mukca_html_table table = {
         .out = out,
@@ -69,8 +70,9 @@ void mukca_report_put_placements(FILE *out, const mukca_report *r)
           out);
 }
 
-void mukca_report_put_offsets(FILE *out, const mukca_report *r)
+void mukca_report_put_offsets(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     mukca_offset_row rows[MUKCA_MAX_OFFSET_ROWS];
     char verdict[MUKCA_ACCEPTANCE_SENTENCE];
     const int n = mukca_offsets_rows(rows, r->offsets, r->fitted);
@@ -94,8 +96,9 @@ void mukca_report_put_offsets(FILE *out, const mukca_report *r)
     mukca_html_table_end(&table);
 }
 
-void mukca_report_put_provenance(FILE *out, const mukca_report *r)
+void mukca_report_put_provenance(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     fputs("<p>Made by ", out);
     mukca_html_element(out, "code", r->command);
     fprintf(out, " at %s.", r->when);

@@ -160,8 +160,9 @@ static void put_confounding(FILE *out, const mukca_diagnosed *d)
     mukca_html_table_end(&table);
 }
 
-void mukca_report_put_causes(FILE *out, const mukca_report *r)
+void mukca_report_put_causes(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const mukca_diagnosed *d = &r->diagnosed;
     char words[MUKCA_WORDING], amplitude[MUKCA_WORDING], probability[MUKCA_WORDING];
     mukca_html_table table = {.out = out,
@@ -184,8 +185,9 @@ void mukca_report_put_causes(FILE *out, const mukca_report *r)
 
 /* ---- recording faults ---- */
 
-void mukca_report_put_faults(FILE *out, const mukca_report *r)
+void mukca_report_put_faults(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
     const mukca_dataset *data = r->train;
     mukca_html_table table = {.out = out,
@@ -252,8 +254,9 @@ static double limit_of(const mukca_diagnosis *d, int effect, int joint)
     return limit;
 }
 
-void mukca_report_put_limits(FILE *out, const mukca_report *r)
+void mukca_report_put_limits(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
     char columns[COLUMNS], name[MUKCA_WORDING];
     joint_columns(columns, "effect|#arm or tool", r->chain);
