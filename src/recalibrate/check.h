@@ -1,4 +1,4 @@
-/* Checks of the first rows of a pose log: units, quaternion order, and the link of the poses. */
+/* Checks of the first rows of a pose log: quaternion order, and the link of the poses. */
 #ifndef MUKCA_RECALIBRATE_CHECK_H
 #define MUKCA_RECALIBRATE_CHECK_H
 
@@ -13,7 +13,7 @@ typedef struct {
 } mukca_pose_check;
 
 /* Determine these from the log.  With the task's free_base or free_tool the frames are unknown and
- * the last element is assumed.  Errors: MUKCA_INPUT with the defect (millimetres, degrees, poses of
+ * the last element is assumed.  Errors: MUKCA_INPUT with the defect (a stopped stream, poses of
  * other rows, of a link before a joint, a rotated frame), MUKCA_MEMORY, and those of the log. */
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
                                   mukca_error *error);
