@@ -11,7 +11,7 @@
 
 typedef struct {
     cli_common common;
-    bool iterate, joint, robust, tilts, free_base, free_tool;
+    bool iterate, joint, robust, free_base, free_tool;
 } recalibrate_options;
 
 static const cli_option options[] = {
@@ -22,8 +22,6 @@ static const cli_option options[] = {
                "solve for angles and lengths together, not in two steps"),
     CLI_OPTION(recalibrate_options, robust, "robust", CLI_FLAG, NULL,
                "give outliers less weight (Huber)"),
-    CLI_OPTION(recalibrate_options, tilts, "tilts", CLI_FLAG, NULL,
-               "fit the tilt of the joint axes, too (default if no pose has an orientation)"),
     CLI_OPTION(recalibrate_options, free_base, "free-base", CLI_FLAG, NULL,
                "fit the frame in which the poses were measured"),
     CLI_OPTION(recalibrate_options, free_tool, "free-tool", CLI_FLAG, NULL,
@@ -262,7 +260,7 @@ static mukca_status recalibrate(cli_call *call, recalibrate_work *w)
     if (status == MUKCA_OK) status = mukca_pose_check_run(&r->check, &task, &call->error);
     if (status != MUKCA_OK) return status;
     use_check(call, r, &w->fit, &model->chain);
-    w->fit.tilts |= r->check.rotations == 0;
+    w->fit.tilts = r->check.rotations == 0;
     return fit_and_judge(call, w);
 }
 
@@ -275,7 +273,6 @@ static mukca_status run(cli_call *call)
     w->fit = (mukca_recalibrate_options){.iterate = o->iterate,
                                          .joint = o->joint,
                                          .robust = o->robust,
-                                         .tilts = o->tilts,
                                          .free_base = o->free_base,
                                          .free_tool = o->free_tool,
                                          .stop = cli_interrupted};
