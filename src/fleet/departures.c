@@ -65,24 +65,26 @@ static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
     d->ratio = d->mean > 0 ? d->value / d->mean : (double)INFINITY;
 }
 
-bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimates,
+bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimates, mukca_pool *pool,
                            const mukca_population *all, const mukca_fleet *f)
 {
     const int n = all->n;
+    mukca_population *sisters = MUKCA_TAKE(pool, mukca_population, 1);
+    comparison *c = MUKCA_TAKE(pool, comparison, 1);
+    if (pool->failed) return false;
     /* Even odds that no arm of the fleet departs, whatever their number (J. Scott, J. Berger, Bayes
      * and empirical-Bayes multiplicity adjustment, Ann. Stat. 38, 2010); then any coefficient. */
     const double alone = pow(0.5, 1.0 / f->n_arms), each = log((1 - alone) / (n * alone));
     for (int a = 0; a < f->n_arms; a++) {
-        mukca_population sisters = *all;
-        comparison c;
         double odds[T + 1] = {0}, size[T] = {0}, by_size[MUKCA_MOST_SIZES] = {0};
         int top = 0;
+        *sisters = *all;
         departure[a] = (mukca_departure){.arm = a, .k = -1};
         if (f->n_arms < 3) continue; /* of two arms, either may depart */
-        if (f->n_arms <= REFITS && !mukca_population_fit(&sisters, f, a, true)) return false;
-        if (!sisters.n || !compare(&c, &sisters, f, a)) continue;
+        if (f->n_arms <= REFITS && !mukca_population_fit(sisters, f, a, true)) return false;
+        if (!sisters->n || !compare(c, sisters, f, a)) continue;
         for (int k = 0; k < n; k++) {
-            odds[k] = each + mukca_mixture_evidence(by_size, &c.W[k * n + k], &c.r[k], 1, &prior,
+            odds[k] = each + mukca_mixture_evidence(by_size, &c->W[k * n + k], &c->r[k], 1, &prior,
                                                     FREEDOM, FREEDOM);
             for (int s = 0, best = 0; s < SIZES; s++)
                 if (by_size[s] >= by_size[best]) best = s, size[k] = pow(prior.size[s], 2);
@@ -96,11 +98,11 @@ bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
                                    .effect = mukca_fleet_term(all->term[k], f->model.n_joints),
                                    .log_bayes_factor = odds[k] - each,
                                    .probability = share};
-            estimate(e, &c, k, k == top || share > 0.5 ? size[k] : 0);
+            estimate(e, c, k, k == top || share > 0.5 ? size[k] : 0);
             if (k != top) continue;
             departure[a] = *e;
             departure[a].probability = 1 - exp(-total); /* of any departure; the top is reported */
-            if (share <= 0.5) estimate(e, &c, k, 0);
+            if (share <= 0.5) estimate(e, c, k, 0);
         }
     }
     return true;
@@ -141,7 +143,7 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
             r->estimate = MUKCA_TAKE(&r->pool, mukca_departure, arms * (n + 1));
         }
         ok = ok && !r->pool.failed &&
-             mukca_departures_find(r->departure, r->estimate, &r->population, f);
+             mukca_departures_find(r->departure, r->estimate, &r->pool, &r->population, f);
         any = false; /* a broken arm has no information on its sisters: pool again without it */
         for (int a = 0; a < f->n_arms && ok && round == 0; a++)
             any |= f->arm[a].departs = r->departure[a].probability >= MUKCA_DEPARTS;

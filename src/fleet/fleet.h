@@ -75,6 +75,7 @@ typedef struct {
     double value[MUKCA_FLEET_TERMS], low[MUKCA_FLEET_TERMS], high[MUKCA_FLEET_TERMS];
     double log_bayes_factor[MUKCA_FLEET_TERMS]; /* of a mean above 0, given the other shared ones */
     double probability[MUKCA_FLEET_TERMS];      /* that the mean is above 0 */
+    double scratch[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
 } mukca_population;
 
 /* Fit the population to all arms but those that depart and `without` (-1: none), starting from the
@@ -101,8 +102,8 @@ typedef struct {
 
 /* departure[n_arms]: the most deviant coefficient of each arm, by the posterior predictive of all
  * others; estimate[n_arms][population->n]: each arm's own coefficients with its sisters as prior.
- * False: no memory. */
-bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimate,
+ * Scratch memory comes from `pool`.  False: no memory. */
+bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimate, mukca_pool *pool,
                            const mukca_population *population, const mukca_fleet *fleet);
 
 enum { MUKCA_MAX_TRAITS = MUKCA_FLEET_TERMS + MUKCA_MAX_JOINTS };

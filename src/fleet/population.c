@@ -113,7 +113,8 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
                      int without)
 {
     const int n = p->n;
-    double V[T * T] = {0}, W[T * T] = {0}, w[T] = {0};
+    double *V = p->scratch, *W = p->covariance, w[T] = {0};
+    memset(V, 0, sizeof p->scratch);
     memset(p->information, 0, sizeof p->information);
     memset(p->vector, 0, sizeof p->vector);
     p->n_arms = 0;
@@ -272,7 +273,7 @@ static bool take_average(mukca_population *p)
 
 bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without, bool warm)
 {
-    double square[T], diagonal[T], A[T * T];
+    double square[T], diagonal[T], *A = p->scratch;
     if (!warm) choose_terms(p, f);
     for (int round = 0; round < ROUNDS; round++) {
         sum_arms(p, square, diagonal, f, without);

@@ -67,9 +67,9 @@ static const double tool_freedom = 1e3;
 /* Replace the solutions v[n] in the first `rank` columns of V[n][n] by the equivalent ones of least
  * norm in units of the prior sizes: v + N c with the null directions N, the other columns, and (N'
  * W N) c = -N' W v. */
-static void prefer_tool(double *V, const mukca_pose_system *s, int n, int rank)
+static void prefer_tool(double *V, double *A, const mukca_pose_system *s, int n, int rank)
 {
-    double A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], w[MUKCA_MAX_UNKNOWNS];
+    double w[MUKCA_MAX_UNKNOWNS];
     const int free = n - rank;
     bool any = false;
     for (int i = 0; i < n; i++) {
@@ -99,7 +99,7 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
 {
     const int width = s->n + 1;
     double d[MUKCA_MAX_UNKNOWNS], singular[MUKCA_MAX_UNKNOWNS];
-    double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
+    double *U = out->U, *V = out->V;
     mukca_pose_system_flush(s);
     memset(out, 0, sizeof *out);
     double left = s->rss; /* includes the square explained by the unknowns from n on */
@@ -116,7 +116,7 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
     const double least = fmax(1e-9 * singular[0], sqrt(out->sigma2) / loosest);
     while (out->rank < n && singular[out->rank] > least) out->rank++;
     out->n_null = n - out->rank;
-    prefer_tool(V, s, n, out->rank);
+    prefer_tool(V, out->A, s, n, out->rank);
     for (int k = 0; k < n; k++) {
         double z = 0;
         for (int i = 0; i < n; i++) z += U[i * n + k] * d[i];

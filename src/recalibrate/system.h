@@ -33,6 +33,9 @@ typedef struct {
     bool identifiable[MUKCA_MAX_UNKNOWNS];
     int n_null;
     double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] unidentifiable; sparse */
+    /* scratch: factors of the equations, products of the null space */
+    double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS],
+        A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
 } mukca_pose_solution;
 
 /* Remove all rows. */

@@ -186,7 +186,9 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
         status = mukca_frames_start(theta, r->fitted, r->train, r->free_base, r->free_tool, error);
     if (status != MUKCA_OK) return status;
     r->scores = MUKCA_TAKE(&r->pool, mukca_report_score, r->data.n_placements + 2);
-    if (!r->scores) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    r->offset = MUKCA_TAKE(&r->pool, mukca_offset_row, MUKCA_MAX_OFFSET_ROWS);
+    if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    r->n_offsets = mukca_offsets_rows(r->offset, r->offsets, r->fitted);
     for (int k = 0; k < 2 && status == MUKCA_OK; k++) {
         mukca_offsets_place_effects(effects[k], r->offsets, data[k]);
         models[k] = (mukca_model){.chain = r->fitted,

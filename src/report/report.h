@@ -43,6 +43,8 @@ typedef struct {
     const double *joint_error; /* [n_rows][n_joints] component of the residual along the ball's
                                   motion by the joint, m */
     const double *joint_effect; /* part of it explained by the causes; NULL: no causes */
+    mukca_offset_row *offset;   /* [n_offsets] rows of `offsets` */
+    int n_offsets;
     mukca_report_score *scores; /* [n_scores] of `train`, then of `test` */
     int n_scores;
     double nominal_m, calibrated_m; /* mean error over the placements of `test`, else of `train` */

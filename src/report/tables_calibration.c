@@ -73,9 +73,7 @@ void mukca_report_put_placements(FILE *out, const void *content)
 void mukca_report_put_offsets(FILE *out, const void *content)
 {
     const mukca_report *r = content;
-    mukca_offset_row rows[MUKCA_MAX_OFFSET_ROWS];
     char verdict[MUKCA_ACCEPTANCE_SENTENCE];
-    const int n = mukca_offsets_rows(rows, r->offsets, r->fitted);
     mukca_acceptance_sentence(verdict, &r->offsets->acceptance,
                               r->fitted->kinematics_sha256[0] != '\0');
     fputs("<p>Verdict of the table: ", out);
@@ -87,8 +85,8 @@ void mukca_report_put_offsets(FILE *out, const void *content)
             "Offsets: calibrated = nominal + offset, in the URDF's origins; sigma only where the "
             "data alone determine the parameter",
         .columns = "joint|parameter|unit|#nominal|#calibrated|#offset|#sigma|identifiable"};
-    for (int i = 0; i < n; i++) {
-        const mukca_offset_row *row = &rows[i];
+    for (int i = 0; i < r->n_offsets; i++) {
+        const mukca_offset_row *row = &r->offset[i];
         mukca_html_row(&table, "%s\t%s\t%s\t%.6f\t%.6f\t%.6f\t%.6f\t%s", row->joint, row->parameter,
                        row->unit, row->nominal, row->calibrated, row->offset, row->sigma,
                        row->identifiable ? "yes" : "no");
