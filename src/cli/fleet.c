@@ -1,5 +1,5 @@
 /* mukca fleet: pool the summaries of many arms of one model. */
-#include "cli/fleet.h"
+#include "cli/traits.h"
 
 #include <math.h>
 #include <string.h>

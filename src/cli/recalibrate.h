@@ -3,7 +3,6 @@
 #define MUKCA_CLI_RECALIBRATE_H
 
 #include "cli/cli.h"
-#include "recalibrate/check.h"
 #include "recalibrate/recalibrate.h"
 
 typedef struct {

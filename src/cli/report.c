@@ -10,7 +10,7 @@
 
 #include "base/file.h"
 #include "cli/diagnose.h"
-#include "cli/fleet.h"
+#include "cli/traits.h"
 #include "diagnose/mounting.h"
 #include "fit/accept.h"
 #include "fit/columns.h"

@@ -1,5 +1,5 @@
 /* Checks of a pose log before re-calibration, on at most its first 1000 rows. */
-#include "recalibrate/check.h"
+#include "recalibrate/recalibrate.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,6 @@
 #include "gen3.h"
 #include "io/pose_stream.h"
 #include "math/random.h"
-#include "recalibrate/check.h"
 #include "recalibrate/recalibrate.h"
 #include "scratch.h"
 #include "simulate/recipe.h"
