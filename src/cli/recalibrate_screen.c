@@ -43,32 +43,13 @@ static void print_errors(cli_call *call, const char *title, const mukca_pose_err
 static void print_unknowns(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
 {
     char text[MUKCA_UNKNOWN_TEXT];
-    cli_answer(call, "Offsets (rank %d of %d; *: identifiable only in combination with others)\n",
+    cli_answer(call, "Offsets (rank %d of %d; *: identifiable only in combination, see --json)\n",
                f->rank, f->n);
     for (int u = 0; u < f->n; u++) {
         mukca_unknown_text(text, &f->unknown[u], arm);
         cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
                    1e3 * f->sigma[u], mukca_unknown_is_angle(f->unknown[u].kind) ? "mrad" : "mm",
                    f->identifiable[u] ? "" : " *");
-    }
-    if (f->n_null > 0)
-        cli_answer(
-            call,
-            "Not identifiable (any multiple may be added; the solution of least norm is shown)\n");
-    for (int k = 0; k < f->n_null; k++) {
-        int shown = 0, small = 0;
-        cli_answer(call, "   ");
-        for (int u = 0; u < f->n; u++) {
-            if (f->null[k][u] == 0) continue;
-            if (fabs(f->null[k][u]) < 0.01 || shown == 3) {
-                small++;
-                continue;
-            }
-            mukca_unknown_text(text, &f->unknown[u], arm);
-            cli_answer(call, " %+.3g %s", f->null[k][u], text);
-            shown++;
-        }
-        cli_answer(call, small ? " and %d more\n" : "\n", small);
     }
 }
 

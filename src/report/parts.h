@@ -6,11 +6,10 @@
 
 #define MUKCA_REPORT_MM 1e3 /* mm per m */
 
-/* Figures, in figures_error.c, figures_centres.c and figures_calibration.c; `content` is the
- * report. */
+/* Figures, in figures_error.c and figures_centres.c; `content` is the report. */
 typedef bool mukca_report_figure(mukca_plot *plot, const void *content, int index);
 mukca_report_figure mukca_report_ladder, mukca_report_joints, mukca_report_samples,
-    mukca_report_centres, mukca_report_placements;
+    mukca_report_centres;
 
 /* Texts and tables, in tables_diagnosis.c and tables_calibration.c. */
 typedef void mukca_report_text(FILE *out, const void *content);

@@ -5,8 +5,7 @@
 
 static const mukca_page_section sections[] = {
     {"causes", "Remaining error and its causes", mukca_report_ladder, mukca_report_put_causes},
-    {"placements", "Errors before and after calibration", mukca_report_placements,
-     mukca_report_put_placements},
+    {"placements", "Errors before and after calibration", NULL, mukca_report_put_placements},
     {"joints", "Errors by joint", mukca_report_joints, NULL},
     {"limits", "Detection limits", NULL, mukca_report_put_limits},
     {"samples", "Samples and recording faults", mukca_report_samples, mukca_report_put_faults},

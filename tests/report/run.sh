@@ -32,9 +32,9 @@ check "references exist" sh -c '
 awk '/<svg/ {drawn = 0; words = title = ""} /<(path|use|rect|polygon|circle) / {drawn++}
     /<title id=/ {title = $0} /<desc id=/ {words = $0}
     /<\/svg>/ {print drawn, length(title), length(words)}' "$page" >"$out/figures"
-check "15 figures" test "$(wc -l <"$out/figures")" -eq 15
+check "13 figures" test "$(wc -l <"$out/figures")" -eq 13
 check "none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; print} END {exit bad}' "$out/figures"
-check "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 15' "$out/png"
+check "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 13' "$out/png"
 
 # What opens the page, and what a reader looks for.
 check "the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.verdict [a-z]*.>\(.*\)<.p>$/\1/p" "$0" |
