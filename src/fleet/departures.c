@@ -5,6 +5,7 @@
 
 #include "fleet/fleet.h"
 #include "infer/mixture.h"
+#include "math/dense.h"
 #include "math/stats.h"
 
 enum {
@@ -24,7 +25,7 @@ static const mukca_mixture prior = {
 /* Comparison of an arm with its sisters. */
 typedef struct {
     const mukca_population *sisters;
-    double V[T * T];       /* prior covariance of its coefficients */
+    double V[T * T], P[T * T]; /* prior covariance of its coefficients, and its inverse */
     double W[T * T], r[T]; /* its information on the mean, times residual about the sisters' mean */
 } comparison;
 
@@ -37,7 +38,13 @@ static bool compare(comparison *c, const mukca_population *p, const mukca_fleet 
     c->sisters = p;
     memcpy(c->V, p->covariance, sizeof *c->V * (size_t)(n * n));
     for (int i = 0; i < n; i++) c->V[i * n + i] += wider * p->spread[i] * p->spread[i];
-    if (!mukca_population_arm(c->W, c->r, p, f, arm, c->V)) return false;
+    memcpy(c->W, c->V, sizeof *c->V * (size_t)(n * n));
+    memset(c->P, 0, sizeof c->P);
+    for (int i = 0; i < n; i++) c->P[i * n + i] = 1;
+    if (mukca_dense_cholesky(c->W, n)) return false;
+    mukca_dense_forward(c->P, n, c->W, n);
+    mukca_dense_backward(c->P, n, c->W, n);
+    if (!mukca_population_arm(c->W, c->r, p, f, arm, c->P)) return false;
     for (int i = 0; i < n; i++)
         for (int k = 0; k < n; k++) c->r[i] -= c->W[i * n + k] * p->mean[k];
     return true;

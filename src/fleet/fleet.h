@@ -83,11 +83,10 @@ typedef struct {
 bool mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
                           bool warm);
 
-/* Information W[n][n] of an arm on the population's mean, and information times estimate, if its
- * coefficients have the prior covariance V[n][n] about the mean.  False: V is not positive
- * definite. */
+/* Information W[n][n] of an arm on the population's mean, and information times estimate, if the
+ * prior precision of its coefficients about the mean is P[n][n].  False: not positive definite. */
 bool mukca_population_arm(double *W, double *w, const mukca_population *population,
-                          const mukca_fleet *fleet, int arm, const double *V);
+                          const mukca_fleet *fleet, int arm, const double *P);
 
 /* A coefficient of an arm, from its data, compared with its sisters. */
 typedef struct {

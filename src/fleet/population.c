@@ -42,31 +42,31 @@ static bool solve(double *x, int columns, double *A, int n)
 }
 
 bool mukca_population_arm(double *W, double *w, const mukca_population *p, const mukca_fleet *f,
-                          int arm, const double *V)
+                          int arm, const double *P)
 {
     const double *packed = f->arm[arm].information;
     const int n = p->n;
-    double A[T * T], X[T * T] = {0}, x[T];
+    double A[T * T], x[T];
     for (int i = 0; i < n; i++) {
         w[i] = x[i] = f->arm[arm].vector[p->term[i]];
         for (int j = 0; j <= i; j++)
             W[i * n + j] = W[j * n + i] = packed[mukca_fleet_packed(p->term[i]) + p->term[j]];
     }
-    /* A = V^-1 + L, with the information L of the arm; W = L - L A^-1 L, w = e - L A^-1 e */
-    memcpy(X, V, sizeof *X * (size_t)(n * n));
-    memset(A, 0, sizeof *A * (size_t)(n * n));
-    for (int i = 0; i < n; i++) A[i * n + i] = 1;
-    if (!solve(A, n, X, n)) return false;
-    memcpy(X, W, sizeof *X * (size_t)(n * n));
-    for (int i = 0; i < n * n; i++) A[i] += W[i];
+    /* With the information L of the arm and A = P + L = R R': X = R^-1 L in W, and L - X' X. */
+    for (int i = 0; i < n * n; i++) A[i] = W[i] + P[i];
     if (mukca_dense_cholesky(A, n)) return false;
-    mukca_dense_forward(X, n, A, n);
+    mukca_dense_forward(W, n, A, n);
     mukca_dense_forward(x, 1, A, n);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++)
+            A[i * n + j] = packed[mukca_fleet_packed(p->term[i]) + p->term[j]];
     for (int r = 0; r < n; r++)
         for (int i = 0; i < n; i++) {
-            w[i] -= X[r * n + i] * x[r];
-            for (int j = 0; j < n; j++) W[i * n + j] -= X[r * n + i] * X[r * n + j];
+            w[i] -= W[r * n + i] * x[r];
+            for (int j = 0; j <= i; j++) A[i * n + j] -= W[r * n + i] * W[r * n + j];
         }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++) W[i * n + j] = W[j * n + i] = A[i * n + j];
     return true;
 }
 
@@ -113,19 +113,19 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
                      int without)
 {
     const int n = p->n;
-    double *V = p->scratch, *W = p->covariance, w[T] = {0};
-    memset(V, 0, sizeof p->scratch);
+    double *P = p->scratch, *W = p->covariance, w[T] = {0};
+    memset(P, 0, sizeof p->scratch);
     memset(p->information, 0, sizeof p->information);
     memset(p->vector, 0, sizeof p->vector);
     p->n_arms = 0;
     for (int i = 0; i < n; i++) {
-        V[i * n + i] = p->spread[i] * p->spread[i];
+        P[i * n + i] = 1 / (p->spread[i] * p->spread[i]);
         square[i] = diagonal[i] = 0;
         /* coefficients identifiable only in combination are bounded by the size of springs */
         p->information[i * n + i] = 1 / (MOST_MEAN * MOST_MEAN);
     }
     for (int a = 0; a < f->n_arms; a++) {
-        if (a == without || f->arm[a].departs || !mukca_population_arm(W, w, p, f, a, V)) continue;
+        if (a == without || f->arm[a].departs || !mukca_population_arm(W, w, p, f, a, P)) continue;
         p->n_arms++;
         for (int i = 0; i < n; i++) {
             double r = w[i];
@@ -205,21 +205,23 @@ static void take(average *a, const mukca_population *p, const mukca_set *set, do
 {
     const int m = set->n;
     const unsigned short *index = set->item;
-    double A[T * T] = {0}, C[T * T] = {0}, mean[T] = {0};
+    double A[T * T] = {0}, mean[T] = {0};
     /* the lower bound preserves the value of a coefficient that is almost certainly 0 */
     const double weight = exp(fmax(log_weight, LEAST_LOG_WEIGHT));
     for (int i = 0; i < m; i++) {
-        C[i * m + i] = 1;
+        mean[i] = p->vector[index[i]];
         for (int j = 0; j <= i; j++) A[i * m + j] = p->information[index[i] * p->n + index[j]];
     }
-    if (m && !solve(C, m, A, m)) return;
+    if (m && !solve(mean, 1, A, m)) return;
     a->total += weight;
-    for (int i = 0; i < m; i++)
-        for (int j = 0; j < m; j++) mean[i] += C[i * m + j] * p->vector[index[j]];
     for (int i = 0; i < m; i++) {
+        double unit[T] = {0}, variance = 0;
+        unit[i] = 1;
+        mukca_dense_forward(unit, 1, A, m); /* A now has its factor */
+        for (int j = i; j < m; j++) variance += unit[j] * unit[j];
         a->mean[index[i]] += weight * mean[i];
         a->present[index[i]] += weight;
-        a->square[index[i]] += weight * (C[i * m + i] + mean[i] * mean[i]);
+        a->square[index[i]] += weight * (variance + mean[i] * mean[i]);
     }
 }
 
