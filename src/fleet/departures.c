@@ -25,18 +25,22 @@ static const mukca_mixture prior = {
 /* Comparison of an arm with its sisters. */
 typedef struct {
     const mukca_population *sisters;
+    const double *mean;        /* of the sisters */
     double V[T * T], P[T * T]; /* prior covariance of its coefficients, and its inverse */
     double W[T * T], r[T]; /* its information on the mean, times residual about the sisters' mean */
 } comparison;
 
-/* The prior of the arm's coefficients combines the uncertainty of the mean, with all coefficients
- * present, and the scatter, widened for the small number of sisters (Student's t). */
-static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm)
+/* The prior of the arm's coefficients combines the uncertainty of the mean and the scatter, widened
+ * for the small number of sisters (Student's t).  `average`: averaged over the sets of nonzero
+ * means, else with all coefficients present. */
+static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm,
+                    bool average)
 {
     const int n = p->n;
     const double nu = f->n_arms, wider = nu > 2 ? nu / (nu - 2) : 3;
     c->sisters = p;
-    memcpy(c->V, p->covariance, sizeof *c->V * (size_t)(n * n));
+    c->mean = average ? p->average : p->mean;
+    memcpy(c->V, average ? p->average_covariance : p->covariance, sizeof *c->V * (size_t)(n * n));
     for (int i = 0; i < n; i++) c->V[i * n + i] += wider * p->spread[i] * p->spread[i];
     memcpy(c->W, c->V, sizeof *c->V * (size_t)(n * n));
     memset(c->P, 0, sizeof c->P);
@@ -46,7 +50,7 @@ static bool compare(comparison *c, const mukca_population *p, const mukca_fleet 
     mukca_dense_backward(c->P, n, c->W, n);
     if (!mukca_population_arm(c->W, c->r, p, f, arm, c->P)) return false;
     for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) c->r[i] -= c->W[i * n + k] * p->mean[k];
+        for (int k = 0; k < n; k++) c->r[i] -= c->W[i * n + k] * c->mean[k];
     return true;
 }
 
@@ -66,7 +70,7 @@ static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
             variance -= row[i] * row[j] * (W[i * n + j] - shrink * W[i * n + k] * W[k * n + j]);
     const double half = MUKCA_FLEET_INTERVAL * sqrt(fmax(variance, 0));
     d->k = k;
-    d->mean = c->sisters->mean[k];
+    d->mean = c->mean[k];
     d->value = d->mean + own;
     d->low = fmax(d->value - half, 0), d->high = d->value + half;
     d->ratio = d->mean > 0 ? d->value / d->mean : (double)INFINITY;
@@ -89,7 +93,7 @@ bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
         departure[a] = (mukca_departure){.arm = a, .k = -1};
         if (f->n_arms < 3) continue; /* of two arms, either may depart */
         if (f->n_arms <= REFITS && !mukca_population_fit(sisters, f, a, true)) return false;
-        if (!sisters->n || !compare(c, sisters, f, a)) continue;
+        if (!sisters->n || !compare(c, sisters, f, a, false)) continue;
         for (int k = 0; k < n; k++) {
             odds[k] = each + mukca_mixture_evidence(by_size, &c->W[k * n + k], &c->r[k], 1, &prior,
                                                     FREEDOM, FREEDOM);
@@ -98,18 +102,22 @@ bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimate
             if (odds[k] > odds[top]) top = k;
         }
         const double total = mukca_stats_log_sum_exp(odds, n + 1); /* odds[n] = 0: none departs */
-        for (int k = 0; k < n; k++) {
+        departure[a] =
+            (mukca_departure){.arm = a,
+                              .effect = mukca_fleet_term(all->term[top], f->model.n_joints),
+                              .log_bayes_factor = odds[top] - each,
+                              /* of any departure; the top one is reported */
+                              .probability = 1 - exp(-total)};
+        estimate(&departure[a], c, top, size[top]);
+        const bool wanted = compare(c, sisters, f, a, true);
+        for (int k = 0; k < n && wanted; k++) {
             mukca_departure *e = &estimates[a * n + k];
             const double share = exp(odds[k] - total);
             *e = (mukca_departure){.arm = a,
                                    .effect = mukca_fleet_term(all->term[k], f->model.n_joints),
                                    .log_bayes_factor = odds[k] - each,
                                    .probability = share};
-            estimate(e, c, k, k == top || share > 0.5 ? size[k] : 0);
-            if (k != top) continue;
-            departure[a] = *e;
-            departure[a].probability = 1 - exp(-total); /* of any departure; the top is reported */
-            if (share <= 0.5) estimate(e, c, k, 0);
+            estimate(e, c, k, share > 0.5 ? size[k] : 0);
         }
     }
     return true;

@@ -70,8 +70,9 @@ typedef struct {
     double information[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS], vector[MUKCA_FLEET_TERMS];
     /* Non-negative means and their covariance, with all coefficients present. */
     double mean[MUKCA_FLEET_TERMS], covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
-    /* A mean given that it is not 0, averaged over the sets of the others, with its 95 % interval.
-     */
+    /* The same, averaged over the sets of nonzero means. */
+    double average[MUKCA_FLEET_TERMS], average_covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
+    /* A mean given that it is not 0, with its 95 % interval. */
     double value[MUKCA_FLEET_TERMS], low[MUKCA_FLEET_TERMS], high[MUKCA_FLEET_TERMS];
     double log_bayes_factor[MUKCA_FLEET_TERMS]; /* of a mean above 0, given the other shared ones */
     double probability[MUKCA_FLEET_TERMS];      /* that the mean is above 0 */

@@ -197,31 +197,30 @@ static bool ask(mukca_question *q, mukca_pool *pool, const mukca_population *p)
 
 /* Sums over the sets of nonzero means, with their weights. */
 typedef struct {
-    double total, mean[T], square[T], present[T];
+    double total, mean[T], present[T]; /* squares: in average_covariance */
 } average;
 
 /* Add a set: its coefficients are Gaussian, the others zero. */
-static void take(average *a, const mukca_population *p, const mukca_set *set, double log_weight)
+static void take(average *a, mukca_population *p, const mukca_set *set, double log_weight)
 {
-    const int m = set->n;
+    const int n = p->n, m = set->n;
     const unsigned short *index = set->item;
-    double A[T * T] = {0}, mean[T] = {0};
+    double *A = p->scratch, *sum = p->average_covariance, C[T * T] = {0}, mean[T] = {0};
     /* the lower bound preserves the value of a coefficient that is almost certainly 0 */
     const double weight = exp(fmax(log_weight, LEAST_LOG_WEIGHT));
     for (int i = 0; i < m; i++) {
-        mean[i] = p->vector[index[i]];
-        for (int j = 0; j <= i; j++) A[i * m + j] = p->information[index[i] * p->n + index[j]];
+        C[i * m + i] = 1;
+        for (int j = 0; j <= i; j++) A[i * m + j] = p->information[index[i] * n + index[j]];
     }
-    if (m && !solve(mean, 1, A, m)) return;
+    if (m && !solve(C, m, A, m)) return;
     a->total += weight;
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < m; j++) mean[i] += C[i * m + j] * p->vector[index[j]];
     for (int i = 0; i < m; i++) {
-        double unit[T] = {0}, variance = 0;
-        unit[i] = 1;
-        mukca_dense_forward(unit, 1, A, m); /* A now has its factor */
-        for (int j = i; j < m; j++) variance += unit[j] * unit[j];
         a->mean[index[i]] += weight * mean[i];
         a->present[index[i]] += weight;
-        a->square[index[i]] += weight * (variance + mean[i] * mean[i]);
+        for (int j = 0; j < m; j++)
+            sum[index[i] * n + index[j]] += weight * (C[i * m + j] + mean[i] * mean[j]);
     }
 }
 
@@ -255,6 +254,7 @@ static bool take_average(mukca_population *p)
     average a = {.total = 0};
     const bool ok = ask(&question, &pool, p) && mukca_sets_create(&sets, &pool, &question);
     if (ok) {
+        memset(p->average_covariance, 0, sizeof p->average_covariance);
         mukca_sets_explore(&sets, BUDGET);
         flip(&sets, p);
         const double most = sets.set[sets.best].value;
@@ -262,11 +262,13 @@ static bool take_average(mukca_population *p)
     }
     for (int i = 0; i < n && ok; i++) {
         const double present = a.present[i], value = a.mean[i] / present;
-        const double half =
-            MUKCA_FLEET_INTERVAL * sqrt(fmax(a.square[i] / present - value * value, 0));
+        double *row = &p->average_covariance[i * n];
+        const double half = MUKCA_FLEET_INTERVAL * sqrt(fmax(row[i] / present - value * value, 0));
         p->probability[i] = present / a.total;
         p->value[i] = fmax(value, 0);
         p->low[i] = fmax(value - half, 0), p->high[i] = fmax(value + half, 0);
+        p->average[i] = fmax(a.mean[i] / a.total, 0);
+        for (int j = 0; j < n; j++) row[j] = (row[j] - a.mean[i] * a.mean[j] / a.total) / a.total;
     }
     const bool failed = pool.failed;
     mukca_pool_free(&pool);
