@@ -105,10 +105,14 @@ def peaks(folder, log):
 
 
 def recalibrate(folder, logs, test, *more):
+    """Model 1 of the sweeps, model 2 of sweeps and work volume; their models in one list."""
     path = os.path.join(folder, "result.json")
-    run("recalibrate", "--urdf", URDF, logs["sweeps"], "--target", logs["targeted"], "--test", logs[test],
-        "--json", path, "--force", "-q", *more)
-    return json.load(open(path))
+    results = []
+    for data in (("sweeps",), ("sweeps", "targeted")):
+        run("recalibrate", "--urdf", URDF, *(logs[d] for d in data), "--test", logs[test],
+            "--json", path, "--force", "-q", *more)
+        results.append(json.load(open(path)))
+    return {"models": [r["models"][0] for r in results]}
 
 
 def three(moments, suffix, factor=1e3):
