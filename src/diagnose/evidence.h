@@ -4,7 +4,7 @@
 
 #include "diagnose/linearisation.h"
 
-enum { MUKCA_NOISES = 9 };
+enum { MUKCA_NOISES = 15 };
 
 /* Normal equations under one family of the noise, with the means of the sockets integrated out.
  * Each pair of sockets adds one row. */
