@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/postures.h"
+#include "model/postures.h"
 
 /* One row in ten that repeats a posture is no accident. */
 #define FEW_REPEATS 0.1
