@@ -5,6 +5,10 @@
 #include "arm/offsets.h"
 #include "math/random.h"
 
+/* Largest ratio of the tip's displacement to its prior standard deviation.  A normal prior exceeds
+ * 5 in one of 1.7 million arms: an error of URDF, labels or units is more probable. */
+#define MUKCA_MOST_TIP_SIGMA 5.0
+
 typedef struct {
     const mukca_chain *chain;
     const mukca_offsets *from; /* NULL: the nominal model */

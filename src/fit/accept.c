@@ -21,10 +21,6 @@ enum { SEVERAL = 3, LEAST_POSTURES = 3 };
  * factor of 10, but then removes most of the error. */
 static const double contradiction = 10, left = 0.5;
 
-/* Largest ratio of the tip's displacement to its prior standard deviation.  A normal prior exceeds
- * 5 in one of 1.7 million arms: an error of URDF, labels or units is more probable. */
-static const double most_sigma = 5;
-
 /* Least probability of an improvement at the tip; the interval of a held-out difference, in
  * standard errors. */
 static const double sure = 0.95, interval = 2;
@@ -96,7 +92,7 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip)
             "%.3g mm%s%s%s; record postures over wider joint ranges",
             1e3 * a->error_workspace_m, 1e3 * a->error_before_m, a->at_rest[0] ? " (" : "",
             a->at_rest, a->at_rest[0] ? " did not move: is the encoder stuck?)" : "");
-    else if (!(a->tip_change_sigma <= most_sigma))
+    else if (!(a->tip_change_sigma <= MUKCA_MOST_TIP_SIGMA))
         mukca_acceptance_refuse(a,
                                 "moves the tip by %.4g mm, %.1f standard deviations of its prior; "
                                 "check the URDF and the samples",

@@ -164,7 +164,7 @@ mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error);
 mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error);
 
 /* Errors of s->candidate minus those of the table in use on the session of `table` (its file name);
- * no postures: the session cannot be read any more.  Errors: MUKCA_MEMORY. */
+ * no postures: the session cannot be read any more, or has one only.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_server_compare(mukca_difference *difference, mukca_server *s, const char *table,
                                   mukca_error *error);
 

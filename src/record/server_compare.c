@@ -51,6 +51,7 @@ mukca_status mukca_server_compare(mukca_difference *d, mukca_server *s, const ch
         return MUKCA_OK;
     mukca_status status = mukca_condense(&condensed, &data, MUKCA_MOST_SAMPLES, error);
     if (status == MUKCA_OK) status = find_difference(d, s, &data, error);
+    if (!isfinite(d->sigma_m)) *d = (mukca_difference){0}; /* a single posture shows nothing */
     mukca_dataset_free(&data);
     return status;
 }

@@ -25,7 +25,8 @@ static mukca_status check_stream(const mukca_server *s, const char *model, const
                       model, stream, now);
 }
 
-/* Parse a table; its digest shows that its lines, the verdict among them, are those written. */
+/* Parse a table.  Its digest shows that its lines, the verdict among them, are those written; a
+ * forged one must not move the tip by more than any calibration does. */
 static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s, const char *name,
                                   const char *text, mukca_error *error)
 {
@@ -36,6 +37,10 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
     if (!a->given || !a->intact)
         return mukca_fail(error, MUKCA_INPUT, "%s has no %s: calibrate again, then use the result",
                           name, a->given ? "digest" : "verdict");
+    double sigma;
+    mukca_tip_change(&sigma, &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
+    if (!(sigma <= MUKCA_MOST_TIP_SIGMA))
+        mukca_acceptance_refuse(a, "moves the tip by %.1f standard deviations of its prior", sigma);
     if (a->accepted) return MUKCA_OK;
     return mukca_fail(error, MUKCA_INPUT, "%.60s did not pass: %.150s", name, a->reason);
 }
